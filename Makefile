@@ -1,0 +1,78 @@
+# Every target builds .venv when it is needed; python3 >= 3.11 with venv is all that must be there.
+# Another interpreter: `make test PYTHON=python3.12`.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+PIP    := $(BIN)/python -m pip --disable-pip-version-check install --progress-bar off --constraint constraints.txt
+
+# One thread each: the kernels are single-threaded, and small machines stay usable.
+export NUMBA_NUM_THREADS    ?= 1
+export OMP_NUM_THREADS      ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+export MPLBACKEND           ?= Agg
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test slow bench lint format clean distclean
+
+help:  ## show this list
+	@grep -hE '^[a-z]+:.*##' $(firstword $(MAKEFILE_LIST)) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
+
+demo: $(VENV)/.core  ## solve the paper's scenes and 200 random ones, with figures, into demo/
+	$(BIN)/gcm-learn demo --out demo
+
+test: lint  ## everything that must pass: style, types, import direction, tests
+	$(BIN)/python -m pytest
+
+slow: $(VENV)/.dev  ## the tests that take minutes
+	$(BIN)/python -m pytest -m slow
+
+lint: $(VENV)/.dev  ## style, types and import direction only
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
+
+format: $(VENV)/.dev  ## rewrite the sources in the house style
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers
+	$(BIN)/python experiments/benchmarks/run.py
+
+clean:  ## remove what was built, except .venv
+	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -path ./$(VENV) -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean  ## remove .venv as well
+	rm -rf $(VENV)
+
+# --- the environment: each stamp says that what it is named after is installed ---------------
+
+$(VENV)/.created:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "gcm_learn needs Python 3.11 or later, and '$(PYTHON)' is: $$($(PYTHON) --version 2>&1)." >&2; \
+	  echo "Name another one: make $(or $(MAKECMDGOALS),test) PYTHON=python3.12" >&2; exit 1; }
+	@echo "Building $(VENV) with $$($(PYTHON) --version) ..."
+	@$(PYTHON) -m venv $(VENV) || { \
+	  echo "'$(PYTHON) -m venv' failed; on Debian and Ubuntu: apt install python3-venv." >&2; exit 1; }
+	@touch $@
+
+$(VENV)/.core: $(VENV)/.created pyproject.toml constraints.txt
+	@echo "Installing gcm_learn (a minute or two the first time) ..."
+	@$(PIP) --quiet --editable .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.created pyproject.toml constraints.txt
+	@echo "Installing gcm_learn and the tools of its tests (a minute or two the first time) ..."
+	@$(PIP) --quiet --editable ".[dev]"
+	@touch $@ $(VENV)/.core
+
+# scikit-fmm is built from source. Without a compiler the benchmark still runs and leaves it out.
+.PHONY: peers
+peers: $(VENV)/.dev
+	@$(BIN)/python -c 'import skfmm' 2>/dev/null || { \
+	  echo "Building scikit-fmm for the comparison ..."; \
+	  $(PIP) --quiet --editable ".[peers]" || \
+	  echo "scikit-fmm could not be built: its comparison is left out." >&2; }

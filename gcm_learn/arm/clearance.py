@@ -1,0 +1,159 @@
+"""Continuous clearance of a timed hand path: no instant between samples is missed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.arm.kinematics import SIDE, elbow_of
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.situation import Situation
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.kernels import HAND, PART, Bodies, arm_distance, drift, pose_at
+
+RESOLUTION = 1e-4  # the reported clearance is at most this above the true one [forearm lengths]
+_DEEPEST = 48  # bisections of one segment before it counts as touching
+
+
+@njit(cache=True)
+def _bend(r, rho):
+    """Angle between upper arm and direction of the hand at radius r (the arccos of Eq. 5)."""
+    if r < 1e-12:
+        return 0.5 * np.pi
+    return np.arccos(min(max((r * r + rho * rho - 1.0) / (2.0 * rho * r), -1.0), 1.0))
+
+
+@njit(cache=True)
+def limb_sweep(x0, y0, x1, y1, rho):
+    """Bound how far any point of the limb gets from where it was while the hand goes 0 -> 1.
+
+    The elbow turns by at most the change of the hand's direction plus the range of `_bend` over
+    the radii on the way, whose extremes are at the ends, at the point nearest to the shoulder and,
+    for rho > 1, at the radius where `_bend` is stationary.
+    """
+    dx, dy = x1 - x0, y1 - y0
+    length2 = dx * dx + dy * dy
+    if length2 == 0.0:
+        return 0.0
+    r0, r1 = np.sqrt(x0 * x0 + y0 * y0), np.sqrt(x1 * x1 + y1 * y1)
+    s = min(max(-(x0 * dx + y0 * dy) / length2, 0.0), 1.0)
+    nearest = np.sqrt((x0 + s * dx) ** 2 + (y0 + s * dy) ** 2)
+    turn = abs(np.arctan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1))
+    b0, b1, b2 = _bend(r0, rho), _bend(r1, rho), _bend(nearest, rho)
+    low, high = min(b0, b1, b2), max(b0, b1, b2)
+    if rho > 1.0:
+        stationary = np.sqrt(rho * rho - 1.0)
+        if nearest < stationary < max(r0, r1):
+            b3 = _bend(stationary, rho)
+            low, high = min(low, b3), max(high, b3)
+    return max(np.sqrt(length2), rho * (turn + high - low))
+
+
+@njit(cache=True)
+def _distance_at(bodies, b, t, x, y, rho, side, poses):
+    pose_at(bodies, b, t, poses)
+    ex, ey = elbow_of(x, y, rho, side)
+    return arm_distance(bodies, poses, b, x, y, ex, ey)
+
+
+@njit(cache=True)
+def least_distance(bodies, time, hand, rho, side, floor, resolution):
+    """Smallest distance of the whole limb to any obstacle along a path that is linear in time.
+
+    Every segment is bisected until, by the distances at its ends and a bound on all relative
+    motion between them, nothing in it can come more than `resolution` below the smallest
+    distance found.
+
+    Parameters
+    ----------
+    time, hand : (n,), (n, 2) ndarray
+    floor : float
+        Stop as soon as a distance at or below it is found.
+
+    Returns
+    -------
+    distance : float
+        At most `resolution` above the true one; 1e300 without obstacles; at most `floor` if the
+        path comes that near or cannot be shown not to.
+    when : float
+        Where it was found [s].
+    """
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    stack = np.empty((_DEEPEST + 2, 3))
+    best, when = 1e300, 0.0
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        before = _distance_at(bodies, b, time[0], hand[0, 0], hand[0, 1], rho, side, poses)
+        if before < best:
+            best, when = before, time[0]
+        for k in range(time.size - 1):
+            t0, t1 = time[k], time[k + 1]
+            x0, y0 = hand[k, 0], hand[k, 1]
+            dx, dy = hand[k + 1, 0] - x0, hand[k + 1, 1] - y0
+            after = _distance_at(bodies, b, t1, hand[k + 1, 0], hand[k + 1, 1], rho, side, poses)
+            # The stack holds right ends of intervals: position s in [0, 1], distance, depth.
+            stack[0, 0], stack[0, 1], stack[0, 2] = 1.0, after, 0.0
+            top = 1
+            s0, d0 = 0.0, before
+            while top > 0:
+                if min(d0, stack[top - 1, 1]) < best:
+                    if d0 < stack[top - 1, 1]:
+                        best, when = d0, t0 + s0 * (t1 - t0)
+                    else:
+                        best, when = stack[top - 1, 1], t0 + stack[top - 1, 0] * (t1 - t0)
+                if best <= floor:
+                    return best, when
+                s1, d1, depth = stack[top - 1, 0], stack[top - 1, 1], stack[top - 1, 2]
+                moved = drift(bodies, b, t0 + s0 * (t1 - t0), t0 + s1 * (t1 - t0))
+                moved += limb_sweep(x0 + s0 * dx, y0 + s0 * dy, x0 + s1 * dx, y0 + s1 * dy, rho)
+                low = max(d0, d1) - moved
+                if low > floor and low >= best - resolution:
+                    s0, d0 = s1, d1
+                    top -= 1
+                    continue
+                if depth >= _DEEPEST:
+                    return floor, t0 + s0 * (t1 - t0)
+                m = 0.5 * (s0 + s1)
+                d = _distance_at(
+                    bodies, b, t0 + m * (t1 - t0), x0 + m * dx, y0 + m * dy, rho, side, poses
+                )
+                stack[top - 1, 2] = depth + 1.0
+                stack[top, 0], stack[top, 1], stack[top, 2] = m, d, depth + 1.0
+                top += 1
+            before = after
+    return best, when
+
+
+def clearance(
+    situation: Situation, trajectory: Trajectory, bodies: Bodies | None = None
+) -> tuple[float, float]:
+    """Smallest distance between limb and obstacles along a trajectory, less the thickness.
+
+    Parameters
+    ----------
+    situation : Situation
+    trajectory : Trajectory
+        Linear between its samples.
+    bodies : Bodies, optional
+        The situation packed, if the caller has it at hand.
+
+    Returns
+    -------
+    clearance : float
+        [forearm lengths], within 1e-4 of the true one; infinite without obstacles, and not
+        above zero if the limb touches at any instant.
+    when : float
+        The time of it [s].
+    """
+    arm = situation.arm
+    distance, when = least_distance(
+        pack(situation) if bodies is None else bodies,
+        trajectory.time,
+        trajectory.hand,
+        arm.upper_arm,
+        SIDE[arm.elbow],
+        arm.thickness,
+        RESOLUTION,
+    )
+    return (float("inf") if distance > 1e200 else distance - arm.thickness), when

@@ -1,0 +1,148 @@
+"""Ask, don't rasterise: does the limb with its hand in this cell touch a body, now or lately?"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.arm.lattice import Lattice, hand_space
+from gcm_learn.situation import Situation
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.kernels import (
+    DISC,
+    HAND,
+    KIND,
+    PART,
+    SIZE,
+    TOP_SPEED,
+    arm_distance,
+    pose_at,
+    poses_at,
+    segment_point2,
+)
+
+
+@njit(cache=True)
+def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
+    """First instant in [t0, t1] at which body b is within `gap` of a limb at rest, or -1.
+
+    Conservative advancement: from a distance d above the gap, nothing can happen before the
+    body has travelled d - gap.  `shortest` [s] is the resolution below which it stops refining.
+    """
+    t = t0
+    while True:
+        pose_at(bodies, b, t, scratch)
+        room = arm_distance(bodies, scratch, b, hx, hy, ex, ey) - gap
+        if room <= 0.0:
+            return t
+        if t >= t1 or bodies.rows[b, TOP_SPEED] == 0.0:
+            return -1.0
+        t = min(t + max(room / bodies.rows[b, TOP_SPEED], shortest), t1)
+
+
+@njit(cache=True)
+def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, blocked, scratch):
+    """Mark the cells whose limb an obstacle comes near at any instant of a span of time.
+
+    Parameters
+    ----------
+    poses : (n, 12) ndarray
+        Poses at time `now`: one evaluation serves all cells that a front reaches together.
+    limb : (m, 4) ndarray
+        Hand x, y and elbow x, y of every cell.
+    gap : (m,) ndarray
+        Distance at which an obstacle counts as touching.
+    cells, since : (count,) ndarray
+        Cells to look at and the time [s] since when each must have been free.
+    now, shortest : float
+        End of the span; resolution at which it is searched [s].
+    blocked : (count,) bool ndarray
+        Filled.
+    scratch : (n, 12) ndarray
+        Room for poses at other instants.
+    """
+    blocked[:count] = False
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        speed, radius = bodies.rows[b, TOP_SPEED], bodies.rows[b, SIZE]
+        disc = bodies.rows[b, KIND] == DISC
+        x, y = poses[b, 0], poses[b, 1]
+        for i in range(count):
+            m = cells[i]
+            if blocked[i]:
+                continue
+            hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
+            travel = speed * (now - since[i])
+            if disc:  # the common case, decided without a root or a call
+                d2 = min(
+                    segment_point2(x, y, ex, ey, hx, hy), segment_point2(x, y, 0.0, 0.0, ex, ey)
+                )
+                near, far = radius + gap[m], radius + gap[m] + travel
+                if d2 > far * far:
+                    continue
+                if d2 <= near * near:
+                    blocked[i] = True
+                    continue
+            else:
+                room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap[m]
+                if room > travel:
+                    continue
+                if room <= 0.0:
+                    blocked[i] = True
+                    continue
+            t = first_touch(
+                bodies, b, hx, hy, ex, ey, gap[m], since[i], now, shortest, scratch
+            )
+            blocked[i] = t >= 0.0
+
+
+@njit(cache=True)
+def target_at_hand(bodies, poses, hx, hy, gap, t0, t1, shortest, scratch):
+    """First target within `gap` of a hand at rest during [t0, t1]: (body or -1, time).
+
+    `poses` (n, 12) are those at t1; `scratch` is room for others.
+    """
+    best_body, best_time = -1, t1
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        room = arm_distance(bodies, poses, b, hx, hy, hx, hy) - gap
+        if room > bodies.rows[b, TOP_SPEED] * (t1 - t0) and room > 0.0:
+            continue
+        t = first_touch(bodies, b, hx, hy, hx, hy, gap, t0, t1, shortest, scratch)
+        if t >= 0.0 and (best_body < 0 or t < best_time):
+            best_body, best_time = b, t
+    return best_body, best_time
+
+
+def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarray:
+    """Cells whose hand position makes the limb touch an obstacle at time t (Gamma of Eq. 11).
+
+    Parameters
+    ----------
+    situation : Situation
+    lattice : Lattice
+        Its upper arm and elbow side are those of the limb that is tested.
+    t : float
+        Time [s].
+
+    Returns
+    -------
+    (n, n) bool ndarray
+        Indexed [iy, ix]; False outside the reachable ring.
+    """
+    bodies = pack(situation)
+    poses = np.zeros((len(situation.bodies), 12))
+    poses_at(bodies, t, poses)
+    space = hand_space(lattice)
+    cells = np.flatnonzero(space.inside)
+    gap = np.full(space.inside.size, situation.arm.thickness)
+    blocked = np.empty(cells.size, dtype=np.bool_)
+    since = np.full(cells.size, t)
+    blocked_cells(
+        bodies, poses, space.limb, gap, cells, since, cells.size, t, 1.0, blocked, poses.copy()
+    )
+    occupied = np.zeros(space.inside.size, dtype=np.bool_)
+    occupied[cells] = blocked
+    return occupied.reshape(lattice.n, lattice.n)

@@ -1,0 +1,57 @@
+"""``gcm-learn animate``: a catch as a film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.figure import require_suffix
+from gcm_learn.cli.files import FileNames, staged
+from gcm_learn.cli.solve import plan_one, read
+
+if TYPE_CHECKING:
+    from gcm_learn.situation.situation import Situation
+
+
+@dataclass(frozen=True)
+class Animate:
+    """Plan for one situation of a file and show the movement as an animated GIF."""
+
+    file: Annotated[Positional[str], arg(metavar="FILE")]
+    """situations: a .json or .jsonl file, or - for standard input"""
+
+    planner: Annotated[str, arg(metavar="NAME")] = "gcm"
+    """who plans; an unknown name lists all of them"""
+
+    out: Annotated[
+        Path | None, arg(metavar="FILE", help_behavior_hint="(default: the situation's name.gif)")
+    ] = None
+    """a .gif file"""
+
+    index: int = 0
+    """which situation of the file, counted from 0"""
+
+    def run(self) -> int:
+        """Plan, draw and save the film."""
+        from gcm_learn.planners.registry import get_planner
+
+        planner = get_planner(self.planner)
+        situation = self._chosen(read(self.file))
+        target = self.out or Path(f"{FileNames().unused(situation.name)}.gif")
+        require_suffix(target, (".gif",))
+        with staged(target) as place:
+            from gcm_learn.plots.animation import animate
+
+            animate(situation, plan_one(planner, situation, self.file), place)
+        print(target)
+        return 0
+
+    def _chosen(self, situations: list[Situation]) -> Situation:
+        if not 0 <= self.index < len(situations):
+            held = f"{self.file} holds {len(situations)} situations"
+            raise CommandFailure(f"--index {self.index}: {held}, counted from 0")
+        return situations[self.index]

@@ -1,0 +1,90 @@
+"""From an argument list to a command record, by tyro."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import itertools
+import re
+from collections.abc import Callable, Sequence
+from typing import Protocol, cast
+
+import tyro
+
+from gcm_learn import __version__
+from gcm_learn.cli.animate import Animate
+from gcm_learn.cli.demo import Demo
+from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.figure import Figure
+from gcm_learn.cli.solve import Solve
+
+DESCRIPTION = """\
+Catching among moving obstacles with generalized cognitive maps.
+
+examples:
+  gcm-learn solve scene.json                           one solution on standard output
+  gcm-learn solve scenes.jsonl --out solutions.jsonl   one solution a line, in input order
+  gcm-learn solve scenes.jsonl --plot pictures         and a picture of each situation
+  gcm-learn solve - --planner marching < scenes.jsonl
+  gcm-learn demo --out demo                            the paper's results as a web page
+  gcm-learn figure fig4                                one figure of the paper
+  gcm-learn animate scene.json --out scene.gif         the catch as a film
+
+gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
+
+
+class Command(Protocol):
+    """What every command record can do."""
+
+    def run(self) -> int:
+        """Do the work and return the exit code."""
+
+
+COMMANDS: dict[str, Callable[..., Command]] = {
+    "solve": Solve,
+    "demo": Demo,
+    "figure": Figure,
+    "animate": Animate,
+}
+
+
+def parse(argv: Sequence[str]) -> Command | None:
+    """Return the command that `argv` asks for, or None when help or version was printed.
+
+    Raises
+    ------
+    CommandFailure
+        When the arguments make no sense; the message is tyro's, brought to one line.
+    """
+    if list(argv) == ["--version"]:
+        print(f"gcm-learn {__version__}")
+        return None
+    complaint = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(complaint):
+            command = tyro.extras.subcommand_cli_from_dict(
+                COMMANDS, prog="gcm-learn", description=DESCRIPTION, args=argv
+            )
+    except SystemExit as stop:
+        if not stop.code:
+            return None
+        raise CommandFailure(_summary(complaint.getvalue())) from None
+    return cast(Command, command)
+
+
+def _summary(box: str) -> str:
+    """Return the title and first section of tyro's framed complaint, as one line."""
+    bare = re.sub(r"\x1b\[[0-9;]*m", "", box)
+    title, *rest = [line.strip(" ╭╮╰╯│─") for line in bare.splitlines()] or ["bad arguments"]
+    section = itertools.takewhile(
+        _has_words, itertools.dropwhile(lambda x: not _has_words(x), rest)
+    )
+    body = " ".join(section)
+    message = body if body.startswith(title) else f"{title}: {body}"
+    hint = re.search(r"Perhaps you meant:\W+(--[\w-]+)", bare)
+    return message + (f"; did you mean {hint[1]}?" if hint else "") + " (see gcm-learn --help)"
+
+
+def _has_words(line: str) -> bool:
+    """Tell a line of text from a rule or a frame."""
+    return re.search(r"\w", line) is not None

@@ -1,0 +1,43 @@
+"""``gcm-learn demo``: the paper's results as a web page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import arg
+
+from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.files import made_folder
+
+
+@dataclass(frozen=True)
+class Demo:
+    """Solve the paper's scenes and random ones; write figures, films and a page that shows them."""
+
+    out: Annotated[Path, arg(metavar="DIR")] = Path("demo")
+    """folder for the page index.html and its pictures"""
+
+    seed: int = 0
+    """root of the random situations"""
+
+    random: int = 200
+    """number of random situations"""
+
+    def run(self) -> int:
+        """Build the page and say where it is."""
+        if self.seed < 0:
+            raise CommandFailure(f"--seed {self.seed}: must not be negative")
+        if self.random < 0:
+            raise CommandFailure(f"--random {self.random}: must not be negative")
+        folder = made_folder(self.out, option="--out")
+        from gcm_learn.plots.demo import build_demo
+
+        page = build_demo(folder, self.seed, self.random, _say)
+        print(f"Open {page.resolve().as_uri()} in a browser.")
+        return 0
+
+
+def _say(step: str) -> None:
+    print(step, flush=True)

@@ -1,0 +1,137 @@
+"""``gcm-learn solve``: situations in, solutions out."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TextIO
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.failures import CommandFailure, place_of
+from gcm_learn.cli.files import FileNames, made_folder, staged
+from gcm_learn.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from gcm_learn.planners.plan import Plan, Planner
+    from gcm_learn.situation.situation import Situation
+
+    Draw = Callable[[Situation, Plan], None]
+
+
+@dataclass(frozen=True)
+class Solve:
+    """Plan a catch for every situation of a file; write one solution a line, in input order.
+
+    The whole file is checked before anything is planned.
+    """
+
+    file: Annotated[Positional[str], arg(metavar="FILE")]
+    """situations: a .json or .jsonl file, or - for standard input"""
+
+    planner: Annotated[str, arg(metavar="NAME")] = "gcm"
+    """who plans; an unknown name lists all of them"""
+
+    out: Annotated[
+        Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
+    ] = None
+    """where the solutions go; the file appears whole or not at all"""
+
+    plot: Annotated[
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: no pictures)")
+    ] = None
+    """folder for one PNG picture per situation"""
+
+    def run(self) -> int:
+        """Solve the file; see `gcm_learn.cli.main` for the exit codes."""
+        from gcm_learn.planners.registry import get_planner
+
+        planner = get_planner(self.planner)
+        situations = read(self.file)
+        _refuse_to_overwrite_input(self.file, self.out)
+        draw = None if self.plot is None else _pictures(made_folder(self.plot, option="--plot"))
+        with _output(self.out) as stream:
+            _solve_all(situations, planner, self.file, stream, draw)
+        return 0
+
+
+def read(file: str) -> list[Situation]:
+    """Return the situations of a file or of standard input (``-``)."""
+    from gcm_learn.situation.json_format import read_situations
+
+    if file == "-" and sys.stdin is None:
+        raise CommandFailure("standard input is closed")
+    return read_situations(file)
+
+
+def plan_one(planner: Planner, situation: Situation, file: str) -> Plan:
+    """Plan for one situation; any error ends the command and names the situation.
+
+    A planner has a status for everything it cannot solve, so an exception is a defect, and a
+    made-up solution in its place would be a false statement.
+    """
+    try:
+        return planner.plan(situation)
+    except Exception as error:
+        message = f"{file}: situation {situation.name!r}: {place_of(error)}"
+        raise CommandFailure(message, exit_code=1) from error
+
+
+def _solve_all(
+    situations: list[Situation], planner: Planner, file: str, stream: TextIO, draw: Draw | None
+) -> None:
+    scrolling = stream.isatty()  # the solutions themselves show how far it has come
+    with Progress(len(situations), "situations", quiet=scrolling) as progress:
+        for situation in situations:
+            plan = plan_one(planner, situation, file)
+            stream.write(_line(plan, situation, file))
+            stream.flush()
+            if draw is not None:
+                draw(situation, plan)
+            progress.advance()
+
+
+def _line(plan: Plan, situation: Situation, file: str) -> str:
+    from gcm_learn.planners.plan import plan_to_json
+
+    try:
+        return json.dumps(plan_to_json(plan), allow_nan=False) + "\n"
+    except ValueError as error:
+        message = f"{file}: situation {situation.name!r}: the solution is not JSON: {error}"
+        raise CommandFailure(message, exit_code=1) from error
+
+
+@contextlib.contextmanager
+def _output(out: Path | None) -> Iterator[TextIO]:
+    if out is None or str(out) == "-":
+        if sys.stdout is None:
+            raise CommandFailure("standard output is closed")
+        yield sys.stdout
+        return
+    with staged(out) as place, open(place, "w", encoding="utf-8") as stream:
+        yield stream
+
+
+def _refuse_to_overwrite_input(file: str, out: Path | None) -> None:
+    if out is None or file == "-" or not out.exists():
+        return
+    if out.is_file() and os.path.samefile(file, out):
+        raise CommandFailure(f"--out {out}: is the input file")
+
+
+def _pictures(folder: Path) -> Draw:
+    """Return a function that writes the picture of a plan into `folder`."""
+    from gcm_learn import plots
+
+    names = FileNames()
+
+    def draw(situation: Situation, plan: Plan) -> None:
+        with staged(folder / f"{names.unused(situation.name)}.png", option="--plot") as place:
+            plots.plan_figure(situation, plan).savefig(place)
+
+    return draw

@@ -1,0 +1,36 @@
+"""The package's errors: each is a `GcmError` and also the builtin a caller would expect."""
+
+from __future__ import annotations
+
+
+class GcmError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class SituationError(GcmError, ValueError):
+    """A situation breaks a rule of the exchange contract.
+
+    Parameters
+    ----------
+    field : str
+        Path of the offending field, e.g. ``"bodies[1].shape.radius"``.
+    reason : str
+        What is wrong with it, with the value that was given.
+    """
+
+    def __init__(self, field: str, reason: str) -> None:
+        super().__init__(f"{field}: {reason}" if field else reason)
+        self.field = field
+        self.reason = reason
+
+
+class FileFormatError(GcmError, ValueError):
+    """A file cannot be read as what it claims to be; the message names file, line and field."""
+
+
+class UnknownNameError(GcmError, ValueError):
+    """A name (planner, figure, scene) is not registered; the message lists those that are."""
+
+
+class LatticeError(GcmError, ValueError):
+    """A lattice or wave parameter is outside the range in which the engine is valid."""

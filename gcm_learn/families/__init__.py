@@ -1,0 +1,15 @@
+"""Where situations come from: the paper's scenes and random families."""
+
+from gcm_learn.errors import UnknownNameError
+from gcm_learn.families.paper import PAPER_SCENES
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.situation import Situation
+
+__all__ = ["PAPER_SCENES", "paper_scene", "random_planar"]
+
+
+def paper_scene(name: str) -> Situation:
+    """The scene of one of the paper's figures, e.g. ``paper_scene("fig4")``."""
+    if name not in PAPER_SCENES:
+        raise UnknownNameError(f"scene: {name!r} is not one of {', '.join(PAPER_SCENES)}")
+    return PAPER_SCENES[name]()

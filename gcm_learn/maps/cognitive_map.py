@@ -1,0 +1,138 @@
+"""The generalized cognitive map: a dynamic situation made static (Eq. 12)."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcm_learn.arm.lattice import Lattice
+from gcm_learn.errors import FileFormatError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FORMAT = "gcm-learn/map@1"
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where and when the front met a target first."""
+
+    cell: tuple[int, int]
+    """(iy, ix) of the lattice."""
+    position: tuple[float, float]
+    """Centre of that cell [forearm lengths]."""
+    time: float
+    """[s]"""
+    body: str
+    """Name of the target."""
+
+
+@dataclass(frozen=True)
+class CognitiveMap:
+    """Arrival times over hand-space, with the obstacles and the target as the front met them.
+
+    Arrays are (n, n), indexed [iy, ix] as in `Lattice`.
+    """
+
+    lattice: Lattice
+    hand: tuple[float, float]
+    """Hand at t = 0 [forearm lengths]."""
+    arrival: np.ma.MaskedArray
+    """(n, n) float: when the hand can be in a cell [s]; masked where the front never came and
+    inside effective obstacles."""
+    effective_obstacles: np.ndarray
+    """(n, n) bool: cells in which the front froze on an obstacle (Omega of Eq. 11)."""
+    effective_target: np.ndarray
+    """(n, n) bool: cells in which the front met a target."""
+    contact: Contact | None
+    """The first of them, None if the front met no target."""
+    kappa: float
+    """Seconds per unit of mental time: t = kappa tau."""
+    engine: str
+    """"wave" or "marching"."""
+
+    def __post_init__(self) -> None:
+        shape = (self.lattice.n, self.lattice.n)
+        for name in ("arrival", "effective_obstacles", "effective_target"):
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name} must be {shape}, got {getattr(self, name).shape}")
+
+    @property
+    def arrival_tau(self) -> np.ma.MaskedArray:
+        """Arrival in mental time, c_ij of the paper (n, n) [tau]."""
+        return self.arrival / self.kappa
+
+    @property
+    def contact_tau(self) -> float | None:
+        """Mental time of the contact, as in the figures' captions."""
+        return None if self.contact is None else self.contact.time / self.kappa
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the map as in Fig. 4D; returns the axes."""
+        from gcm_learn import plots  # noqa: PLC0415  late: plotting is a layer above
+
+        return plots.plot_map(self, ax=ax)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the map to an .npz file (whole or not at all); returns its path."""
+        path = Path(path).with_suffix(".npz")
+        header = {
+            "format": FORMAT,
+            "n": self.lattice.n,
+            "upper_arm": self.lattice.upper_arm,
+            "elbow": self.lattice.elbow,
+            "hand": self.hand,
+            "kappa": self.kappa,
+            "engine": self.engine,
+            "contact": None if self.contact is None else vars(self.contact),
+        }
+        temporary = path.with_suffix(".tmp.npz")
+        try:
+            np.savez_compressed(
+                temporary,
+                header=json.dumps(header),
+                arrival=self.arrival.filled(-1.0),
+                effective_obstacles=self.effective_obstacles,
+                effective_target=self.effective_target,
+            )
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+        return path
+
+    @classmethod
+    def load(cls, path: str | Path) -> CognitiveMap:
+        """Read a map written by `save`; raises FileFormatError if the file is something else."""
+        try:
+            with np.load(path, allow_pickle=False) as data:
+                return cls._from_arrays(json.loads(str(data["header"])), data)
+        except FileNotFoundError:
+            raise
+        except Exception as error:
+            raise FileFormatError(f"{path}: not a cognitive map ({error})") from error
+
+    @classmethod
+    def _from_arrays(cls, header: dict[str, Any], data: Any) -> CognitiveMap:
+        if header["format"] != FORMAT:
+            raise FileFormatError(f"format is {header['format']!r}, expected {FORMAT!r}")
+        contact = header["contact"]
+        if contact is not None:
+            contact = Contact(
+                tuple(contact["cell"]), tuple(contact["position"]), contact["time"], contact["body"]
+            )
+        arrival = data["arrival"]
+        return cls(
+            lattice=Lattice(header["n"], header["upper_arm"], header["elbow"]),
+            hand=tuple(header["hand"]),
+            arrival=np.ma.MaskedArray(arrival, mask=arrival < 0.0),
+            effective_obstacles=data["effective_obstacles"],
+            effective_target=data["effective_target"],
+            contact=contact,
+            kappa=header["kappa"],
+            engine=header["engine"],
+        )

@@ -1,0 +1,19 @@
+"""Planners: from a situation to a verified catch."""
+
+from gcm_learn.planners.fronts import FrontPlanner, gcm, marching
+from gcm_learn.planners.plan import Plan, Planner, plan_to_json
+from gcm_learn.planners.registry import get_planner, planner_names, solve
+from gcm_learn.planners.straight import StraightPlanner
+
+__all__ = [
+    "FrontPlanner",
+    "Plan",
+    "Planner",
+    "StraightPlanner",
+    "gcm",
+    "get_planner",
+    "marching",
+    "plan_to_json",
+    "planner_names",
+    "solve",
+]

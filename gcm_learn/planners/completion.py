@@ -1,0 +1,168 @@
+"""From a way through hand-space to a verified catch."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.maps import CognitiveMap
+from gcm_learn.planners.interception import first_catch, first_interception, may_be_reached
+from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.timing import keep_limits, segment_times, straight_way
+from gcm_learn.planners.verification import CATCH_SAFETY, start_clearance, verify
+from gcm_learn.situation import Situation
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.kernels import Bodies
+
+_INSTANTS = 4000  # moments of the horizon at which an interception is looked for
+_MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
+
+
+class Problem:
+    """A situation on its way to a plan: its bodies packed, the clock running."""
+
+    def __init__(self, situation: Situation, planner: str) -> None:
+        self.started = clock.perf_counter()
+        self.situation = situation
+        self.planner = planner
+        self.bodies: Bodies = pack(situation)
+
+    @property
+    def reach(self) -> float:
+        """Signed distance to a target at which the hand surely catches [forearm lengths]."""
+        return self.situation.arm.grasp - CATCH_SAFETY
+
+    @property
+    def instant(self) -> float:
+        """Resolution in time of interceptions [s]."""
+        return self.situation.horizon / _INSTANTS
+
+    def answer(self, status: str, message: str, cognitive_map: CognitiveMap | None = None) -> Plan:
+        """A plan without a catch."""
+        elapsed = 1e3 * (clock.perf_counter() - self.started)
+        return Plan(
+            self.situation.name, self.planner, status, message, elapsed, map=cognitive_map
+        )
+
+    def early_answer(self) -> Plan | None:
+        """What can be said without planning: blocked at the start, or hopeless."""
+        arm, horizon = self.situation.arm, self.situation.horizon
+        if start_clearance(self.situation, self.bodies) <= 0.0:
+            return self.answer("start_blocked", "the limb touches an obstacle at t = 0")
+        if not may_be_reached(
+            self.bodies, *arm.hand, horizon, arm.max_hand_speed, arm.grasp, arm.reach
+        ):
+            return self.answer("unreachable", "no target comes within reach before the horizon")
+        return None
+
+    def caught(
+        self, attempt: Attempt, clearance: float, cognitive_map: CognitiveMap | None = None
+    ) -> Plan:
+        """A plan with a verified catch."""
+        body = self.situation.bodies[attempt.body].name
+        elapsed = 1e3 * (clock.perf_counter() - self.started)
+        return Plan(
+            name=self.situation.name,
+            planner=self.planner,
+            status="caught",
+            message=f"caught {body!r} at {attempt.trajectory.duration:.3f} s",
+            planning_ms=elapsed,
+            catch_time=attempt.trajectory.duration,
+            catch_body=body,
+            clearance=clearance,
+            trajectory=attempt.trajectory,
+            map=cognitive_map,
+        )
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A trajectory that ends at a target, not yet verified."""
+
+    trajectory: Trajectory
+    body: int
+
+
+def straight_catch(
+    problem: Problem, start: np.ndarray, since: float
+) -> tuple[np.ndarray, np.ndarray, int] | None:
+    """Go straight from `start`, left at time `since`, to the earliest interception.
+
+    Returns
+    -------
+    time : (m,) ndarray
+    hand : (m, 2) ndarray
+        Both include the start.
+    body : int
+        Index of the target; None instead of all if there is no interception.
+    """
+    situation, arm = problem.situation, problem.situation.arm
+    search = since
+    for _ in range(1 if arm.max_joint_speed is None else _MORE_TRIES):
+        t, body, px, py = first_interception(
+            problem.bodies,
+            start[0],
+            start[1],
+            since,
+            search,
+            situation.horizon,
+            arm.max_hand_speed * (1.0 - 2e-9),
+            problem.reach,
+            arm.inner_reach,
+            arm.reach,
+            problem.instant,
+        )
+        if body < 0:
+            return None
+        hand = straight_way(start, np.array([px, py]))
+        sooner = np.concatenate([[0.0], np.cumsum(segment_times(arm, hand))])
+        if t <= since or sooner[-1] <= (t - since) * (1.0 + 1e-12):
+            # Whatever time is left over is spread evenly.
+            share = (t - since) / sooner[-1] if sooner[-1] > 0.0 else 0.0
+            time = since + sooner * share if share > 0.0 else np.linspace(since, t, len(hand))
+            time[-1] = t
+            return time, hand, body
+        search = max(since + sooner[-1], t + problem.instant)
+    return None
+
+
+def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt | None:
+    """Time a way through hand-space by the front's arrival and end it on a target.
+
+    The movement ends where the hand first comes within grasp of a target; if it does not along the
+    way, it goes on straight from the way's end to the earliest interception.
+
+    Parameters
+    ----------
+    hand : (n, 2) ndarray
+    arrival : (n,) ndarray
+        When the front was there [s].
+    """
+    arm = problem.situation.arm
+    time = keep_limits(arm, hand, arrival)
+    t, body = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
+    if body >= 0:
+        k = int(np.searchsorted(time, t, side="left"))
+        end = [np.interp(t, time, hand[:, a]) for a in (0, 1)]
+        time, hand = np.append(time[:k], t), np.vstack([hand[:k], [end]])
+    else:
+        ending = straight_catch(problem, hand[-1], float(time[-1]))
+        if ending is None:
+            return None
+        time = np.concatenate([time, ending[0][1:]])
+        hand = np.vstack([hand, ending[1][1:]])
+        body = ending[2]
+    return Attempt(Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow), body)
+
+
+def checked(
+    problem: Problem, attempt: Attempt, cognitive_map: CognitiveMap | None = None
+) -> tuple[Plan | None, str]:
+    """Verify an attempt: a plan if it holds, else why not."""
+    verdict = verify(problem.situation, problem.bodies, attempt.trajectory, attempt.body)
+    if not verdict.good:
+        return None, verdict.reason
+    return problem.caught(attempt, verdict.clearance, cognitive_map), ""

@@ -1,0 +1,76 @@
+"""Planners that let a front spread from the hand: the paper's wave, and causal marching."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from gcm_learn.maps import CognitiveMap, build_map, descend
+from gcm_learn.planners.completion import Problem, checked, finish
+from gcm_learn.planners.plan import Plan
+from gcm_learn.situation import Situation
+from gcm_learn.wave import MarchingParams, WaveParams
+
+
+@dataclass(frozen=True)
+class FrontPlanner:
+    """Map, descent, verification; and again with more care when the verification fails.
+
+    The map is exact about the cells' centres only, so a path between them may touch what it
+    should not.  Then the map is made again: with obstacles widened, on a finer lattice.
+    """
+
+    name: str
+    rungs: tuple[WaveParams | MarchingParams, ...]
+    """Parameters of the maps to try, in order."""
+    contacts: int = 2
+    """How many contacts of one map to try before the next map."""
+
+    def plan(self, situation: Situation) -> Plan:
+        """Answer a situation."""
+        problem = Problem(situation, self.name)
+        answer = problem.early_answer()
+        if answer is not None:
+            return answer
+        first: CognitiveMap | None = None
+        reason = ""
+        for params in self.rungs:
+            ignore = 0.0
+            for _ in range(self.contacts):
+                cognitive_map = build_map(
+                    situation, params, bodies=problem.bodies, ignore=ignore
+                )
+                first = cognitive_map if first is None else first
+                if cognitive_map.contact is None:
+                    reason = reason or "the front meets no target within the horizon"
+                    break
+                way = descend(cognitive_map)
+                attempt = None if way is None else finish(problem, *way)
+                if attempt is None:
+                    reason = "no target can be met from where the front made contact"
+                else:
+                    plan, reason = checked(problem, attempt, cognitive_map)
+                    if plan is not None:
+                        return plan
+                # Look for a contact elsewhere: a cell's crossing later.
+                ignore = cognitive_map.contact.time + (
+                    cognitive_map.lattice.spacing / situation.arm.max_hand_speed
+                )
+        return problem.answer("unreachable", reason, first)
+
+
+def gcm(params: WaveParams | None = None) -> FrontPlanner:
+    """The paper's planner: the wave of Eq. 10, its map and the descent on it."""
+    params = WaveParams() if params is None else params
+    return FrontPlanner(
+        "gcm",
+        (params, replace(params, margin=params.margin + 1.0), replace(params, n=2 * params.n)),
+    )
+
+
+def marching(params: MarchingParams | None = None) -> FrontPlanner:
+    """The same idea with causal marching instead of the wave."""
+    params = MarchingParams() if params is None else params
+    return FrontPlanner(
+        "marching",
+        (params, replace(params, margin=params.margin + 1.0), replace(params, n=2 * params.n)),
+    )

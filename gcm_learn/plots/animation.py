@@ -1,0 +1,135 @@
+"""A catch as a film: the work-space beside the wave that grows in hand-space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
+
+from gcm_learn.plots import style
+from gcm_learn.plots.handspace import draw_hand, extended_image, show_image
+from gcm_learn.plots.maps import draw_effective
+from gcm_learn.plots.snapshots import draw_explored
+from gcm_learn.plots.workspace import draw_arm, draw_bodies
+from gcm_learn.situation import Situation
+
+if TYPE_CHECKING:
+    from gcm_learn.planners.plan import Plan
+
+FRAMES = 40
+FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]
+WIDTH, HEIGHT, FILM_DPI = 7.0, 3.9, 80
+COLOURS = 96  # in the film's palette
+COARSE = 160  # cells a side of the drawn extended obstacles
+
+
+def animate(situation: Situation, plan: Plan, path: str | Path, *, frames: int = FRAMES) -> None:
+    """Write an animated GIF of a plan.
+
+    Parameters
+    ----------
+    situation : Situation
+    plan : Plan
+        Of this situation. When it caught nothing, the arm rests and the world goes on.
+    path : str or Path
+        File to write.
+
+    Other Parameters
+    ----------------
+    frames : int
+        Number of instants, from the start to the catch.
+    """
+    images = list(_frames(situation, plan, frames))
+    palette = _palette(images[:: max(1, frames // 8)])
+    films = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    films[0].save(
+        path, format="GIF", save_all=True, append_images=films[1:], loop=0,
+        duration=[FRAME_TIME] * (len(films) - 1) + [HOLD_TIME],
+    )  # fmt: skip
+
+
+def _frames(situation: Situation, plan: Plan, frames: int) -> Iterator[Image.Image]:
+    """Draw frame after frame over one unchanging background."""
+    figure = style.new_figure(WIDTH, HEIGHT)
+    figure.set_dpi(FILM_DPI)
+    canvas = FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    for ax, name in ((left, "work-space"), (right, "hand-space")):
+        style.frame(ax, situation.arm.upper_arm)
+        style.title(ax, name)
+    canvas.draw()
+    figure.set_layout_engine("none")
+    background = canvas.copy_from_bbox(figure.bbox)
+    last = _duration(situation, plan)
+    for t in np.linspace(0.0, last, frames):
+        canvas.restore_region(background)
+        _paint(left, lambda t=t: _left(left, situation, plan, t))  # type: ignore[misc]
+        _paint(right, lambda t=t: _right(right, situation, plan, t, t >= last))  # type: ignore[misc]
+        yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+
+
+def _palette(images: list[Image.Image]) -> Image.Image:
+    """Choose the colours for all frames from some of them; the ground stays pure white."""
+    width, height = images[0].size
+    strip = Image.new("RGB", (width, height * len(images)))
+    for k, image in enumerate(images):
+        strip.paste(image, (0, k * height))
+    chosen = strip.quantize(COLOURS, dither=Image.Dither.NONE)
+    values = np.array(chosen.getpalette(), dtype=int).reshape(-1, 3)
+    values[values.sum(axis=1).argmax()] = 255
+    chosen.putpalette(values.ravel().tolist())
+    return chosen
+
+
+def _paint(ax: Axes, draw: Callable[[], None]) -> None:
+    """Let `draw` add artists, paint only those, and remove them again."""
+    before = set(ax.get_children())
+    draw()
+    added = [artist for artist in ax.get_children() if artist not in before]
+    for artist in sorted(added, key=lambda a: a.get_zorder()):
+        ax.draw_artist(artist)
+        artist.remove()
+
+
+def _duration(situation: Situation, plan: Plan) -> float:
+    return plan.trajectory.duration if plan.trajectory is not None else situation.horizon
+
+
+def _hand(situation: Situation, plan: Plan, t: float) -> np.ndarray:
+    if plan.trajectory is None:
+        return np.asarray(situation.arm.hand)
+    return plan.trajectory.hand_at(t)
+
+
+def _left(ax: Axes, situation: Situation, plan: Plan, t: float) -> None:
+    if plan.trajectory is not None:
+        past = plan.trajectory.hand[plan.trajectory.time <= t]
+        ax.plot(past[:, 0], past[:, 1], color=style.PATH, lw=1.6, ls=(0, (2, 1.5)), zorder=4)
+    draw_bodies(ax, situation, t)
+    draw_arm(ax, situation.arm, _hand(situation, plan, t))
+    _note(ax, f"t = {t:.2f} s")
+
+
+def _right(ax: Axes, situation: Situation, plan: Plan, t: float, at_end: bool) -> None:
+    show_image(ax, extended_image(situation, t, n=COARSE), situation.arm, zorder=2.0)
+    if plan.map is not None:
+        tau = t / plan.map.kappa
+        draw_explored(ax, plan.map, tau)
+        draw_effective(ax, plan.map, tau)
+        _note(ax, f"τ = {tau:.0f}")
+    draw_bodies(ax, situation, t)
+    if plan.trajectory is not None and at_end:
+        style.draw_path(ax, plan.trajectory.hand)
+    draw_hand(ax, _hand(situation, plan, t))
+
+
+def _note(ax: Axes, text: str) -> None:
+    ax.text(
+        0.99, 0.01, text, transform=ax.transAxes, ha="right", va="bottom",
+        fontsize=style.TITLE, color=style.INK, zorder=20,
+    )  # fmt: skip

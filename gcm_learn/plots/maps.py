@@ -1,0 +1,127 @@
+"""Cognitive maps, drawn as in Fig. 4D."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+from matplotlib.patches import Circle
+
+from gcm_learn.plots import style
+from gcm_learn.plots.handspace import draw_hand
+
+if TYPE_CHECKING:
+    from gcm_learn.maps.cognitive_map import CognitiveMap
+
+CONTOUR_STEP = 20.0  # [tau]
+SHADES = 40
+FRONT_SPEED = 0.164  # [cells per tau] of a circular front (erratum 9)
+
+
+def plot_map(
+    cognitive_map: CognitiveMap,
+    ax: Axes | None = None,
+    path: np.ndarray | None = None,
+    *,
+    colour_bar: bool = False,
+) -> Axes:
+    """Draw arrival times, effective obstacles, the effective target, the hand and a path.
+
+    Parameters
+    ----------
+    cognitive_map : CognitiveMap
+    ax : Axes, optional
+        Where to draw; by default in a figure of its own.
+    path : (n, 2) ndarray, optional
+        Hand positions from the hand to the contact.
+    colour_bar : bool
+        Explain the colours beside the map.
+
+    Returns
+    -------
+    Axes
+    """
+    if ax is None:
+        ax = style.new_figure(5.2 if colour_bar else 4.6, 4.6).subplots()
+    style.frame(ax, cognitive_map.lattice.upper_arm)
+    _draw_arrival(ax, cognitive_map, colour_bar)
+    draw_effective(ax, cognitive_map)
+    if path is not None:
+        style.draw_path(ax, path)
+    draw_hand(ax, cognitive_map.hand)
+    return ax
+
+
+def draw_effective(ax: Axes, cognitive_map: CognitiveMap, tau: float | None = None) -> None:
+    """Draw the effective obstacles and target that exist at mental time tau (default: all)."""
+    born = birth(cognitive_map)
+    for cells, colour in (
+        (cognitive_map.effective_obstacles, style.EFFECTIVE),
+        (cognitive_map.effective_target, style.TARGET),
+    ):
+        there = cells if tau is None else cells & (born <= tau)
+        image = there[..., None] * np.array(to_rgba(colour))
+        limits = ax.axis()
+        ax.imshow(
+            image, origin="lower", extent=cognitive_map.lattice.extent, zorder=4,
+            interpolation="antialiased",
+        )  # fmt: skip
+        ax.axis(limits)
+
+
+def birth(cognitive_map: CognitiveMap) -> np.ndarray:
+    """Return the mental time (n, n) at which the front came to every cell or beside it.
+
+    A cell that was frozen before it fired has no arrival of its own, but a neighbour has.
+    Infinite where the front never came near.
+    """
+    tau = np.ma.filled(cognitive_map.arrival_tau.astype(float), np.inf)
+    padded = np.pad(tau, 1, constant_values=np.inf)
+    n = tau.shape[0]
+    around = [padded[i : i + n, j : j + n] for i in range(3) for j in range(3)]
+    return np.where(np.isfinite(tau), tau, np.min(around, axis=0))
+
+
+def spread(cognitive_map: CognitiveMap) -> np.ndarray:
+    """Return arrival in tau (n, n), carried on by one cell at the front's usual speed.
+
+    Contours of it are as smooth as the front was, up to the rim and to where the wave stopped.
+    Infinite further out.
+    """
+    tau = np.ma.filled(cognitive_map.arrival_tau.astype(float), np.inf)
+    tau[cognitive_map.effective_obstacles] = np.inf  # the front ends there
+    n = tau.shape[0]
+    padded = np.pad(tau, 1, constant_values=np.inf)
+    later = [
+        padded[1 + i : 1 + i + n, 1 + j : 1 + j + n] + np.hypot(i, j) / FRONT_SPEED
+        for i in (-1, 0, 1)
+        for j in (-1, 0, 1)
+        if (i, j) != (0, 0)
+    ]
+    return np.where(np.isfinite(tau), tau, np.min(later, axis=0))
+
+
+def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, colour_bar: bool) -> None:
+    latest = float(cognitive_map.arrival_tau.max()) if cognitive_map.arrival.count() else 0.0
+    if latest <= 0.0:
+        return
+    tau = np.where(np.isfinite(far := spread(cognitive_map)), far, 2 * latest)
+    centres, limits = cognitive_map.lattice.centres, ax.axis()
+    levels = np.linspace(0.0, latest, SHADES)
+    shown = ax.contourf(centres, centres, tau, levels=levels, cmap=style.MAP_COLOURS, zorder=1)
+    rings = np.arange(CONTOUR_STEP, latest, CONTOUR_STEP)
+    lines = ax.contour(
+        centres, centres, tau, levels=rings, colors="white", linewidths=0.9, zorder=2
+    )
+    ax.axis(limits)
+    rim = Circle((0, 0), cognitive_map.lattice.upper_arm + 1.0, transform=ax.transData)
+    for drawn in (shown, lines):
+        drawn.set_clip_path(rim)
+    if colour_bar and ax.figure is not None:
+        bar = ax.figure.colorbar(shown, ax=ax, shrink=0.75, pad=0.02)
+        bar.set_label("arrival of the front, mental time τ", fontsize=style.LABEL)
+        bar.set_ticks(list(rings[1::2]))
+        bar.ax.tick_params(labelsize=style.SMALL)
+        bar.outline.set_visible(False)

@@ -1,0 +1,127 @@
+"""Results of several planners over many situations, in numbers and as a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from gcm_learn.plots import style
+
+if TYPE_CHECKING:
+    from gcm_learn.planners.plan import Plan
+
+STATUSES = ("caught", "unreachable", "start_blocked")
+SHADES = {"caught": "#2f855a", "unreachable": "#cbd5e0", "start_blocked": "#718096"}
+LINES = ("#2c7a7b", "#c05621", "#4a5568", "#6b46c1")  # of the planners, in their order
+BINS = 24
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What one planner achieved over a set of situations.
+
+    Parameters
+    ----------
+    planner : str
+    counts : dict of str to int
+        Number of plans by status.
+    catch_times, clearances : (k,) ndarray
+        Of the catches [s] and [forearms].
+    latencies : (n,) ndarray
+        Planning times of all plans [ms].
+    """
+
+    planner: str
+    counts: dict[str, int]
+    catch_times: np.ndarray
+    clearances: np.ndarray
+    latencies: np.ndarray
+
+
+def tally(planner: str, plans: Sequence[Plan]) -> Tally:
+    """Summarise the plans of one planner."""
+    caught = [plan for plan in plans if plan.status == "caught"]
+    return Tally(
+        planner,
+        {status: sum(plan.status == status for plan in plans) for status in STATUSES},
+        np.array([plan.catch_time for plan in caught], dtype=float),
+        np.array([plan.clearance for plan in caught if plan.clearance is not None], dtype=float),
+        np.array([plan.planning_ms for plan in plans], dtype=float),
+    )
+
+
+def summary_figure(tallies: Sequence[Tally]) -> Figure:
+    """Draw counts by status and the spread of catch times, clearances and latencies.
+
+    Parameters
+    ----------
+    tallies : sequence of Tally
+        One per planner, at most four.
+
+    Returns
+    -------
+    Figure
+    """
+    figure = style.new_figure(12.4, 3.3)
+    counts, times, room, latency = figure.subplots(1, 4)
+    _draw_counts(counts, tallies)
+    _draw_spread(times, [t.catch_times for t in tallies], tallies, "catch time [s]")
+    finite = [t.clearances[np.isfinite(t.clearances)] for t in tallies]
+    _draw_spread(room, finite, tallies, "clearance [forearms]")
+    _draw_spread(latency, [t.latencies for t in tallies], tallies, "planning time [ms]", log=True)
+    times.legend(fontsize=style.SMALL, frameon=False)
+    return figure
+
+
+def _draw_counts(ax: Axes, tallies: Sequence[Tally]) -> None:
+    names = [t.planner for t in tallies]
+    left = np.zeros(len(names))
+    for status in STATUSES:
+        width = np.array([t.counts[status] for t in tallies])
+        bars = ax.barh(names, width, left=left, color=SHADES[status], height=0.6)
+        text = [str(w) if w > 0.06 * left_total(tallies) else "" for w in width]
+        ax.bar_label(bars, text, label_type="center", fontsize=style.SMALL, color=style.INK)
+        left = left + width
+    ax.invert_yaxis()
+    _plain(ax, "number of situations")
+    handles = [ax.patches[k * len(names)] for k in range(len(STATUSES))]
+    ax.legend(
+        handles, [s.replace("_", " ") for s in STATUSES], fontsize=style.SMALL, frameon=False,
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, handlelength=1.0,
+        columnspacing=0.9,
+    )  # fmt: skip
+
+
+def left_total(tallies: Sequence[Tally]) -> int:
+    """Return the number of situations."""
+    return sum(tallies[0].counts.values())
+
+
+def _draw_spread(
+    ax: Axes, samples: Sequence[np.ndarray], tallies: Sequence[Tally], name: str, log: bool = False
+) -> None:
+    _plain(ax, name)
+    together = np.concatenate(samples)
+    if together.size == 0:
+        return
+    low, high = float(together.min()), float(together.max())
+    if high <= low:
+        high = low + 1.0
+    edges = np.geomspace(max(low, 1e-3), high, BINS) if log else np.linspace(low, high, BINS)
+    for sample, summary, colour in zip(samples, tallies, LINES, strict=False):
+        ax.hist(sample, bins=list(edges), histtype="step", lw=1.8, color=colour,
+                label=summary.planner)  # fmt: skip
+    if log:
+        ax.set_xscale("log")
+
+
+def _plain(ax: Axes, name: str) -> None:
+    ax.set_xlabel(name, fontsize=style.LABEL, color=style.INK)
+    ax.tick_params(labelsize=style.SMALL, colors=style.INK)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)

@@ -1,0 +1,81 @@
+"""What the demo's page says about the scenes."""
+
+from __future__ import annotations
+
+TITLE = "Catching in a moving world: cognitive maps in hand-space"
+
+LEAD = (
+    "An arm with two joints shall catch a target with its hand, while things move about that "
+    "it must not touch. The arm is long and bends, so its whole body has to be kept clear, not "
+    "only the hand. All pictures on this page were computed just now.",
+    "The trick: let the hand's position stand for the arm. In this hand-space the arm is one "
+    "point, and every obstacle grows into the set of hand positions at which the arm would "
+    "touch it, its extended obstacle. A wave starts at the hand and spreads at the hand's "
+    "greatest speed. Where the front meets an extended obstacle it freezes; those cells become "
+    "an effective obstacle. When the front meets the target, a catch is found.",
+    "What remains is a still picture of the whole event, the cognitive map: arrival times of "
+    "the front and effective obstacles. Walking down the arrival times from the target to the "
+    "hand gives the path. A plan counts as caught only after the whole movement was checked "
+    "between all samples, limb against bodies. Mental time is written τ; seconds are κ τ, with "
+    "κ close to 1/400 s here. Lengths are in forearms.",
+)
+
+SCENES = {
+    "fig1": (
+        "Why stretching out fails",
+        "A point is in the way of the forearm. Left: the direct way of the hand. Right: the "
+        "hand positions at which the forearm touches the point form a curve, the extended "
+        "obstacle.",
+    ),
+    "fig2": (
+        "Obstacles with a size",
+        "A disc and a square. Their images in hand-space are larger than they are, and "
+        "overlap: for the hand they are one obstacle. The path goes round both.",
+    ),
+    "fig3": (
+        "Obstacles that move",
+        "The image of a moving obstacle moves and changes its shape on the way, since it "
+        "depends on where the obstacle is relative to the shoulder.",
+    ),
+    "fig4": (
+        "The wave and its map",
+        "A point-like obstacle crosses between hand and target. The front (blue line) freezes "
+        "where it meets the obstacle's image of that very moment; the image goes on, the "
+        "frozen cells stay. So a moving obstacle becomes a static one in the map.",
+    ),
+    "fig5": (
+        "A falling ball",
+        "In 3D the arm stays in a plane, and only the cuts of things with that plane matter. A "
+        "ball falls past a fixed bar. The hand goes round the bar's image and meets the ball. "
+        "At the robot's scale the ball would fall eleven forearms in this time, so gravity is "
+        "smaller here.",
+    ),
+    "fig6": (
+        "Thrown objects",
+        "A spinning bar (to catch) and a spinning disk (to avoid) fly through the arm's plane "
+        "in opposite directions. At first nothing is in the plane. The part of the disk's "
+        "image that appears behind the front is ignored: the hand has already left that place.",
+    ),
+    "fig8": (
+        "The pendulum experiment",
+        "At the size of a small humanoid robot: an arm of 27 cm, a cardboard box of 26 x 60 x "
+        "38 cm, a tennis ball on a cord fixed at 150 cm. The box bars the direct way from the "
+        "start; the ball appears in the arm's plane only when it swings through, and its cord "
+        "with it.",
+    ),
+}
+
+RANDOM = (
+    "Random situations with one to five moving bodies, solved by both engines and, for "
+    "comparison, by a straight line to the earliest interception at full speed. Every catch "
+    "was checked once more: speed limits, the catch itself and the clearance of the whole "
+    "limb."
+)
+
+READING = (
+    "gcm is the neural lattice of the paper (Eq. 10); marching computes the same kind of map "
+    "directly, cell by cell in order of time, and is much faster. The lattice's front needs a "
+    "few τ to form at the hand, so its contacts come somewhat later. The paper gives no "
+    "dimensions for its scenes; ours are chosen to look like its figures, so instants need not "
+    "be equal."
+)

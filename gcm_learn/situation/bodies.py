@@ -1,0 +1,208 @@
+"""From a situation's records to the arrays that kernels read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.situation import kernels as k
+from gcm_learn.situation.kernels import Bodies
+from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.shapes import Box, Capsule, Cylinder, Disc, Polygon, Sphere
+from gcm_learn.situation.situation import Plane, Situation
+
+_KIND = {
+    Disc: k.DISC,
+    Polygon: k.POLYGON,
+    Sphere: k.SPHERE,
+    Box: k.BOX,
+    Capsule: k.CAPSULE,
+    Cylinder: k.CYLINDER,
+}
+_SWING_STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13 rad
+_MOST_SWING_STEPS = 400_000
+_IDENTITY = np.eye(3)
+
+
+def pack(situation: Situation) -> Bodies:
+    """Pack a situation's bodies into arrays, in arm-plane coordinates.
+
+    Parameters
+    ----------
+    situation : Situation
+        Planar or 3D; solids are turned into the frame (plane.x, plane.y, plane normal).
+
+    Returns
+    -------
+    Bodies
+        Arrays indexed as ``situation.bodies``.
+    """
+    frame, origin = _plane_frame(situation.plane)
+    rows = np.zeros((len(situation.bodies), k.COLUMNS))
+    vertices: list[tuple[float, float]] = []
+    swings: list[Pendulum] = []
+    for row, body in zip(rows, situation.bodies, strict=True):
+        motion, shape = body.motion, body.shape
+        row[k.KIND] = _KIND[type(shape)]
+        row[k.PART] = k.HAND if body.role == "target" else k.LIMB
+        row[k.SIZE : k.SIZE + 3] = _size(shape)
+        row[k.REACH] = shape.bounding_radius
+        row[k.SWING] = -1.0
+        if isinstance(motion, Pendulum):
+            row[k.SWING] = len(swings)
+            swings.append(motion)
+            _place_swing(row, motion, frame, origin)
+        elif isinstance(motion, SolidQuadratic):
+            _place_solid(row, motion, frame, origin)
+        else:
+            _place_planar(row, motion)
+        row[k.FIRST] = len(vertices)
+        vertices.extend(shape.vertices if isinstance(shape, Polygon) else ())
+        row[k.LAST] = len(vertices)
+    step, angles = _swing_tables(swings, situation.horizon)
+    _bound_speeds(rows, angles, situation.horizon)
+    return Bodies(rows, np.array(vertices, dtype=float).reshape(-1, 2), angles, step)
+
+
+def pose(situation: Situation, index: int, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pose of one body at time t.
+
+    Parameters
+    ----------
+    situation : Situation
+    index : int
+        Position in ``situation.bodies``.
+    t : float
+        Time [s], within the horizon for pendulums.
+
+    Returns
+    -------
+    centre : (3,) ndarray
+        In arm-plane coordinates; z = 0 is the arm's plane.
+    rotation : (3, 3) ndarray
+        Body frame to arm-plane frame; the columns are the body's axes.
+    """
+    bodies = pack(situation)
+    poses = np.zeros((len(situation.bodies), 12))
+    k.pose_at(bodies, index, t, poses)
+    if bodies.rows[index, k.SWING] < 0:  # discs and spheres skip their rotation in the kernel
+        k.rotate(bodies, index, t, poses)
+    return poses[index, :3].copy(), poses[index, 3:].reshape(3, 3).copy()
+
+
+def rotation_of(quaternion: Sequence[float]) -> np.ndarray:
+    """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
+    w, x, y, z = np.asarray(quaternion) / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def _plane_frame(plane: Plane | None) -> tuple[np.ndarray, np.ndarray]:
+    """Rotation world -> arm plane (rows x, y, normal) and the plane's origin."""
+    if plane is None:
+        return _IDENTITY, np.zeros(3)
+    x, y = np.asarray(plane.x), np.asarray(plane.y)
+    return np.array([x, y, np.cross(x, y)]), np.asarray(plane.origin)
+
+
+def _place_planar(row: np.ndarray, motion: PlanarQuadratic) -> None:
+    row[k.POSITION : k.POSITION + 2] = motion.position
+    row[k.VELOCITY : k.VELOCITY + 2] = motion.velocity
+    row[k.ACCELERATION : k.ACCELERATION + 2] = motion.acceleration
+    row[k.SPIN + 2] = motion.spin
+    c, s = math.cos(motion.angle), math.sin(motion.angle)
+    row[k.TURN : k.TURN + 9] = (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+
+
+def _place_solid(
+    row: np.ndarray, motion: SolidQuadratic, frame: np.ndarray, origin: np.ndarray
+) -> None:
+    row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.position) - origin)
+    row[k.VELOCITY : k.VELOCITY + 3] = frame @ motion.velocity
+    row[k.ACCELERATION : k.ACCELERATION + 3] = frame @ motion.acceleration
+    row[k.SPIN : k.SPIN + 3] = frame @ motion.spin
+    row[k.TURN : k.TURN + 9] = (frame @ rotation_of(motion.orientation)).ravel()
+
+
+def _place_swing(
+    row: np.ndarray, motion: Pendulum, frame: np.ndarray, origin: np.ndarray
+) -> None:
+    row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.pivot) - origin)
+    row[k.HANG] = motion.hang_distance
+    row[k.DOWN : k.DOWN + 3] = frame @ motion.down
+    row[k.SIDE : k.SIDE + 3] = frame @ np.cross(motion.axis, motion.down)
+    row[k.AXIS : k.AXIS + 3] = frame @ motion.axis
+
+
+def _size(shape: object) -> tuple[float, float, float]:
+    if isinstance(shape, Disc | Sphere):
+        return (shape.radius, 0.0, 0.0)
+    if isinstance(shape, Capsule | Cylinder):
+        return (shape.radius, shape.half_length, 0.0)
+    if isinstance(shape, Box):
+        return shape.half_extents
+    return (0.0, 0.0, 0.0)
+
+
+def _bound_speeds(rows: np.ndarray, angles: np.ndarray, horizon: float) -> None:
+    """Fill in the largest speed of any point of each body during [0, horizon]."""
+    velocity = rows[:, k.VELOCITY : k.VELOCITY + 3]
+    late = velocity + rows[:, k.ACCELERATION : k.ACCELERATION + 3] * horizon
+    spin = np.sqrt((rows[:, k.SPIN : k.SPIN + 3] ** 2).sum(axis=1))
+    # Speed is convex in time under constant acceleration: its maximum is at an end.
+    straight = np.sqrt(np.maximum((velocity**2).sum(axis=1), (late**2).sum(axis=1)))
+    rows[:, k.TOP_SPEED] = straight + spin * rows[:, k.REACH]
+    for row in rows:
+        if row[k.SWING] >= 0:
+            rate = np.abs(angles[int(row[k.SWING]), :, 1]).max() * (1.0 + 1e-6)
+            row[k.TOP_SPEED] = rate * (row[k.HANG] + row[k.REACH])
+
+
+def _swing_tables(swings: list[Pendulum], horizon: float) -> tuple[float, np.ndarray]:
+    """Integrate every pendulum on one time grid: (step [s], (k, m, 2) angle and rate)."""
+    if not swings:
+        return 1.0, np.zeros((0, 2, 2))
+    fastest = max(
+        max(np.sqrt(m.gravity / m.length), abs(m.rate), m.damping, 1e-3) for m in swings
+    )
+    wanted = int(np.ceil(horizon * fastest * _SWING_STEPS_PER_PERIOD / (2 * np.pi))) + 2
+    count = min(max(wanted, 64), _MOST_SWING_STEPS)
+    step = horizon / (count - 2)
+    tables = [
+        integrate_swing(m.angle, m.rate, m.gravity / m.length, m.damping, step, count)
+        for m in swings
+    ]
+    return step, np.array(tables)
+
+
+@njit(cache=True)
+def integrate_swing(angle, rate, stiffness, damping, step, count):
+    """Integrate angle'' = -stiffness sin(angle) - damping angle' by classical Runge-Kutta.
+
+    Returns
+    -------
+    (count, 2) ndarray
+        Angle [rad] and rate [rad/s] at 0, step, 2 step, ...
+    """
+    out = np.empty((count, 2))
+    out[0, 0], out[0, 1] = angle, rate
+    for i in range(1, count):
+        k1 = -stiffness * np.sin(angle) - damping * rate
+        r2 = rate + 0.5 * step * k1
+        k2 = -stiffness * np.sin(angle + 0.5 * step * rate) - damping * r2
+        r3 = rate + 0.5 * step * k2
+        k3 = -stiffness * np.sin(angle + 0.5 * step * r2) - damping * r3
+        r4 = rate + step * k3
+        k4 = -stiffness * np.sin(angle + step * r3) - damping * r4
+        angle += step * (rate + 2.0 * r2 + 2.0 * r3 + r4) / 6.0
+        rate += step * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+        out[i, 0], out[i, 1] = angle, rate
+    return out

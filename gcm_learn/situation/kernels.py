@@ -1,0 +1,346 @@
+"""Kernels for moving bodies: pose at a time, bounds on displacement, distances to solids.
+
+Everything is in arm-plane coordinates: x and y lie in the arm's plane, z along its normal, so the
+limb always lies in z = 0 and a planar body is one whose z never matters.  A pose is a row of
+12 numbers: the centre (3) and the rotation body -> plane, row by row (9).
+
+Kernels take whole arrays and a body's index, never a row: in numba a view costs two atomic counts,
+more than a distance to a disc.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+DISC, POLYGON, SPHERE, BOX, CAPSULE, CYLINDER = range(6)
+HAND, LIMB = 0, 1  # which part of the arm a body can touch: targets only meet the hand
+
+
+# Columns of a body's row.  One array instead of a dozen keeps calls between kernels cheap.
+KIND = 0  # DISC ... CYLINDER
+PART = 1  # HAND or LIMB
+SIZE = 2  # 3 columns: radius, 0, 0 | half extents | radius, half length, 0
+REACH = 5  # radius of the ball about the centre that holds the body
+POSITION = 6  # 3: centre at t = 0, or pivot of a pendulum
+VELOCITY = 9  # 3
+ACCELERATION = 12  # 3
+SPIN = 15  # 3: angular velocity [rad/s]
+TURN = 18  # 9: rotation at t = 0, row by row
+SWING = 27  # entry of `angles`, -1 for quadratic motion
+HANG = 28  # distance from the pivot to the centre
+DOWN = 29  # 3: direction of the cord at angle 0
+SIDE = 32  # 3: direction of growing angle, axis x down
+AXIS = 35  # 3: rotation axis
+FIRST, LAST = 38, 39  # the body's polygon is vertices[FIRST:LAST]
+TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
+COLUMNS = 41
+
+
+class Bodies(NamedTuple):
+    """A situation's bodies as plain arrays, in arm-plane coordinates."""
+
+    rows: np.ndarray  # (n, COLUMNS): one body a row
+    vertices: np.ndarray  # (m, 2): polygon vertices of all bodies
+    angles: np.ndarray  # (k, m, 2): pendulum angle and rate on a regular time grid
+    angle_step: float  # time step of that grid [s]
+
+
+@njit(cache=True)
+def rotate(bodies, b, t, out):
+    """Write exp([spin t]) @ turn of body b into out[b, 3:12] (Rodrigues' formula)."""
+    body = bodies.rows
+    wx, wy, wz = body[b, SPIN], body[b, SPIN + 1], body[b, SPIN + 2]
+    rate = np.sqrt(wx * wx + wy * wy + wz * wz)
+    if rate == 0.0:
+        for k in range(9):
+            out[b, 3 + k] = body[b, TURN + k]
+        return
+    x, y, z = wx / rate, wy / rate, wz / rate
+    s, c = np.sin(rate * t), np.cos(rate * t)
+    v = 1.0 - c
+    r00, r01, r02 = c + x * x * v, x * y * v - z * s, x * z * v + y * s
+    r10, r11, r12 = y * x * v + z * s, c + y * y * v, y * z * v - x * s
+    r20, r21, r22 = z * x * v - y * s, z * y * v + x * s, c + z * z * v
+    for k in range(3):
+        p, q, u = body[b, TURN + k], body[b, TURN + 3 + k], body[b, TURN + 6 + k]
+        out[b, 3 + k] = r00 * p + r01 * q + r02 * u
+        out[b, 6 + k] = r10 * p + r11 * q + r12 * u
+        out[b, 9 + k] = r20 * p + r21 * q + r22 * u
+
+
+@njit(cache=True)
+def swing_angle(bodies, b, t):
+    """Angle of pendulum b at time t: cubic Hermite interpolation in its table."""
+    table, step = bodies.angles, bodies.angle_step
+    row = int(bodies.rows[b, SWING])
+    k = min(max(int(t / step), 0), table.shape[1] - 2)
+    s = (t - k * step) / step
+    p, q = table[row, k, 0], table[row, k + 1, 0]
+    dp, dq = table[row, k, 1] * step, table[row, k + 1, 1] * step
+    s2, s3 = s * s, s * s * s
+    start = p * (2 * s3 - 3 * s2 + 1) + dp * (s3 - 2 * s2 + s)
+    return start + q * (3 * s2 - 2 * s3) + dq * (s3 - s2)
+
+
+@njit(cache=True)
+def _swing_pose(bodies, b, t, out):
+    body = bodies.rows
+    angle = swing_angle(bodies, b, t)
+    s, c = np.sin(angle), np.cos(angle)
+    for k in range(3):
+        along = c * body[b, DOWN + k] + s * body[b, SIDE + k]
+        out[b, k] = body[b, POSITION + k] + body[b, HANG] * along
+        # Body axes: z along the cord, y along the rotation axis, x = y x z.
+        out[b, 3 + 3 * k] = c * body[b, SIDE + k] - s * body[b, DOWN + k]
+        out[b, 3 + 3 * k + 1] = body[b, AXIS + k]
+        out[b, 3 + 3 * k + 2] = along
+
+
+@njit(cache=True)
+def pose_at(bodies, b, t, out):
+    """Write body b's pose at time t [s] into out[b] (n, 12)."""
+    body = bodies.rows
+    if body[b, SWING] >= 0.0:
+        _swing_pose(bodies, b, t, out)
+        return
+    half = 0.5 * t * t
+    for k in range(3):
+        start = body[b, POSITION + k]
+        out[b, k] = start + body[b, VELOCITY + k] * t + body[b, ACCELERATION + k] * half
+    if body[b, KIND] != DISC and body[b, KIND] != SPHERE:
+        rotate(bodies, b, t, out)
+
+
+@njit(cache=True)
+def poses_at(bodies, t, out):
+    """Write every body's pose at time t into out (n, 12)."""
+    for b in range(bodies.rows.shape[0]):
+        pose_at(bodies, b, t, out)
+
+
+@njit(cache=True)
+def drift(bodies, b, t0, t1):
+    """Bound how far any point of body b travels between t0 and t1.
+
+    The centre's speed is convex in time under constant acceleration, so its maximum over an
+    interval is at one of the ends; rotation adds at most |spin| times the body's reach.
+    """
+    body = bodies.rows
+    if body[b, SWING] >= 0.0:
+        return body[b, TOP_SPEED] * (t1 - t0)
+    v0, v1, w = 0.0, 0.0, 0.0
+    for k in range(3):
+        v0 += (body[b, VELOCITY + k] + body[b, ACCELERATION + k] * t0) ** 2
+        v1 += (body[b, VELOCITY + k] + body[b, ACCELERATION + k] * t1) ** 2
+        w += body[b, SPIN + k] ** 2
+    return (np.sqrt(max(v0, v1)) + np.sqrt(w) * body[b, REACH]) * (t1 - t0)
+
+
+@njit(cache=True)
+def segment_point2(px, py, ax, ay, bx, by):
+    """Squared distance of point p to segment a-b in the plane."""
+    dx, dy = bx - ax, by - ay
+    wx, wy = px - ax, py - ay
+    length2 = dx * dx + dy * dy
+    if length2 > 0.0:
+        s = min(max((wx * dx + wy * dy) / length2, 0.0), 1.0)
+        wx -= s * dx
+        wy -= s * dy
+    return wx * wx + wy * wy
+
+
+@njit(cache=True)
+def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
+    """Tell whether the plane segments a-b and c-d properly cross."""
+    d1 = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    d2 = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
+    d3 = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
+    d4 = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
+    return d1 * d2 < 0.0 and d3 * d4 < 0.0
+
+
+@njit(cache=True)
+def _segment_polygon(bodies, poses, b, ax, ay, bx, by):
+    """Distance of the plane segment a-b to a filled polygon (0 when they meet)."""
+    # Work in the body's frame: two points move instead of all vertices.
+    c, s = poses[b, 3], poses[b, 6]
+    ux, uy = ax - poses[b, 0], ay - poses[b, 1]
+    ax, ay = c * ux + s * uy, -s * ux + c * uy
+    ux, uy = bx - poses[b, 0], by - poses[b, 1]
+    bx, by = c * ux + s * uy, -s * ux + c * uy
+    first, last = int(bodies.rows[b, FIRST]), int(bodies.rows[b, LAST])
+    best = 1e300
+    inside = False
+    px, py = bodies.vertices[last - 1, 0], bodies.vertices[last - 1, 1]
+    for k in range(first, last):
+        qx, qy = bodies.vertices[k, 0], bodies.vertices[k, 1]
+        if segments_cross(ax, ay, bx, by, px, py, qx, qy):
+            return 0.0
+        best = min(best, segment_point2(px, py, ax, ay, bx, by))
+        best = min(best, segment_point2(ax, ay, px, py, qx, qy))
+        best = min(best, segment_point2(bx, by, px, py, qx, qy))
+        if (py > ay) != (qy > ay) and ax < (qx - px) * (ay - py) / (qy - py) + px:
+            inside = not inside
+        px, py = qx, qy
+    return 0.0 if inside else np.sqrt(best)
+
+
+@njit(cache=True)
+def _to_body(poses, b, x, y):
+    """Coordinates of the plane point (x, y, 0) in body b's frame."""
+    dx, dy, dz = x - poses[b, 0], y - poses[b, 1], -poses[b, 2]
+    return (
+        poses[b, 3] * dx + poses[b, 6] * dy + poses[b, 9] * dz,
+        poses[b, 4] * dx + poses[b, 7] * dy + poses[b, 10] * dz,
+        poses[b, 5] * dx + poses[b, 8] * dy + poses[b, 11] * dz,
+    )
+
+
+@njit(cache=True)
+def _excess(p, half):
+    """How far p lies beyond [-half, half], with its sign."""
+    return p - half if p > half else (p + half if p < -half else 0.0)
+
+
+@njit(cache=True)
+def _segment_box(p, q, size):
+    """Distance of segment p-q to a box, both in the box's frame.
+
+    The squared distance is convex and piecewise quadratic along the segment, so its derivative is
+    piecewise linear: bisect over the breakpoints, then one linear solve is exact.
+    """
+    d = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
+    lo, hi = 0.0, 1.0
+    g_lo = 0.0
+    g_hi = 0.0
+    for k in range(3):
+        g_lo += d[k] * _excess(p[k], size[k])
+        g_hi += d[k] * _excess(q[k], size[k])
+    if g_lo >= 0.0:
+        s = 0.0
+    elif g_hi <= 0.0:
+        s = 1.0
+    else:
+        for k in range(3):
+            if d[k] == 0.0:
+                continue
+            for side in (-1.0, 1.0):
+                m = (side * size[k] - p[k]) / d[k]
+                if lo < m < hi:
+                    g = 0.0
+                    for j in range(3):
+                        g += d[j] * _excess(p[j] + m * d[j], size[j])
+                    if g < 0.0:
+                        lo, g_lo = m, g
+                    else:
+                        hi, g_hi = m, g
+        s = lo - g_lo * (hi - lo) / (g_hi - g_lo)
+    total = 0.0
+    for k in range(3):
+        e = _excess(p[k] + s * d[k], size[k])
+        total += e * e
+    return np.sqrt(total)
+
+
+@njit(cache=True)
+def _segment_segment(p, q, half_length):
+    """Distance of segment p-q to the segment of the z axis between -half_length and half_length."""
+    dx, dy, dz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    a = dx * dx + dy * dy + dz * dz
+    flat = dx * dx + dy * dy
+    s = 0.0
+    if flat > 1e-18 * a and a > 0.0:
+        # Nearest points of the two lines; the z coordinate is clamped, then s follows from it.
+        s = min(max(-(p[0] * dx + p[1] * dy) / flat, 0.0), 1.0)
+    z = min(max(p[2] + s * dz, -half_length), half_length)
+    if a > 0.0:
+        s = min(max(-(p[0] * dx + p[1] * dy + (p[2] - z) * dz) / a, 0.0), 1.0)
+    z = min(max(p[2] + s * dz, -half_length), half_length)
+    x, y, w = p[0] + s * dx, p[1] + s * dy, p[2] + s * dz - z
+    return np.sqrt(x * x + y * y + w * w)
+
+
+@njit(cache=True)
+def _cylinder_slope(p, d, s, radius, half_length):
+    """Half the derivative of the squared distance to a cylinder at p + s d."""
+    x, y, z = p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]
+    rad = np.sqrt(x * x + y * y)
+    g = d[2] * _excess(z, half_length)
+    if rad > radius:
+        g += (rad - radius) * (x * d[0] + y * d[1]) / rad
+    return g
+
+
+@njit(cache=True)
+def _segment_cylinder(p, q, radius, half_length):
+    """Distance of segment p-q to a cylinder: bisect the derivative of a convex function."""
+    d = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
+    lo, hi = 0.0, 1.0
+    if _cylinder_slope(p, d, 0.0, radius, half_length) >= 0.0:
+        hi = 0.0
+    elif _cylinder_slope(p, d, 1.0, radius, half_length) <= 0.0:
+        lo = 1.0
+    while hi - lo > 1e-9:
+        m = 0.5 * (lo + hi)
+        if _cylinder_slope(p, d, m, radius, half_length) < 0.0:
+            lo = m
+        else:
+            hi = m
+    s = 0.5 * (lo + hi)
+    x, y, z = p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]
+    e = max(np.sqrt(x * x + y * y) - radius, 0.0)
+    w = _excess(z, half_length)
+    return np.sqrt(e * e + w * w)
+
+
+@njit(cache=True)
+def segment_distance(bodies, poses, b, ax, ay, bx, by):
+    """Distance of the plane segment a-b to body b at its pose; 0 when they meet."""
+    kind = bodies.rows[b, KIND]
+    radius, length = bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1]
+    if kind == POLYGON:
+        return _segment_polygon(bodies, poses, b, ax, ay, bx, by)
+    if kind == DISC or kind == SPHERE:
+        off = poses[b, 2] if kind == SPHERE else 0.0
+        d2 = segment_point2(poses[b, 0], poses[b, 1], ax, ay, bx, by)
+        return max(np.sqrt(d2 + off * off) - radius, 0.0)
+    p = _to_body(poses, b, ax, ay)
+    q = _to_body(poses, b, bx, by)
+    if kind == BOX:
+        return _segment_box(p, q, (radius, length, bodies.rows[b, SIZE + 2]))
+    if kind == CAPSULE:
+        return max(_segment_segment(p, q, length) - radius, 0.0)
+    return _segment_cylinder(p, q, radius, length)
+
+
+@njit(cache=True)
+def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
+    """Distance of body b to the limb, the longer way round, for bodies that are no discs."""
+    forearm = segment_distance(bodies, poses, b, ex, ey, hx, hy)
+    if forearm == 0.0:
+        return 0.0
+    return min(forearm, segment_distance(bodies, poses, b, 0.0, 0.0, ex, ey))
+
+
+@njit(cache=True, forceinline=True)
+def arm_distance(bodies, poses, b, hx, hy, ex, ey):
+    """Distance of body b to what it can touch: the hand (targets) or the whole limb (obstacles).
+
+    Parameters
+    ----------
+    poses : (n, 12) ndarray
+        Row b is the body's pose.
+    hx, hy, ex, ey : float
+        Hand and elbow; the shoulder is the origin.
+    """
+    if bodies.rows[b, PART] == HAND:
+        return segment_distance(bodies, poses, b, hx, hy, hx, hy)
+    if bodies.rows[b, KIND] != DISC:
+        return _limb_distance(bodies, poses, b, hx, hy, ex, ey)
+    x, y = poses[b, 0], poses[b, 1]
+    forearm = segment_point2(x, y, ex, ey, hx, hy)
+    upper_arm = segment_point2(x, y, 0.0, 0.0, ex, ey)
+    return max(np.sqrt(min(forearm, upper_arm)) - bodies.rows[b, SIZE], 0.0)

@@ -1,0 +1,234 @@
+"""A situation: one arm and the bodies around it, with everything they will do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from gcm_learn.errors import SituationError
+from gcm_learn.situation.checks import (
+    choice,
+    non_negative,
+    orthogonal,
+    positive,
+    positive_vector,
+    put,
+    quote,
+    sequence,
+    show,
+    text,
+    unit_vector,
+    vector,
+)
+from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
+
+ROLES = ("target", "obstacle")
+ELBOWS = ("left", "right")
+
+REACH_TOLERANCE = 1e-9
+"""Relative slack for a hand that stands on the rim of the reachable ring up to rounding."""
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A planar arm of two segments with its shoulder at the origin; the forearm has length 1.
+
+    Parameters
+    ----------
+    hand : (2,) tuple of float
+        Position of the hand at t = 0, inside the reachable ring.
+    max_hand_speed : float
+        Above zero [forearms/s].
+    upper_arm : float
+        Length of the upper arm, rho, above zero.
+    elbow : {"right", "left"}
+        Side on which the elbow lies when looking from shoulder to hand; it is kept.
+    max_joint_speed : (2,) tuple of float, optional
+        Limits for shoulder and elbow [rad/s], above zero; no limits when absent.
+    thickness : float
+        Radius of both segments, not negative.
+    grasp : float
+        Distance at which the hand catches a target, not negative.
+    """
+
+    hand: tuple[float, float]
+    max_hand_speed: float
+    upper_arm: float = 1.0
+    elbow: str = "right"
+    max_joint_speed: tuple[float, float] | None = None
+    thickness: float = 0.0
+    grasp: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check the documented ranges, then that the hand is within reach."""
+        put(self, "upper_arm", positive(self.upper_arm, "upper_arm"))
+        put(self, "elbow", choice(self.elbow, "elbow", ELBOWS))
+        put(self, "hand", vector(self.hand, "hand", 2))
+        put(self, "max_hand_speed", positive(self.max_hand_speed, "max_hand_speed"))
+        if self.max_joint_speed is not None:
+            limits = positive_vector(self.max_joint_speed, "max_joint_speed", 2)
+            put(self, "max_joint_speed", limits)
+        put(self, "thickness", non_negative(self.thickness, "thickness"))
+        put(self, "grasp", non_negative(self.grasp, "grasp"))
+        self._check_reach()
+
+    def _check_reach(self) -> None:
+        """Refuse a hand outside the reachable ring."""
+        distance = math.hypot(*self.hand)
+        slack = REACH_TOLERANCE * self.reach
+        if distance > self.reach + slack:
+            raise SituationError("hand", f"{self.hand} is out of reach (max {self.reach})")
+        if distance < self.inner_reach - slack:
+            raise SituationError("hand", f"{self.hand} is out of reach (min {self.inner_reach})")
+
+    @property
+    def reach(self) -> float:
+        """Largest distance between shoulder and hand."""
+        return self.upper_arm + 1.0
+
+    @property
+    def inner_reach(self) -> float:
+        """Smallest distance between shoulder and hand."""
+        return abs(self.upper_arm - 1.0)
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The plane in which the arm moves in a 3D scene; all vectors in the world frame.
+
+    Parameters
+    ----------
+    origin : (3,) tuple of float
+        Position of the shoulder.
+    x, y : (3,) tuple of float
+        Orthogonal unit vectors: the axes of arm-plane coordinates.
+    """
+
+    origin: tuple[float, float, float]
+    x: tuple[float, float, float]
+    y: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        """Check that the axes are orthonormal."""
+        put(self, "origin", vector(self.origin, "origin", 3))
+        put(self, "x", unit_vector(self.x, "x"))
+        put(self, "y", unit_vector(self.y, "y"))
+        orthogonal(self.x, self.y, "y", "x")
+
+    @property
+    def normal(self) -> tuple[float, float, float]:
+        """Third axis of arm-plane coordinates, ``x cross y``."""
+        (a, b, c), (d, e, f) = self.x, self.y
+        return (b * f - c * e, c * d - a * f, a * e - b * d)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A target or an obstacle: a shape that follows a motion law.
+
+    Parameters
+    ----------
+    role : {"target", "obstacle"}
+        Targets are to be caught and block nothing; obstacles must not be touched.
+    name : str
+        Unique among the bodies of a situation.
+    shape : Shape
+        Planar or solid, like the motion.
+    motion : Motion
+        Planar or solid, like the shape.
+    """
+
+    role: str
+    name: str
+    shape: Shape
+    motion: Motion
+
+    def __post_init__(self) -> None:
+        """Check the role and that shape and motion live in the same space."""
+        put(self, "role", choice(self.role, "role", ROLES))
+        put(self, "name", text(self.name, "name"))
+        if not isinstance(self.shape, PLANAR + SOLID):
+            raise SituationError("shape", f"must be a shape (got {show(self.shape)})")
+        if not isinstance(self.motion, (PlanarQuadratic, SolidQuadratic, Pendulum)):
+            raise SituationError("motion", f"must be a motion (got {show(self.motion)})")
+        if self.is_solid == isinstance(self.motion, PlanarQuadratic):
+            space = "3D" if self.is_solid else "planar"
+            reason = f"{space} shape {quote(self.shape.kind)} needs a {space} motion"
+            raise SituationError("motion", f"{reason} (got {type(self.motion).__name__})")
+
+    @property
+    def is_solid(self) -> bool:
+        """Whether the body is three-dimensional."""
+        return isinstance(self.shape, SOLID)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """Everything a planner is told.
+
+    Parameters
+    ----------
+    name : str
+        Any string; unique within a file.
+    horizon : float
+        Last moment at which a catch counts, above zero [s].
+    arm : Arm
+        The arm at t = 0 and its limits.
+    bodies : tuple of Body
+        At least one target, any number of obstacles; all solid when there is a plane, else all
+        planar.
+    plane : Plane, optional
+        The arm's plane, present exactly in a 3D scene.
+    """
+
+    name: str
+    horizon: float
+    arm: Arm
+    bodies: tuple[Body, ...]
+    plane: Plane | None = None
+
+    def __post_init__(self) -> None:
+        """Check the fields, then the bodies against each other and against the plane."""
+        put(self, "name", text(self.name, "name"))
+        put(self, "horizon", positive(self.horizon, "horizon"))
+        if not isinstance(self.arm, Arm):
+            raise SituationError("arm", f"must be an arm (got {show(self.arm)})")
+        if self.plane is not None and not isinstance(self.plane, Plane):
+            raise SituationError("plane", f"must be a plane (got {show(self.plane)})")
+        put(self, "bodies", tuple(sequence(self.bodies, "bodies", "bodies")))
+        self._check_bodies()
+
+    def _check_bodies(self) -> None:
+        """Refuse duplicate names, bodies of the other dimension and scenes without a target."""
+        seen: dict[str, int] = {}
+        for k, body in enumerate(self.bodies):
+            if not isinstance(body, Body):
+                raise SituationError(f"bodies[{k}]", f"must be a body (got {show(body)})")
+            if body.name in seen:
+                reason = f"{quote(body.name)} is already the name of bodies[{seen[body.name]}]"
+                raise SituationError(f"bodies[{k}].name", reason)
+            seen[body.name] = k
+            if body.is_solid and self.plane is None:
+                reason = f"{quote(body.shape.kind)} is 3D, but the situation has no plane"
+                raise SituationError(f"bodies[{k}].shape.kind", reason)
+            if not body.is_solid and self.plane is not None:
+                reason = f"{quote(body.shape.kind)} is planar, but the situation has a plane"
+                raise SituationError(f"bodies[{k}].shape.kind", reason)
+        if not self.targets:
+            raise SituationError("bodies", f"no target among {len(self.bodies)} bodies")
+
+    @property
+    def targets(self) -> tuple[Body, ...]:
+        """The bodies to be caught."""
+        return tuple(body for body in self.bodies if body.role == "target")
+
+    @property
+    def obstacles(self) -> tuple[Body, ...]:
+        """The bodies not to be touched."""
+        return tuple(body for body in self.bodies if body.role == "obstacle")
+
+    @property
+    def is_solid(self) -> bool:
+        """Whether this is a 3D scene, in which the arm meets the cuts of solids."""
+        return self.plane is not None

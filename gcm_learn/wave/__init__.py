@@ -1,0 +1,25 @@
+"""The engine: the FitzHugh-Nagumo wave of Eq. 10 and causal marching on the same lattice."""
+
+from gcm_learn.wave.params import WaveParams
+from gcm_learn.wave.solver import (
+    Front,
+    FrontSpeed,
+    MarchingParams,
+    Task,
+    front_speed,
+    kappa_of,
+    march,
+    propagate,
+)
+
+__all__ = [
+    "Front",
+    "FrontSpeed",
+    "MarchingParams",
+    "Task",
+    "WaveParams",
+    "front_speed",
+    "kappa_of",
+    "march",
+    "propagate",
+]

@@ -1,0 +1,223 @@
+"""Causal marching: the map of a front of constant speed, cell by cell in order of arrival.
+
+The meaning is that of the wave (a cell is accepted only if its limb is free when the front gets
+there), at the speed of a Dijkstra search.  Distances are measured in cells and times in crossings
+(the time the front needs for one cell) while marching.
+
+Every accepted cell remembers the *source* from which its front runs straight: the hand, or a cell
+where the front last had to bend round something frozen.  A neighbour inherits the source when the
+ray from it to the source passes between two accepted cells of that source, and its arrival is then
+the Euclidean distance: exact in free space and in the shadow of each corner.  Otherwise the front
+bends, and the cell that passes it on becomes a source itself.  Any-angle path planning inherits
+parents in the same way (Daniel, Nash, Koenig and Felner, Theta*, JAIR 39, 2010).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.situation.kernels import poses_at
+from gcm_learn.wave.kernels import FREE, KAPPA, judge
+
+UNKNOWN, ACCEPTED, CLOSED = 0, 1, 2  # a cell of the padded lattice; CLOSED: frozen or outside
+PER_CELL = 1.5  # buckets per crossing: neighbours along a ray are 0.7 crossings apart or more
+BUCKETS = 32  # circular; one step never spans more than 2 sqrt(2) crossings
+START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
+ROOT2 = float(np.sqrt(2.0))
+
+
+@njit(cache=True)
+def expand(accepted, count, state, n, tent, origin, status, sources, queue, counts, bucket):
+    """Offer the fronts of newly accepted cells to their neighbours.
+
+    The ray from a neighbour q towards the source leaves through the edge between an axis (`major`)
+    and a corner neighbour.  If both have been reached, one of them from here, q is reached straight
+    from the source; where they belong to two sources, the later arrival is taken: on the shadow
+    line of a corner both agree, and beyond it the nearer source is hidden.  Until then, and
+    wherever one of them is closed, the front bends round this cell.
+
+    Parameters
+    ----------
+    accepted : (count,) int64 ndarray
+        Flat indices of the cells; those that `state` calls frozen are passed over.
+    counts : (2 + BUCKETS,) int64 ndarray
+        Numbers of queue entries and of sources, then the first entry of every bucket.
+    bucket : int
+        The bucket being worked on; nothing is put into an earlier one.
+    """
+    W = n + 2
+    for a in range(count):
+        if state[accepted[a]] != FREE:
+            continue
+        ci, cj = accepted[a] // n + 1, accepted[a] % n + 1
+        k = ci * W + cj
+        home = origin[k]
+        for di in range(-1, 2):
+            for dj in range(-1, 2):
+                q = k + di * W + dj
+                if status[q] != UNKNOWN or origin[q] == home:
+                    continue
+                source = home
+                dx, dy = sources[source, 0] - (cj + dj), sources[source, 1] - (ci + di)
+                ax, ay = abs(dx), abs(dy)
+                sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
+                major = q + sx if ax >= ay else q + sy
+                corner = q + sx + sy
+                if min(ax, ay) <= 1e-9:
+                    corner = major
+                elif abs(ax - ay) <= 1e-9:
+                    major = corner
+                other = corner if k == major else major
+                if (k == major or k == corner) and status[other] == ACCEPTED:
+                    time = sources[source, 2] + np.sqrt(dx * dx + dy * dy)
+                    rival = origin[other]
+                    if rival != source and sources[source, 3] != other and rival >= 0:
+                        dx, dy = sources[rival, 0] - (cj + dj), sources[rival, 1] - (ci + di)
+                        later = sources[rival, 2] + np.sqrt(dx * dx + dy * dy)
+                        if later > time:
+                            time, source = later, rival
+                else:
+                    time = tent[k] + (ROOT2 if di != 0 and dj != 0 else 1.0)
+                    source = -1
+                if time >= tent[q] - 1e-9:
+                    continue
+                if source < 0:
+                    source = counts[1]
+                    if sources[source - 1, 3] == k:
+                        source -= 1  # already made for another neighbour
+                    else:
+                        sources[source, 0], sources[source, 1] = cj, ci
+                        sources[source, 2], sources[source, 3] = tent[k], k
+                        counts[1] = source + 1
+                tent[q] = time
+                origin[q] = source
+                slot = 2 + max(int(time * PER_CELL), bucket) % BUCKETS
+                queue[counts[0], 0] = q
+                queue[counts[0], 1] = counts[slot]
+                counts[slot] = counts[0]
+                counts[0] += 1
+
+
+@njit(cache=True)
+def seed(n, W, hand_i, hand_j, tent, origin, status, queue, counts):
+    """Reach the cells around the hand straight from it."""
+    reach = int(START_RADIUS) + 1
+    for i in range(max(int(hand_i) - reach, 1), min(int(hand_i) + reach + 2, n + 1)):
+        for j in range(max(int(hand_j) - reach, 1), min(int(hand_j) + reach + 2, n + 1)):
+            k = i * W + j
+            away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
+            if status[k] == UNKNOWN and away <= START_RADIUS:
+                tent[k] = away
+                origin[k] = 0
+                slot = 2 + int(away * PER_CELL)
+                queue[counts[0], 0], queue[counts[0], 1] = k, counts[slot]
+                counts[slot] = counts[0]
+                counts[0] += 1
+
+
+@njit(cache=True)
+def pop(slot, n, tent, status, queue, counts, end, lookback, found, since, when):
+    """Accept the cells waiting in a bucket; returns how many."""
+    count = 0
+    W = n + 2
+    entry = counts[2 + slot]
+    counts[2 + slot] = -1
+    while entry >= 0:
+        k = queue[entry, 0]
+        entry = queue[entry, 1]
+        # Entries made stale by an earlier arrival find their cell closed or accepted.
+        if status[k] == UNKNOWN and tent[k] <= end:
+            status[k] = ACCEPTED
+            found[count] = (k // W - 1) * n + k % W - 1
+            since[count], when[count] = max(tent[k] - lookback, 0.0), tent[k]
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def close(found, when, count, n, state, status, arrival):
+    """Write down the arrivals of accepted cells and close the frozen ones."""
+    for f in range(count):
+        i, j = found[f] // n, found[f] % n
+        arrival[i, j] = when[f]
+        if state[found[f]] != FREE:
+            status[(i + 1) * (n + 2) + j + 1] = CLOSED
+
+
+@njit(cache=True)
+def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, end, ignore, state):
+    """March the front over the lattice.
+
+    Parameters
+    ----------
+    hand_i, hand_j : float
+        Hand in lattice coordinates; the centre of cell (iy, ix) is (iy, ix).
+    outside : ((n + 2) * (n + 2),) uint8 ndarray
+        UNKNOWN where the hand can be, CLOSED elsewhere; with a closed rim.
+    gap : (n * n,) ndarray
+        Distance at which an obstacle occupies a cell.
+    c : (CONSTANTS,) ndarray
+        As for the wave; KAPPA is the seconds per crossing.
+    lookback : float
+        A cell must have been free this long before its arrival [crossings].
+    explore : bool
+        Go on after the first contact.
+    end, ignore : float
+        Horizon; contacts before `ignore` do not count [crossings].
+    state : (n * n,) uint8 ndarray
+        Filled with FREE, FROZEN or CONTACT.
+
+    Returns
+    -------
+    arrival : (n, n) ndarray
+        In crossings, -1 where the front never came.
+    cell, body : int
+        First contact, -1 if none.
+    time : float
+        Its time [crossings].
+    accepted : int
+    """
+    W = n + 2
+    status = outside.copy()
+    tent = np.full(W * W, 1e300)
+    origin = np.full(W * W, -1, dtype=np.int32)
+    sources = np.empty((n * n + 1, 4))
+    queue = np.empty((9 * n * n, 2), dtype=np.int32)
+    counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
+    found, blocked = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.bool_)
+    since, when = np.empty(n * n), np.empty(n * n)
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    scratch = np.zeros_like(poses)
+    arrival = np.full((n, n), -1.0)
+    sources[0, 0], sources[0, 1], sources[0, 2], sources[0, 3] = hand_j + 1, hand_i + 1, 0.0, -1.0
+    counts[0], counts[1] = 0, 1
+    seed(n, W, hand_i + 1, hand_j + 1, tent, origin, status, queue, counts)
+    contact, body, time = -1, -1, -1.0
+    bucket, empty, accepted = 0, 0, 0
+    while empty < BUCKETS and bucket <= end * PER_CELL and (contact < 0 or explore):
+        empty += 1
+        now = min((bucket + 1.0) / PER_CELL, end)
+        posed = False
+        while counts[2 + bucket % BUCKETS] >= 0:
+            empty = 0
+            count = pop(
+                bucket % BUCKETS, n, tent, status, queue, counts, end, lookback,
+                found, since, when,
+            )  # fmt: skip
+            if count == 0:
+                continue
+            if not posed:
+                poses_at(bodies, now * c[KAPPA], poses)
+                posed = True
+            cell, target, t = judge(
+                found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
+                blocked, scratch,
+            )  # fmt: skip
+            if cell >= 0 and (contact < 0 or t < time):
+                contact, body, time = cell, target, t
+            close(found, when, count, n, state, status, arrival)
+            expand(found, count, state, n, tent, origin, status, sources, queue, counts, bucket)
+            accepted += count
+        bucket += 1
+    return arrival, contact, body, time, accepted

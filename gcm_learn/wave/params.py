@@ -1,0 +1,74 @@
+"""Parameters of the FitzHugh-Nagumo lattice (Eq. 10), each with its source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from gcm_learn.errors import LatticeError
+
+REST = (0.0, -2.0 / 7.0)  # stable rest state (r, z) of Eq. 10 (erratum 8)
+HAND_POTENTIAL = 5.0  # clamped potential of the hand's neuron (Sect. 2.3.2)
+EXCITED = (3.0, 1.0 / 7.0)  # excited state (r, z) behind the front (erratum 8)
+
+
+@dataclass(frozen=True)
+class WaveParams:
+    """Numbers that fix the wave; the defaults are the paper's where it gives them."""
+
+    n: int = 80
+    """Cells along a side of the lattice (Sect. 2.3.2)."""
+    diffusion: float = 0.2
+    """d of Eq. 10 (Sect. 2.3.2). Propagation fails at 0.045 and below (erratum 9)."""
+    epsilon: float = 0.04
+    """Rate of the recovery variable in Eq. 10 (Sect. 2.3.2)."""
+    step: float = 0.2
+    """Euler step [tau]. Not in the paper; stable to 0.9, late by 0.6 tau at 0.2 (erratum 10)."""
+    threshold: float = 1.0
+    """r_th, the potential whose crossing is the arrival. Not in the paper; at 1 every frozen
+    cell has an arrival (erratum 11)."""
+    laplacian: Literal[5, 9] = 5
+    """Points of the discrete Laplacian. The paper only says "discrete 2D Laplacian"; 5 is the
+    usual reading, 9 halves the anisotropy of the front (erratum 9)."""
+    start: Literal["rest", "printed"] = "rest"
+    """Initial state: the true rest state, or the printed r = z = 0, which is not at rest and
+    delays the front by about 6 tau (erratum 8)."""
+    start_radius: float = 0.0
+    """Radius of the disc that is excited at the start [cells]. 0 is the paper's single neuron,
+    whose wave needs some 20 tau to become one (erratum 9)."""
+    frozen: Literal["insulating", "held"] = "insulating"
+    """What a frozen neuron does to its neighbours. "held" is Eq. 10 to the letter: q = 0 keeps r
+    where it was, and the neighbours go on seeing it, which can leak through a wall (erratum 14).
+    "insulating" also cuts the couplings, so walls hold and narrow gaps stay passable."""
+    margin: float = 1.0
+    """Widening of obstacles, in units of what half a cell's step moves the limb; 1 closes the
+    space between two cells (erratum 14), 0 tests the cells' centres only."""
+    until: Literal["contact", "horizon"] = "contact"
+    """Stop at the first contact with a target (Sect. 3.1) or explore to the horizon (Fig. 4)."""
+
+    def __post_init__(self) -> None:
+        checks = (
+            (0.05 <= self.diffusion <= 1.0, "diffusion", self.diffusion, "in 0.05..1"),
+            (0.0 < self.epsilon <= 0.1, "epsilon", self.epsilon, "in 0..0.1"),
+            (0.0 < self.step <= 0.9, "step", self.step, "in 0..0.9 [tau]"),
+            (0.5 <= self.threshold <= 2.0, "threshold", self.threshold, "in 0.5..2"),
+            (self.laplacian in (5, 9), "laplacian", self.laplacian, "5 or 9"),
+            (self.start in ("rest", "printed"), "start", self.start, "'rest' or 'printed'"),
+            (0.0 <= self.start_radius <= 10.0, "start_radius", self.start_radius, "in 0..10"),
+            (
+                self.frozen in ("insulating", "held"),
+                "frozen",
+                self.frozen,
+                "'insulating' or 'held'",
+            ),
+            (0.0 <= self.margin <= 10.0, "margin", self.margin, "in 0..10"),
+            (self.until in ("contact", "horizon"), "until", self.until, "'contact' or 'horizon'"),
+        )
+        for good, name, value, wanted in checks:
+            if not good:
+                raise LatticeError(f"wave parameter {name} must be {wanted}, got {value!r}")
+        if self.step * (1.0 + 4.0 * self.diffusion) > 2.0:
+            raise LatticeError(
+                f"step {self.step} is unstable with diffusion {self.diffusion}: "
+                "explicit Euler needs step * (1 + 4 diffusion) <= 2"
+            )

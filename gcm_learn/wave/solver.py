@@ -1,0 +1,276 @@
+"""Front door of the wave: run Eq. 10 over the hand-space of a situation."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space
+from gcm_learn.situation.kernels import COLUMNS, Bodies
+from gcm_learn.wave import kernels, marching
+from gcm_learn.wave.params import REST, WaveParams
+
+NOMINAL_SPEED = 0.164  # circular front at d = 0.2 [cells per tau] (erratum 9)
+QUIET = 1e-4  # potential change [1/tau] below which a block of cells counts as settled
+# A contact is sought within half a cell's diagonal, so that a target smaller than a cell cannot
+# slip between the cells' centres; the path's end is then homed in on exactly.
+CONTACT_SLACK = 0.71
+_workspace = threading.local()
+
+
+@dataclass(frozen=True)
+class Front:
+    """What a front left behind on an n x n lattice."""
+
+    arrival: np.ndarray
+    """(n, n) float [s]; negative where the front never came. Frozen cells have one."""
+    state: np.ndarray
+    """(n, n) uint8: FREE, FROZEN or CONTACT of `wave.kernels`."""
+    contact_cell: int
+    """Flat index of the first contact, -1 if none."""
+    contact_body: int
+    """Index of the target met first, -1 if none."""
+    contact_time: float
+    """Time of the first contact [s], negative if none."""
+    steps: int
+    """Euler steps (wave) or accepted cells (marching) that it took."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a front has to explore: the world, the arm and the lattice."""
+
+    bodies: Bodies
+    """Obstacles freeze the front (Eq. 11), targets are contacts."""
+    lattice: Lattice
+    hand: tuple[float, float]
+    """Where the front starts [forearm lengths]."""
+    speed: float
+    """Largest hand speed [forearm lengths / s]; the front's fastest direction gets it."""
+    horizon: float
+    """When the front is stopped [s]."""
+    thickness: float = 0.0
+    """Radius of the limb [forearm lengths]."""
+    grasp: float = 0.0
+    """Distance at which the hand catches a target [forearm lengths]."""
+    ignore: float = 0.0
+    """Contacts before this time do not count [s]."""
+
+
+def kappa_of(task: Task, params: WaveParams) -> float:
+    """Seconds per unit of mental time, such that the front nowhere outruns the hand.
+
+    At the paper's setting (80 cells over 4 forearm lengths, d = 0.2) and 3.4 forearm lengths a
+    second this is the paper's kappa = 1/400 s.
+    """
+    return front_speed(params).fastest * task.lattice.spacing / task.speed
+
+
+def propagate(task: Task, params: WaveParams) -> Front:
+    """Run the wave of Eq. 10 from the hand until contact, the end of the ring or the horizon.
+
+    Parameters
+    ----------
+    task : Task
+        Its lattice must have ``params.n`` cells a side.
+    params : WaveParams
+
+    Returns
+    -------
+    Front
+    """
+    kappa = kappa_of(task, params)
+    return _propagate(task, params, kappa)
+
+
+def _propagate(task: Task, params: WaveParams, kappa: float) -> Front:
+    """`propagate` with a given kappa, which the measurement of the front's speed needs."""
+    lattice, space = task.lattice, hand_space(task.lattice)
+    n, shape = lattice.n, kernels.layout(lattice.n)
+    slowness = 1.0 / front_speed(params).fastest if params.start_radius > 0.0 else 0.0
+    buffer = _start(space, lattice, task.hand, params, slowness)
+    state = np.zeros(n * n, dtype=np.uint8)
+    cell, body, time, steps = kernels.propagation(n, params.laplacian)(
+        buffer,
+        space.limb,
+        task.thickness + params.margin * space.stride,
+        task.bodies,
+        _constants(params, task, kappa),
+        params.frozen == "held",
+        params.until == "horizon",
+        params.start_radius * slowness,
+        task.horizon / kappa,
+        task.ignore / kappa,
+        state,
+    )
+    plane = buffer[5 * shape.plane : 5 * shape.plane + (n + 2) * shape.width]
+    arrival = plane.reshape(n + 2, shape.width)[1:-1, kernels.LEFT : kernels.LEFT + n]
+    arrival = np.where(space.inside.reshape(n, n), arrival, np.float32(-1.0)) * kappa
+    return Front(arrival, state.reshape(n, n), cell, body, time * kappa, steps)
+
+
+@dataclass(frozen=True)
+class MarchingParams:
+    """Numbers that fix causal marching."""
+
+    n: int = 80
+    """Cells along a side of the lattice."""
+    margin: float = 1.0
+    """Widening of obstacles, as for the wave."""
+    lookback: float = 1.0
+    """How long a cell must have been free before the front comes, in crossings of a cell; 1 covers
+    the way from the cell before (erratum 14)."""
+    until: Literal["contact", "horizon"] = "contact"
+    """Stop at the first contact with a target or explore to the horizon."""
+
+
+def march(task: Task, params: MarchingParams) -> Front:
+    """Map arrivals of a front at hand speed by causal marching; the meaning is the wave's.
+
+    Parameters
+    ----------
+    task : Task
+        Its lattice must have ``params.n`` cells a side.
+    params : MarchingParams
+
+    Returns
+    -------
+    Front
+    """
+    lattice, space = task.lattice, hand_space(task.lattice)
+    n, h = lattice.n, lattice.spacing
+    crossing = h / task.speed
+    c = np.zeros(kernels.CONSTANTS)
+    c[kernels.KAPPA] = crossing
+    c[kernels.GRASP] = task.grasp + CONTACT_SLACK * h
+    c[kernels.SHORTEST] = 0.03 * crossing
+    state = np.zeros(n * n, dtype=np.uint8)
+    arrival, cell, body, time, accepted = marching.march(
+        n,
+        (task.hand[1] + lattice.upper_arm + 1.0) / h - 0.5,
+        (task.hand[0] + lattice.upper_arm + 1.0) / h - 0.5,
+        space.limb,
+        _closed_rim(lattice),
+        task.thickness + params.margin * space.stride,
+        task.bodies,
+        c,
+        params.lookback,
+        params.until == "horizon",
+        task.horizon / crossing,
+        task.ignore / crossing,
+        state,
+    )
+    return Front(
+        arrival * crossing, state.reshape(n, n), cell, body, time * crossing, accepted
+    )
+
+
+@lru_cache(maxsize=16)
+def _closed_rim(lattice: Lattice) -> np.ndarray:
+    """Padded status of a lattice before marching: open where the hand can be."""
+    n = lattice.n
+    status = np.full((n + 2, n + 2), marching.CLOSED, dtype=np.uint8)
+    status[1:-1, 1:-1][hand_space(lattice).inside.reshape(n, n)] = marching.UNKNOWN
+    return status.ravel()
+
+
+def _start(
+    space: HandSpace,
+    lattice: Lattice,
+    hand: tuple[float, float],
+    params: WaveParams,
+    slowness: float,
+) -> np.ndarray:
+    """Prepare and excite this thread's buffer."""
+    n, shape = lattice.n, kernels.layout(lattice.n)
+    buffers = _workspace.__dict__.setdefault("buffers", {})
+    buffer = buffers.setdefault(n, np.empty(shape.length, dtype=np.float32))
+    rest = REST if params.start == "rest" else (0.0, 0.0)
+    kernels.prepare(
+        buffer, n, shape.width, shape.plane, params.laplacian, space.inside, params.step, *rest
+    )
+    iy, ix = lattice.cell_of(*hand)
+    kernels.excite(
+        buffer,
+        n,
+        shape.width,
+        shape.plane,
+        iy * n + ix,
+        hand[0],
+        hand[1],
+        lattice.spacing,
+        params.start_radius if params.start_radius > 0 else -1.0,
+        slowness,
+        space.limb,
+        space.inside,
+    )
+    return buffer
+
+
+def _constants(params: WaveParams, task: Task, kappa: float) -> np.ndarray:
+    c = np.zeros(kernels.CONSTANTS)
+    c[kernels.STEP] = params.step
+    c[kernels.DIFFUSION] = params.diffusion
+    c[kernels.EPSILON] = params.epsilon
+    c[kernels.THRESHOLD] = params.threshold
+    c[kernels.KAPPA] = kappa
+    c[kernels.GRASP] = task.grasp + CONTACT_SLACK * task.lattice.spacing
+    c[kernels.NOMINAL_DELAY] = 1.0 / NOMINAL_SPEED
+    c[kernels.QUIET] = QUIET
+    c[kernels.SHORTEST] = kappa * params.step
+    return c
+
+
+@dataclass(frozen=True)
+class FrontSpeed:
+    """Speed of a free circular front [cells per tau]."""
+
+    axis: float
+    """Along the lattice's axes."""
+    diagonal: float
+    """Along its diagonals."""
+    fastest: float
+    """Largest speed in any direction."""
+
+    @property
+    def anisotropy(self) -> float:
+        """Spread of the speed over directions, relative to the fastest."""
+        return 1.0 - min(self.axis, self.diagonal) / self.fastest
+
+
+@lru_cache(maxsize=32)
+def front_speed(params: WaveParams) -> FrontSpeed:
+    """Measure the front's speed by a free wave from the centre of a 160 x 160 lattice.
+
+    Slopes are taken between radii of 25 and 70 cells, where curvature has faded (erratum 9).
+    """
+    free = replace(params, n=160, start_radius=0.0, until="horizon", margin=0.0)
+    lattice, mid = Lattice(n=free.n), free.n // 2
+    hand = (0.5 * lattice.spacing, 0.5 * lattice.spacing)
+    task = Task(_no_bodies(), lattice, hand, speed=1.0, horizon=70 / 0.03)
+    front = _propagate(task, free, kappa=1.0)
+    arrival = np.where(front.arrival > 0, front.arrival, np.nan)
+    near, far = 25.0, 70.0
+    speeds = []
+    for angle in np.linspace(0.0, np.pi / 4, 10):
+        times = []
+        for radius in (near, far):
+            x, y = mid + radius * np.cos(angle), mid + radius * np.sin(angle)
+            i, j = int(y), int(x)
+            u, v = x - j, y - i
+            block = arrival[i : i + 2, j : j + 2]
+            times.append(
+                (1 - v) * ((1 - u) * block[0, 0] + u * block[0, 1])
+                + v * ((1 - u) * block[1, 0] + u * block[1, 1])
+            )
+        speeds.append((far - near) / (times[1] - times[0]))
+    return FrontSpeed(axis=float(speeds[0]), diagonal=float(speeds[-1]), fastest=float(max(speeds)))
+
+
+def _no_bodies() -> Bodies:
+    """An empty world."""
+    return Bodies(np.zeros((0, COLUMNS)), np.zeros((0, 2)), np.zeros((0, 2, 2)), 1.0)

@@ -1,0 +1,47 @@
+"""Arguments: help that helps, mistakes that end in one line."""
+
+from __future__ import annotations
+
+import pytest
+
+import gcm_learn
+from gcm_learn.cli import main
+
+MISTAKES = [
+    ([], "solve, demo, figure, animate"),
+    (["fly"], "fly"),
+    (["solve"], "FILE"),
+    (["solve", "a.json", "--colour", "red"], "--colour"),
+    (["solve", "a.json", "--planer", "gcm"], "did you mean --planner?"),
+    (["solve", "a.json", "b.json"], "b.json"),
+    (["solve", "a.json", "--planner"], "--planner"),
+    (["demo", "--seed", "one"], "--seed"),
+    (["demo", "--seed", "-1"], "--seed -1"),
+    (["demo", "--random", "-1"], "--random -1"),
+]
+
+
+@pytest.mark.parametrize(("argv", "said"), MISTAKES)
+def test_a_mistake_is_one_line(argv, said, capsys):
+    assert main(argv) == 2
+    stdout, stderr = capsys.readouterr()
+    assert stdout == "" and stderr.count("\n") == 1
+    assert stderr.startswith("gcm-learn: ") and said in stderr
+
+
+@pytest.mark.parametrize("command", ["solve", "demo", "figure", "animate"])
+def test_help_names_the_options(command, capsys):
+    assert main([command, "--help"]) == 0
+    stdout, stderr = capsys.readouterr()
+    assert f"gcm-learn {command}" in stdout and "--out" in stdout and stderr == ""
+
+
+def test_help_has_examples(capsys):
+    assert main(["--help"]) == 0
+    stdout = capsys.readouterr().out
+    assert "gcm-learn solve scenes.jsonl --out solutions.jsonl" in stdout
+
+
+def test_version(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"gcm-learn {gcm_learn.__version__}\n"

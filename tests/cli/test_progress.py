@@ -1,0 +1,56 @@
+"""The progress line speaks on terminals only, and only about long jobs."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+from gcm_learn.cli.progress import Progress
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+class Clock:
+    """A clock that a test moves by hand."""
+
+    time = 0.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+def run(stream: io.StringIO, seconds_each: float, *, quiet: bool = False) -> str:
+    clock = Clock()
+    with Progress(10, "situations", quiet=quiet, stream=stream, clock=clock) as progress:
+        for _ in range(9):
+            clock.time += seconds_each
+            progress.advance()
+    return stream.getvalue()
+
+
+def test_a_long_job_shows_count_rate_and_time_left():
+    text = run(Terminal(), 1.0)
+    assert "9/10 situations, 1/s, 1 s left" in text
+    assert text.startswith("\r2/10") and text.endswith("\r\x1b[K") and "\n" not in text
+
+
+def test_a_short_job_shows_nothing():
+    assert run(Terminal(), 0.1) == ""
+
+
+def test_nothing_goes_to_a_file_or_a_quiet_terminal():
+    assert run(io.StringIO(), 1.0) == ""
+    assert run(Terminal(), 1.0, quiet=True) == ""
+
+
+@pytest.mark.parametrize(
+    ("seconds_each", "left"), [(50.0, "50 s"), (600.0, "10 min"), (9000.0, "2.5 h")]
+)
+def test_time_left_is_said_in_a_fitting_unit(seconds_each, left):
+    assert f"9/10 situations, {1 / seconds_each:.3g}/s, {left} left" in run(
+        Terminal(), seconds_each
+    )

@@ -1,0 +1,23 @@
+"""Fixtures and settings shared by all tests."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+from gcm_learn import seeding
+
+# Compilation makes the first example slow, so there is no deadline. Continuous integration
+# draws the same examples every time: a red run must be about the change.
+settings.register_profile("desk", deadline=None)
+settings.register_profile("ci", deadline=None, derandomize=True)
+settings.load_profile("ci" if os.environ.get("CI") else "desk")
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Return the generator of seed 0, fresh for every test."""
+    return seeding.rng(0)

@@ -1,0 +1,81 @@
+"""The web page: plain HTML with relative links, and the numbers on it."""
+
+from __future__ import annotations
+
+import dataclasses
+from html.parser import HTMLParser
+
+import numpy as np
+
+from gcm_learn.plots.page import Picture, Section, Table, render
+from gcm_learn.plots.summary import STATUSES, summary_figure, tally
+
+
+class Links(HTMLParser):
+    """Collects what a page refers to, and checks that tags are balanced."""
+
+    VOID = ("meta", "img", "br")
+
+    def __init__(self):
+        super().__init__()
+        self.images, self.anchors, self.ids, self.open = [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        if tag not in self.VOID:
+            self.open.append(tag)
+        if tag == "img":
+            self.images.append(attrs["src"])
+        if tag == "a":
+            self.anchors.append(attrs["href"])
+        if "id" in attrs:
+            self.ids.append(attrs["id"])
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def read(page):
+    links = Links()
+    links.feed(page)
+    assert not links.open
+    return links
+
+
+def test_page_is_balanced_escaped_and_linked():
+    section = Section(
+        "one", "A < B", ["1 & 2"], [Table(("x",), [["<b>"]])], [Picture("a.png", 'say "a"')]
+    )
+    page = render("T", ["lead"], [("#fff", "white")], [section])
+    links = read(page)
+    assert links.images == ["a.png"]
+    assert links.anchors == ["#one"] and links.ids == ["one"]
+    assert "A &lt; B" in page and "1 &amp; 2" in page and "<td>&lt;b&gt;</td>" in page
+    assert "http" not in page
+
+
+def test_tally_counts_and_collects(planar_case):
+    _, plan = planar_case
+    failed = dataclasses.replace(
+        plan, status="unreachable", catch_time=None, clearance=None, planning_ms=9.0
+    )
+    result = tally("gcm", [plan, failed, plan])
+    assert result.counts == {"caught": 2, "unreachable": 1, "start_blocked": 0}
+    assert set(result.counts) == set(STATUSES)
+    np.testing.assert_allclose(result.catch_times, [plan.catch_time] * 2)
+    assert len(result.clearances) == 2 and 9.0 in result.latencies
+
+
+def test_summary_figure_draws_every_planner(planar_case, drawn):
+    _, plan = planar_case
+    far = dataclasses.replace(plan, clearance=float("inf"), planning_ms=0.0)
+    figure = summary_figure([tally("a", [plan, far]), tally("b", [far])])
+    drawn(figure)
+    labels = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
+    assert labels == ["a", "b"]
+
+
+def test_summary_figure_without_any_catch(planar_case, drawn):
+    _, plan = planar_case
+    failed = dataclasses.replace(plan, status="unreachable", catch_time=None, clearance=None)
+    drawn(summary_figure([tally("a", [failed])]))

@@ -1,0 +1,180 @@
+"""Hypothesis strategies for valid situations, planar and 3D."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import strategies as st
+
+from gcm_learn.situation import (
+    Arm,
+    Body,
+    Box,
+    Capsule,
+    Cylinder,
+    Disc,
+    Pendulum,
+    PlanarQuadratic,
+    Plane,
+    Polygon,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+)
+
+lengths = st.floats(0.01, 0.5)
+angles = st.floats(-math.pi, math.pi)
+coordinates = st.floats(-3.0, 3.0)
+names = st.text(max_size=8)
+
+
+def vectors(size, elements=coordinates):
+    """Tuples of `size` floats."""
+    return st.tuples(*[elements] * size)
+
+
+@st.composite
+def unit_vectors(draw, size=3):
+    """Unit vectors; quaternions when `size` is 4."""
+    vector = draw(vectors(size, st.integers(-9, 9)).filter(any))
+    length = math.hypot(*vector)
+    return tuple(x / length for x in vector)
+
+
+@st.composite
+def rotations(draw):
+    """Rotation matrices (3, 3), including those by quarter turns."""
+    w, x, y, z = draw(unit_vectors(4))
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+@st.composite
+def polygons(draw, max_vertices=7):
+    """Star-shaped polygons around the body's origin, convex or not."""
+    count = draw(st.integers(3, max_vertices))
+    turn = draw(angles)
+    corners = []
+    for k in range(count):
+        # neighbours stay less than half a turn apart, so the polygon is simple
+        angle = turn + (k + draw(st.floats(-0.2, 0.2))) * 2 * math.pi / count
+        radius = draw(lengths)
+        corners.append((radius * math.cos(angle), radius * math.sin(angle)))
+    return Polygon(tuple(corners))
+
+
+discs = st.builds(Disc, lengths)
+planar_shapes = st.one_of(discs, polygons())
+spheres = st.builds(Sphere, lengths)
+boxes = st.builds(Box, vectors(3, lengths))
+capsules = st.builds(Capsule, lengths, lengths)
+cylinders = st.builds(Cylinder, lengths, lengths)
+solid_shapes = st.one_of(spheres, boxes, capsules, cylinders)
+
+planar_motions = st.builds(
+    PlanarQuadratic,
+    position=vectors(2),
+    velocity=vectors(2),
+    acceleration=vectors(2),
+    angle=st.just(0.0) | angles,
+    spin=st.just(0.0) | coordinates,
+)
+solid_quadratics = st.builds(
+    SolidQuadratic,
+    position=vectors(3),
+    velocity=vectors(3),
+    acceleration=vectors(3),
+    orientation=st.just((1.0, 0.0, 0.0, 0.0)) | unit_vectors(4),
+    spin=st.just((0.0, 0.0, 0.0)) | vectors(3),
+)
+
+
+@st.composite
+def frames(draw):
+    """Two orthogonal unit vectors."""
+    rotation = draw(rotations())
+    return tuple(rotation[:, 0].tolist()), tuple(rotation[:, 1].tolist())
+
+
+@st.composite
+def pendulums(draw):
+    """Pendulums whose cord is of the arm's scale."""
+    axis, down = draw(frames())
+    return Pendulum(
+        pivot=draw(vectors(3)),
+        axis=axis,
+        down=down,
+        length=draw(st.floats(0.2, 4.0)),
+        gravity=draw(st.floats(0.0, 80.0)),
+        angle=draw(angles),
+        rate=draw(coordinates),
+        damping=draw(st.just(0.0) | st.floats(0.0, 2.0)),
+        hang=draw(st.none() | st.floats(0.0, 4.0)),
+    )
+
+
+@st.composite
+def planes(draw):
+    """Planes of any orientation."""
+    x, y = draw(frames())
+    return Plane(draw(vectors(3)), x, y)
+
+
+@st.composite
+def arms(draw):
+    """Arms whose hand is anywhere in the reachable ring."""
+    upper_arm = draw(st.just(1.0) | st.floats(0.3, 2.0))
+    inner, outer = abs(upper_arm - 1.0), upper_arm + 1.0
+    radius = inner + (outer - inner) * draw(st.floats(0.01, 0.99))
+    angle = draw(angles)
+    return Arm(
+        hand=(radius * math.cos(angle), radius * math.sin(angle)),
+        max_hand_speed=draw(st.floats(0.1, 10.0)),
+        upper_arm=upper_arm,
+        elbow=draw(st.sampled_from(["left", "right"])),
+        max_joint_speed=draw(st.none() | vectors(2, st.floats(0.1, 20.0))),
+        thickness=draw(st.just(0.0) | st.floats(0.0, 0.1)),
+        grasp=draw(st.floats(0.0, 0.2)),
+    )
+
+
+def _situations(shapes, motions, planes, max_bodies):
+    """Situations whose first body is a target and whose bodies are called 0, 1, ..."""
+    parts = st.tuples(st.sampled_from(["target", "obstacle"]), shapes, motions)
+
+    def bodies(drawn):
+        return tuple(
+            Body("target" if k == 0 else role, str(k), shape, motion)
+            for k, (role, shape, motion) in enumerate(drawn)
+        )
+
+    return st.builds(
+        Situation,
+        name=names,
+        horizon=st.floats(0.05, 3.0),
+        arm=arms(),
+        bodies=st.lists(parts, min_size=1, max_size=max_bodies).map(bodies),
+        plane=planes,
+    )
+
+
+def planar_situations(max_bodies=3):
+    """Valid planar situations."""
+    return _situations(planar_shapes, planar_motions, st.none(), max_bodies)
+
+
+def solid_situations(max_bodies=3):
+    """Valid 3D situations."""
+    motions = st.one_of(solid_quadratics, pendulums())
+    return _situations(solid_shapes, motions, planes(), max_bodies)
+
+
+def situations(max_bodies=3):
+    """Valid situations of either kind."""
+    return planar_situations(max_bodies) | solid_situations(max_bodies)
