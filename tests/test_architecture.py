@@ -109,12 +109,37 @@ def test_module_and_functions_are_short(path):
     assert ast.get_docstring(tree) or not text.strip(), "a module begins by saying what it is for"
     lines = text.count("\n")
     assert lines <= LONGEST_MODULE
-    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
-    too_long = {f.name: body_length(f) for f in functions if body_length(f) > LONGEST_FUNCTION}
-    assert not too_long
+    lengths = {f.name: body_length(f) for f in functions(tree)}
+    assert {name: n for name, n in lengths.items() if n > LONGEST_FUNCTION} == {}
 
 
-def body_length(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_what_numba_does_not_compile_is_annotated(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    compiled = [f for f in functions(tree) if is_compiled(f)]
+    inside = {inner for f in compiled for inner in functions(f)}
+    assert [f.name for f in functions(tree) if f not in inside and not is_annotated(f)] == []
+
+
+def functions(tree: ast.AST) -> list[ast.FunctionDef]:
+    """Return all functions and methods in `tree`, itself included."""
+    return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+
+
+def is_compiled(function: ast.FunctionDef) -> bool:
+    """Return whether numba compiles the function: ``@njit``, ``@njit(...)``, ``@numba.njit``."""
+    return any("jit" in ast.unparse(decorator) for decorator in function.decorator_list)
+
+
+def is_annotated(function: ast.FunctionDef) -> bool:
+    """Return whether all arguments but self and cls, and the result, have a type."""
+    a = function.args
+    arguments = [*a.posonlyargs, *a.args, *a.kwonlyargs, a.vararg, a.kwarg]
+    named = [x for x in arguments if x is not None and x.arg not in ("self", "cls")]
+    return function.returns is not None and all(x.annotation is not None for x in named)
+
+
+def body_length(function: ast.FunctionDef) -> int:
     """Return the number of lines of a function, without its docstring."""
     first = function.body[0]
     documented = ast.get_docstring(function) is not None
@@ -122,6 +147,21 @@ def body_length(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
     return (function.end_lineno or 0) - function.lineno + 1 - docstring
 
 
-def test_body_length_leaves_out_the_docstring():
-    source = 'def f():\n    """One.\n\n    Two.\n    """\n    x = 1\n    return x\n'
-    assert body_length(ast.parse(source).body[0]) == 3
+def test_the_rulers_measure():
+    source = '''
+@njit(cache=True)
+def f(a, b):
+    """One.
+
+    Two.
+    """
+    x = a
+    return x
+
+def g(a: int, *rest) -> int: ...
+def h(self, a: int, *rest: int) -> int: ...
+'''
+    f, g, h = functions(ast.parse(source))
+    assert body_length(f) == 3
+    assert [is_compiled(x) for x in (f, g, h)] == [True, False, False]
+    assert [is_annotated(x) for x in (f, g, h)] == [False, False, True]

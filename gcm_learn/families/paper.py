@@ -37,8 +37,8 @@ FOREARM = 0.135  # [m] half of the robot's 27 cm arm: the paper gives no rho, he
 EARTH_GRAVITY = 9.81 / FOREARM  # [forearms/s^2] at the robot's scale
 
 # Fig. 5 cannot be at the robot's scale: in 220 tau = 0.55 s a ball released at rest would fall
-# 11 forearms. This value lets it fall 1.5, as drawn; it is Earth's for a 0.98 m forearm.
-FIG5_GRAVITY = 9.0  # [forearms/s^2]
+# 11 forearms. This value lets it fall 1.3, as drawn; it is Earth's for a forearm of 1.15 m.
+FIG5_GRAVITY = 8.5  # [forearms/s^2]
 
 # [tau] instants of the panels that show the wave; the last one is the contact with the target.
 # Fig. 5 tells only the contact, the earlier instants are chosen.
@@ -121,7 +121,7 @@ def fig5(gravity: float = FIG5_GRAVITY) -> Situation:
     down = (0.0, 0.0, -gravity)
     quarter_turn = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # z axis to the plane's normal
     bar = SolidQuadratic((1.1, 0.0, 0.45), (0, 0, 0), (0, 0, 0), quarter_turn)
-    ball = SolidQuadratic((1.6, 0.0, 1.2), (0, 0, 0), down)
+    ball = SolidQuadratic((1.6, 0.0, 1.3), (0, 0, 0), down)
     return _solid(
         "fig5",
         hand=(0.62, 1.08),

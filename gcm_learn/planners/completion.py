@@ -7,11 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arm.kinematics import SIDE
 from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners.interception import first_catch, first_interception, may_be_reached
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.timing import keep_limits, segment_times, straight_way
+from gcm_learn.planners.timing import (
+    JOINT_TOLERANCE,
+    keep_limits,
+    refine,
+    segment_times,
+    straight_way,
+)
 from gcm_learn.planners.verification import CATCH_SAFETY, start_clearance, verify
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
@@ -155,6 +162,13 @@ def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt |
         time = np.concatenate([time, ending[0][1:]])
         hand = np.vstack([hand, ending[1][1:]])
         body = ending[2]
+    return attempt_of(problem, time, hand, body)
+
+
+def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
+    """Sample a timed hand path densely enough for its joints and make an attempt of it."""
+    arm = problem.situation.arm
+    time, hand = refine(time, hand, arm.upper_arm, SIDE[arm.elbow], JOINT_TOLERANCE)
     return Attempt(Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow), body)
 
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.arm.trajectory import Trajectory
-from gcm_learn.planners.completion import Attempt, Problem, checked, straight_catch
+from gcm_learn.planners.completion import Problem, attempt_of, checked, straight_catch
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
 
@@ -28,9 +27,7 @@ class StraightPlanner:
         if way is None:
             return problem.answer("unreachable", "no straight line meets a target in time")
         time, hand, body = way
-        arm = situation.arm
         if time[-1] <= 0.0:
             time, hand = time[:1], hand[:1]
-        attempt = Attempt(Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow), body)
-        plan, reason = checked(problem, attempt)
+        plan, reason = checked(problem, attempt_of(problem, time, hand, body))
         return plan if plan is not None else problem.answer("unreachable", reason)

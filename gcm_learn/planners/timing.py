@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
-from gcm_learn.arm.kinematics import SIDE
+from gcm_learn.arm.kinematics import SIDE, joints_of
 from gcm_learn.planners.verification import PARTS, joint_turns
 from gcm_learn.situation.situation import Arm
 
 SPACING = 0.02  # samples of a straight way are at most this far apart [forearm lengths]
+MOST_PIECES = 64
+JOINT_TOLERANCE = 1e-4  # of hands on joints that are linear between samples [forearm lengths]
 _SLACK = 1.0 + 1e-9  # against rounding of the speed limits
 
 
@@ -41,6 +44,47 @@ def keep_limits(arm: Arm, hand: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     sooner = np.concatenate([[0.0], np.cumsum(segment_times(arm, hand))])
     late = np.maximum.accumulate(np.concatenate([[0.0], wanted[1:] - sooner[1:]]))
     return sooner + np.maximum(late, 0.0)
+
+
+@njit(cache=True)
+def refine(time, hand, rho, side, tolerance):
+    """Split segments until joints that are linear between samples keep the hand on its way.
+
+    Parameters
+    ----------
+    time, hand : (n,), (n, 2) ndarray
+    tolerance : float
+        Largest distance of the two hands half way through a segment [forearm lengths].
+
+    Returns
+    -------
+    time, hand : (m,), (m, 2) ndarray
+        The same movement with more samples.
+    """
+    n = time.size
+    joints = joints_of(hand, rho, side)
+    pieces = np.ones(n, dtype=np.int64)
+    total = 1
+    for k in range(n - 1):
+        first = 0.5 * (joints[k, 0] + joints[k + 1, 0])
+        second = first + 0.5 * (joints[k, 1] + joints[k + 1, 1])
+        ex = rho * np.cos(first) + np.cos(second) - 0.5 * (hand[k, 0] + hand[k + 1, 0])
+        ey = rho * np.sin(first) + np.sin(second) - 0.5 * (hand[k, 1] + hand[k + 1, 1])
+        # The error falls with the square of the segment's length.
+        error = np.sqrt(ex * ex + ey * ey) / tolerance
+        pieces[k] = min(max(int(np.ceil(np.sqrt(error))), 1), MOST_PIECES)
+        total += pieces[k]
+    new_time, new_hand = np.empty(total), np.empty((total, 2))
+    m = 0
+    for k in range(n - 1):
+        for p in range(pieces[k]):
+            s = p / pieces[k]
+            new_time[m] = time[k] + s * (time[k + 1] - time[k])
+            new_hand[m, 0] = hand[k, 0] + s * (hand[k + 1, 0] - hand[k, 0])
+            new_hand[m, 1] = hand[k, 1] + s * (hand[k + 1, 1] - hand[k, 1])
+            m += 1
+    new_time[m], new_hand[m, 0], new_hand[m, 1] = time[n - 1], hand[n - 1, 0], hand[n - 1, 1]
+    return new_time, new_hand
 
 
 def straight_way(start: np.ndarray, end: np.ndarray) -> np.ndarray:

@@ -25,6 +25,7 @@ FRAMES = 40
 FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]
 WIDTH, HEIGHT, FILM_DPI = 7.0, 3.9, 80
 COLOURS = 96  # in the film's palette
+NEARLY_WHITE = 247  # of 255
 COARSE = 160  # cells a side of the drawn extended obstacles
 
 
@@ -81,7 +82,7 @@ def _palette(images: list[Image.Image]) -> Image.Image:
         strip.paste(image, (0, k * height))
     chosen = strip.quantize(COLOURS, dither=Image.Dither.NONE)
     values = np.array(chosen.getpalette(), dtype=int).reshape(-1, 3)
-    values[values.sum(axis=1).argmax()] = 255
+    values[values.min(axis=1) >= NEARLY_WHITE] = 255  # quantize() confuses near neighbours
     chosen.putpalette(values.ravel().tolist())
     return chosen
 

@@ -74,7 +74,8 @@ def summary_figure(tallies: Sequence[Tally]) -> Figure:
     finite = [t.clearances[np.isfinite(t.clearances)] for t in tallies]
     _draw_spread(room, finite, tallies, "clearance [forearms]")
     _draw_spread(latency, [t.latencies for t in tallies], tallies, "planning time [ms]", log=True)
-    times.legend(fontsize=style.SMALL, frameon=False)
+    if any(summary.catch_times.size for summary in tallies):
+        times.legend(fontsize=style.SMALL, frameon=False)
     return figure
 
 

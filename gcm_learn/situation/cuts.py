@@ -173,8 +173,11 @@ def _half_outline(radius: float, rise: float, shift: float, low: float, high: fl
             count += 1
     chain[count, 0] = high
     for k in range(count + 1):
-        q = rise * chain[k, 0] + shift
-        chain[k, 1] = np.sqrt(max((radius - q) * (radius + q), 0.0))
+        # the two factors of radius^2 - (rise u + shift)^2; in this order of sums, a plane that all
+        # but touches the cylinder does not roughen the outline
+        climb = rise * chain[k, 0]
+        below, above = (radius + shift) + climb, (radius - shift) - climb
+        chain[k, 1] = np.sqrt(max(below, 0.0) * max(above, 0.0))
     return chain[: count + 1]
 
 

@@ -51,7 +51,7 @@ def test_plan_figure_of_a_planar_catch(planar_case, drawn):
 def test_plan_figure_of_a_3d_catch_has_a_view(solid_case, drawn):
     figure = plan_figure(*solid_case)
     drawn(figure)
-    assert [ax.get_title() for ax in figure.axes][0] == "at the catch"
+    assert figure.axes[0].get_title() == "at the catch"
     assert len(figure.axes) == 3
 
 

@@ -9,8 +9,8 @@ import pytest
 from matplotlib.colors import to_hex, to_rgba
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 
-from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn import plots
+from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn.families import paper
 from gcm_learn.plots import style
 from gcm_learn.plots.handspace import draw_hand_space, extended_image, lattice_of
