@@ -13,6 +13,7 @@ from gcm_learn.situation.kernels import HAND, PART, Bodies, arm_distance, drift,
 
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearm lengths]
 _DEEPEST = 48  # bisections of one segment before it counts as touching
+_MOST = 1_000_000  # looks at one path before it counts as touching: bodies may spin absurdly fast
 
 
 @njit(cache=True)
@@ -80,52 +81,72 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
     when : float
         Where it was found [s].
     """
-    poses = np.zeros((bodies.rows.shape[0], 12))
+    count = bodies.rows.shape[0]
+    poses = np.zeros((count, 12))
     stack = np.empty((_DEEPEST + 2, 3))
-    best, when = 1e300, 0.0
-    for b in range(bodies.rows.shape[0]):
+    at_sample = np.empty((count, time.size))
+    best, when, looks = 1e300, 0.0, 0
+    # All samples first: a good least distance at hand spares most of the bisections.
+    for k in range(time.size):
+        ex, ey = elbow_of(hand[k, 0], hand[k, 1], rho, side)
+        for b in range(count):
+            if bodies.rows[b, PART] == HAND:
+                continue
+            pose_at(bodies, b, time[k], poses)
+            d = arm_distance(bodies, poses, b, hand[k, 0], hand[k, 1], ex, ey)
+            at_sample[b, k] = d
+            if d < best:
+                best, when = d, time[k]
+        if best <= floor:
+            return best, when
+    for b in range(count):
         if bodies.rows[b, PART] == HAND:
             continue
-        before = _distance_at(bodies, b, time[0], hand[0, 0], hand[0, 1], rho, side, poses)
-        if before < best:
-            best, when = before, time[0]
         for k in range(time.size - 1):
-            t0, t1 = time[k], time[k + 1]
-            x0, y0 = hand[k, 0], hand[k, 1]
-            dx, dy = hand[k + 1, 0] - x0, hand[k + 1, 1] - y0
-            after = _distance_at(bodies, b, t1, hand[k + 1, 0], hand[k + 1, 1], rho, side, poses)
-            # The stack holds right ends of intervals: position s in [0, 1], distance, depth.
-            stack[0, 0], stack[0, 1], stack[0, 2] = 1.0, after, 0.0
-            top = 1
-            s0, d0 = 0.0, before
-            while top > 0:
-                if min(d0, stack[top - 1, 1]) < best:
-                    if d0 < stack[top - 1, 1]:
-                        best, when = d0, t0 + s0 * (t1 - t0)
-                    else:
-                        best, when = stack[top - 1, 1], t0 + stack[top - 1, 0] * (t1 - t0)
-                if best <= floor:
-                    return best, when
-                s1, d1, depth = stack[top - 1, 0], stack[top - 1, 1], stack[top - 1, 2]
-                moved = drift(bodies, b, t0 + s0 * (t1 - t0), t0 + s1 * (t1 - t0))
-                moved += limb_sweep(x0 + s0 * dx, y0 + s0 * dy, x0 + s1 * dx, y0 + s1 * dy, rho)
-                # d falls by at most the way travelled from either end: the least is in between.
-                low = 0.5 * (d0 + d1 - moved)
-                if low > floor and low >= best - resolution:
-                    s0, d0 = s1, d1
-                    top -= 1
-                    continue
-                if depth >= _DEEPEST:
-                    return floor, t0 + s0 * (t1 - t0)
-                m = 0.5 * (s0 + s1)
-                d = _distance_at(
-                    bodies, b, t0 + m * (t1 - t0), x0 + m * dx, y0 + m * dy, rho, side, poses
-                )
-                stack[top - 1, 2] = depth + 1.0
-                stack[top, 0], stack[top, 1], stack[top, 2] = m, d, depth + 1.0
-                top += 1
-            before = after
+            best, when, looks = _least_in_segment(
+                bodies, b, time, hand, k, at_sample[b, k], at_sample[b, k + 1],
+                rho, side, floor, resolution, best, when, looks, poses, stack,
+            )  # fmt: skip
+            if best <= floor:
+                return best, when
     return best, when
+
+
+@njit(cache=True)
+def _least_in_segment(
+    bodies, b, time, hand, k, d0, d1, rho, side, floor, resolution, best, when, looks, poses, stack
+):
+    """`least_distance` to body b between samples k and k + 1, whose distances are d0 and d1."""
+    t0, span = time[k], time[k + 1] - time[k]
+    x0, y0 = hand[k, 0], hand[k, 1]
+    dx, dy = hand[k + 1, 0] - x0, hand[k + 1, 1] - y0
+    # The stack holds right ends of intervals: position s in [0, 1], distance, depth.
+    stack[0, 0], stack[0, 1], stack[0, 2] = 1.0, d1, 0.0
+    top = 1
+    s0 = 0.0
+    while top > 0:
+        s1, d1, depth = stack[top - 1, 0], stack[top - 1, 1], stack[top - 1, 2]
+        moved = drift(bodies, b, t0 + s0 * span, t0 + s1 * span)
+        moved += limb_sweep(x0 + s0 * dx, y0 + s0 * dy, x0 + s1 * dx, y0 + s1 * dy, rho)
+        # d falls by at most the way travelled from either end: the least is in between.
+        low = 0.5 * (d0 + d1 - moved)
+        if low > floor and low >= best - resolution:
+            s0, d0 = s1, d1
+            top -= 1
+            continue
+        looks += 1
+        if depth >= _DEEPEST or looks > _MOST:
+            return floor, t0 + s0 * span, looks
+        m = 0.5 * (s0 + s1)
+        d = _distance_at(bodies, b, t0 + m * span, x0 + m * dx, y0 + m * dy, rho, side, poses)
+        if d < best:
+            best, when = d, t0 + m * span
+            if best <= floor:
+                return best, when, looks
+        stack[top - 1, 2] = depth + 1.0
+        stack[top, 0], stack[top, 1], stack[top, 2] = m, d, depth + 1.0
+        top += 1
+    return best, when, looks
 
 
 def clearance(

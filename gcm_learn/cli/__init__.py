@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from gcm_learn.cli.arguments import Command, parse
 from gcm_learn.cli.failures import CommandFailure, one_line, place_of
+from gcm_learn.cli.interrupts import Interrupts
 from gcm_learn.errors import FileFormatError, GcmError
 
 __all__ = ["main"]
@@ -34,25 +35,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         0 when the command did all it was asked for, 2 for bad arguments or bad input, 1 when
         it failed on the way, 130 after Ctrl-C, 141 when the reader of its output went away.
     """
-    try:
-        command = parse(sys.argv[1:] if argv is None else argv)
-        return 0 if command is None else _run(command)
-    except KeyboardInterrupt:
-        return _complain("gcm-learn: interrupted", INTERRUPTED)
-    except BrokenPipeError:
-        _silence_stdout()
-        return BROKEN_PIPE
-    except FileFormatError as error:
-        return _complain(str(error), 2)
-    except CommandFailure as error:
-        return _complain(f"gcm-learn: {error}", error.exit_code)
-    except GcmError as error:
-        return _complain(f"gcm-learn: {error}", 2)
-    except OSError as error:
-        _silence_stdout()
-        return _complain(f"gcm-learn: {error}", 1)
-    except Exception as error:
-        return _complain(f"gcm-learn: unexpected error: {place_of(error)}", 1)
+    with Interrupts() as interrupts:
+        try:
+            command = parse(sys.argv[1:] if argv is None else argv)
+            return 0 if command is None else _run(command)
+        except (Exception, KeyboardInterrupt) as error:
+            # After an interrupt that was dropped halfway, any other error is its consequence.
+            return _complain(KeyboardInterrupt() if interrupts.lost else error)
 
 
 def _run(command: Command) -> int:
@@ -62,11 +51,33 @@ def _run(command: Command) -> int:
     return code
 
 
-def _complain(message: str, code: int) -> int:
+def _complain(error: BaseException) -> int:
+    """Say what went wrong in one line and return the exit code."""
     if os.environ.get("GCM_LEARN_TRACEBACK"):
         traceback.print_exc()
+    if isinstance(error, OSError):
+        _silence_stdout()
+    if isinstance(error, BrokenPipeError):
+        return BROKEN_PIPE
+    message, code = _verdict(error)
     print(one_line(message), file=sys.stderr)
     return code
+
+
+def _verdict(error: BaseException) -> tuple[str, int]:
+    """Return the message and the exit code of an error."""
+    match error:
+        case KeyboardInterrupt():
+            return "gcm-learn: interrupted", INTERRUPTED
+        case FileFormatError():
+            return str(error), 2  # it begins with file and line, as an editor expects
+        case CommandFailure():
+            return f"gcm-learn: {error}", error.exit_code
+        case GcmError():
+            return f"gcm-learn: {error}", 2
+        case OSError():
+            return f"gcm-learn: {error}", 1
+    return f"gcm-learn: unexpected error: {place_of(error)}", 1
 
 
 def _silence_stdout() -> None:

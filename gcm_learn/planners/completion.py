@@ -23,8 +23,11 @@ from gcm_learn.planners.verification import CATCH_SAFETY, start_clearance, verif
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import Bodies
+from gcm_learn.situation.situation import Arm
 
-_INSTANTS = 4000  # moments of the horizon at which an interception is looked for
+_INSTANT = 5e-4  # resolution of interceptions: the hand's way in that time [forearm lengths]
+_MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
+HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 
@@ -45,7 +48,8 @@ class Problem:
     @property
     def instant(self) -> float:
         """Resolution in time of interceptions [s]."""
-        return self.situation.horizon / _INSTANTS
+        situation = self.situation
+        return max(_INSTANT / situation.arm.max_hand_speed, situation.horizon / _MOST_INSTANTS)
 
     def answer(self, status: str, message: str, cognitive_map: CognitiveMap | None = None) -> Plan:
         """A plan without a catch."""
@@ -149,6 +153,7 @@ def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt |
         When the front was there [s].
     """
     arm = problem.situation.arm
+    hand = out_of_hole(arm, hand)
     time = keep_limits(arm, hand, arrival)
     t, body = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
     if body >= 0:
@@ -163,6 +168,16 @@ def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt |
         hand = np.vstack([hand, ending[1][1:]])
         body = ending[2]
     return attempt_of(problem, time, hand, body)
+
+
+def out_of_hole(arm: Arm, hand: np.ndarray) -> np.ndarray:
+    """Push samples out of the hole in the ring, which a smooth path may cut by part of a cell."""
+    radius = np.sqrt((hand[1:] ** 2).sum(axis=1))
+    least = arm.inner_reach + HOLE_MARGIN
+    if arm.inner_reach == 0.0 or radius.min() >= least:
+        return hand
+    scale = np.maximum(least / np.maximum(radius, 1e-9), 1.0)
+    return np.vstack([hand[:1], hand[1:] * scale[:, None]])
 
 
 def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:

@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
+from gcm_learn.arm.lattice import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 
+Params = TypeVar("Params", WaveParams, MarchingParams)
+
 
 @dataclass(frozen=True)
 class FrontPlanner:
     """Map, descent, verification; and again with more care when the verification fails.
 
-    The map is exact about the cells' centres only, so a path between them may touch what it
-    should not.  Then the map is made again: with obstacles widened, on a finer lattice.
+    A map knows the cells' centres only.  With obstacles widened by half a cell its paths mostly
+    hold, but narrow gaps are lost; without, gaps are found and the verification rejects what
+    touches.  So both are tried, then both again on a finer lattice.
     """
 
     name: str
     rungs: tuple[WaveParams | MarchingParams, ...]
     """Parameters of the maps to try, in order."""
-    contacts: int = 2
+    contacts: int = 3
     """How many contacts of one map to try before the next map."""
 
     def plan(self, situation: Situation) -> Plan:
@@ -61,16 +66,17 @@ class FrontPlanner:
 def gcm(params: WaveParams | None = None) -> FrontPlanner:
     """The paper's planner: the wave of Eq. 10, its map and the descent on it."""
     params = WaveParams() if params is None else params
-    return FrontPlanner(
-        "gcm",
-        (params, replace(params, margin=params.margin + 1.0), replace(params, n=2 * params.n)),
-    )
+    bare = replace(params, margin=0.0)
+    return FrontPlanner("gcm", (params, bare, _finer(params), _finer(bare)))
 
 
 def marching(params: MarchingParams | None = None) -> FrontPlanner:
     """The same idea with causal marching instead of the wave."""
     params = MarchingParams() if params is None else params
-    return FrontPlanner(
-        "marching",
-        (params, replace(params, margin=params.margin + 1.0), replace(params, n=2 * params.n)),
-    )
+    bare = replace(params, margin=0.0, lookback=0.0)
+    return FrontPlanner("marching", (params, bare, _finer(params), _finer(bare)))
+
+
+def _finer(params: Params) -> Params:
+    """The same parameters on a lattice of half the spacing."""
+    return replace(params, n=min(2 * params.n, LARGEST_LATTICE))

@@ -178,6 +178,7 @@ def may_be_reached(bodies, x, y, end, speed, reach, far):
     A necessary condition by conservative advancement, so False is certain.
     """
     poses = np.zeros((bodies.rows.shape[0], 12))
+    tiny = 1e-5 * end
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
@@ -187,12 +188,10 @@ def may_be_reached(bodies, x, y, end, speed, reach, far):
             pose_at(bodies, b, t, poses)
             ring = segment_distance(bodies, poses, b, 0.0, 0.0, 0.0, 0.0) - reach - far
             way = segment_distance(bodies, poses, b, x, y, x, y) - reach - speed * t
-            if ring <= 0.0 and way <= 0.0:
-                return True
-            wait = 0.0
+            wait = way / (top + speed)
             if ring > 0.0:
-                wait = ring / top if top > 0.0 else NOWHERE
-            if way > 0.0:
-                wait = max(wait, way / (top + speed))
-            t += max(wait, 1e-4)
+                wait = max(wait, ring / top if top > 0.0 else NOWHERE)
+            if wait <= tiny:  # now, or too soon to be told apart from now
+                return True
+            t += wait
     return False

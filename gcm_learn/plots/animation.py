@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 from gcm_learn.plots import style
@@ -24,7 +25,19 @@ if TYPE_CHECKING:
 FRAMES = 40
 FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]
 WIDTH, HEIGHT, FILM_DPI = 7.0, 3.9, 80
-COLOURS = 96  # in the film's palette
+COLOURS = 128  # besides those of the style
+PALETTE = (
+    style.ARM,
+    style.OBSTACLE,
+    style.TARGET,
+    style.EXTENDED,
+    style.EXPLORED,
+    style.EFFECTIVE,
+    style.FRONT,
+    style.PATH,
+    style.INK,
+    "black",
+)
 NEARLY_WHITE = 247  # of 255
 COARSE = 160  # cells a side of the drawn extended obstacles
 
@@ -75,16 +88,20 @@ def _frames(situation: Situation, plan: Plan, frames: int) -> Iterator[Image.Ima
 
 
 def _palette(images: list[Image.Image]) -> Image.Image:
-    """Choose the colours for all frames from some of them; the ground stays pure white."""
+    """Choose the colours for all frames: those of the style, their tints, and what else occurs."""
     width, height = images[0].size
     strip = Image.new("RGB", (width, height * len(images)))
     for k, image in enumerate(images):
         strip.paste(image, (0, k * height))
-    chosen = strip.quantize(COLOURS, dither=Image.Dither.NONE)
-    values = np.array(chosen.getpalette(), dtype=int).reshape(-1, 3)
+    found = strip.quantize(COLOURS, dither=Image.Dither.NONE).getpalette() or []
+    values = np.array(found, dtype=float).reshape(-1, 3)
     values[values.min(axis=1) >= NEARLY_WHITE] = 255  # quantize() confuses near neighbours
-    chosen.putpalette(values.ravel().tolist())
-    return chosen
+    pure = 255 * np.array([to_rgb(colour) for colour in PALETTE])
+    tints = [255 - share * (255 - pure) for share in (1.0, 0.75, 0.5, 0.25)]
+    palette = Image.new("P", (1, 1))
+    chosen = np.concatenate([np.full((1, 3), 255.0), *tints, values])[:256]
+    palette.putpalette(np.rint(chosen).astype(int).ravel().tolist())
+    return palette
 
 
 def _paint(ax: Axes, draw: Callable[[], None]) -> None:
@@ -131,6 +148,6 @@ def _right(ax: Axes, situation: Situation, plan: Plan, t: float, at_end: bool) -
 
 def _note(ax: Axes, text: str) -> None:
     ax.text(
-        0.99, 0.01, text, transform=ax.transAxes, ha="right", va="bottom",
-        fontsize=style.TITLE, color=style.INK, zorder=20,
+        0.01, 0.01, text, transform=ax.transAxes, ha="left", va="bottom",
+        fontsize=style.TITLE, color=style.INK, zorder=20, path_effects=[style.HALO],
     )  # fmt: skip

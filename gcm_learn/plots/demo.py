@@ -60,7 +60,10 @@ def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
         The page, ``index.html``.
     """
     out.mkdir(parents=True, exist_ok=True)
-    progress("Compiling and solving the paper's scenes")
+    progress("Compiling")
+    for make in (PAPER_SCENES["fig2"], PAPER_SCENES["fig5"]):
+        _solved(make(), PLANNERS)  # so that the planning times told below are those of planning
+    progress("Solving the paper's scenes")
     scenes = [_solved(make(), ENGINES) for make in PAPER_SCENES.values()]
     write_situations(out / "paper.jsonl", [scene.situation for scene in scenes])
     sections = [_overview(scenes)]
@@ -125,9 +128,7 @@ def _scene_section(out: Path, scene: Solved) -> Section:
     for figure in (*EXTRA_FIGURES.get(name, ()), name):
         if figure in FIGURES:
             _save(draw_figure(figure), out / f"{figure}.png")
-            pictures.append(
-                Picture(f"{figure}.png", f"Figure {figure[3:]} of the paper, computed.")
-            )
+            pictures.append(Picture(f"{figure}.png", words.CAPTIONS[figure]))
     animate(scene.situation, scene.plans["gcm"], out / f"{name}.gif")
     pictures.append(Picture(f"{name}.gif", "The catch in slow motion: the arm, and the wave."))
     _save(engines_figure(scene.situation, scene.plans), out / f"{name}-engines.png")

@@ -174,7 +174,7 @@ def fig7() -> Figure:
 def fig8() -> Figure:
     """Draw the pendulum experiment: the wave and the movement."""
     situation, plan = _solved("fig8")
-    figure, panels = _panels(2, 3, letters="B  C")
+    figure, panels = _panels(2, 3, letters="B  C", heights=(1.0, 0.72))
     _draw_snapshots(panels[:3], situation, plan)
     _draw_views(panels[3:], situation, plan, [0.0, 120 * KAPPA])
     return figure
@@ -193,10 +193,18 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def _panels(
-    rows: int, columns: int, *, letters: str = "", size: float = PANEL
+    rows: int,
+    columns: int,
+    *,
+    letters: str = "",
+    size: float = PANEL,
+    heights: Sequence[float] | None = None,
 ) -> tuple[Figure, list[Axes]]:
-    figure = style.new_figure(size * columns, (size + 0.3) * rows)
-    panels = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    """Make a grid of panels; a letter of `letters` goes to each, rows may differ in height."""
+    heights = [1.0] * rows if heights is None else heights
+    figure = style.new_figure(size * columns, (size + 0.3) * sum(heights))
+    grid = figure.subplots(rows, columns, squeeze=False, height_ratios=heights)
+    panels = list(grid.ravel())
     for ax, letter in zip(panels, letters, strict=False):
         style.panel_letter(ax, letter)
     return figure, panels

@@ -16,9 +16,8 @@ if TYPE_CHECKING:
     from gcm_learn.planners.plan import Plan
 
 STATUSES = ("caught", "unreachable", "start_blocked")
-SHADES = {"caught": "#2f855a", "unreachable": "#cbd5e0", "start_blocked": "#718096"}
+SHADES = {"caught": "#8fd3ae", "unreachable": "#cbd5e0", "start_blocked": "#a0aec0"}
 LINES = ("#2c7a7b", "#c05621", "#4a5568", "#6b46c1")  # of the planners, in their order
-BINS = 24
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ def tally(planner: str, plans: Sequence[Plan]) -> Tally:
 
 
 def summary_figure(tallies: Sequence[Tally]) -> Figure:
-    """Draw counts by status and the spread of catch times, clearances and latencies.
+    """Draw counts by status, and how catch times, clearances and latencies are distributed.
 
     Parameters
     ----------
@@ -75,7 +74,7 @@ def summary_figure(tallies: Sequence[Tally]) -> Figure:
     _draw_spread(room, finite, tallies, "clearance [forearms]")
     _draw_spread(latency, [t.latencies for t in tallies], tallies, "planning time [ms]", log=True)
     if any(summary.catch_times.size for summary in tallies):
-        times.legend(fontsize=style.SMALL, frameon=False)
+        times.legend(fontsize=style.SMALL, frameon=False, loc="lower right")
     return figure
 
 
@@ -85,7 +84,7 @@ def _draw_counts(ax: Axes, tallies: Sequence[Tally]) -> None:
     for status in STATUSES:
         width = np.array([t.counts[status] for t in tallies])
         bars = ax.barh(names, width, left=left, color=SHADES[status], height=0.6)
-        text = [str(w) if w > 0.06 * left_total(tallies) else "" for w in width]
+        text = [str(w) if w > 0.06 * _total(tallies) else "" for w in width]
         ax.bar_label(bars, text, label_type="center", fontsize=style.SMALL, color=style.INK)
         left = left + width
     ax.invert_yaxis()
@@ -98,7 +97,7 @@ def _draw_counts(ax: Axes, tallies: Sequence[Tally]) -> None:
     )  # fmt: skip
 
 
-def left_total(tallies: Sequence[Tally]) -> int:
+def _total(tallies: Sequence[Tally]) -> int:
     """Return the number of situations."""
     return sum(tallies[0].counts.values())
 
@@ -106,18 +105,14 @@ def left_total(tallies: Sequence[Tally]) -> int:
 def _draw_spread(
     ax: Axes, samples: Sequence[np.ndarray], tallies: Sequence[Tally], name: str, log: bool = False
 ) -> None:
+    """Draw for every planner which share of its values lies below x."""
     _plain(ax, name)
-    together = np.concatenate(samples)
-    if together.size == 0:
-        return
-    low, high = float(together.min()), float(together.max())
-    if high <= low:
-        high = low + 1.0
-    edges = np.geomspace(max(low, 1e-3), high, BINS) if log else np.linspace(low, high, BINS)
     for sample, summary, colour in zip(samples, tallies, LINES, strict=False):
-        ax.hist(sample, bins=list(edges), histtype="step", lw=1.8, color=colour,
-                label=summary.planner)  # fmt: skip
-    if log:
+        if sample.size:
+            ax.ecdf(sample, color=colour, lw=1.8, label=summary.planner)
+    ax.set_ylim(0, 1.02)
+    ax.set_yticks([0, 0.5, 1], ["0", "half", "all"])
+    if log and any(sample.size for sample in samples):
         ax.set_xscale("log")
 
 

@@ -65,6 +65,20 @@ SCENES = {
     ),
 }
 
+CAPTIONS = {
+    "fig1": "Fig. 1. A: the direct way is barred. B: arms that touch the point, and the curve of "
+    "their hands. Dashed circles: reach of the upper arm and of the whole arm.",
+    "fig2": "Fig. 2A. Left: poses on the way to the target. Right: the same path in hand-space.",
+    "fig3": "Fig. 3. Two movers and their extended obstacles at four instants.",
+    "fig4": "Fig. 4. A: the situation. B: the same in hand-space. C: the wave at three instants. "
+    "D: the cognitive map and the path. E: three poses of the arm.",
+    "fig5": "Fig. 5. A: the scene and the arm's plane. B: the cut. C: the wave. D: the movement.",
+    "fig6": "Fig. 6. B: the wave. C: the movement in 3D; what is behind the plane looks dimmer.",
+    "fig7": "Fig. 7B. The initial situation, seen from behind the arm, and in the arm's plane.",
+    "fig8": "Fig. 8. B: the wave; at the contact the cord's image is in the upper right. "
+    "C: the movement.",
+}
+
 RANDOM = (
     "Random situations with one to five moving bodies, solved by both engines and, for "
     "comparison, by a straight line to the earliest interception at full speed. Every catch "

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numba import njit
 
+from gcm_learn.errors import SituationError
 from gcm_learn.situation import kernels as k
 from gcm_learn.situation.kernels import Bodies
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
@@ -23,7 +24,7 @@ _KIND = {
     Cylinder: k.CYLINDER,
 }
 _SWING_STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13 rad
-_MOST_SWING_STEPS = 400_000
+_MOST_SWING_STEPS = 2_000_000
 _IDENTITY = np.eye(3)
 
 
@@ -59,6 +60,8 @@ def pack(situation: Situation) -> Bodies:
             _place_solid(row, motion, frame, origin)
         else:
             _place_planar(row, motion)
+        if isinstance(shape, Disc | Sphere):  # nobody can see them spin
+            row[k.SPIN : k.SPIN + 3] = 0.0
         row[k.FIRST] = len(vertices)
         vertices.extend(shape.vertices if isinstance(shape, Polygon) else ())
         row[k.LAST] = len(vertices)
@@ -87,9 +90,8 @@ def pose(situation: Situation, index: int, t: float) -> tuple[np.ndarray, np.nda
     """
     bodies = pack(situation)
     poses = np.zeros((len(situation.bodies), 12))
+    poses[index, 3:] = np.eye(3).ravel()  # discs and spheres leave it so
     k.pose_at(bodies, index, t, poses)
-    if bodies.rows[index, k.SWING] < 0:  # discs and spheres skip their rotation in the kernel
-        k.rotate(bodies, index, t, poses)
     return poses[index, :3].copy(), poses[index, 3:].reshape(3, 3).copy()
 
 
@@ -174,7 +176,13 @@ def _swing_tables(swings: list[Pendulum], horizon: float) -> tuple[float, np.nda
         max(np.sqrt(m.gravity / m.length), abs(m.rate), m.damping, 1e-3) for m in swings
     )
     wanted = int(np.ceil(horizon * fastest * _SWING_STEPS_PER_PERIOD / (2 * np.pi))) + 2
-    count = min(max(wanted, 64), _MOST_SWING_STEPS)
+    if wanted > _MOST_SWING_STEPS:
+        raise SituationError(
+            "horizon",
+            f"{horizon:g} s is too long for the fastest pendulum "
+            f"(at most {_MOST_SWING_STEPS // _SWING_STEPS_PER_PERIOD} of its periods)",
+        )
+    count = max(wanted, 64)
     step = horizon / (count - 2)
     tables = [
         integrate_swing(m.angle, m.rate, m.gravity / m.length, m.damping, step, count)

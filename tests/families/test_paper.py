@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.families import paper
+from gcm_learn.planners import solve
 from gcm_learn.situation import (
     Box,
     Disc,
@@ -191,3 +192,25 @@ def test_fig8_released_at_rest_and_going_down():
     heights = [pose(situation, ball, t)[0][1] for t in (0.0, 0.1, 0.2)]
     assert heights[0] > heights[1] > heights[2]
     assert math.isclose(motion.length * paper.FOREARM, paper.CORD_LENGTH)
+
+
+@pytest.mark.parametrize("name", paper.CAPTION_INSTANTS)
+def test_contact_comes_near_the_captions_instant(name):
+    """On the paper's own lattice, within 15 %, and the catch is verified."""
+    plan = solve(paper.PAPER_SCENES[name](), "gcm")
+    assert plan.status == "caught"
+    assert plan.map.lattice.n == 80
+    assert plan.map.contact_tau == pytest.approx(paper.CAPTION_INSTANTS[name][-1], rel=0.15)
+
+
+@pytest.mark.parametrize("name", paper.PAPER_SCENES)
+def test_both_engines_catch_where_a_straight_line_fails(name):
+    situation = paper.PAPER_SCENES[name]()
+    statuses = [solve(situation, planner).status for planner in ("gcm", "marching", "straight")]
+    assert statuses == ["caught", "caught", "unreachable"]
+
+
+def test_fig8_the_cord_is_in_the_plane_at_the_contact():
+    situation = paper.fig8()
+    plan = solve(situation, "gcm")
+    assert len(cut_at(situation, "cord", plan.map.contact_tau)) > 2

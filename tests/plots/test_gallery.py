@@ -1,0 +1,22 @@
+"""The README's pictures can be drawn again."""
+
+from __future__ import annotations
+
+from PIL import Image
+
+from gcm_learn.plots.gallery import write_gallery
+
+
+def test_gallery_writes_five_readable_pictures(tmp_path):
+    files = write_gallery(tmp_path / "images")
+    assert [f.name for f in files] == [
+        "situation.png",
+        "hand-space.png",
+        "wave.png",
+        "map.png",
+        "catch.gif",
+    ]
+    for file in files:
+        with Image.open(file) as picture:
+            assert min(picture.size) >= 300
+        assert file.stat().st_size < 400_000
