@@ -26,7 +26,10 @@ def random_solid(rng, obstacles=(1, 4)):
     frame = random_rotation(rng)
     plane = Plane(tuple(rng.uniform(-1, 1, 3)), tuple(frame[:, 0]), tuple(frame[:, 1]))
     upper_arm = float(rng.uniform(0.8, 1.2))
-    radius, angle = rng.uniform(abs(upper_arm - 1.0) + 0.35, upper_arm + 0.9), rng.uniform(-3.1, 3.1)
+    radius, angle = (
+        rng.uniform(abs(upper_arm - 1.0) + 0.35, upper_arm + 0.9),
+        rng.uniform(-3.1, 3.1),
+    )
     arm = Arm(
         hand=(radius * np.cos(angle), radius * np.sin(angle)),
         max_hand_speed=SPEED,

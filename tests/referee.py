@@ -364,9 +364,7 @@ def _segment_polygon(vertices, a, b):
             _segment_point(b, *np.broadcast_arrays(p, q)),
         )
         edge = np.minimum(_segment_point(p, a, b), _segment_point(q, a, b))
-        crossing = (_turn(a, b, p) * _turn(a, b, q) < 0.0) & (
-            _turn(p, q, a) * _turn(p, q, b) < 0.0
-        )
+        crossing = (_turn(a, b, p) * _turn(a, b, q) < 0.0) & (_turn(p, q, a) * _turn(p, q, b) < 0.0)
         best = np.minimum(best, np.where(crossing, 0.0, np.minimum(ends, edge)))
     return np.where(windings(vertices, a) != 0, 0.0, best)
 

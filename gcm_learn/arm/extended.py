@@ -55,9 +55,9 @@ def extended_obstacle(
     r = float(np.hypot(*x))
     phi = np.linspace(-reach_angle(x, upper_arm), 0.0, n)
     # Eq. 4 with erratum 1: the distance of elbow and obstacle is |x_e - x|.
-    distance = np.sqrt(
-        np.maximum(upper_arm**2 + r * r - 2.0 * upper_arm * r * np.cos(phi), 1e-18)
-    )[:, None]
+    distance = np.sqrt(np.maximum(upper_arm**2 + r * r - 2.0 * upper_arm * r * np.cos(phi), 1e-18))[
+        :, None
+    ]
     side = SIDE[elbow]
     turned = np.stack([np.cos(phi), side * np.sin(phi)], axis=-1)
     rotation = np.array([[x[0], -x[1]], [x[1], x[0]]]) / r  # Eq. 7

@@ -11,7 +11,7 @@ import numpy as np
 from gcm_learn.arm.kinematics import SIDE, elbow_position
 from gcm_learn.errors import LatticeError
 
-SMALLEST_LATTICE, LARGEST_LATTICE = 16, 512
+SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ from gcm_learn.situation.kernels import (
     arm_distance,
     pose_at,
     poses_at,
-    segment_point2,
 )
 
 
@@ -38,6 +37,20 @@ def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
         if t >= t1 or bodies.rows[b, TOP_SPEED] == 0.0:
             return -1.0
         t = min(t + max(room / bodies.rows[b, TOP_SPEED], shortest), t1)
+
+
+@njit(cache=True, forceinline=True)
+def _limb_point2(x, y, hx, hy, ex, ey, shrink):
+    """Squared distance of a point to the limb; shrink is 1 / length^2 of the upper arm.
+
+    Known lengths (the forearm's is 1) spare the divisions of the general distance to a segment.
+    """
+    dx, dy, wx, wy = hx - ex, hy - ey, x - ex, y - ey
+    s = min(max(wx * dx + wy * dy, 0.0), 1.0)
+    wx, wy = wx - s * dx, wy - s * dy
+    s = min(max((x * ex + y * ey) * shrink, 0.0), 1.0)
+    ux, uy = x - s * ex, y - s * ey
+    return min(wx * wx + wy * wy, ux * ux + uy * uy)
 
 
 @njit(cache=True)
@@ -62,6 +75,9 @@ def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, 
         Room for poses at other instants.
     """
     blocked[:count] = False
+    if count == 0:
+        return
+    shrink = 1.0 / (limb[cells[0], 2] ** 2 + limb[cells[0], 3] ** 2)
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
             continue
@@ -75,9 +91,7 @@ def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, 
             hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
             travel = speed * (now - since[i])
             if disc:  # the common case, decided without a root or a call
-                d2 = min(
-                    segment_point2(x, y, ex, ey, hx, hy), segment_point2(x, y, 0.0, 0.0, ex, ey)
-                )
+                d2 = _limb_point2(x, y, hx, hy, ex, ey, shrink)
                 near, far = radius + gap[m], radius + gap[m] + travel
                 if d2 > far * far:
                     continue
@@ -91,29 +105,43 @@ def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, 
                 if room <= 0.0:
                     blocked[i] = True
                     continue
-            t = first_touch(
-                bodies, b, hx, hy, ex, ey, gap[m], since[i], now, shortest, scratch
-            )
+            t = first_touch(bodies, b, hx, hy, ex, ey, gap[m], since[i], now, shortest, scratch)
             blocked[i] = t >= 0.0
 
 
 @njit(cache=True)
-def target_at_hand(bodies, poses, hx, hy, gap, t0, t1, shortest, scratch):
-    """First target within `gap` of a hand at rest during [t0, t1]: (body or -1, time).
+def met_targets(bodies, poses, limb, gap, cells, since, count, now, shortest, body, when, scratch):
+    """Find for every cell the first target that comes within `gap` of a hand resting there.
 
-    `poses` (n, 12) are those at t1; `scratch` is room for others.
+    Parameters
+    ----------
+    gap : float
+        Distance at which a target counts as met.
+    body : (count,) int64 ndarray
+        Filled with the target's index, -1 if none.
+    when : (count,) ndarray
+        Filled with the time [s] where there is one.
+
+    The others are those of `blocked_cells`.
     """
-    best_body, best_time = -1, t1
+    body[:count] = -1
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
-        room = arm_distance(bodies, poses, b, hx, hy, hx, hy) - gap
-        if room > bodies.rows[b, TOP_SPEED] * (t1 - t0) and room > 0.0:
-            continue
-        t = first_touch(bodies, b, hx, hy, hx, hy, gap, t0, t1, shortest, scratch)
-        if t >= 0.0 and (best_body < 0 or t < best_time):
-            best_body, best_time = b, t
-    return best_body, best_time
+        speed, disc = bodies.rows[b, TOP_SPEED], bodies.rows[b, KIND] == DISC
+        radius = bodies.rows[b, SIZE] + gap
+        x, y = poses[b, 0], poses[b, 1]
+        for i in range(count):
+            hx, hy = limb[cells[i], 0], limb[cells[i], 1]
+            far = speed * (now - since[i])
+            if disc:
+                if (hx - x) ** 2 + (hy - y) ** 2 > (radius + far) ** 2:
+                    continue
+            elif arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
+                continue
+            t = first_touch(bodies, b, hx, hy, hx, hy, gap, since[i], now, shortest, scratch)
+            if t >= 0.0 and (body[i] < 0 or t < when[i]):
+                body[i], when[i] = b, t
 
 
 def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarray:

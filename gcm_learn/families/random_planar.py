@@ -14,7 +14,9 @@ BODY_SPEED = 1.2  # largest body speed, in hand speeds
 ATTEMPTS = 100
 
 
-def random_planar(rng: np.random.Generator, bodies: tuple[int, int] = (1, 5)) -> Situation:
+def random_planar(
+    rng: np.random.Generator, bodies: tuple[int, int] = (1, 5), name: str = "random planar"
+) -> Situation:
     """Draw a planar situation: one target, obstacles anywhere, most bodies moving.
 
     Parameters
@@ -22,6 +24,8 @@ def random_planar(rng: np.random.Generator, bodies: tuple[int, int] = (1, 5)) ->
     rng : numpy.random.Generator
     bodies : (int, int)
         Smallest and largest number of bodies, the target included.
+    name : str
+        Of the situation; names must be unique in a file.
 
     Returns
     -------
@@ -45,12 +49,12 @@ def random_planar(rng: np.random.Generator, bodies: tuple[int, int] = (1, 5)) ->
     obstacles = [
         Body("obstacle", f"obstacle {k}", _shape(rng), _motion(rng)) for k in range(1, count)
     ]
-    return Situation("random planar", HORIZON, arm, (target, *obstacles))
+    return Situation(name, HORIZON, arm, (target, *obstacles))
 
 
 def _motion(rng: np.random.Generator) -> PlanarQuadratic:
     """Start anywhere in view; 70 % move, half of those accelerate."""
-    position = tuple(float(v) for v in rng.uniform(-2.0, 2.0, size=2))
+    position = (float(rng.uniform(-2.0, 2.0)), float(rng.uniform(-2.0, 2.0)))
     if rng.random() < 0.3:
         return PlanarQuadratic(position, (0.0, 0.0), (0.0, 0.0), float(rng.uniform(0, np.pi)), 0.0)
     heading = rng.uniform(-np.pi, np.pi)

@@ -11,7 +11,7 @@ from gcm_learn.arm.kinematics import SIDE
 from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners.interception import first_catch, first_interception, may_be_reached
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import Plan, Status
 from gcm_learn.planners.timing import (
     JOINT_TOLERANCE,
     keep_limits,
@@ -51,12 +51,10 @@ class Problem:
         situation = self.situation
         return max(_INSTANT / situation.arm.max_hand_speed, situation.horizon / _MOST_INSTANTS)
 
-    def answer(self, status: str, message: str, cognitive_map: CognitiveMap | None = None) -> Plan:
+    def answer(self, status: Status, message: str, cognitive_map: CognitiveMap | None = None) -> Plan:
         """A plan without a catch."""
         elapsed = 1e3 * (clock.perf_counter() - self.started)
-        return Plan(
-            self.situation.name, self.planner, status, message, elapsed, map=cognitive_map
-        )
+        return Plan(self.situation.name, self.planner, status, message, elapsed, map=cognitive_map)
 
     def early_answer(self) -> Plan | None:
         """What can be said without planning: blocked at the start, or hopeless."""

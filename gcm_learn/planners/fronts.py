@@ -41,9 +41,7 @@ class FrontPlanner:
         for params in self.rungs:
             ignore = 0.0
             for _ in range(self.contacts):
-                cognitive_map = build_map(
-                    situation, params, bodies=problem.bodies, ignore=ignore
-                )
+                cognitive_map = build_map(situation, params, bodies=problem.bodies, ignore=ignore)
                 first = cognitive_map if first is None else first
                 if cognitive_map.contact is None:
                     reason = reason or "the front meets no target within the horizon"

@@ -88,9 +88,10 @@ def first_catch(bodies, time, hand, reach, shortest):
                 break
             speed = bodies.rows[b, TOP_SPEED]
             if span > 0.0:
-                speed += np.sqrt(
-                    (hand[last, 0] - hand[k, 0]) ** 2 + (hand[last, 1] - hand[k, 1]) ** 2
-                ) / span
+                speed += (
+                    np.sqrt((hand[last, 0] - hand[k, 0]) ** 2 + (hand[last, 1] - hand[k, 1]) ** 2)
+                    / span
+                )
             step = room / speed if room > 0.0 and speed > 0.0 else 0.0
             # The hand's speed is known for this segment only: do not step beyond its end.
             end = time[last] if time[last] > t else time[-1]

@@ -25,9 +25,7 @@ def planner_names() -> list[str]:
 def get_planner(name: str) -> Planner:
     """A planner with its default settings; raises UnknownNameError with the known names."""
     if name not in _PLANNERS:
-        raise UnknownNameError(
-            f"planner: {name!r} is not one of {', '.join(planner_names())}"
-        )
+        raise UnknownNameError(f"planner: {name!r} is not one of {', '.join(planner_names())}")
     return _PLANNERS[name]()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,13 +12,14 @@ from matplotlib.figure import Figure
 from gcm_learn.arm.extended import extended_obstacle
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.families.paper import CAPTION_INSTANTS, KAPPA, PAPER_SCENES
+from gcm_learn.maps import build_map
 from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
 from gcm_learn.plots import style
 from gcm_learn.plots.handspace import draw_extended, draw_hand_space
 from gcm_learn.plots.maps import plot_map
 from gcm_learn.plots.poses import draw_poses
-from gcm_learn.plots.scene3d import Camera, align_views, camera, draw_scene, draw_way
+from gcm_learn.plots.scene3d import HEADROOM, align_views, draw_scene, draw_way
 from gcm_learn.plots.snapshots import draw_snapshot
 from gcm_learn.plots.workspace import (
     draw_arm,
@@ -28,9 +30,9 @@ from gcm_learn.plots.workspace import (
 )
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pose
+from gcm_learn.wave import WaveParams
 
 PANEL = 3.1  # [inches]
-HEADROOM = 3.6  # [forearms] above the shoulder in 3D views; the cord goes on
 FIG3_INSTANTS = (0, 60, 120, 180)  # [tau] the caption says tau_1 to tau_4
 
 
@@ -128,7 +130,8 @@ def fig4() -> Figure:
     draw_hand_space(panels[1], situation)
     style.title(panels[1], "hand-space, τ = 0")
     _draw_snapshots(panels[2:5], situation, plan)
-    _draw_map(panels[5], situation, plan)
+    whole = build_map(situation, WaveParams(until="horizon"))
+    _draw_map(panels[5], situation, replace(plan, map=whole))
     _draw_arm_poses(panels[6], situation, plan, 3)
     style.title(panels[6], "work-space: movement")
     style.key(panels[7], style.KEY)
@@ -139,8 +142,8 @@ def fig5() -> Figure:
     """Draw a falling ball: the 3D scene, its plane, the wave and the movement."""
     situation, plan = _solved("fig5")
     figure, panels = _panels(2, 3, letters="ABC  D")
-    draw_scene(panels[0], situation, view=_view(situation))
-    draw_way(panels[0], situation, 0, plan.catch_time or 0.5, _view(situation))
+    draw_scene(panels[0], situation)
+    draw_way(panels[0], situation, 0, plan.catch_time or 0.5)
     style.title(panels[0], "3D scene and arm plane P")
     draw_workspace(panels[1], situation)
     style.title(panels[1], "plane P, t = 0")
@@ -163,8 +166,8 @@ def fig7() -> Figure:
     """Draw the pendulum experiment before it starts."""
     situation, plan = _solved("fig8")
     figure, (a, b) = _panels(1, 2, letters="B ", size=4.4)
-    draw_scene(a, situation, view=_view(situation), headroom=HEADROOM)
-    draw_way(a, situation, 0, plan.catch_time or 0.7, _view(situation))
+    draw_scene(a, situation, headroom=HEADROOM)
+    draw_way(a, situation, 0, plan.catch_time or 0.7)
     style.title(a, "the ball is let go")
     draw_workspace(b, situation)
     style.title(b, "arm plane: only the box is in it")
@@ -215,12 +218,6 @@ def _solved(name: str) -> tuple[Situation, Plan]:
     return situation, solve(situation, "gcm")
 
 
-def _view(situation: Situation) -> Camera | None:
-    if situation.plane is None:
-        return None
-    return camera(situation.plane, azimuth=-40.0, elevation=20.0)
-
-
 def _draw_path(ax: Axes, plan: Plan) -> None:
     if plan.trajectory is not None:
         style.draw_path(ax, plan.trajectory.hand)
@@ -258,10 +255,10 @@ def _draw_views(
     panels: Sequence[Axes], situation: Situation, plan: Plan, times: Sequence[float]
 ) -> None:
     """Draw the 3D scene at some instants and at the catch."""
-    view, way = _view(situation), plan.trajectory
+    way = plan.trajectory
     instants = [*times, max(times) if way is None else way.duration]
     for ax, t in zip(panels, instants, strict=False):
         hand = situation.arm.hand if way is None else way.hand_at(t)
-        draw_scene(ax, situation, t, hand=hand, view=view, headroom=HEADROOM)
+        draw_scene(ax, situation, t, hand=hand, headroom=HEADROOM)
         style.title(ax, f"t = {t:.2f} s")
     align_views(panels)

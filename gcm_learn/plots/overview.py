@@ -12,7 +12,7 @@ from gcm_learn.plots import style
 from gcm_learn.plots.handspace import draw_hand_space
 from gcm_learn.plots.maps import plot_map
 from gcm_learn.plots.poses import draw_poses
-from gcm_learn.plots.scene3d import draw_scene
+from gcm_learn.plots.scene3d import HEADROOM, draw_scene
 from gcm_learn.plots.workspace import draw_courses, draw_targets, draw_workspace
 from gcm_learn.situation import Situation
 
@@ -61,7 +61,7 @@ def _headline(plan: Plan) -> str:
 def _draw_solid(ax: Axes, situation: Situation, plan: Plan) -> None:
     t = 0.0 if plan.catch_time is None else plan.catch_time
     hand = None if plan.trajectory is None else plan.trajectory.hand[-1]
-    draw_scene(ax, situation, t, hand=hand)
+    draw_scene(ax, situation, t, hand=hand, headroom=HEADROOM)
     style.title(ax, "at the start" if plan.catch_time is None else "at the catch")
 
 

@@ -19,6 +19,7 @@ from gcm_learn.situation import PLANAR, Cylinder, Plane, Situation, Sphere
 from gcm_learn.situation.bodies import pose
 
 LIGHT = np.array([0.35, 0.4, 0.85])  # to the light, in the camera's frame: right, up, nearer
+HEADROOM = 3.6  # [forearms] what figures show above the shoulder; a long cord goes on
 GLASS, GLASS_ALPHA = "#8fbc9a", 0.38  # the arm plane; green, as in Fig. 4
 LIMB, JOINT, HAND = 0.055, 0.085, 0.11  # [forearms] radii of the drawn arm
 LIMB_LIFT = 0.2  # [forearms] the arm lies in the plane: draw it after the tiles around it
@@ -43,7 +44,7 @@ class Camera:
         return points @ np.stack([self.right, self.up, self.nearer], axis=1)
 
 
-def camera(plane: Plane, azimuth: float = 40.0, elevation: float = 18.0) -> Camera:
+def camera(plane: Plane, azimuth: float = -40.0, elevation: float = 20.0) -> Camera:
     """Return a camera that looks at the arm plane from the side its normal points to.
 
     Parameters

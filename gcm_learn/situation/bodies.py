@@ -134,9 +134,7 @@ def _place_solid(
     row[k.TURN : k.TURN + 9] = (frame @ rotation_of(motion.orientation)).ravel()
 
 
-def _place_swing(
-    row: np.ndarray, motion: Pendulum, frame: np.ndarray, origin: np.ndarray
-) -> None:
+def _place_swing(row: np.ndarray, motion: Pendulum, frame: np.ndarray, origin: np.ndarray) -> None:
     row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.pivot) - origin)
     row[k.HANG] = motion.hang_distance
     row[k.DOWN : k.DOWN + 3] = frame @ motion.down
@@ -172,9 +170,7 @@ def _swing_tables(swings: list[Pendulum], horizon: float) -> tuple[float, np.nda
     """Integrate every pendulum on one time grid: (step [s], (k, m, 2) angle and rate)."""
     if not swings:
         return 1.0, np.zeros((0, 2, 2))
-    fastest = max(
-        max(np.sqrt(m.gravity / m.length), abs(m.rate), m.damping, 1e-3) for m in swings
-    )
+    fastest = max(max(np.sqrt(m.gravity / m.length), abs(m.rate), m.damping, 1e-3) for m in swings)
     wanted = int(np.ceil(horizon * fastest * _SWING_STEPS_PER_PERIOD / (2 * np.pi))) + 2
     if wanted > _MOST_SWING_STEPS:
         raise SituationError(

@@ -285,7 +285,10 @@ def _segment_cylinder(p, q, radius, half_length):
         lo = 1.0
     while hi - lo > 1e-9:
         m = 0.5 * (lo + hi)
-        if _cylinder_slope(p, d, m, radius, half_length) < 0.0:
+        slope = _cylinder_slope(p, d, m, radius, half_length)
+        if slope == 0.0:  # inside, where the distance is flat at 0
+            lo = hi = m
+        elif slope < 0.0:
             lo = m
         else:
             hi = m

@@ -1,98 +1,23 @@
 """The wave of Eq. 10 on a lattice, as numba kernels.
 
-Speed comes from three choices.  (1) All fields live in one buffer as planes at constant offsets,
-so the compiler knows that they do not overlap and vectorises without run-time checks; the offsets
-are constants because the kernels are made per lattice size.  (2) Only blocks of cells near the
-front are stepped: ahead of it the lattice rests, behind it the lattice is settled.  (3) Whether
-a cell is occupied is asked once, when the front arrives there.
-
-The cell (iy, ix) is entry ``(iy + 1) * W + ix + LEFT`` of a plane; the rest is padding that stays 0.
+Speed comes from three choices.  (1) The stencil vectorises (see `wave.stencil`).  (2) Only blocks
+of cells near the front are stepped: ahead of it the lattice rests, behind it it is settled.
+(3) Whether a cell is occupied is asked once, when the front arrives there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
-from gcm_learn.arm.occupancy import blocked_cells, target_at_hand
+from gcm_learn.arm.occupancy import blocked_cells, met_targets
 from gcm_learn.situation.kernels import poses_at
+from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
-BLOCK = 16  # cells of a row that are switched on and off together: one wide vector register
-LEFT = 8
-PLANES = 6  # potential (two time levels), recovery, q * step, live neighbours, arrival
 FREE, FROZEN, CONTACT = 0, 1, 2  # what became of a cell
 
 CONSTANTS = 9  # length of the array of float constants below
 STEP, DIFFUSION, EPSILON, THRESHOLD, KAPPA, GRASP, NOMINAL_DELAY, QUIET, SHORTEST = range(CONSTANTS)
-
-
-class Layout(NamedTuple):
-    """Where things are in the buffer of a lattice of n x n cells."""
-
-    n: int
-    width: int  # W, row to row
-    plane: int  # plane to plane
-    blocks: int  # blocks in a row
-
-    @property
-    def length(self) -> int:
-        """Floats in the whole buffer."""
-        return PLANES * self.plane + BLOCK
-
-
-def layout(n: int) -> Layout:
-    """Lay out the planes of an n x n lattice."""
-    blocks = -(-n // BLOCK)
-    width = blocks * BLOCK + BLOCK
-    # An odd number of cache lines between planes keeps them out of each other's cache sets.
-    plane = (n + 2) * width + BLOCK
-    return Layout(n, width, plane, blocks)
-
-
-@lru_cache(maxsize=16)
-def stencil(n: int, points: int) -> Callable:
-    """Make the kernel that advances runs of cells by two Euler steps of Eq. 10."""
-    shape = layout(n)
-    W, ONE = np.uint64(shape.width), np.uint64(1)
-    A, Z, Q, L = (np.uint64(k * shape.plane) for k in (1, 2, 3, 4))
-    nine = points == 9
-    f4 = np.float32
-    seventh, two, four, seven, sixth = f4(1 / 7), f4(2), f4(4), f4(7), f4(1 / 6)
-
-    @njit(cache=True)
-    def neighbours(B, k):
-        edge = B[k - W] + B[k + W] + B[k - ONE] + B[k + ONE]
-        if nine:
-            corner = B[k - W - ONE] + B[k - W + ONE] + B[k + W - ONE] + B[k + W + ONE]
-            return (four * edge + corner) * sixth
-        return edge
-
-    @njit(cache=True)
-    def two_steps(B, lo, hi, runs, d, eps):
-        """Advance B[lo:hi] of every run twice: plane 0 -> plane 1 -> plane 0.
-
-        d is the diffusion constant, eps the recovery rate times the step (float32).
-        """
-        for run in range(runs):
-            for k in range(lo[run], hi[run]):
-                r, z = B[k], B[k + Z]
-                f = (((four - r) * r - two) * r - two) * seventh
-                B[k + A] = r + B[k + Q] * (f - z + d * (neighbours(B, k) - B[k + L] * r))
-                B[k + Z] = z + eps * (r - seven * z - two)
-        for run in range(runs):
-            for k in range(lo[run] + A, hi[run] + A):
-                r, z = B[k], B[k + (Z - A)]
-                f = (((four - r) * r - two) * r - two) * seventh
-                B[k - A] = r + B[k + (Q - A)] * (
-                    f - z + d * (neighbours(B, k) - B[k + (L - A)] * r)
-                )
-                B[k + (Z - A)] = z + eps * (r - seven * z - two)
-
-    return two_steps
 
 
 @njit(cache=True)
@@ -247,7 +172,9 @@ def crossed(B, start, plane, level):
 
 
 @njit(cache=True)
-def arrivals(B, n, W, plane, points, watch, watched, threshold, step, tau, lag, delay, found, since, when):
+def arrivals(
+    B, n, W, plane, points, watch, watched, threshold, step, tau, lag, delay, found, since, when
+):
     """Find and record the cells that crossed the threshold since the last look.
 
     Parameters
@@ -290,8 +217,9 @@ def arrivals(B, n, W, plane, points, watch, watched, threshold, step, tau, lag, 
 
 @njit(cache=True)
 def judge(
-    found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state, blocked, scratch
-):
+    found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
+    blocked, body, met, scratch,
+):  # fmt: skip
     """Decide what becomes of the cells that the front has just reached (Eq. 11).
 
     A cell freezes when its limb is touched at any instant between the front's arrival next door
@@ -311,20 +239,17 @@ def judge(
         since[i] *= kappa
     t1 = now * kappa
     blocked_cells(bodies, poses, limb, gap, found, since, count, t1, shortest, blocked, scratch)
+    met_targets(
+        bodies, poses, limb, c[GRASP], found, since, count, t1, shortest, body, met, scratch
+    )
     for i in range(count):
-        m = found[i]
         if blocked[i]:
-            state[m] = FROZEN
-            continue
-        body, t = target_at_hand(
-            bodies, poses, limb[m, 0], limb[m, 1], c[GRASP], since[i], t1, shortest, scratch
-        )
-        if body < 0 or t < ignore * kappa:
-            continue
-        state[m] = CONTACT
-        time = max(t / kappa, when[i])
-        if contact < 0 or time < contact_time:
-            contact, contact_body, contact_time = m, body, time
+            state[found[i]] = FROZEN
+        elif body[i] >= 0 and met[i] >= ignore * kappa:
+            state[found[i]] = CONTACT
+            time = max(met[i] / kappa, when[i])
+            if contact < 0 or time < contact_time:
+                contact, contact_body, contact_time = found[i], body[i], time
     return contact, contact_body, contact_time
 
 
@@ -342,81 +267,78 @@ def freeze(B, n, W, plane, points, found, count, state, held):
             insulate(B, k, W, plane, points)
 
 
-@lru_cache(maxsize=16)
-def propagation(n: int, points: int) -> Callable:
-    """Make the kernel that runs the wave on an n x n lattice until contact, end or horizon."""
-    shape = layout(n)
-    W, plane, blocks = shape.width, shape.plane, shape.blocks
-    two_steps = stencil(n, points)
+@njit(cache=True)
+def propagate(
+    B, n, W, plane, blocks, points, limb, gap, bodies, c, held, explore, tau0, tau_end, ignore,
+    state,
+):  # fmt: skip
+    """Run the wave until contact, end or horizon; the buffer must be prepared and excited.
 
-    @njit(cache=True)
-    def propagate(B, limb, gap, bodies, c, held, explore, tau0, tau_end, ignore, state):
-        """Run the wave; the buffer must be prepared and excited.
+    Parameters
+    ----------
+    n, W, plane, blocks : int
+        `Layout` of the buffer.
+    points : int
+        5 or 9, of the Laplacian.
+    gap : (n * n,) ndarray
+        Distance at which an obstacle occupies a cell: thickness and margin.
+    c : (CONSTANTS,) ndarray
+        Float constants, indexed by the names above.
+    held : bool
+        Frozen cells keep their potential instead of being cut out.
+    explore : bool
+        Go on after the first contact.
+    tau0, tau_end : float
+        Mental time of the prepared state and of the horizon.
+    ignore : float
+        Contacts before this mental time do not count.
+    state : (n * n,) uint8 ndarray
+        Filled with FREE, FROZEN or CONTACT.
 
-        Parameters
-        ----------
-        gap : (n * n,) ndarray
-            Distance at which an obstacle occupies a cell: thickness and margin.
-        c : (CONSTANTS,) ndarray
-            Float constants, indexed by the names above.
-        held : bool
-            Frozen cells keep their potential instead of being cut out.
-        explore : bool
-            Go on after the first contact.
-        tau0, tau_end : float
-            Mental time of the prepared state and of the horizon.
-        ignore : float
-            Contacts before this mental time do not count.
-        state : (n * n,) uint8 ndarray
-            Filled with FREE, FROZEN or CONTACT.
-
-        Returns
-        -------
-        cell, body : int
-            First contact, -1 if none.
-        time : float
-            Mental time of the first contact.
-        steps : int
-            Euler steps made.
-        """
-        f4 = np.float32
-        step, threshold = c[STEP], f4(c[THRESHOLD])
-        d, eps, quiet = f4(c[DIFFUSION]), f4(c[EPSILON] * step), f4(c[QUIET] * step)
-        pairs = max(1, int(0.6 / step + 1e-9))  # pairs of Euler steps between looks at the front
-        looks = max(1, int(3.6 / (2 * pairs * step)))  # looks between renewals of the runs
-        poses = np.zeros((bodies.rows.shape[0], 12))
-        scratch = np.zeros_like(poses)
-        found, blocked = np.zeros(n * n, dtype=np.int64), np.zeros(n * n, dtype=np.bool_)
-        since, when = np.zeros(n * n), np.zeros(n * n)
-        active = np.ones((n + 2, blocks), dtype=np.bool_)
-        lo = np.zeros(n * blocks, dtype=np.uint64)
-        hi, watch = np.zeros_like(lo), np.zeros_like(lo)
-        runs, watched = every_block(n, W, blocks, lo, hi, watch)
-        contact, body, time = -1, -1, -1.0
-        look, tau = 0, tau0
-        while tau < tau_end and runs > 0 and (contact < 0 or explore):
-            for _ in range(pairs):
-                two_steps(B, lo, hi, runs, d, eps)
-            look += 1
-            tau = tau0 + look * 2 * pairs * step
-            count = arrivals(
-                B, n, W, plane, points, watch, watched, threshold, step,
-                tau, 2 * pairs * step, c[NOMINAL_DELAY], found, since, when,
+    Returns
+    -------
+    cell, body : int
+        First contact, -1 if none.
+    time : float
+        Mental time of the first contact.
+    steps : int
+        Euler steps made.
+    """
+    f4 = np.float32
+    step, threshold = c[STEP], f4(c[THRESHOLD])
+    d, eps, quiet = f4(c[DIFFUSION]), f4(c[EPSILON] * step), f4(c[QUIET] * step)
+    pairs = max(1, int(0.6 / step + 1e-9))  # pairs of Euler steps between looks at the front
+    looks = max(1, int(3.6 / (2 * pairs * step)))  # looks between renewals of the runs
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    scratch = np.zeros_like(poses)
+    found, blocked = np.zeros(n * n, dtype=np.int64), np.zeros(n * n, dtype=np.bool_)
+    since, when, met_time = np.empty(n * n), np.empty(n * n), np.empty(n * n)
+    met_body = np.empty(n * n, dtype=np.int64)
+    active = np.ones((n + 2, blocks), dtype=np.bool_)
+    lo = np.zeros(n * blocks, dtype=np.uint64)
+    hi, watch = np.zeros_like(lo), np.zeros_like(lo)
+    runs, watched = every_block(n, W, blocks, lo, hi, watch)
+    contact, body, time = -1, -1, -1.0
+    look, tau = 0, tau0
+    while tau < tau_end and runs > 0 and (contact < 0 or explore):
+        for _ in range(pairs):
+            two_steps(B, lo, hi, runs, d, eps, W, points)
+        look += 1
+        tau = tau0 + look * 2 * pairs * step
+        count = arrivals(
+            B, n, W, plane, points, watch, watched, threshold, step,
+            tau, 2 * pairs * step, c[NOMINAL_DELAY], found, since, when,
+        )  # fmt: skip
+        if count > 0:
+            now = min(tau, tau_end)
+            poses_at(bodies, now * c[KAPPA], poses)
+            cell, target, t = judge(
+                found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
+                blocked, met_body, met_time, scratch,
             )  # fmt: skip
-            if count > 0:
-                now = min(tau, tau_end)
-                poses_at(bodies, now * c[KAPPA], poses)
-                cell, target, t = judge(
-                    found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
-                    blocked, scratch,
-                )  # fmt: skip
-                if cell >= 0 and contact < 0:
-                    contact, body, time = cell, target, t
-                freeze(B, n, W, plane, points, found, count, state, held)
-            if look % looks == 0:
-                runs, watched = find_runs(
-                    B, W, plane, active, quiet, threshold, lo, hi, watch
-                )
-        return contact, body, time, 2 * pairs * look
-
-    return propagate
+            if cell >= 0 and contact < 0:
+                contact, body, time = cell, target, t
+            freeze(B, n, W, plane, points, found, count, state, held)
+        if look % looks == 0:
+            runs, watched = find_runs(B, W, plane, active, quiet, threshold, lo, hi, watch)
+    return contact, body, time, 2 * pairs * look

@@ -22,44 +22,67 @@ from gcm_learn.wave.kernels import FREE, KAPPA, judge
 
 UNKNOWN, ACCEPTED, CLOSED = 0, 1, 2  # a cell of the padded lattice; CLOSED: frozen or outside
 PER_CELL = 1.5  # buckets per crossing: neighbours along a ray are 0.7 crossings apart or more
-BUCKETS = 32  # circular; one step never spans more than 2 sqrt(2) crossings
+BUCKETS = 32  # circular, a power of two; one step never spans more than 2 sqrt(2) crossings
+HAND_SOURCE = 0  # a cell of the rim, which is never a source itself
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
 ROOT2 = float(np.sqrt(2.0))
 
 
-@njit(cache=True)
-def expand(accepted, count, state, n, tent, origin, status, sources, queue, counts, bucket):
+@njit(cache=True, forceinline=True)
+def row_of(k, W):
+    """k // W by a multiplication: a division by a variable costs more than the rest of a cell."""
+    return int((k + 0.5) * (1.0 / W))
+
+
+@njit(cache=True, forceinline=True)
+def away_from(source, i, j, W, hand_i, hand_j):
+    """Vector (di, dj) from cell (i, j) to a source."""
+    if source == HAND_SOURCE:
+        return hand_i - i, hand_j - j
+    row = row_of(source, W)
+    return float(row - i), float(source - row * W - j)
+
+
+@njit(cache=True, forceinline=True)
+def expand(
+    places, found, count, state, n, hand_i, hand_j, tent, origin, status, queue, counts, bucket
+):
     """Offer the fronts of newly accepted cells to their neighbours.
 
     The ray from a neighbour q towards the source leaves through the edge between an axis (`major`)
     and a corner neighbour.  If both have been reached, one of them from here, q is reached straight
     from the source; where they belong to two sources, the later arrival is taken: on the shadow
     line of a corner both agree, and beyond it the nearer source is hidden.  Until then, and
-    wherever one of them is closed, the front bends round this cell.
+    wherever one of them is closed, the front bends round this cell, which is then the source.
 
     Parameters
     ----------
-    accepted : (count,) int64 ndarray
-        Flat indices of the cells; those that `state` calls frozen are passed over.
-    counts : (2 + BUCKETS,) int64 ndarray
-        Numbers of queue entries and of sources, then the first entry of every bucket.
+    places, found : (count,) int64 ndarray
+        Indices of the cells in the padded lattice and without padding; those that `state` calls
+        frozen are passed over.
+    hand_i, hand_j : float
+        Hand in coordinates of the padded lattice.
+    origin : ((n + 2)^2,) int32 ndarray
+        Source of every cell: the index of a cell, or HAND_SOURCE.
+    counts : (1 + BUCKETS,) int64 ndarray
+        Number of queue entries, then the first entry of every bucket.
     bucket : int
         The bucket being worked on; nothing is put into an earlier one.
     """
     W = n + 2
     for a in range(count):
-        if state[accepted[a]] != FREE:
+        if state[found[a]] != FREE:
             continue
-        ci, cj = accepted[a] // n + 1, accepted[a] % n + 1
-        k = ci * W + cj
+        k = places[a]
+        ci = row_of(k, W)
+        cj = k - ci * W
         home = origin[k]
         for di in range(-1, 2):
             for dj in range(-1, 2):
                 q = k + di * W + dj
                 if status[q] != UNKNOWN or origin[q] == home:
                     continue
-                source = home
-                dx, dy = sources[source, 0] - (cj + dj), sources[source, 1] - (ci + di)
+                dy, dx = away_from(home, ci + di, cj + dj, W, hand_i, hand_j)
                 ax, ay = abs(dx), abs(dy)
                 sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
                 major = q + sx if ax >= ay else q + sy
@@ -70,29 +93,26 @@ def expand(accepted, count, state, n, tent, origin, status, sources, queue, coun
                     major = corner
                 other = corner if k == major else major
                 if (k == major or k == corner) and status[other] == ACCEPTED:
-                    time = sources[source, 2] + np.sqrt(dx * dx + dy * dy)
+                    source = home
+                    time = np.sqrt(dx * dx + dy * dy)
+                    if home != HAND_SOURCE:
+                        time += tent[home]
                     rival = origin[other]
-                    if rival != source and sources[source, 3] != other and rival >= 0:
-                        dx, dy = sources[rival, 0] - (cj + dj), sources[rival, 1] - (ci + di)
-                        later = sources[rival, 2] + np.sqrt(dx * dx + dy * dy)
+                    if rival != home and other != home:
+                        dy, dx = away_from(rival, ci + di, cj + dj, W, hand_i, hand_j)
+                        later = np.sqrt(dx * dx + dy * dy)
+                        if rival != HAND_SOURCE:
+                            later += tent[rival]
                         if later > time:
                             time, source = later, rival
                 else:
                     time = tent[k] + (ROOT2 if di != 0 and dj != 0 else 1.0)
-                    source = -1
+                    source = k
                 if time >= tent[q] - 1e-9:
                     continue
-                if source < 0:
-                    source = counts[1]
-                    if sources[source - 1, 3] == k:
-                        source -= 1  # already made for another neighbour
-                    else:
-                        sources[source, 0], sources[source, 1] = cj, ci
-                        sources[source, 2], sources[source, 3] = tent[k], k
-                        counts[1] = source + 1
                 tent[q] = time
                 origin[q] = source
-                slot = 2 + max(int(time * PER_CELL), bucket) % BUCKETS
+                slot = 1 + (max(int(time * PER_CELL), bucket) & (BUCKETS - 1))
                 queue[counts[0], 0] = q
                 queue[counts[0], 1] = counts[slot]
                 counts[slot] = counts[0]
@@ -109,40 +129,41 @@ def seed(n, W, hand_i, hand_j, tent, origin, status, queue, counts):
             away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
             if status[k] == UNKNOWN and away <= START_RADIUS:
                 tent[k] = away
-                origin[k] = 0
-                slot = 2 + int(away * PER_CELL)
+                origin[k] = HAND_SOURCE
+                slot = 1 + int(away * PER_CELL)
                 queue[counts[0], 0], queue[counts[0], 1] = k, counts[slot]
                 counts[slot] = counts[0]
                 counts[0] += 1
 
 
-@njit(cache=True)
-def pop(slot, n, tent, status, queue, counts, end, lookback, found, since, when):
+@njit(cache=True, forceinline=True)
+def pop(slot, n, tent, status, queue, counts, end, lookback, places, found, since, when):
     """Accept the cells waiting in a bucket; returns how many."""
     count = 0
     W = n + 2
-    entry = counts[2 + slot]
-    counts[2 + slot] = -1
+    entry = counts[1 + slot]
+    counts[1 + slot] = -1
     while entry >= 0:
         k = queue[entry, 0]
         entry = queue[entry, 1]
         # Entries made stale by an earlier arrival find their cell closed or accepted.
         if status[k] == UNKNOWN and tent[k] <= end:
             status[k] = ACCEPTED
-            found[count] = (k // W - 1) * n + k % W - 1
+            places[count] = k
+            # (i - 1) n + (j - 1) with k = i W + j and W = n + 2
+            found[count] = k - 2 * row_of(k, W) - n - 1
             since[count], when[count] = max(tent[k] - lookback, 0.0), tent[k]
             count += 1
     return count
 
 
-@njit(cache=True)
-def close(found, when, count, n, state, status, arrival):
+@njit(cache=True, forceinline=True)
+def close(places, found, when, count, state, status, arrival):
     """Write down the arrivals of accepted cells and close the frozen ones."""
     for f in range(count):
-        i, j = found[f] // n, found[f] % n
-        arrival[i, j] = when[f]
+        arrival[found[f]] = when[f]
         if state[found[f]] != FREE:
-            status[(i + 1) * (n + 2) + j + 1] = CLOSED
+            status[places[f]] = CLOSED
 
 
 @njit(cache=True)
@@ -170,7 +191,7 @@ def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, e
 
     Returns
     -------
-    arrival : (n, n) ndarray
+    arrival : (n * n,) ndarray
         In crossings, -1 where the front never came.
     cell, body : int
         First contact, -1 if none.
@@ -182,28 +203,29 @@ def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, e
     status = outside.copy()
     tent = np.full(W * W, 1e300)
     origin = np.full(W * W, -1, dtype=np.int32)
-    sources = np.empty((n * n + 1, 4))
     queue = np.empty((9 * n * n, 2), dtype=np.int32)
-    counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
-    found, blocked = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.bool_)
-    since, when = np.empty(n * n), np.empty(n * n)
+    counts = np.full(1 + BUCKETS, -1, dtype=np.int64)
+    found, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
+    blocked = np.empty(n * n, dtype=np.bool_)
+    since, when, met_time = np.empty(n * n), np.empty(n * n), np.empty(n * n)
+    met_body = np.empty(n * n, dtype=np.int64)
     poses = np.zeros((bodies.rows.shape[0], 12))
     scratch = np.zeros_like(poses)
-    arrival = np.full((n, n), -1.0)
-    sources[0, 0], sources[0, 1], sources[0, 2], sources[0, 3] = hand_j + 1, hand_i + 1, 0.0, -1.0
-    counts[0], counts[1] = 0, 1
-    seed(n, W, hand_i + 1, hand_j + 1, tent, origin, status, queue, counts)
+    arrival = np.full(n * n, -1.0)
+    counts[0] = 0
+    hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
+    seed(n, W, hand_i, hand_j, tent, origin, status, queue, counts)
     contact, body, time = -1, -1, -1.0
     bucket, empty, accepted = 0, 0, 0
     while empty < BUCKETS and bucket <= end * PER_CELL and (contact < 0 or explore):
         empty += 1
         now = min((bucket + 1.0) / PER_CELL, end)
         posed = False
-        while counts[2 + bucket % BUCKETS] >= 0:
+        while counts[1 + bucket % BUCKETS] >= 0:
             empty = 0
             count = pop(
                 bucket % BUCKETS, n, tent, status, queue, counts, end, lookback,
-                found, since, when,
+                places, found, since, when,
             )  # fmt: skip
             if count == 0:
                 continue
@@ -212,12 +234,15 @@ def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, e
                 posed = True
             cell, target, t = judge(
                 found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
-                blocked, scratch,
+                blocked, met_body, met_time, scratch,
             )  # fmt: skip
             if cell >= 0 and (contact < 0 or t < time):
                 contact, body, time = cell, target, t
-            close(found, when, count, n, state, status, arrival)
-            expand(found, count, state, n, tent, origin, status, sources, queue, counts, bucket)
+            close(places, found, when, count, state, status, arrival)
+            expand(
+                places, found, count, state, n, hand_i, hand_j, tent, origin, status,
+                queue, counts, bucket,
+            )  # fmt: skip
             accepted += count
         bucket += 1
     return arrival, contact, body, time, accepted

@@ -11,7 +11,7 @@ import numpy as np
 
 from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space
 from gcm_learn.situation.kernels import COLUMNS, Bodies
-from gcm_learn.wave import kernels, marching
+from gcm_learn.wave import kernels, marching, stencil
 from gcm_learn.wave.params import REST, WaveParams
 
 NOMINAL_SPEED = 0.164  # circular front at d = 0.2 [cells per tau] (erratum 9)
@@ -90,12 +90,14 @@ def propagate(task: Task, params: WaveParams) -> Front:
 def _propagate(task: Task, params: WaveParams, kappa: float) -> Front:
     """`propagate` with a given kappa, which the measurement of the front's speed needs."""
     lattice, space = task.lattice, hand_space(task.lattice)
-    n, shape = lattice.n, kernels.layout(lattice.n)
+    n, shape = lattice.n, stencil.layout(lattice.n)
     slowness = 1.0 / front_speed(params).fastest if params.start_radius > 0.0 else 0.0
     buffer = _start(space, lattice, task.hand, params, slowness)
     state = np.zeros(n * n, dtype=np.uint8)
-    cell, body, time, steps = kernels.propagation(n, params.laplacian)(
+    cell, body, time, steps = kernels.propagate(
         buffer,
+        *shape,
+        params.laplacian,
         space.limb,
         task.thickness + params.margin * space.stride,
         task.bodies,
@@ -108,7 +110,7 @@ def _propagate(task: Task, params: WaveParams, kappa: float) -> Front:
         state,
     )
     plane = buffer[5 * shape.plane : 5 * shape.plane + (n + 2) * shape.width]
-    arrival = plane.reshape(n + 2, shape.width)[1:-1, kernels.LEFT : kernels.LEFT + n]
+    arrival = plane.reshape(n + 2, shape.width)[1:-1, stencil.LEFT : stencil.LEFT + n]
     arrival = np.where(space.inside.reshape(n, n), arrival, np.float32(-1.0)) * kappa
     return Front(arrival, state.reshape(n, n), cell, body, time * kappa, steps)
 
@@ -165,7 +167,7 @@ def march(task: Task, params: MarchingParams) -> Front:
         state,
     )
     return Front(
-        arrival * crossing, state.reshape(n, n), cell, body, time * crossing, accepted
+        arrival.reshape(n, n) * crossing, state.reshape(n, n), cell, body, time * crossing, accepted
     )
 
 
@@ -186,7 +188,7 @@ def _start(
     slowness: float,
 ) -> np.ndarray:
     """Prepare and excite this thread's buffer."""
-    n, shape = lattice.n, kernels.layout(lattice.n)
+    n, shape = lattice.n, stencil.layout(lattice.n)
     buffers = _workspace.__dict__.setdefault("buffers", {})
     buffer = buffers.setdefault(n, np.empty(shape.length, dtype=np.float32))
     rest = REST if params.start == "rest" else (0.0, 0.0)
