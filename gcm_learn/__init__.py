@@ -10,7 +10,7 @@ from gcm_learn.arm import Lattice, Trajectory
 from gcm_learn.errors import GcmError, SituationError
 from gcm_learn.families import paper_scene
 from gcm_learn.maps import CognitiveMap, build_map
-from gcm_learn.planners import Plan, planner_names, solve
+from gcm_learn.planners import Plan, get_planner, planner_names, solve
 from gcm_learn.seeding import rng
 from gcm_learn.situation import (
     Arm,
@@ -42,6 +42,7 @@ __all__ = [
     "Trajectory",
     "WaveParams",
     "build_map",
+    "get_planner",
     "paper_scene",
     "planner_names",
     "read_situations",
