@@ -78,7 +78,7 @@ def _records(situation, plan):
         "catch is within the horizon": plan.catch_time <= situation.horizon,
         "the catch is a target": plan.catch_body in [b.name for b in situation.targets],
         "joints reach the hand": np.abs(forward(arm, path.joints) - path.hand).max() < 1e-6,
-        "joints are continuous": (np.abs(np.diff(path.joints, axis=0)) < 1.0).all(),
+        "joints are continuous": (np.abs(np.diff(path.joints, axis=0)) < 3.0).all(),
         "elbow keeps its side": (_side(arm) * np.sin(path.joints[:, 1]) > -1e-6).all(),
     }
     return [promise for promise, kept in fits.items() if not kept]

@@ -76,16 +76,15 @@ def task_of(situation: Situation, horizon: float) -> Task:
 def paired(
     a: Callable[[], object], b: Callable[[], object], repeats: int = 15
 ) -> tuple[float, float, float]:
-    """Medians of a and b [ms] and of the ratio a / b, run in turn."""
-    a(), b()
-    times = []
-    for _ in range(repeats):
-        times.append((_ms(a), _ms(b)))
+    """Medians of a and b [ms] and of the ratio a / b, run in turn, each warm."""
+    times = [(_ms(a), _ms(b)) for _ in range(repeats)]
     ratio = statistics.median(x / y for x, y in times)
     return statistics.median(x for x, _ in times), statistics.median(y for _, y in times), ratio
 
 
 def _ms(f: Callable[[], object]) -> float:
+    """Time of one call after another call that finds compiled code and caches [ms]."""
+    f()
     start = time.perf_counter()
     f()
     return 1e3 * (time.perf_counter() - start)
