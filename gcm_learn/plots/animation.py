@@ -39,7 +39,7 @@ PALETTE = (
     "black",
 )
 NEARLY_WHITE = 247  # of 255
-COARSE = 160  # cells a side of the drawn extended obstacles
+COARSE = 240  # cells a side of the drawn extended obstacles
 
 
 def animate(situation: Situation, plan: Plan, path: str | Path, *, frames: int = FRAMES) -> None:

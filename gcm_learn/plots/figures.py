@@ -19,7 +19,7 @@ from gcm_learn.plots import style
 from gcm_learn.plots.handspace import draw_extended, draw_hand_space
 from gcm_learn.plots.maps import plot_map
 from gcm_learn.plots.poses import draw_poses
-from gcm_learn.plots.scene3d import HEADROOM, align_views, draw_scene, draw_way
+from gcm_learn.plots.scene3d import HEADROOM, align_views, draw_scene, draw_way, label_body
 from gcm_learn.plots.snapshots import draw_snapshot
 from gcm_learn.plots.workspace import (
     draw_arm,
@@ -168,6 +168,9 @@ def fig7() -> Figure:
     figure, (a, b) = _panels(1, 2, letters="B ", size=4.4)
     draw_scene(a, situation, headroom=HEADROOM)
     draw_way(a, situation, 0, plan.catch_time or 0.7)
+    label_body(a, situation, 0, "ball", (0.75, 0.0))
+    label_body(a, situation, 1, "cord", (-2.0, -1.0))
+    label_body(a, situation, 2, "box", (0.6, -2.2))
     style.title(a, "the ball is let go")
     draw_workspace(b, situation)
     style.title(b, "arm plane: only the box is in it")

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.image import AxesImage
+from matplotlib.patches import Circle
 
 from gcm_learn.arm.lattice import Lattice
 from gcm_learn.arm.occupancy import occupied_cells
@@ -52,12 +53,27 @@ def extended_image(
     situation: Situation, t: float, *, alpha: float = 0.85, n: int = FINE
 ) -> np.ndarray:
     """Return an RGBA image (n, n, 4) of the extended obstacles, clear where the hand may be."""
-    occupied = occupied_cells(situation, lattice_of(situation.arm, n), t)
+    lattice = lattice_of(situation.arm, n)
+    occupied = occupied_cells(situation, lattice, t)[_drawn_over_rim(lattice)]
     return occupied[..., None] * np.array(to_rgba(style.EXTENDED, alpha))
 
 
+@lru_cache(maxsize=8)
+def _drawn_over_rim(lattice: Lattice) -> tuple[np.ndarray, np.ndarray]:
+    """Index arrays that let cells just outside the rim repeat what is just inside.
+
+    Clipped with the rim's circle, an image then ends there without the cells' steps.
+    """
+    x, y = np.meshgrid(lattice.centres, lattice.centres)
+    h, reach, radius = lattice.spacing, lattice.upper_arm + 1.0, np.hypot(x, y)
+    beyond = (radius > reach) & (radius < reach + 2 * h)
+    pull = np.where(beyond, (reach - 0.75 * h) / radius, 1.0)
+    row, column = ((pull * v + reach) / h for v in (y, x))
+    return row.astype(int), column.astype(int)
+
+
 def show_image(ax: Axes, image: np.ndarray, arm: Arm, zorder: float = 2.0) -> AxesImage:
-    """Lay an image over the whole lattice without disturbing the view's limits."""
+    """Lay an image over the reachable disc without disturbing the view's limits."""
     reach = arm.reach
     limits = ax.axis()
     shown = ax.imshow(
@@ -65,6 +81,7 @@ def show_image(ax: Axes, image: np.ndarray, arm: Arm, zorder: float = 2.0) -> Ax
         interpolation="antialiased",
     )  # fmt: skip
     ax.axis(limits)
+    shown.set_clip_path(Circle((0, 0), reach, transform=ax.transData))
     return shown
 
 

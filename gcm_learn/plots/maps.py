@@ -26,6 +26,7 @@ def plot_map(
     path: np.ndarray | None = None,
     *,
     colour_bar: bool = False,
+    latest: float | None = None,
 ) -> Axes:
     """Draw arrival times, effective obstacles, the effective target, the hand and a path.
 
@@ -38,6 +39,9 @@ def plot_map(
         Hand positions from the hand to the contact.
     colour_bar : bool
         Explain the colours beside the map.
+    latest : float, optional
+        Mental time of the darkest colour, so that maps can share a scale; by default the last
+        arrival.
 
     Returns
     -------
@@ -46,7 +50,8 @@ def plot_map(
     if ax is None:
         ax = style.new_figure(5.2 if colour_bar else 4.6, 4.6).subplots()
     style.frame(ax, cognitive_map.lattice.upper_arm)
-    _draw_arrival(ax, cognitive_map, colour_bar)
+    last = latest_arrival(cognitive_map) if latest is None else latest
+    _draw_arrival(ax, cognitive_map, last, colour_bar)
     draw_effective(ax, cognitive_map)
     if path is not None:
         style.draw_path(ax, path)
@@ -103,8 +108,12 @@ def spread(cognitive_map: CognitiveMap) -> np.ndarray:
     return np.where(np.isfinite(tau), tau, np.min(later, axis=0))
 
 
-def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, colour_bar: bool) -> None:
-    latest = float(cognitive_map.arrival_tau.max()) if cognitive_map.arrival.count() else 0.0
+def latest_arrival(cognitive_map: CognitiveMap) -> float:
+    """Return the last mental time at which the front came anywhere, 0 if it never left."""
+    return float(cognitive_map.arrival_tau.max()) if cognitive_map.arrival.count() else 0.0
+
+
+def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, latest: float, colour_bar: bool) -> None:
     if latest <= 0.0:
         return
     tau = np.where(np.isfinite(far := spread(cognitive_map)), far, 2 * latest)

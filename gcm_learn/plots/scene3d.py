@@ -122,7 +122,7 @@ def draw_scene(
             linewidths=0.5,
         )
     )
-    ax.set_aspect("equal")
+    ax.set_aspect("equal", anchor="N")
     ax.axis("off")
     ax.autoscale_view()
     if headroom is not None:
@@ -143,6 +143,16 @@ def draw_way(
     colour = body_colour(situation.bodies[index])
     ax.plot(way[:, 0], way[:, 1], color=colour, lw=1.4, ls=(0, (2, 1.5)), zorder=3)
     style.arrow(ax, way[-2], way[-1], colour)
+
+
+def label_body(
+    ax: Axes, situation: Situation, index: int, text: str, offset: tuple[float, float]
+) -> None:
+    """Write a word at an offset [forearms] from a solid's centre at t = 0."""
+    assert situation.plane is not None
+    centre = to_world(situation.plane, pose(situation, index, 0.0)[0])
+    seen = camera(situation.plane).see(centre)[:2]
+    style.label(ax, seen + offset, text, body_colour(situation.bodies[index]))
 
 
 def align_views(panels: Sequence[Axes]) -> None:

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 
 from gcm_learn.plots import style
 from gcm_learn.plots.handspace import draw_extended, draw_hand
-from gcm_learn.plots.maps import draw_effective, spread
+from gcm_learn.plots.maps import birth, draw_effective, spread
 from gcm_learn.plots.workspace import draw_body
 from gcm_learn.situation import Situation
 
@@ -59,7 +59,7 @@ def draw_snapshot(
 
 
 def draw_explored(ax: Axes, cognitive_map: CognitiveMap, tau: float) -> None:
-    """Shade what lies behind the front and draw the front itself."""
+    """Shade what lies behind the front and draw the front where it is not frozen."""
     ahead = np.minimum(spread(cognitive_map) - tau, FAR)
     if not (ahead < 0.0).any():
         return
@@ -67,9 +67,11 @@ def draw_explored(ax: Axes, cognitive_map: CognitiveMap, tau: float) -> None:
     region = ax.contourf(
         centres, centres, ahead, levels=[-np.inf, 0.0], colors=[style.EXPLORED], zorder=1
     )
+    stuck = cognitive_map.effective_obstacles & (birth(cognitive_map) <= tau)
     front = ax.contour(
-        centres, centres, ahead, levels=[0.0], colors=[style.FRONT], linewidths=1.8, zorder=3
-    )
+        centres, centres, np.ma.masked_where(stuck, ahead), levels=[0.0], colors=[style.FRONT],
+        linewidths=1.8, zorder=3,
+    )  # fmt: skip
     ax.axis(limits)
     rim = Circle((0, 0), cognitive_map.lattice.upper_arm + 1.0, transform=ax.transData)
     for drawn in (region, front):

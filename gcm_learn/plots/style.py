@@ -49,7 +49,7 @@ def frame(ax: Axes, upper_arm: float = 1.0, *, annulus: bool = False) -> Axes:
         (Eq. 3).
     """
     reach = upper_arm + 1.0
-    ax.set_aspect("equal")
+    ax.set_aspect("equal", anchor="N")  # titles of a row stay level
     ax.set_xlim(-1.04 * reach, 1.04 * reach)
     ax.set_ylim(-1.04 * reach, 1.04 * reach)
     ax.set_xticks([])

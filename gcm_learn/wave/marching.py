@@ -26,6 +26,21 @@ BUCKETS = 32  # circular, a power of two; one step never spans more than 2 sqrt(
 HAND_SOURCE = 0  # a cell of the rim, which is never a source itself
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
 ROOT2 = float(np.sqrt(2.0))
+STEP_I = np.array([-1, -1, -1, 0, 0, 1, 1, 1])
+STEP_J = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
+
+
+def _members() -> np.ndarray:
+    """List the set bits of every byte (256, 8) and, in a ninth column, count them."""
+    table = np.zeros((256, 9), dtype=np.int64)
+    for byte in range(256):
+        bits = [d for d in range(8) if byte >> d & 1]
+        table[byte, : len(bits)] = bits
+        table[byte, 8] = len(bits)
+    return table
+
+
+MEMBERS = _members()
 
 
 @njit(cache=True, forceinline=True)
@@ -77,46 +92,50 @@ def expand(
         ci = row_of(k, W)
         cj = k - ci * W
         home = origin[k]
-        for di in range(-1, 2):
-            for dj in range(-1, 2):
-                q = k + di * W + dj
-                if status[q] != UNKNOWN or origin[q] == home:
-                    continue
-                dy, dx = away_from(home, ci + di, cj + dj, W, hand_i, hand_j)
-                ax, ay = abs(dx), abs(dy)
-                sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
-                major = q + sx if ax >= ay else q + sy
-                corner = q + sx + sy
-                if min(ax, ay) <= 1e-9:
-                    corner = major
-                elif abs(ax - ay) <= 1e-9:
-                    major = corner
-                other = corner if k == major else major
-                if (k == major or k == corner) and status[other] == ACCEPTED:
-                    source = home
-                    time = np.sqrt(dx * dx + dy * dy)
-                    if home != HAND_SOURCE:
-                        time += tent[home]
-                    rival = origin[other]
-                    if rival != home and other != home:
-                        dy, dx = away_from(rival, ci + di, cj + dj, W, hand_i, hand_j)
-                        later = np.sqrt(dx * dx + dy * dy)
-                        if rival != HAND_SOURCE:
-                            later += tent[rival]
-                        if later > time:
-                            time, source = later, rival
-                else:
-                    time = tent[k] + (ROOT2 if di != 0 and dj != 0 else 1.0)
-                    source = k
-                if time >= tent[q] - 1e-9:
-                    continue
-                tent[q] = time
-                origin[q] = source
-                slot = 1 + (max(int(time * PER_CELL), bucket) & (BUCKETS - 1))
-                queue[counts[0], 0] = q
-                queue[counts[0], 1] = counts[slot]
-                counts[slot] = counts[0]
-                counts[0] += 1
+        # Which neighbours matter is unpredictable: one mask instead of eight branches.
+        mask = 0
+        for d in range(8):
+            q = k + STEP_I[d] * W + STEP_J[d]
+            mask |= ((status[q] == UNKNOWN) & (origin[q] != home)) << d
+        for m in range(MEMBERS[mask, 8]):
+            d = MEMBERS[mask, m]
+            di, dj = STEP_I[d], STEP_J[d]
+            q = k + di * W + dj
+            dy, dx = away_from(home, ci + di, cj + dj, W, hand_i, hand_j)
+            ax, ay = abs(dx), abs(dy)
+            sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
+            major = q + sx if ax >= ay else q + sy
+            corner = q + sx + sy
+            if min(ax, ay) <= 1e-9:
+                corner = major
+            elif abs(ax - ay) <= 1e-9:
+                major = corner
+            other = corner if k == major else major
+            if (k == major or k == corner) and status[other] == ACCEPTED:
+                source = home
+                time = np.sqrt(dx * dx + dy * dy)
+                if home != HAND_SOURCE:
+                    time += tent[home]
+                rival = origin[other]
+                if rival != home and other != home:
+                    dy, dx = away_from(rival, ci + di, cj + dj, W, hand_i, hand_j)
+                    later = np.sqrt(dx * dx + dy * dy)
+                    if rival != HAND_SOURCE:
+                        later += tent[rival]
+                    if later > time:
+                        time, source = later, rival
+            else:
+                time = tent[k] + (ROOT2 if di != 0 and dj != 0 else 1.0)
+                source = k
+            if time >= tent[q] - 1e-9:
+                continue
+            tent[q] = time
+            origin[q] = source
+            slot = 1 + (max(int(time * PER_CELL), bucket) & (BUCKETS - 1))
+            queue[counts[0], 0] = q
+            queue[counts[0], 1] = counts[slot]
+            counts[slot] = counts[0]
+            counts[0] += 1
 
 
 @njit(cache=True)
