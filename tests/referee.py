@@ -42,7 +42,7 @@ def judge(situation, plan, instants=INSTANTS):
     t = np.unique(np.concatenate([np.linspace(0.0, path.time[-1], instants), path.time]))
     free = np.inf
     for reading in (by_hand, by_joints):
-        hand, elbow = reading(arm, path, t)
+        hand, _ = reading(arm, path, t)
         radius = np.linalg.norm(hand, axis=1)
         if radius.max() > arm.reach + LENGTH or radius.min() < arm.inner_reach - LENGTH:
             complaints.append(f"{reading.__name__}: the hand leaves the ring")
@@ -319,6 +319,15 @@ def segment_distances(shape, pose, a, b):
         s, ds = np.where(left, fresh, kept), np.where(left, d_fresh, d_kept)
         u, du = np.where(left, kept, fresh), np.where(left, d_kept, d_fresh)
     return np.maximum(np.minimum(np.minimum(ds, du), np.minimum(at(0 * s), at(0 * s + 1))), 0.0)
+
+
+def point_distances(shape, pose, points):
+    """Distances (n,) of plane points (n, 2) to a shape at one pose; 0 inside."""
+    n = len(points)
+    many = np.broadcast_to(pose[0], (n, 3)), np.broadcast_to(pose[1], (n, 3, 3))
+    if isinstance(shape, Disc | Polygon):
+        return segment_distances(shape, many, points, points)
+    return np.maximum(depths(shape, _in_body(many, points)), 0.0)
 
 
 def _in_body(pose, points):

@@ -68,9 +68,7 @@ def task_of(situation: Situation, horizon: float) -> Task:
     arm = situation.arm
     lattice = Lattice(80, arm.upper_arm, arm.elbow)
     bodies = pack(situation)
-    return Task(
-        bodies, lattice, arm.hand, arm.max_hand_speed, horizon, arm.thickness, arm.grasp
-    )
+    return Task(bodies, lattice, arm.hand, arm.max_hand_speed, horizon, arm.thickness, arm.grasp)
 
 
 def paired(
@@ -192,7 +190,9 @@ def anisotropy() -> str:
     far = (distance(task) > 1.0) & hand_space(task.lattice).inside.reshape(80, 80)
     speed = distance(task)[far] / march(task, MARCH).arrival[far]
     marching = 1.0 - speed.min() / speed.max()
-    return f"5-point {100 * five:.1f} %, 9-point {100 * nine:.1f} %, marching {100 * marching:.2g} %"
+    return (
+        f"5-point {100 * five:.1f} %, 9-point {100 * nine:.1f} %, marching {100 * marching:.2g} %"
+    )
 
 
 def plan_against_kernel(situations: int = 120) -> str:

@@ -51,7 +51,9 @@ class Problem:
         situation = self.situation
         return max(_INSTANT / situation.arm.max_hand_speed, situation.horizon / _MOST_INSTANTS)
 
-    def answer(self, status: Status, message: str, cognitive_map: CognitiveMap | None = None) -> Plan:
+    def answer(
+        self, status: Status, message: str, cognitive_map: CognitiveMap | None = None
+    ) -> Plan:
         """A plan without a catch."""
         elapsed = 1e3 * (clock.perf_counter() - self.started)
         return Plan(self.situation.name, self.planner, status, message, elapsed, map=cognitive_map)

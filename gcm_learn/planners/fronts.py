@@ -40,7 +40,7 @@ class FrontPlanner:
         reason = ""
         for params in self.rungs:
             ignore = 0.0
-            for _ in range(self.contacts):
+            for attempts in range(self.contacts):
                 cognitive_map = build_map(situation, params, bodies=problem.bodies, ignore=ignore)
                 first = cognitive_map if first is None else first
                 if cognitive_map.contact is None:
@@ -54,10 +54,9 @@ class FrontPlanner:
                     plan, reason = checked(problem, attempt, cognitive_map)
                     if plan is not None:
                         return plan
-                # Look for a contact elsewhere: a cell's crossing later.
-                ignore = cognitive_map.contact.time + (
-                    cognitive_map.lattice.spacing / situation.arm.max_hand_speed
-                )
+                # Contacts that fail come in rows: skip ever more of them.
+                crossing = cognitive_map.lattice.spacing / situation.arm.max_hand_speed
+                ignore = cognitive_map.contact.time + 2**attempts * crossing
         return problem.answer("unreachable", reason, first)
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FRAMES = 40
 FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]
-WIDTH, HEIGHT, FILM_DPI = 7.0, 3.9, 80
+WIDTH, HEIGHT, FILM_DPI = 6.6, 3.6, 80
 COLOURS = 128  # besides those of the style
 PALETTE = (
     style.ARM,

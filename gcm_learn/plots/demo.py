@@ -14,9 +14,9 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
 from gcm_learn.plots import style, words
-from gcm_learn.plots.animation import animate
-from gcm_learn.plots.figures import FIGURES, draw_figure
-from gcm_learn.plots.maps import plot_map
+from gcm_learn.plots.animation import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
+from gcm_learn.plots.figures import draw_figure
+from gcm_learn.plots.maps import draw_colour_bar, latest_arrival, plot_map
 from gcm_learn.plots.page import Picture, Section, Table, render
 from gcm_learn.plots.recheck import broken_promise
 from gcm_learn.plots.summary import STATUSES, Tally, summary_figure, tally
@@ -27,7 +27,10 @@ from gcm_learn.situation import Situation, write_situations
 ENGINES = ("gcm", "marching")
 PLANNERS = ("gcm", "marching", "straight")
 EXTRA_FIGURES = {"fig8": ("fig7",)}  # shown in the section of another figure's scene
-FIGURE_DPI = 80
+OPENING = "fig3"  # the scene whose film opens the page
+SCALE = 80  # [CSS pixels per inch] of figures on the page
+SHARPNESS = 1.5  # pixels of an image per CSS pixel
+WARM_UP = ("fig2", "fig5", "fig8")  # between them they use all compiled code
 
 Progress = Callable[[str], None]
 
@@ -61,20 +64,23 @@ def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
     """
     out.mkdir(parents=True, exist_ok=True)
     progress("Compiling")
-    for make in (PAPER_SCENES["fig2"], PAPER_SCENES["fig5"]):
-        _solved(make(), PLANNERS)  # so that the planning times told below are those of planning
+    for name in WARM_UP:  # so that the planning times told below are those of planning
+        _solved(PAPER_SCENES[name](), PLANNERS)
     progress("Solving the paper's scenes")
     scenes = [_solved(make(), ENGINES) for make in PAPER_SCENES.values()]
     write_situations(out / "paper.jsonl", [scene.situation for scene in scenes])
-    sections = [_overview(scenes)]
+    sections = []
     for scene in scenes:
         progress(f"Drawing {scene.situation.name}")
         sections.append(_scene_section(out, scene))
+    sections.append(_overview(scenes))
     if n_random > 0:
         progress(f"Solving {n_random} random situations")
         sections.append(_random_section(out, seed, n_random))
+    sections.append(Section("more", "Your own situations", words.MORE))
+    opening = next(_film(scene) for scene in scenes if scene.situation.name == OPENING)
     page = out / "index.html"
-    page.write_text(render(words.TITLE, words.LEAD, style.KEY, sections), encoding="utf-8")
+    page.write_text(render(words.TITLE, words.LEAD, opening, style.KEY, sections), "utf-8")
     return page
 
 
@@ -86,14 +92,14 @@ def _overview(scenes: Sequence[Solved]) -> Section:
     columns = (
         "scene",
         "paper: contact [τ]",
-        *(f"{engine} [τ]" for engine in ENGINES),
+        *(f"{engine}: contact [τ]" for engine in ENGINES),
         "gcm against paper",
         "gcm: catch [s]",
-        "gcm: clearance",
-        *(f"{engine} [ms]" for engine in ENGINES),
+        "gcm: clearance [forearms]",
+        *(f"{engine}: planning [ms]" for engine in ENGINES),
     )
     rows = [_overview_row(scene) for scene in scenes]
-    return Section("instants", "Instants of contact", [words.READING], [Table(columns, rows)])
+    return Section("instants", "Instants of contact", words.READING, [Table(columns, rows)])
 
 
 def _overview_row(scene: Solved) -> list[str]:
@@ -124,19 +130,24 @@ def _number(value: float | None, form: str) -> str:
 def _scene_section(out: Path, scene: Solved) -> Section:
     name = scene.situation.name
     heading, text = words.SCENES[name]
-    pictures = []
-    for figure in (*EXTRA_FIGURES.get(name, ()), name):
-        if figure in FIGURES:
-            _save(draw_figure(figure), out / f"{figure}.png")
-            pictures.append(Picture(f"{figure}.png", words.CAPTIONS[figure]))
-    animate(scene.situation, scene.plans["gcm"], out / f"{name}.gif")
-    pictures.append(Picture(f"{name}.gif", "The catch in slow motion: the arm, and the wave."))
-    _save(engines_figure(scene.situation, scene.plans), out / f"{name}-engines.png")
-    caption = (
-        "The same situation through both engines: arrival times and the path down to the hand."
-    )
-    pictures.append(Picture(f"{name}-engines.png", caption))
+    pictures = [
+        _save(draw_figure(figure), out / f"{figure}.png", words.CAPTIONS[figure])
+        for figure in (*EXTRA_FIGURES.get(name, ()), name)
+    ]
+    film = _film(scene)
+    animate(scene.situation, scene.plans["gcm"], out / film.file)
+    pictures.append(film)
+    maps = engines_figure(scene.situation, scene.plans)
+    pictures.append(_save(maps, out / f"{name}-engines.png", words.ENGINES))
     return Section(name, f"{heading} (Fig. {name[3:]})", [text], pictures=pictures)
+
+
+def _film(scene: Solved) -> Picture:
+    """Return the place of a scene's film on the page."""
+    plan = scene.plans["gcm"]
+    lasts = scene.situation.horizon if plan.catch_time is None else plan.catch_time
+    caption = words.FILM.format(slower=FRAMES * FRAME_TIME / 1000 / lasts)
+    return Picture(f"{scene.situation.name}.gif", caption, round(WIDTH * FILM_DPI))
 
 
 def engines_figure(situation: Situation, plans: dict[str, Plan]) -> Figure:
@@ -152,21 +163,27 @@ def engines_figure(situation: Situation, plans: dict[str, Plan]) -> Figure:
     -------
     Figure
     """
-    figure = style.new_figure(4.4 * len(plans), 3.9)
+    figure = style.new_figure(0.6 + 3.0 * len(plans), 3.5)
     panels = figure.subplots(1, len(plans), squeeze=False)[0]
+    maps = [plan.map for plan in plans.values() if plan.map is not None]
+    latest = max((latest_arrival(cognitive_map) for cognitive_map in maps), default=0.0)
     for ax, (name, plan) in zip(panels, plans.items(), strict=True):
-        style.title(ax, f"{name}: {plan.status.replace('_', ' ')}")
         ax.axis("off")
         if plan.map is not None:
             ax.axis("on")
             path = None if plan.trajectory is None else plan.trajectory.hand
-            plot_map(plan.map, ax, path, colour_bar=True)
+            plot_map(plan.map, ax, path, latest=latest)
             draw_targets(ax, situation, plan.catch_time)
+        style.title(ax, f"{name}: {plan.status.replace('_', ' ')}")
+    if latest > 0.0:
+        draw_colour_bar(panels, latest)
     return figure
 
 
-def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path, dpi=FIGURE_DPI)
+def _save(figure: Figure, path: Path, caption: str) -> Picture:
+    """Write a figure and return its place on the page."""
+    figure.savefig(path, dpi=SHARPNESS * SCALE)
+    return Picture(path.name, caption, round(SCALE * figure.get_figwidth()))
 
 
 def _random_section(out: Path, seed: int, count: int) -> Section:
@@ -174,14 +191,14 @@ def _random_section(out: Path, seed: int, count: int) -> Section:
     solved = [_solved(random_planar(rng(seed, k)), PLANNERS) for k in range(count)]
     tallies = [tally(name, [s.plans[name] for s in solved]) for name in PLANNERS]
     broken = {name: _count_broken(solved, name) for name in PLANNERS}
-    _save(summary_figure(tallies), out / "random.png")
-    caption = f"{count} random planar situations, seed {seed}."
+    caption = f"{count} random planar situations, seed {seed}. {words.SPREADS}"
+    picture = _save(summary_figure(tallies), out / "random.png", caption)
     return Section(
         "random",
         f"{count} random situations",
         [words.RANDOM],
         [_random_table(tallies, broken)],
-        [Picture("random.png", caption)],
+        [picture],
     )
 
 
@@ -197,7 +214,7 @@ def _random_table(tallies: Sequence[Tally], broken: dict[str, int]) -> Table:
         "start blocked",
         "broken promises",
         "median catch [s]",
-        "median clearance",
+        "median clearance [forearms]",
         "median planning [ms]",
     )
     rows = [

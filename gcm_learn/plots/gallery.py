@@ -21,6 +21,8 @@ from gcm_learn.situation import Situation
 INSTANTS = (80.0, 160.0, 240.0)  # [tau] of the wave's snapshots; the contact follows
 SHOWN = 0.35  # [s] instant at which hand-space is shown
 COURSE = 0.45  # [s] length of the arrows
+DPI = 150  # for screens with small pixels; the README tells the width
+WORD = "#b7791f"  # darker than what it names, to be readable
 
 
 def write_gallery(folder: Path) -> list[Path]:
@@ -47,7 +49,7 @@ def write_gallery(folder: Path) -> list[Path]:
         ("map", _map(situation, plan)),
     ):
         out.append(folder / f"{name}.png")
-        figure.savefig(out[-1])
+        figure.savefig(out[-1], dpi=DPI)
     out.append(folder / "catch.gif")
     animate(situation, plan, out[-1])
     return out
@@ -72,6 +74,9 @@ def _hand_space(situation: Situation) -> Figure:
     style.title(left, "work-space: an arm among bodies")
     draw_hand_space(right, situation, SHOWN)
     style.title(right, "hand-space: a point among larger bodies")
+    style.label(right, (1.0, 1.48), "arm")
+    style.label(right, (-0.7, -0.35), "extended obstacle", WORD)
+    style.label(right, (1.2, 1.05), "extended obstacle", WORD)
     return figure
 
 
@@ -84,6 +89,8 @@ def _wave(situation: Situation, plan: Plan) -> Figure:
         draw_snapshot(ax, situation, plan.map, tau)
     draw_snapshot(panels[-1], situation, plan.map, plan.map.contact_tau, plan.trajectory.hand)
     style.title(panels[-1], f"τ = {plan.map.contact_tau:.0f}: contact")
+    style.label(panels[0], (0.25, 0.95), "front", style.FRONT)
+    style.label(panels[1], (1.25, 0.68), "frozen", style.EFFECTIVE)
     return figure
 
 
@@ -93,6 +100,9 @@ def _map(situation: Situation, plan: Plan) -> Figure:
     figure = style.new_figure(4.9, 4.0)
     ax = plot_map(plan.map, figure.subplots(), np.asarray(plan.trajectory.hand), colour_bar=True)
     draw_targets(ax, situation, plan.catch_time)
+    style.label(ax, (-1.15, 1.35), "effective\nobstacle", style.EFFECTIVE)
+    style.label(ax, (0.62, 0.55), "path", style.PATH)
+    style.label(ax, (1.2, -1.25), "target", style.TARGET)
     return figure
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize, to_rgba
 from matplotlib.patches import Circle
 
 from gcm_learn.plots import style
@@ -50,8 +52,10 @@ def plot_map(
     if ax is None:
         ax = style.new_figure(5.2 if colour_bar else 4.6, 4.6).subplots()
     style.frame(ax, cognitive_map.lattice.upper_arm)
-    last = latest_arrival(cognitive_map) if latest is None else latest
-    _draw_arrival(ax, cognitive_map, last, colour_bar)
+    darkest = latest_arrival(cognitive_map) if latest is None else latest
+    _draw_arrival(ax, cognitive_map, darkest)
+    if colour_bar and darkest > 0.0:
+        draw_colour_bar([ax], darkest)
     draw_effective(ax, cognitive_map)
     if path is not None:
         style.draw_path(ax, path)
@@ -113,14 +117,38 @@ def latest_arrival(cognitive_map: CognitiveMap) -> float:
     return float(cognitive_map.arrival_tau.max()) if cognitive_map.arrival.count() else 0.0
 
 
-def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, latest: float, colour_bar: bool) -> None:
+def draw_colour_bar(panels: Sequence[Axes], latest: float) -> None:
+    """Explain the colours of maps beside their panels.
+
+    Parameters
+    ----------
+    panels : sequence of Axes
+        All of one figure; the bar takes some of their room.
+    latest : float
+        Mental time of the darkest colour.
+    """
+    figure = panels[0].get_figure(root=True)
+    assert figure is not None
+    colours = ScalarMappable(Normalize(0.0, latest), style.MAP_COLOURS)
+    bar = figure.colorbar(colours, ax=list(panels), shrink=0.75, pad=0.02)
+    bar.set_label("arrival of the front, mental time τ", fontsize=style.LABEL, color=style.INK)
+    bar.set_ticks(np.arange(2 * CONTOUR_STEP, latest, 2 * CONTOUR_STEP).tolist())
+    bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
+    bar.outline.set_visible(False)
+
+
+def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, darkest: float) -> None:
+    latest = latest_arrival(cognitive_map)
     if latest <= 0.0:
         return
     tau = np.where(np.isfinite(far := spread(cognitive_map)), far, 2 * latest)
     centres, limits = cognitive_map.lattice.centres, ax.axis()
-    levels = np.linspace(0.0, latest, SHADES)
-    shown = ax.contourf(centres, centres, tau, levels=levels, cmap=style.MAP_COLOURS, zorder=1)
-    rings = np.arange(CONTOUR_STEP, latest, CONTOUR_STEP)
+    shown = ax.contourf(
+        centres, centres, tau, levels=np.linspace(0.0, latest, SHADES), cmap=style.MAP_COLOURS,
+        norm=Normalize(0.0, darkest), zorder=1,
+    )  # fmt: skip
+    # No ring just before the edge: it would only double it.
+    rings = np.arange(CONTOUR_STEP, latest - CONTOUR_STEP / 2, CONTOUR_STEP)
     lines = ax.contour(
         centres, centres, tau, levels=rings, colors="white", linewidths=0.9, zorder=2
     )
@@ -128,9 +156,3 @@ def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, latest: float, colour_b
     rim = Circle((0, 0), cognitive_map.lattice.upper_arm + 1.0, transform=ax.transData)
     for drawn in (shown, lines):
         drawn.set_clip_path(rim)
-    if colour_bar and ax.figure is not None:
-        bar = ax.figure.colorbar(shown, ax=ax, shrink=0.75, pad=0.02)
-        bar.set_label("arrival of the front, mental time τ", fontsize=style.LABEL)
-        bar.set_ticks(list(rings[1::2]))
-        bar.ax.tick_params(labelsize=style.SMALL)
-        bar.outline.set_visible(False)

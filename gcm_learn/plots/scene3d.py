@@ -1,4 +1,8 @@
-"""A 3D view of solids, the arm plane and the arm: parallel projection, faces sorted by depth."""
+"""A 3D view of solids, the arm plane and the arm: parallel projection, back to front.
+
+What is behind the arm plane comes first, then the plane, then what is in front of it; solids that
+the plane cuts are cut. Within each of these, faces are sorted by depth.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +26,8 @@ LIGHT = np.array([0.35, 0.4, 0.85])  # to the light, in the camera's frame: righ
 HEADROOM = 3.6  # [forearms] what figures show above the shoulder; a long cord goes on
 GLASS, GLASS_ALPHA = "#8fbc9a", 0.38  # the arm plane; green, as in Fig. 4
 LIMB, JOINT, HAND = 0.055, 0.085, 0.11  # [forearms] radii of the drawn arm
-LIMB_LIFT = 0.2  # [forearms] the arm lies in the plane: draw it after the tiles around it
+LIMB_LIFT = 0.2  # [forearms] how much nearer the arm counts when faces are sorted by depth
+BEHIND, GLASSY, BEFORE = -1, 0, 1  # layers, in the order of drawing
 
 
 @dataclass(frozen=True)
@@ -45,7 +50,7 @@ class Camera:
 
 
 def camera(plane: Plane, azimuth: float = -40.0, elevation: float = 20.0) -> Camera:
-    """Return a camera that looks at the arm plane from the side its normal points to.
+    """Return a camera on the side of the arm plane that its normal points to.
 
     Parameters
     ----------
@@ -93,6 +98,7 @@ def draw_scene(
     hand : (2,) array_like, optional
         Hand in arm-plane coordinates; by default the one at t = 0.
     view : Camera, optional
+        On the side of the arm plane that its normal points to.
     headroom : float, optional
         Cut the picture off this far above the shoulder [forearms].
 
@@ -105,15 +111,16 @@ def draw_scene(
     view = view or camera(situation.plane)
     hand = situation.arm.hand if hand is None else hand
     polygons, colours, nearness = [], [], []
-    for corners, colour, alpha in _scenery(situation, t, hand):
+    for corners, colour, alpha, layer in _scenery(situation, t, hand):
         seen = view.see(corners)
         facing = _normal(seen)
         if alpha == 1.0 and facing[2] <= 0.0:
             continue  # the far side of a solid
         polygons.append(seen)
         colours.append((*_shaded(colour, facing), alpha))
-        nearness.append(seen[:, 2].mean() + (LIMB_LIFT if colour == style.ARM else 0.0))
-    order = np.argsort(nearness)
+        lift = LIMB_LIFT if colour == style.ARM else 0.0
+        nearness.append((layer, seen[:, 2].mean() + lift))
+    order = sorted(range(len(nearness)), key=nearness.__getitem__)
     ax.add_collection(
         PolyCollection(
             [polygons[k][:, :2] for k in order],
@@ -169,11 +176,11 @@ def to_world(plane: Plane, points: np.ndarray) -> np.ndarray:
     return np.asarray(plane.origin) + points @ axes
 
 
-Face = tuple[np.ndarray, str, float]  # corners (k, 3), colour, opacity
+Face = tuple[np.ndarray, str, float, int]  # corners (k, 3), colour, opacity, layer
 
 
 def _scenery(situation: Situation, t: float, hand: np.ndarray | tuple[float, float]) -> list[Face]:
-    """All faces in the world frame with their colour and opacity."""
+    """All faces in the world frame with their colour, opacity and layer."""
     assert situation.plane is not None
     plane, out = situation.plane, []
     for index, body in enumerate(situation.bodies):
@@ -181,17 +188,48 @@ def _scenery(situation: Situation, t: float, hand: np.ndarray | tuple[float, flo
             continue
         centre, rotation = pose(situation, index, t)
         for face in faces(body.shape):
-            corners = to_world(plane, centre + face @ rotation.T)
-            out.append((corners, body_colour(body), 1.0))
+            for layer in (BEHIND, BEFORE):
+                part = beside_plane(centre + face @ rotation.T, layer)
+                if len(part) > 2:
+                    out.append((to_world(plane, part), body_colour(body), 1.0, layer))
     for tile in _disc_tiles(situation.arm.reach):
-        out.append((to_world(plane, tile), GLASS, GLASS_ALPHA))
+        out.append((to_world(plane, tile), GLASS, GLASS_ALPHA, GLASSY))
     for face in _limb(situation, np.asarray(hand, dtype=float)):
-        out.append((to_world(plane, face), style.ARM, 1.0))
+        out.append((to_world(plane, face), style.ARM, 1.0, BEFORE))
     return out
 
 
+def beside_plane(corners: np.ndarray, side: int) -> np.ndarray:
+    """Return the part of a convex polygon on one side of the arm plane.
+
+    Parameters
+    ----------
+    corners : (k, 3) ndarray
+        In arm-plane coordinates, in order.
+    side : int
+        1 for what is in front of the plane, -1 for what is behind it.
+
+    Returns
+    -------
+    (m, 3) ndarray
+        Empty if there is no such part.
+    """
+    height = side * corners[:, 2]
+    if height.min() >= 0.0:
+        return corners
+    out = []
+    for k, here in enumerate(height):
+        before = height[k - 1]
+        if (here > 0.0) != (before > 0.0):
+            share = before / (before - here)
+            out.append(corners[k - 1] + share * (corners[k] - corners[k - 1]))
+        if here > 0.0:
+            out.append(corners[k])
+    return np.array(out).reshape(-1, 3)
+
+
 def _disc_tiles(radius: float) -> list[np.ndarray]:
-    """Split a disc into tiles (k, 2) small enough to be sorted by depth."""
+    """Split a disc into tiles (k, 2), whose seams show how it lies."""
     rings, sectors = np.linspace(0.0, radius, 8), np.linspace(0.0, 2 * np.pi, 49)
     out = []
     for r0, r1 in itertools.pairwise(rings):

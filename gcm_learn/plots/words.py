@@ -5,9 +5,9 @@ from __future__ import annotations
 TITLE = "Catching in a moving world: cognitive maps in hand-space"
 
 LEAD = (
-    "An arm with two joints shall catch a target with its hand, while things move about that "
-    "it must not touch. The arm is long and bends, so its whole body has to be kept clear, not "
-    "only the hand. All pictures on this page were computed just now.",
+    "An arm with two joints has to catch a target with its hand while things move about that it "
+    "must not touch. It is long and bends, so its whole limb has to be kept clear, not only the "
+    "hand. All pictures on this page were computed just now.",
     "The trick: let the hand's position stand for the arm. In this hand-space the arm is one "
     "point, and every obstacle grows into the set of hand positions at which the arm would "
     "touch it, its extended obstacle. A wave starts at the hand and spreads at the hand's "
@@ -15,10 +15,18 @@ LEAD = (
     "an effective obstacle. When the front meets the target, a catch is found.",
     "What remains is a still picture of the whole event, the cognitive map: arrival times of "
     "the front and effective obstacles. Walking down the arrival times from the target to the "
-    "hand gives the path. A plan counts as caught only after the whole movement was checked "
-    "between all samples, limb against bodies. Mental time is written τ; seconds are κ τ, with "
-    "κ close to 1/400 s here. Lengths are in forearms.",
+    "hand gives the path. A plan counts as caught only after the whole movement was checked, "
+    "limb against bodies, also between its samples.",
+    "Mental time is written τ; seconds are κ τ, with κ close to 1/400 s here. Lengths are in "
+    "forearms. Panels have the letters of the paper's figures.",
 )
+
+FILM = (
+    "The catch, {slower:.0f} times slower. Left: the arm among the bodies. Right: the same in "
+    "hand-space, with the wave; the black dot is the hand."
+)
+
+ENGINES = "The maps of both engines at their contact, in the same colours, with the paths."
 
 SCENES = {
     "fig1": (
@@ -81,15 +89,28 @@ CAPTIONS = {
 
 RANDOM = (
     "Random situations with one to five moving bodies, solved by both engines and, for "
-    "comparison, by a straight line to the earliest interception at full speed. Every catch "
-    "was checked once more: speed limits, the catch itself and the clearance of the whole "
-    "limb."
+    "comparison, by a straight line to the earliest interception at full speed. Unreachable "
+    "says that this planner found no catch, not that there is none. Every catch was checked "
+    "once more: speed limits, the catch itself and the clearance of the whole limb. A broken "
+    "promise would be a catch that failed this check."
 )
+
+SPREADS = "Curves tell which share of the plans (of the catches, left two) is below a value."
 
 READING = (
     "gcm is the neural lattice of the paper (Eq. 10); marching computes the same kind of map "
-    "directly, cell by cell in order of time, and is much faster. The lattice's front needs a "
-    "few τ to form at the hand, so its contacts come somewhat later. The paper gives no "
-    "dimensions for its scenes; ours are chosen to look like its figures, so instants need not "
-    "be equal."
+    "directly, cell by cell in order of time. The lattice's front takes about 26 τ to get going "
+    "from a single cell and is slower along the axes than along the diagonals, so its contacts "
+    "come later.",
+    "The paper gives no dimensions for its scenes; ours are chosen to look like its figures, so "
+    "instants need not be equal.",
+    "Red cells near the shoulder, where no extended obstacle is drawn, are caution: close to "
+    "the shoulder half a cell's step of the hand swings the arm far, and obstacles are widened "
+    "by that much. When no path is found in such a map, it is made again without.",
+)
+
+MORE = (
+    "The situations of this page are in `paper.jsonl` beside it, one JSON object a line: copy "
+    "one, change it, and run `gcm-learn solve FILE --plot pictures`. `gcm-learn --help` lists "
+    "the rest.",
 )

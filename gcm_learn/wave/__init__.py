@@ -4,22 +4,26 @@ from gcm_learn.wave.params import WaveParams
 from gcm_learn.wave.solver import (
     Front,
     FrontSpeed,
+    LayeredFront,
     MarchingParams,
     Task,
     front_speed,
     kappa_of,
     march,
+    march_layers,
     propagate,
 )
 
 __all__ = [
     "Front",
     "FrontSpeed",
+    "LayeredFront",
     "MarchingParams",
     "Task",
     "WaveParams",
     "front_speed",
     "kappa_of",
     "march",
+    "march_layers",
     "propagate",
 ]

@@ -20,7 +20,8 @@ from numba import njit
 from gcm_learn.situation.kernels import poses_at
 from gcm_learn.wave.kernels import FREE, KAPPA, judge
 
-UNKNOWN, ACCEPTED, CLOSED = 0, 1, 2  # a cell of the padded lattice; CLOSED: frozen or outside
+# A cell of the padded lattice; CLOSED: frozen or nearer than the arm can reach, BEYOND: farther.
+UNKNOWN, ACCEPTED, CLOSED, BEYOND = 0, 1, 2, 3
 PER_CELL = 1.5  # buckets per crossing: neighbours along a ray are 0.7 crossings apart or more
 BUCKETS = 32  # circular, a power of two; one step never spans more than 2 sqrt(2) crossings
 HAND_SOURCE = 0  # a cell of the rim, which is never a source itself
@@ -106,28 +107,40 @@ def expand(
             sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
             major = q + sx if ax >= ay else q + sy
             corner = q + sx + sy
-            if min(ax, ay) <= 1e-9:
+            if min(ax, ay) <= 1e-12:
                 corner = major
-            elif abs(ax - ay) <= 1e-9:
-                major = corner
+            elif abs(ax - ay) <= 1e-12 and (
+                k == q + sy or (k == corner and status[q + sy] == ACCEPTED)
+            ):
+                major = q + sy
             other = corner if k == major else major
-            if (k == major or k == corner) and status[other] == ACCEPTED:
+            if (k == major or k == corner) and (
+                status[other] == ACCEPTED or status[other] == BEYOND
+            ):
                 source = home
                 time = np.sqrt(dx * dx + dy * dy)
                 if home != HAND_SOURCE:
                     time += tent[home]
                 rival = origin[other]
-                if rival != home and other != home:
+                if rival != home and other != home and status[other] == ACCEPTED:
                     dy, dx = away_from(rival, ci + di, cj + dj, W, hand_i, hand_j)
                     later = np.sqrt(dx * dx + dy * dy)
                     if rival != HAND_SOURCE:
                         later += tent[rival]
                     if later > time:
                         time, source = later, rival
-            else:
-                time = tent[k] + (ROOT2 if di != 0 and dj != 0 else 1.0)
-                source = k
-            if time >= tent[q] - 1e-9:
+            elif di == 0 or dj == 0:
+                time, source = tent[k] + 1.0, k
+                side = W if di == 0 else 1
+                for e in (k - side, k + side):
+                    if status[e] == ACCEPTED and tent[e] + ROOT2 < time:
+                        time, source = tent[e] + ROOT2, e
+            elif status[k + di * W] == ACCEPTED or status[k + dj] == ACCEPTED:
+                time, source = tent[k] + ROOT2, k
+            else:  # nothing squeezes through between two cells
+                continue
+            # A straight ray wins a tie: rays of a bend would run beside the true ones.
+            if time >= tent[q] + (1e-9 if source == home else -1e-9):
                 continue
             tent[q] = time
             origin[q] = source
@@ -171,7 +184,12 @@ def pop(slot, n, tent, status, queue, counts, end, lookback, places, found, sinc
             places[count] = k
             # (i - 1) n + (j - 1) with k = i W + j and W = n + 2
             found[count] = k - 2 * row_of(k, W) - n - 1
-            since[count], when[count] = max(tent[k] - lookback, 0.0), tent[k]
+            before = tent[k] if tent[k] > START_RADIUS else 0.0
+            for e in (k - 1, k + 1, k - W, k + W):
+                if status[e] == ACCEPTED and tent[e] < before:
+                    before = tent[e]
+            since[count] = tent[k] - lookback * (tent[k] - before)
+            when[count] = tent[k]
             count += 1
     return count
 
@@ -194,13 +212,14 @@ def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, e
     hand_i, hand_j : float
         Hand in lattice coordinates; the centre of cell (iy, ix) is (iy, ix).
     outside : ((n + 2) * (n + 2),) uint8 ndarray
-        UNKNOWN where the hand can be, CLOSED elsewhere; with a closed rim.
+        UNKNOWN where the hand can be, BEYOND farther out and CLOSED elsewhere; the rim is not
+        UNKNOWN.
     gap : (n * n,) ndarray
         Distance at which an obstacle occupies a cell.
     c : (CONSTANTS,) ndarray
         As for the wave; KAPPA is the seconds per crossing.
     lookback : float
-        A cell must have been free this long before its arrival [crossings].
+        Share of the time since the front was next door that a cell must have been free.
     explore : bool
         Go on after the first contact.
     end, ignore : float

@@ -20,7 +20,7 @@ from gcm_learn.situation.kernels import Bodies
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
 from gcm_learn.wave.solver import (
-    CONTACT_SLACK,
+    CONTACT_RADIUS,
     NOMINAL_SPEED,
     Front,
     Task,
@@ -225,7 +225,7 @@ class _Wave:
     def _occupied(self, cell: tuple[int, int], span: tuple[float, float]) -> bool:
         """Whether an obstacle touches the cell's limb at any instant of a span [s]."""
         bodies, limb = self.task.bodies, self.limb[cell]
-        obstacles = np.flatnonzero(bodies.rows[:, k.PART] != k.HAND)
+        obstacles = np.flatnonzero(bodies.rows[:, k.PART] != k.HAND).tolist()
         step = FINENESS * self.task.lattice.spacing
         return any(
             (distances(bodies, b, limb, instants(bodies, b, span, step)) <= self.gap[cell]).any()
@@ -236,11 +236,12 @@ class _Wave:
         """First target near the hand in a span [s]: (time, body), body -1 if none."""
         bodies, limb = self.task.bodies, self.limb[cell]
         h, first = self.task.lattice.spacing, (span[1], -1)
-        for b in np.flatnonzero(bodies.rows[:, k.PART] == k.HAND):
+        for b in np.flatnonzero(bodies.rows[:, k.PART] == k.HAND).tolist():
             times = instants(bodies, b, span, FINENESS * h)
-            near = distances(bodies, b, limb, times) <= self.task.grasp + CONTACT_SLACK * h
+            reach = max(self.task.grasp, CONTACT_RADIUS * h)
+            near = distances(bodies, b, limb, times) <= reach
             if near.any() and (first[1] < 0 or times[near][0] < first[0]):
-                first = (float(times[near][0]), int(b))
+                first = (float(times[near][0]), b)
         return first
 
 

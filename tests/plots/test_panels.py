@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,9 @@ from gcm_learn import plots
 from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn.families import paper
 from gcm_learn.plots import style
-from gcm_learn.plots.handspace import draw_hand_space, extended_image, lattice_of
-from gcm_learn.plots.maps import birth, plot_map, spread
+from gcm_learn.plots.demo import engines_figure
+from gcm_learn.plots.handspace import draw_extended, draw_hand_space, extended_image, lattice_of
+from gcm_learn.plots.maps import birth, latest_arrival, plot_map, spread
 from gcm_learn.plots.poses import draw_poses
 from gcm_learn.plots.scene3d import align_views, draw_scene, draw_way
 from gcm_learn.plots.snapshots import draw_snapshot
@@ -76,8 +78,23 @@ def test_hand_space_image_is_the_occupied_set():
     image = extended_image(situation, 0.0, n=100)
     occupied = occupied_cells(situation, lattice_of(situation.arm, 100), 0.0)
     assert occupied.any()
-    np.testing.assert_array_equal(image[..., 3] > 0, occupied)
+    inside = np.hypot(*np.meshgrid(*2 * (lattice_of(situation.arm, 100).centres,))) < 2.0
+    np.testing.assert_array_equal((image[..., 3] > 0)[inside], occupied[inside])
     np.testing.assert_allclose(image[occupied][0][:3], to_rgba(style.EXTENDED)[:3])
+
+
+def test_hand_space_image_goes_on_over_the_rim_and_is_cut_there():
+    """An obstacle's image must not end in the steps of the last cells inside the rim."""
+    situation, ax = paper.fig2(), axes()
+    lattice = lattice_of(situation.arm, 100)
+    x, y = np.meshgrid(lattice.centres, lattice.centres)
+    at_rim = np.abs(np.hypot(x, y) - 2.0) < lattice.spacing
+    image = extended_image(situation, 0.0, n=100)[..., 3] > 0
+    beyond = at_rim & (np.hypot(x, y) > 2.0)
+    assert image[at_rim & ~beyond].any()
+    assert image[beyond].mean() == pytest.approx(image[at_rim & ~beyond].mean(), abs=0.05)
+    assert not image[np.hypot(x, y) > 2.0 + 2 * lattice.spacing].any()
+    assert draw_extended(ax, situation, 0.0).get_clip_path() is not None
 
 
 def test_hand_space_shows_the_arm_as_a_point():
@@ -96,6 +113,30 @@ def test_map_shows_path_effective_cells_and_hand(planar_case):
     np.testing.assert_array_equal(red[..., 3] > 0, plan.map.effective_obstacles)
     np.testing.assert_allclose(red[plan.map.effective_obstacles][0], to_rgba(style.EFFECTIVE))
     assert len(ax.figure.axes) == 2
+
+
+def test_maps_on_a_common_scale_have_comparable_colours(planar_case):
+    """On a scale that is twice as long, the same arrival is paler."""
+    _, plan = planar_case
+    own = latest_arrival(plan.map)
+    assert own == pytest.approx(plan.map.arrival_tau.max())
+    darkest = [
+        plot_map(plan.map, latest=latest).collections[0].get_facecolor()[-1]
+        for latest in (None, own, 2 * own)
+    ]
+    np.testing.assert_allclose(darkest[0], darkest[1])
+    assert darkest[2][:3].sum() > darkest[0][:3].sum() + 0.2
+
+
+def test_engines_side_by_side_say_how_each_ended(planar_case, drawn):
+    situation, plan = planar_case
+    failed = dataclasses.replace(plan, status="start_blocked", trajectory=None, map=None)
+    figure = engines_figure(situation, {"gcm": plan, "other": failed})
+    drawn(figure)
+    titles = [ax.get_title() for ax in figure.axes]
+    assert titles[:2] == ["gcm: caught", "other: start blocked"]
+    assert len(titles) == 3, "two panels and one colour bar"
+    drawn(engines_figure(situation, {"other": failed}))
 
 
 def test_map_plot_method_returns_the_same_picture(planar_case):
@@ -141,6 +182,21 @@ def test_snapshot_shows_only_effective_cells_of_the_past(planar_case):
     late = draw_snapshot(axes(), situation, plan.map, plan.map.contact_tau)
     counts = [max((to_red(image) for image in ax.images), default=0) for ax in (early, late)]
     assert counts[0] < counts[1] == plan.map.effective_obstacles.sum()
+
+
+def test_snapshot_draws_the_front_only_where_it_moves(planar_case):
+    situation, plan = planar_case
+    tau = 100.0
+    ax = draw_snapshot(axes(), situation, plan.map, tau)
+    wanted = to_rgba(style.FRONT)
+    (front,) = [c for c in ax.collections if wanted in map(tuple, c.get_edgecolor())]
+    line = np.concatenate([path.vertices for path in front.get_paths()])
+    stuck = plan.map.effective_obstacles & (birth(plan.map) <= tau)
+    assert stuck.any()
+    x, y = np.meshgrid(plan.map.lattice.centres, plan.map.lattice.centres)
+    cells = np.stack([x[stuck], y[stuck]], axis=-1)
+    nearest = np.abs(line[:, None] - cells).max(axis=-1).min(axis=1)
+    assert nearest.min() >= 0.9 * plan.map.lattice.spacing
 
 
 def to_red(image):

@@ -1,0 +1,486 @@
+"""Layered marching: earliest arrivals when the hand may wait.
+
+In every cell the time line falls into safe intervals, spans in which a limb resting there touches
+nothing.  When waiting is free, all that matters of an interval is the earliest moment at which the
+hand can be in it (safe interval path planning: Phillips and Likhachev, ICRA 2011).  So the static
+picture becomes a few sheets: sheet m holds the arrivals in the m-th interval that was reached.
+
+A state is a cell with one of its intervals, in the order in which they are reached.  Fronts run on
+from states as in `wave.marching`, straight from a source.  What is new: a state that is blocked or
+ends makes a note to come back when its cell is free again (`REOPEN`); then the hand enters from any
+neighbour in which it can have waited.  Intervals are found by conservative advancement and only for
+cells that are reached.  Lengths are in cells, times in crossings of a cell.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.arm.occupancy import blocked_cells, first_touch
+from gcm_learn.situation.kernels import (
+    ACCELERATION,
+    HAND,
+    PART,
+    REACH,
+    SWING,
+    TOP_SPEED,
+    arm_room,
+    pose_at,
+    poses_at,
+    segment_point2,
+    segments_cross,
+)
+from gcm_learn.wave.kernels import GRASP, KAPPA, SHORTEST
+from gcm_learn.wave.marching import (
+    BEYOND,
+    BUCKETS,
+    PER_CELL,
+    ROOT2,
+    START_RADIUS,
+    STEP_I,
+    STEP_J,
+    UNKNOWN,
+    row_of,
+)
+
+NEVER = 1e300
+SETTLED, PASSING = 1, 4  # not to be entered any more; reached, but safe only for a while
+SPARE = 1 + BUCKETS  # entry of `counts` that heads the list of queue entries to be used again
+ARRIVE, REOPEN = 0, 1  # kinds of queue entries
+FROM_HAND, ITSELF = -1, -2  # sources that are no earlier state
+
+# Columns of a state: cell (padded index), source and predecessor (states); arrival, end.
+CELL, SOURCE, VIA = 0, 1, 2
+ARRIVAL, END = 0, 1
+
+
+@njit(cache=True)
+def push(k, time, kind, bucket, queue, counts):
+    """Put cell k into the bucket of a time, not before the one being worked on."""
+    # One turn of the buckets is all that the queue can tell apart: later visits ask again.
+    ahead = min(max(int(time * PER_CELL), bucket), bucket + BUCKETS - 1)
+    slot = 1 + (ahead & (BUCKETS - 1))
+    entry = counts[SPARE]
+    if entry >= 0:
+        counts[SPARE] = queue[entry, 1]
+    elif counts[0] < queue.shape[0]:
+        entry = counts[0]
+        counts[0] = entry + 1
+    else:
+        return
+    queue[entry, 0], queue[entry, 1], queue[entry, 2] = k, counts[slot], kind
+    counts[slot] = entry
+
+
+@njit(cache=True)
+def next_free(bodies, limb, m, gap, t, end, step, scratch):
+    """First moment from t [s] on at which no obstacle is within `gap` of a limb; NEVER if none.
+
+    Searched in steps of `step` [s], longer where the depth in the gap allows it.
+    """
+    hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
+    count = bodies.rows.shape[0]
+    clear, b = 0, 0
+    while clear < count:  # until every body in turn has been found clear at the same moment
+        if bodies.rows[b, PART] != HAND:
+            speed = bodies.rows[b, TOP_SPEED]
+            pose_at(bodies, b, t, scratch)
+            room = arm_room(bodies, scratch, b, hx, hy, ex, ey) - gap
+            while room <= 0.0:
+                if speed == 0.0:
+                    return NEVER
+                # Inside a body the distance is cut off at 0, and the whole gap has to pass.
+                t += max(step, -room / speed)
+                clear = 0
+                if t > end:
+                    return NEVER
+                pose_at(bodies, b, t, scratch)
+                room = arm_room(bodies, scratch, b, hx, hy, ex, ey) - gap
+        clear += 1
+        b = b + 1 if b + 1 < count else 0
+    return t
+
+
+@njit(cache=True)
+def crossing_squared(ax, ay, bx, by, cx, cy, dx, dy):
+    """Squared distance of the plane segments a-b and c-d, 0 if they cross."""
+    if segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
+        return 0.0
+    first = min(segment_point2(cx, cy, ax, ay, bx, by), segment_point2(dx, dy, ax, ay, bx, by))
+    second = min(segment_point2(ax, ay, cx, cy, dx, dy), segment_point2(bx, by, cx, cy, dx, dy))
+    return min(first, second)
+
+
+@njit(cache=True)
+def way_of(bodies, b, t0, t1, scratch, chord):
+    """Bound where body b goes in [t0, t1]: chord (4,) of its centre and how far it gets from it.
+
+    A quadratic motion departs from its chord by at most |a| (t1 - t0)^2 / 8.  The body's reach is
+    included; a pendulum is not bounded (NEVER).
+    """
+    if bodies.rows[b, SWING] >= 0.0:
+        return NEVER
+    pose_at(bodies, b, t0, scratch)
+    chord[0], chord[1] = scratch[b, 0], scratch[b, 1]
+    pose_at(bodies, b, t1, scratch)
+    chord[2], chord[3] = scratch[b, 0], scratch[b, 1]
+    a2 = bodies.rows[b, ACCELERATION] ** 2 + bodies.rows[b, ACCELERATION + 1] ** 2
+    return bodies.rows[b, REACH] + np.sqrt(a2) * (t1 - t0) ** 2 / 8.0
+
+
+@njit(cache=True)
+def safe_until(bodies, limb, gap, cells, since, until, count, end, shortest, scratch):
+    """Find when each of the cells that are free at `since` is touched next; `end` if never.
+
+    Parameters
+    ----------
+    cells, since : (count,) ndarray
+        Flat indices and times [s].
+    until : (count,) ndarray
+        Filled [s].
+    """
+    until[:count] = end
+    if count == 0:
+        return
+    chord = np.empty(4)
+    early = since[:count].min()
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND or bodies.rows[b, TOP_SPEED] == 0.0:
+            continue
+        width = way_of(bodies, b, early, end, scratch, chord)
+        for i in range(count):
+            m = cells[i]
+            if width < NEVER:
+                hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
+                far = (width + gap[m]) ** 2
+                if (
+                    crossing_squared(hx, hy, ex, ey, chord[0], chord[1], chord[2], chord[3]) > far
+                    and crossing_squared(0.0, 0.0, ex, ey, chord[0], chord[1], chord[2], chord[3])
+                    > far
+                ):
+                    continue
+            t = first_touch(
+                bodies, b, limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3], gap[m],
+                since[i], until[i], shortest, scratch,
+            )  # fmt: skip
+            if t >= 0.0:
+                until[i] = t
+
+
+@njit(cache=True)
+def meet(bodies, limb, gap, cells, since, until, count, shortest, best, scratch):
+    """Find the earliest moment at which a target comes to one of the cells while it is safe.
+
+    `best` bounds what is of interest; returns (index or -1, body, time [s]).
+    """
+    index, body = -1, -1
+    if count == 0:
+        return index, body, best
+    chord = np.empty(4)
+    early = since[:count].min()
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND or early > best:
+            continue
+        width = way_of(bodies, b, early, best, scratch, chord)
+        for i in range(count):
+            end = min(until[i], best)
+            if since[i] > end:
+                continue
+            m = cells[i]
+            hx, hy = limb[m, 0], limb[m, 1]
+            if (
+                width < NEVER
+                and segment_point2(hx, hy, chord[0], chord[1], chord[2], chord[3])
+                > (width + gap) ** 2
+            ):
+                continue
+            t = first_touch(bodies, b, hx, hy, hx, hy, gap, since[i], end, shortest, scratch)
+            if t >= 0.0 and t < best:
+                index, body, best = i, b, t
+    return index, body, best
+
+
+@njit(cache=True)
+def way_in(k, time, W, latest, states, spans):
+    """State of a neighbour in which the hand can wait to be in cell k at `time`; -1 if none.
+
+    Among those that are possible the one that was reached first: it has most room to wait.
+    """
+    best = -1
+    for d in range(8):
+        s = latest[k + STEP_I[d] * W + STEP_J[d]]
+        if s < 0:
+            continue
+        leave = time - (ROOT2 if STEP_I[d] != 0 and STEP_J[d] != 0 else 1.0)
+        if spans[s, ARRIVAL] <= leave <= spans[s, END]:
+            if best < 0 or spans[s, ARRIVAL] < spans[best, ARRIVAL]:
+                best = s
+    return best
+
+
+@njit(cache=True)
+def offset(source, i, j, W, hand_i, hand_j, states):
+    """Vector (di, dj) from cell (i, j) to a source."""
+    if source == FROM_HAND:
+        return hand_i - i, hand_j - j
+    k = states[source, CELL]
+    row = row_of(k, W)
+    return float(row - i), float(k - row * W - j)
+
+
+@njit(cache=True)
+def expand(
+    first, last, n, hand_i, hand_j, states, spans, latest, status, tent, again, source_of, via_of,
+    queue, counts, bucket,
+):  # fmt: skip
+    """Offer the fronts of new states to the neighbours of their cells, as marching does.
+
+    The differences: a reached neighbour counts only while its interval lasts, and may be entered
+    again after that.
+    """
+    W = n + 2
+    for s in range(first, last):
+        k = states[s, CELL]
+        home = states[s, SOURCE]
+        if home == ITSELF:
+            home = s
+        ci = row_of(k, W)
+        cj = k - ci * W
+        now = spans[s, ARRIVAL]
+        for d in range(8):
+            di, dj = STEP_I[d], STEP_J[d]
+            q = k + di * W + dj
+            if status[q] != UNKNOWN and status[q] != PASSING:
+                continue
+            if source_of[q] == home and tent[q] < NEVER:
+                continue
+            dy, dx = offset(home, ci + di, cj + dj, W, hand_i, hand_j, states)
+            ax, ay = abs(dx), abs(dy)
+            sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
+            major = q + sx if ax >= ay else q + sy
+            corner = q + sx + sy
+            if min(ax, ay) <= 1e-9:
+                corner = major
+            elif abs(ax - ay) <= 1e-9:
+                major = corner
+            bent = now + (ROOT2 if di != 0 and dj != 0 else 1.0)
+            time, source, via = bent, s, s
+            if k == major or k == corner:
+                beside = corner if k == major else major
+                other = latest[beside]
+                open_ = status[beside] == BEYOND  # the ring is convex outwards: rays may graze it
+                if open_ or (other >= 0 and spans[other, END] >= now):
+                    rival = home if open_ else states[other, SOURCE]
+                    if rival == ITSELF:
+                        rival = other
+                    start = 0.0 if home == FROM_HAND else spans[home, ARRIVAL]
+                    time, source, via = start + np.sqrt(dx * dx + dy * dy), home, home
+                    if rival != home and other != home:
+                        dy, dx = offset(rival, ci + di, cj + dj, W, hand_i, hand_j, states)
+                        start = 0.0 if rival == FROM_HAND else spans[rival, ARRIVAL]
+                        later = start + np.sqrt(dx * dx + dy * dy)
+                        if later > time:
+                            time, source, via = later, rival, rival
+                    if time > bent:  # the straight front is late here: go round by this cell
+                        time, source, via = bent, s, s
+            if latest[q] >= 0 and time <= spans[latest[q], END]:
+                continue
+            if again[q] < NEVER and time <= again[q]:
+                continue  # known to be blocked until then; `way_in` will find this state
+            if time >= tent[q] - 1e-9:
+                continue
+            tent[q], source_of[q], via_of[q] = time, source, via
+            push(q, time, ARRIVE, bucket, queue, counts)
+
+
+@njit(cache=True)
+def march_layers(
+    n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, end, ignore, states, spans
+):
+    """March over cells and sheets until a target is met.
+
+    Parameters
+    ----------
+    hand_i, hand_j : float
+        Hand in lattice coordinates.
+    outside : ((n + 2)^2,) uint8 ndarray
+        UNKNOWN where the hand can be, CLOSED elsewhere.
+    gap : (n * n,) ndarray
+        Distance at which an obstacle occupies a cell.
+    c : (CONSTANTS,) ndarray
+        As for marching.
+    lookback : float
+        How long a cell must have been free before it is entered [crossings].
+    end, ignore : float
+        Horizon; meetings before `ignore` do not count [crossings].
+    states : (m, 3) int32 ndarray
+        Filled with cell, source and predecessor; cells are indices of the padded lattice.
+    spans : (m, 2) float64 ndarray
+        Filled with arrival and end of the safe interval [crossings].
+
+    Returns
+    -------
+    count : int
+        Number of states.
+    state, body : int
+        Where the target is met, -1 if it is not.
+    time : float
+        When [crossings].
+    """
+    W = n + 2
+    kappa, shortest = c[KAPPA], c[SHORTEST]
+    coarse = 0.2 * kappa  # resolution of intervals and meetings [s]; plans are verified anyway
+    status, latest = outside.copy(), np.full(W * W, -1, dtype=np.int32)
+    tent, again = np.full(W * W, NEVER), np.full(W * W, NEVER)
+    source_of = np.full(W * W, -9, dtype=np.int32)
+    via_of = np.full(W * W, -9, dtype=np.int32)
+    queue = np.empty((20 * n * n, 3), dtype=np.int32)
+    counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
+    counts[0] = 0
+    cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
+    since, until, start = np.empty(n * n), np.empty(n * n), np.empty(n * n)
+    origins = np.empty((n * n, 2), dtype=np.int32)
+    blocked = np.empty(n * n, dtype=np.bool_)
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    scratch = np.zeros_like(poses)
+    hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
+    seed(n, hand_i, hand_j, status, tent, source_of, via_of, queue, counts)
+    total, met, body, when = 0, -1, -1, end * kappa
+    bucket, idle = 0, 0
+    while idle < BUCKETS and bucket <= end * PER_CELL and bucket <= when / kappa * PER_CELL:
+        slot = 1 + bucket % BUCKETS
+        idle += 1
+        now = min((bucket + 1.0) / PER_CELL, end)
+        posed = False
+        while counts[slot] >= 0:
+            idle = 0
+            count = pop(
+                slot, bucket, n, end, latest, tent, again, source_of, via_of, states, spans,
+                queue, counts, places, cells, start, origins,
+            )  # fmt: skip
+            if count == 0:
+                continue
+            if not posed:
+                poses_at(bodies, now * kappa, poses)
+                posed = True
+            for i in range(count):
+                since[i] = max(start[i] - lookback, 0.0) * kappa
+            blocked_cells(
+                bodies, poses, limb, gap, cells, since, count, now * kappa, shortest, blocked,
+                scratch,
+            )  # fmt: skip
+            free = 0
+            for i in range(count):
+                if blocked[i]:
+                    come_back(
+                        places[i], cells[i], now, bodies, limb, gap, kappa, end, lookback, bucket,
+                        status, again, queue, counts, scratch,
+                    )  # fmt: skip
+                elif total + free < states.shape[0]:
+                    places[free], cells[free], start[free] = places[i], cells[i], start[i]
+                    origins[free, 0], origins[free, 1] = origins[i, 0], origins[i, 1]
+                    free += 1
+            for i in range(free):
+                since[i] = start[i] * kappa
+            safe_until(bodies, limb, gap, cells, since, until, free, end * kappa, coarse, scratch)
+            for i in range(free):
+                since[i] = max(since[i], ignore * kappa)
+            index, target, t = meet(
+                bodies, limb, c[GRASP], cells, since, until, free, coarse, when, scratch
+            )
+            if index >= 0:
+                met, body, when = total + index, target, t
+            for i in range(free):
+                s, k = total + i, places[i]
+                states[s, CELL], states[s, SOURCE] = k, origins[i, 0]
+                states[s, VIA] = origins[i, 1]
+                spans[s, ARRIVAL], spans[s, END] = start[i], until[i] / kappa
+                latest[k] = s
+                status[k] = SETTLED if until[i] >= end * kappa else PASSING
+                if status[k] == PASSING:
+                    come_back(
+                        k, cells[i], spans[s, END], bodies, limb, gap, kappa, end, lookback,
+                        bucket, status, again, queue, counts, scratch,
+                    )  # fmt: skip
+            expand(
+                total, total + free, n, hand_i, hand_j, states, spans, latest, status, tent, again,
+                source_of, via_of, queue, counts, bucket,
+            )  # fmt: skip
+            total += free
+        bucket += 1
+    return total, met, body, when / kappa
+
+
+@njit(cache=True)
+def seed(n, hand_i, hand_j, status, tent, source_of, via_of, queue, counts):
+    """Reach the cells around the hand straight from it."""
+    W = n + 2
+    reach = int(START_RADIUS) + 1
+    for i in range(max(int(hand_i) - reach, 1), min(int(hand_i) + reach + 2, n + 1)):
+        for j in range(max(int(hand_j) - reach, 1), min(int(hand_j) + reach + 2, n + 1)):
+            k = i * W + j
+            away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
+            if status[k] == UNKNOWN and away <= START_RADIUS:
+                tent[k], source_of[k], via_of[k] = away, FROM_HAND, FROM_HAND
+                push(k, away, ARRIVE, 0, queue, counts)
+
+
+@njit(cache=True)
+def pop(
+    slot, bucket, n, end, latest, tent, again, source_of, via_of, states, spans, queue, counts,
+    places, cells, start, origins,
+):  # fmt: skip
+    """Take the entries of a bucket that are due; returns how many states they may become.
+
+    Entries for later turns of the buckets go back into the queue; stale ones are dropped.
+    """
+    W = n + 2
+    count = 0
+    entry = counts[slot]
+    counts[slot] = -1
+    while entry >= 0:
+        k, kind, used = queue[entry, 0], queue[entry, 2], entry
+        entry = queue[entry, 1]
+        queue[used, 1] = counts[SPARE]
+        counts[SPARE] = used
+        due = tent[k] if kind == ARRIVE else again[k]
+        if due >= NEVER or due > end:
+            continue
+        if int(due * PER_CELL) > bucket:
+            push(k, due, kind, bucket, queue, counts)
+            continue
+        s = latest[k]
+        if kind == ARRIVE:
+            tent[k] = NEVER
+            if s >= 0 and due <= spans[s, END]:
+                continue
+            origins[count, 0], origins[count, 1] = source_of[k], via_of[k]
+        else:
+            again[k] = NEVER
+            if s >= 0 and due <= spans[s, END]:
+                continue
+            via = way_in(k, due, W, latest, states, spans)
+            if via < 0:
+                continue
+            origins[count, 0], origins[count, 1] = ITSELF, via
+        places[count], start[count] = k, due
+        cells[count] = k - 2 * row_of(k, W) - n - 1
+        count += 1
+    return count
+
+
+@njit(cache=True)
+def come_back(
+    k, m, time, bodies, limb, gap, kappa, end, lookback, bucket, status, again, queue, counts,
+    scratch,
+):  # fmt: skip
+    """Make a note to look at a cell again when it is free (time in crossings)."""
+    t = next_free(bodies, limb, m, gap[m], time * kappa, end * kappa, 0.25 * kappa, scratch)
+    if t >= NEVER:
+        status[k] = SETTLED  # not to be entered any more
+        return
+    due = t / kappa + lookback
+    if due < again[k]:
+        again[k] = due
+        push(k, due, REOPEN, bucket, queue, counts)

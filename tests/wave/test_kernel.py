@@ -1,0 +1,179 @@
+"""The fast wave against the plain one, and what must hold of it whatever the scene."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import seeding
+from gcm_learn.families import random_planar
+from gcm_learn.situation import Body, PlanarQuadratic, Polygon
+from gcm_learn.wave import WaveParams, kappa_of, propagate
+from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
+from gcm_learn.wave.reference import propagate_reference
+from tests.transforms import mirrored, turned
+from tests.wave.scenes import arrival_tau, disc, scene, task_of, three_discs
+
+EXPLORE = "horizon"
+LATE = 0.25  # the kernel traces a crossing back over at most 1.2 tau of curved rise [tau]
+HANDFUL = 3  # cells grazed for so short a time that arrivals a hundredth of a tau apart decide
+
+
+def compare(task, params):
+    """Hold the kernel against the reference; returns the kernel's front."""
+    fast, plain = propagate(task, params), propagate_reference(task, params)
+    assert np.count_nonzero(fast.state != plain.state) <= HANDFUL
+    reached = (fast.arrival >= 0.0) & (plain.arrival >= 0.0)
+    assert np.count_nonzero((fast.arrival >= 0.0) != (plain.arrival >= 0.0)) <= HANDFUL
+    late = np.abs(fast.arrival - plain.arrival)[reached] / kappa_of(task, params)
+    assert np.median(late) < 0.03
+    assert np.quantile(late, 0.995) < LATE
+    assert (fast.contact_cell, fast.contact_body) == (plain.contact_cell, plain.contact_body)
+    assert abs(fast.contact_time - plain.contact_time) / kappa_of(task, params) < LATE
+    return fast
+
+
+VARIANTS = [
+    WaveParams(n=40, until=EXPLORE),
+    WaveParams(n=40, until=EXPLORE, laplacian=9),
+    WaveParams(n=40, until=EXPLORE, start="printed", frozen="held"),
+    WaveParams(n=40, until=EXPLORE, start_radius=3.0, margin=0.0),
+    WaveParams(n=40, laplacian=9, start="printed", start_radius=3.0),
+    WaveParams(n=80),
+    WaveParams(n=80, until=EXPLORE, laplacian=9, frozen="held"),
+]
+
+
+@pytest.mark.parametrize("params", VARIANTS, ids=range(len(VARIANTS)))
+def test_moving_discs(params):
+    situation = three_discs(seeding.rng(21, params.n))
+    front = compare(task_of(situation, params.n), params)
+    assert np.count_nonzero(front.state == FROZEN) >= (20 if params.until == EXPLORE else 1)
+    assert front.contact_body == 0
+
+
+def test_free_space():
+    params = WaveParams(n=80)
+    task = task_of(scene(hand=(-0.31, 0.77), horizon=0.9))
+    front = compare(task, params)
+    assert (front.state == FREE).all() and front.contact_cell == -1
+    assert np.count_nonzero(front.arrival >= 0.0) > 3000
+
+
+@pytest.mark.parametrize(
+    ("k", "arm", "frozen"),
+    [
+        (0, {}, "insulating"),
+        (1, {"elbow": "left", "upper_arm": 0.9, "thickness": 0.03}, "held"),
+        (2, {"elbow": "left", "upper_arm": 1.2}, "insulating"),
+        (5, {"upper_arm": 0.6, "thickness": 0.05}, "insulating"),
+    ],
+)
+@pytest.mark.parametrize("moving", [False, True])
+def test_static_and_moving_discs(k, arm, frozen, moving):
+    situation = three_discs(seeding.rng(22, k), moving, **arm)
+    params = WaveParams(n=40, until=EXPLORE, frozen=frozen)
+    front = compare(task_of(situation, 40), params)
+    assert np.count_nonzero(front.arrival >= 0.0) > 300
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", range(40))
+def test_random_situations(k):
+    situation = random_planar(seeding.rng(23, k))
+    variant = VARIANTS[k % len(VARIANTS)]
+    compare(task_of(situation, variant.n), variant)
+
+
+def test_a_frozen_cell_is_no_contact_later():
+    """Erratum 13: a target that crosses cells frozen long ago is not caught there."""
+    wall, params = (
+        disc("obstacle", "wall", (0.0, 1.4), radius=0.12),
+        WaveParams(n=40, until=EXPLORE),
+    )
+    task = task_of(scene(wall), 40)
+    front = propagate(task, params)
+    iy, ix = np.argwhere(front.state == FROZEN)[-1]
+    assert 0.0 < front.arrival[iy, ix] < 0.9
+    x, y = task.lattice.centres[[ix, iy]]
+    late = disc("target", "late", (x, y + 1.5), velocity=(0.0, -1.0), radius=0.03)
+    front = propagate(task_of(scene(wall, late, horizon=1.8), 40), params)
+    assert front.state[iy, ix] == FROZEN
+    assert front.contact_cell == -1 and (front.state != CONTACT).all()
+
+
+def test_contact_stops_the_front_unless_it_explores():
+    situation = scene(disc("target", "ball", (-0.4, 1.0), (0.3, 0.2)))
+    task = task_of(situation, 40)
+    stopped, explored = (propagate(task, WaveParams(n=40, until=u)) for u in ("contact", EXPLORE))
+    assert stopped.contact_body == explored.contact_body == 0
+    assert stopped.contact_time == explored.contact_time > 0.0
+    assert stopped.steps < explored.steps
+    assert stopped.arrival.max() < stopped.contact_time + 2.0 * kappa_of(task, WaveParams(n=40))
+
+
+def test_contacts_before_a_time_do_not_count():
+    task = task_of(scene(disc("target", "ball", (-0.4, 1.0))), 40)
+    first = propagate(task, WaveParams(n=40))
+    again = propagate(replace(task, ignore=1.1 * first.contact_time), WaveParams(n=40))
+    assert again.contact_time > 1.1 * first.contact_time
+
+
+def test_two_runs_give_the_same_bytes():
+    task = task_of(three_discs(seeding.rng(21, 40)), 40)
+    a, b = (propagate(task, WaveParams(n=40)) for _ in range(2))
+    assert a.arrival.tobytes() == b.arrival.tobytes() and a.state.tobytes() == b.state.tobytes()
+
+
+def test_threads_do_not_share_their_lattices():
+    tasks = [task_of(three_discs(seeding.rng(24, k)), 40) for k in range(12)]
+    params = WaveParams(n=40, until=EXPLORE)
+    alone = [propagate(task, params).arrival.tobytes() for task in tasks]
+    found = {}
+
+    def work(name, order):
+        found[name] = {k: propagate(tasks[k], params).arrival.tobytes() for k in order}
+
+    threads = [
+        threading.Thread(target=work, args=("up", list(range(12)) * 4)),
+        threading.Thread(target=work, args=("down", list(range(12))[::-1] * 4)),
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [found["up"][k] for k in range(12)] == alone
+    assert [found["down"][k] for k in range(12)] == alone
+
+
+def square(position, velocity):
+    corners = ((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1))
+    return Body(
+        "obstacle", "square", Polygon(corners), PlanarQuadratic(position, velocity, (0.0, 0.0))
+    )
+
+
+@pytest.mark.parametrize(
+    ("move", "back"),
+    [
+        (mirrored, lambda a: a[::-1]),
+        (lambda s: turned(s, 0.5 * np.pi), lambda a: np.rot90(a)),
+        (lambda s: turned(s, np.pi), lambda a: np.rot90(a, 2)),
+    ],
+    ids=["mirror", "quarter turn", "half turn"],
+)
+def test_symmetry(move, back):
+    """The lattice is symmetric, so a moved scene gives the moved map."""
+    situation = scene(
+        square((0.2, 1.3), (0.4, -0.3)), disc("obstacle", "o", (-1.0, -0.6)), hand=(1.23, 0.31)
+    )
+    params = WaveParams(n=40, until=EXPLORE)
+    task, moved = task_of(situation, 40), task_of(move(situation), 40)
+    here, there = propagate(task, params), propagate(moved, params)
+    assert (here.state == FROZEN).sum() > 20
+    assert np.array_equal(here.state, back(there.state))
+    difference = arrival_tau(task, here, params) - back(arrival_tau(moved, there, params))
+    assert np.nanmax(np.abs(difference)) < 0.01
