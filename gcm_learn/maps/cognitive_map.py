@@ -74,7 +74,7 @@ class CognitiveMap:
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the map as in Fig. 4D; returns the axes."""
-        from gcm_learn import plots  # noqa: PLC0415  late: plotting is a layer above
+        from gcm_learn import plots
 
         return plots.plot_map(self, ax=ax)
 

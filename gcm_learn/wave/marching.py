@@ -46,7 +46,7 @@ MEMBERS = _members()
 
 @njit(cache=True, forceinline=True)
 def row_of(k, W):
-    """k // W by a multiplication: a division by a variable costs more than the rest of a cell."""
+    """K // W by a multiplication: a division by a variable costs more than the rest of a cell."""
     return int((k + 0.5) * (1.0 / W))
 
 

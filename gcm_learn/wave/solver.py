@@ -168,7 +168,7 @@ def march(task: Task, params: MarchingParams) -> Front:
 
 @dataclass(frozen=True)
 class LayeredFront:
-    """States that a front reached when the hand may wait: cells with one of their safe intervals."""
+    """What a front reached when the hand may wait: states, i.e. cells in one safe interval each."""
 
     cells: np.ndarray
     """(m, 2) int: iy, ix; in order of arrival."""

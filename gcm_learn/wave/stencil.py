@@ -4,7 +4,7 @@ All fields of a lattice live in one float32 buffer as planes at constant offsets
 knows that they do not overlap and vectorises without run-time checks; there is a stencil for each
 of a few widths, so that the offsets are constants.
 
-The cell (iy, ix) is entry ``(iy + 1) * W + ix + LEFT`` of a plane; the rest is padding that stays 0.
+The cell (iy, ix) is entry ``(iy + 1) * W + ix + LEFT`` of a plane; the rest is padding and stays 0.
 The planes: potential (two time levels), recovery, q * step, live neighbours, arrival.
 """
 

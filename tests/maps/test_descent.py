@@ -11,7 +11,7 @@ from gcm_learn import seeding
 from gcm_learn.arm import Lattice, Trajectory
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.maps import CognitiveMap, build_map, descend
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
+from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 from tests.referee import by_hand, nearest
 
@@ -68,8 +68,8 @@ def test_in_free_space_the_path_is_straight(engine, angle):
         # A wave starts in the centre of the hand's cell, so its path ends with a small kink.
         kink = 0.2 * found.lattice.spacing if engine == "wave" else 0.0
         assert length(points) <= 1.01 * straight + kink
-        print(turning(points))
-        assert turning(points) < (0.6 if engine == "wave" else 0.25)
+        assert turning(points) < (1.0 if engine == "wave" else 0.25)
+        assert turning(points[1:]) < 0.25
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -104,13 +104,13 @@ def test_it_stays_on_what_the_front_reached(engine, seed):
 
 
 def test_it_goes_round_an_obstacle(engine):
-    """A disc right on the straight way, near enough to the hand for the forearm to meet it."""
-    target, hand = (0.9, -1.2), (0.9, 1.2)
-    post = disc("obstacle", 0.06, (1.6, 0.0))
+    """A disc right on the straight way: the arm has to be drawn in."""
+    target, hand = (1.5, -1.0), (1.5, 1.0)
+    post = disc("obstacle", 0.2, (1.5, 0.0))
     free = descend(build_map(scene(target, hand=hand), ENGINES[engine]))[0]
     around = descend(build_map(scene(target, post, hand=hand), ENGINES[engine]))[0]
-    assert np.abs(free[:, 0] - 0.9).max() < 0.08
-    assert length(around) > 1.02 * length(free)
+    assert np.abs(free[:, 0] - 1.5).max() < 0.08
+    assert around[:, 0].min() < 1.3 and 1.01 < length(around) / length(free) < 1.2
 
 
 def test_without_contact_there_is_no_way(engine):

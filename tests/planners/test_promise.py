@@ -1,0 +1,89 @@
+"""What "caught" promises, over random situations, before the independent referee."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from gcm_learn import seeding, solve
+from gcm_learn.families.paper import PAPER_SCENES
+from gcm_learn.families.random_planar import random_planar
+from tests.random_solid import random_solid
+from tests.referee import judge
+
+PLANNERS = ["gcm", "marching", "straight"]
+
+
+def limited(rng):
+    """A planar situation whose joints have limits."""
+    situation = random_planar(rng, (1, 4))
+    limits = tuple(float(v) for v in rng.uniform(2.0, 12.0, 2))
+    return replace(situation, arm=replace(situation.arm, max_joint_speed=limits))
+
+
+def slippery(rng):
+    """A planar or 3D situation whose hand has to touch the target itself."""
+    situation = (random_planar if rng.random() < 0.5 else random_solid)(rng)
+    return replace(situation, arm=replace(situation.arm, grasp=0.0))
+
+
+FAMILIES = {
+    "planar": random_planar,
+    "solid": random_solid,
+    "limited": limited,
+    "slippery": slippery,
+}
+
+
+def broken(family, planner, seed, seeds):
+    """Complaints by index over a range of random situations, and the number of catches."""
+    complaints, caught = {}, 0
+    for k in seeds:
+        situation = FAMILIES[family](seeding.rng(seed, k))
+        plan = solve(situation, planner)
+        assert plan.status in ("caught", "unreachable", "start_blocked")
+        if plan.status == "caught":
+            caught += 1
+            found = judge(situation, plan).complaints
+            if found:
+                complaints[k] = found
+    return complaints, caught
+
+
+@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize(
+    ("family", "count"), [("planar", 300), ("solid", 60), ("limited", 60), ("slippery", 60)]
+)
+def test_every_catch_keeps_the_promise(family, count, planner):
+    complaints, caught = broken(family, planner, 61, range(count))
+    assert complaints == {}
+    assert caught > count / 8  # else nothing has been tested
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize("part", range(20))
+def test_every_catch_of_20_000_planar_situations_keeps_the_promise(part, planner):
+    complaints, caught = broken("planar", planner, 62, range(1000 * part, 1000 * (part + 1)))
+    assert complaints == {}
+    assert caught > 300
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize("family", ["solid", "limited", "slippery"])
+def test_every_catch_of_2_000_other_situations_keeps_the_promise(family, planner):
+    complaints, caught = broken(family, planner, 63, range(2000))
+    assert complaints == {}
+    assert caught > 250
+
+
+@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize("name", PAPER_SCENES)
+def test_the_papers_scenes_keep_the_promise(name, planner):
+    situation = PAPER_SCENES[name]()
+    plan = solve(situation, planner)
+    assert plan.status == "caught" or planner == "straight"
+    if plan.status == "caught":
+        assert judge(situation, plan).complaints == []

@@ -1,0 +1,147 @@
+"""What the documents say is so: examples run, links lead somewhere, lists are complete."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcm_learn import planner_names, solve
+from gcm_learn.cli import main
+from gcm_learn.cli.arguments import COMMANDS
+from gcm_learn.planners import plan_to_json
+from gcm_learn.situation import read_situations, situation_from_json
+
+ROOT = Path(__file__).parents[1]
+README, ARCHITECTURE = (ROOT / "README.md", ROOT / "ARCHITECTURE.md")
+DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
+IMAGES_AT_MOST = 1_500_000  # bytes: what every clone has to carry
+
+
+def blocks(path: Path, language: str) -> list[str]:
+    """Return the fenced code blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", path.read_text("utf-8"), re.M | re.S)
+
+
+def first_column(path: Path, heading: str) -> list[str]:
+    """Return what is set as code in the first cells of the table under a heading."""
+    section = path.read_text("utf-8").split(f"## {heading}\n")[1].split("\n## ")[0]
+    return re.findall(r"^\| `([^`]+)`", section, re.M)
+
+
+def numbers(text: str) -> list[float]:
+    return [float(number) for number in re.findall(r"-?\d+\.\d+", text)]
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda p: str(p.relative_to(ROOT)))
+def test_local_links_and_pictures_exist(path):
+    text = path.read_text("utf-8")
+    targets = re.findall(r"\]\(([^)\s]+)\)", text) + re.findall(r'src="([^"]+)"', text)
+    headings = {
+        re.sub(r"[^\w -]", "", h).lower().replace(" ", "-")
+        for h in re.findall(r"^#+ (.+)$", text, re.M)
+    }
+    for target in targets:
+        if target.startswith("#"):
+            assert target[1:] in headings, target
+        elif not re.match(r"https?://", target):
+            assert (path.parent / target).exists(), target
+
+
+def test_every_picture_is_shown_and_they_are_light():
+    images = sorted((ROOT / "docs" / "images").iterdir())
+    assert [image.name for image in images if image.name not in README.read_text("utf-8")] == []
+    assert sum(image.stat().st_size for image in images) < IMAGES_AT_MOST
+
+
+def test_readme_example_runs_and_prints_what_the_readme_says(tmp_path, monkeypatch, capsys):
+    (example,) = blocks(README, "python")
+    promised = README.read_text("utf-8").split(example)[1].split("```")[2]
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, "README.md", "exec"), {"__name__": "example"})
+    printed = capsys.readouterr().out
+    words = re.compile(r"[a-z]+")
+    assert words.findall(printed) == words.findall(promised)
+    np.testing.assert_allclose(numbers(printed), numbers(promised), rtol=0.03, atol=0.011)
+    assert (tmp_path / "map.png").stat().st_size > 1000
+
+
+def test_readme_situation_has_the_solution_that_the_readme_shows(tmp_path, capsys):
+    situation, solution = blocks(README, "json")
+    scene = tmp_path / "scene.jsonl"
+    scene.write_text(situation, "utf-8")
+    assert main(["solve", str(scene)]) == 0
+    shown, given = json.loads(solution), json.loads(capsys.readouterr().out)
+    assert list(shown) == list(given)
+    for name in ("format", "name", "planner", "status", "catch_body"):
+        assert shown[name] == given[name]
+    for name in ("catch_time", "clearance"):
+        assert shown[name] == pytest.approx(given[name], rel=0.03)
+    for name, samples in shown["trajectory"].items():
+        np.testing.assert_allclose(samples, given["trajectory"][name][: len(samples)], atol=0.02)
+
+
+def test_exchange_example_is_a_situation_and_its_fields_are_the_solutions():
+    (example,) = blocks(ROOT / "docs" / "exchange.md", "json")
+    situation = situation_from_json(json.loads(example))
+    assert situation.name == "ball-and-post"
+    caught = solve(read_situations_of_readme()[0], "marching")
+    assert caught.caught
+    text = (ROOT / "docs" / "exchange.md").read_text("utf-8").split("## Solution")[1]
+    listed = set(re.findall(r"`([a-z_]+)`", text))
+    assert set(plan_to_json(caught)) - {"format"} <= listed
+
+
+def read_situations_of_readme():
+    return [situation_from_json(json.loads(blocks(README, "json")[0]))]
+
+
+def test_readme_lists_the_planners_and_commands():
+    assert sorted(first_column(README, "Planners")) == planner_names()
+    commands = [row.split()[1] for row in first_column(README, "On the command line")]
+    assert commands == list(COMMANDS)
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda p: str(p.relative_to(ROOT)))
+def test_make_targets_exist(path):
+    known = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text("utf-8"), re.M)
+    named = re.findall(r"^make ([a-z]+)|`make ([a-z]+)`", path.read_text("utf-8"), re.M)
+    assert {a or b for a, b in named} <= set(known)
+
+
+def test_architecture_names_every_folder_and_calls_only_missing_ones_planned():
+    rows = re.findall(
+        r"^\| `gcm_learn/([a-z]+)/`( \(planned\))?", ARCHITECTURE.read_text("utf-8"), re.M
+    )
+    named = {folder: bool(planned) for folder, planned in rows}
+    there = {p.parent.name for p in (ROOT / "gcm_learn").glob("*/__init__.py")}
+    assert {folder for folder, planned in named.items() if not planned} == there
+
+
+def test_architecture_and_contributing_tell_the_enforced_order():
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    (direction,) = [
+        contract
+        for contract in config["tool"]["importlinter"]["contracts"]
+        if contract["id"] == "direction"
+    ]
+    enforced = [re.findall(r"[a-z]+", layer) for layer in direction["layers"]]
+    for path in (ARCHITECTURE, ROOT / "CONTRIBUTING.md"):
+        (told,) = re.findall(r"cli\s+>[\sa-z>,]+seeding", path.read_text("utf-8"))
+        assert [re.findall(r"[a-z]+", layer) for layer in told.split(">")] == enforced, path
+
+
+def test_cited_errata_are_listed():
+    listed = re.findall(r"^(\d+)\. ", (ROOT / "docs" / "errata.md").read_text("utf-8"), re.M)
+    assert listed == [str(k) for k in range(1, len(listed) + 1)]
+    sources = (p for p in (ROOT / "gcm_learn").rglob("*.py"))
+    cited = {
+        number
+        for p in sources
+        for number in re.findall(r"errat(?:um|a) (\d+)", p.read_text("utf-8"))
+    }
+    assert cited and cited <= set(listed)
