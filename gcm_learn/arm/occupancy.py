@@ -32,7 +32,7 @@ def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
     t = t0
     while True:
         pose_at(bodies, b, t, scratch)
-        room = arm_room(bodies, scratch, b, hx, hy, ex, ey) - gap
+        room = arm_room(bodies, scratch, b, hx, hy, ex, ey, gap)
         if room <= 0.0:
             return t
         if t >= t1 or bodies.rows[b, TOP_SPEED] == 0.0:

@@ -12,6 +12,7 @@ from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 
+HALF_DIAGONAL = 0.71  # [cells]: slack with which no target is lost between the centres of cells
 Params = TypeVar("Params", WaveParams, MarchingParams)
 
 
@@ -63,14 +64,14 @@ class FrontPlanner:
 def gcm(params: WaveParams | None = None) -> FrontPlanner:
     """The paper's planner: the wave of Eq. 10, its map and the descent on it."""
     params = WaveParams() if params is None else params
-    bare = replace(params, margin=0.0)
+    bare = replace(params, margin=0.0, slack=HALF_DIAGONAL)
     return FrontPlanner("gcm", (params, bare, _finer(params), _finer(bare)))
 
 
 def marching(params: MarchingParams | None = None) -> FrontPlanner:
     """The same idea with causal marching instead of the wave."""
     params = MarchingParams() if params is None else params
-    bare = replace(params, margin=0.0, lookback=0.0)
+    bare = replace(params, margin=0.0, lookback=0.0, slack=HALF_DIAGONAL)
     return FrontPlanner("marching", (params, bare, _finer(params), _finer(bare)))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from gcm_learn.arm.lattice import LARGEST_LATTICE, Lattice
 from gcm_learn.planners.completion import Problem, checked, finish
+from gcm_learn.planners.fronts import HALF_DIAGONAL
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.timing import straight_way
 from gcm_learn.situation import Situation
@@ -21,7 +22,7 @@ class LayeredPlanner:
     rungs: tuple[MarchingParams, ...]
     """Parameters of the fronts to try, in order."""
     name: str = "layered"
-    contacts: int = 5
+    contacts: int = 3
     """How many meetings with a target to try before the next front."""
 
     def plan(self, situation: Situation) -> Plan:
@@ -54,7 +55,7 @@ class LayeredPlanner:
 def layered(params: MarchingParams | None = None) -> LayeredPlanner:
     """The planner of first choice: layered marching."""
     params = MarchingParams() if params is None else params
-    bare = replace(params, margin=0.0, lookback=0.0)
+    bare = replace(params, margin=0.0, lookback=0.0, slack=HALF_DIAGONAL)
     finer, bare_finer = (replace(p, n=min(2 * p.n, LARGEST_LATTICE)) for p in (params, bare))
     return LayeredPlanner((params, bare, finer, bare_finer))
 

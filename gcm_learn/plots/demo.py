@@ -25,7 +25,7 @@ from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation, write_situations
 
 ENGINES = ("gcm", "marching")
-PLANNERS = ("gcm", "marching", "straight")
+PLANNERS = ("gcm", "marching", "layered", "straight")
 EXTRA_FIGURES = {"fig8": ("fig7",)}  # shown in the section of another figure's scene
 OPENING = "fig3"  # the scene whose film opens the page
 SCALE = 80  # [CSS pixels per inch] of figures on the page

@@ -81,7 +81,7 @@ def _hand_space(situation: Situation) -> Figure:
 
 
 def _wave(situation: Situation, plan: Plan) -> Figure:
-    figure = style.new_figure(11.2, 3.1)
+    figure = style.new_figure(9.6, 2.75)
     panels = figure.subplots(1, len(INSTANTS) + 1)
     if plan.map is None or plan.map.contact_tau is None or plan.trajectory is None:
         raise RuntimeError(f"no catch to show: {plan.message}")

@@ -88,8 +88,7 @@ def birth(cognitive_map: CognitiveMap) -> np.ndarray:
     """
     tau = np.ma.filled(cognitive_map.arrival_tau.astype(float), np.inf)
     padded = np.pad(tau, 1, constant_values=np.inf)
-    n = tau.shape[0]
-    around = [padded[i : i + n, j : j + n] for i in range(3) for j in range(3)]
+    around = [_shifted(padded, i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
     return np.where(np.isfinite(tau), tau, np.min(around, axis=0))
 
 
@@ -101,15 +100,24 @@ def spread(cognitive_map: CognitiveMap) -> np.ndarray:
     """
     tau = np.ma.filled(cognitive_map.arrival_tau.astype(float), np.inf)
     tau[cognitive_map.effective_obstacles] = np.inf  # the front ends there
-    n = tau.shape[0]
     padded = np.pad(tau, 1, constant_values=np.inf)
+    wall = np.pad(cognitive_map.effective_obstacles, 1)
+    steps = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
     later = [
-        padded[1 + i : 1 + i + n, 1 + j : 1 + j + n] + np.hypot(i, j) / FRONT_SPEED
-        for i in (-1, 0, 1)
-        for j in (-1, 0, 1)
-        if (i, j) != (0, 0)
+        np.where(
+            _shifted(wall, i, 0) | _shifted(wall, 0, j) if i and j else False,  # round no corner
+            np.inf,
+            _shifted(padded, i, j) + np.hypot(i, j) / FRONT_SPEED,
+        )
+        for i, j in steps
     ]
     return np.where(np.isfinite(tau), tau, np.min(later, axis=0))
+
+
+def _shifted(padded: np.ndarray, i: int, j: int) -> np.ndarray:
+    """Return every cell's neighbour (i, j) from an array with a rim of one cell."""
+    n, m = padded.shape
+    return padded[1 + i : n - 1 + i, 1 + j : m - 1 + j]
 
 
 def latest_arrival(cognitive_map: CognitiveMap) -> float:

@@ -88,9 +88,10 @@ CAPTIONS = {
 }
 
 RANDOM = (
-    "Random situations with one to five moving bodies, solved by both engines and, for "
-    "comparison, by a straight line to the earliest interception at full speed. Unreachable "
-    "says that this planner found no catch, not that there is none. Every catch was checked "
+    "Random situations with one to five moving bodies, solved by both engines, by marching with "
+    "waits (layered) and, for comparison, by a straight line to the earliest interception at full "
+    "speed. Unreachable says that this planner found no catch, not that there is none. Every "
+    "catch was checked "
     "once more: speed limits, the catch itself and the clearance of the whole limb. A broken "
     "promise would be a catch that failed this check."
 )

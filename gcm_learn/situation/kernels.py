@@ -278,22 +278,30 @@ def _cylinder_slope(p, d, s, radius, half_length):
 
 @njit(cache=True)
 def _segment_cylinder(p, q, radius, half_length):
-    """Distance of segment p-q to a cylinder: bisect the derivative of a convex function."""
+    """Distance of segment p-q to a cylinder: the root of the slope of a convex function.
+
+    Regula falsi with the Illinois rule, and bisection every third step, so that the bracket always
+    shrinks; a slope of exactly 0 ends it, also inside, where the distance is flat at 0.
+    """
     d = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
     lo, hi = 0.0, 1.0
-    if _cylinder_slope(p, d, 0.0, radius, half_length) >= 0.0:
-        hi = 0.0
-    elif _cylinder_slope(p, d, 1.0, radius, half_length) <= 0.0:
-        lo = 1.0
+    g_lo = _cylinder_slope(p, d, lo, radius, half_length)
+    g_hi = _cylinder_slope(p, d, hi, radius, half_length)
+    if g_lo >= 0.0:
+        hi = lo
+    elif g_hi <= 0.0:
+        lo = hi
+    turn = 0
     while hi - lo > 1e-9:
-        m = 0.5 * (lo + hi)
-        slope = _cylinder_slope(p, d, m, radius, half_length)
-        if slope == 0.0:  # inside, where the distance is flat at 0
+        turn += 1
+        m = 0.5 * (lo + hi) if turn % 3 == 0 else lo - g_lo * (hi - lo) / (g_hi - g_lo)
+        g = _cylinder_slope(p, d, m, radius, half_length)
+        if g == 0.0 or m <= lo or m >= hi:
             lo = hi = m
-        elif slope < 0.0:
-            lo = m
+        elif g < 0.0:
+            lo, g_lo, g_hi = m, g, 0.5 * g_hi
         else:
-            hi = m
+            hi, g_hi, g_lo = m, g, 0.5 * g_lo
     s = 0.5 * (lo + hi)
     x, y, z = p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]
     e = max(np.sqrt(x * x + y * y) - radius, 0.0)
@@ -352,8 +360,8 @@ def arm_distance(bodies, poses, b, hx, hy, ex, ey):
 
 
 @njit(cache=True)
-def arm_room(bodies, poses, b, hx, hy, ex, ey):
-    """Bound `arm_distance` from below: by the body's ball while that is far, else exactly.
+def arm_room(bodies, poses, b, hx, hy, ex, ey, gap):
+    """Bound `arm_distance` less `gap` from below: by the body's ball while far, else exactly.
 
     Good for conservative advancement, where a cheap smaller step beats an exact larger one.
     """
@@ -363,7 +371,7 @@ def arm_room(bodies, poses, b, hx, hy, ex, ey):
         d2 = (hx - x) ** 2 + (hy - y) ** 2
     else:
         d2 = min(d2, segment_point2(x, y, 0.0, 0.0, ex, ey))
-    room = np.sqrt(d2) - bodies.rows[b, REACH]
+    room = np.sqrt(d2) - bodies.rows[b, REACH] - gap
     if room > _FAR:
         return room
-    return arm_distance(bodies, poses, b, hx, hy, ex, ey)
+    return arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap

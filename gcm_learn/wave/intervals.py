@@ -38,7 +38,7 @@ def next_free(bodies, limb, m, gap, t, end, step, scratch):
         if bodies.rows[b, PART] != HAND:
             speed = bodies.rows[b, TOP_SPEED]
             pose_at(bodies, b, t, scratch)
-            room = arm_room(bodies, scratch, b, hx, hy, ex, ey) - gap
+            room = arm_room(bodies, scratch, b, hx, hy, ex, ey, gap)
             while room <= 0.0:
                 if speed == 0.0:
                     return NEVER
@@ -48,7 +48,7 @@ def next_free(bodies, limb, m, gap, t, end, step, scratch):
                 if t > end:
                     return NEVER
                 pose_at(bodies, b, t, scratch)
-                room = arm_room(bodies, scratch, b, hx, hy, ex, ey) - gap
+                room = arm_room(bodies, scratch, b, hx, hy, ex, ey, gap)
         clear += 1
         b = b + 1 if b + 1 < count else 0
     return t

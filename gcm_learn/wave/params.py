@@ -43,6 +43,9 @@ class WaveParams:
     margin: float = 1.0
     """Widening of obstacles, in units of what half a cell's step moves the limb; 1 closes the
     space between two cells (erratum 14), 0 tests the cells' centres only."""
+    slack: float = 0.0
+    """How far beyond the grasp a target still makes a contact [cells]. Needed only where no cell's
+    centre is within grasp, e.g. at the rim; the path's end is homed in on exactly anyway."""
     until: Literal["contact", "horizon"] = "contact"
     """Stop at the first contact with a target (Sect. 3.1) or explore to the horizon (Fig. 4)."""
 
@@ -62,6 +65,7 @@ class WaveParams:
                 "'insulating' or 'held'",
             ),
             (0.0 <= self.margin <= 10.0, "margin", self.margin, "in 0..10"),
+            (0.0 <= self.slack <= 2.0, "slack", self.slack, "in 0..2 [cells]"),
             (self.until in ("contact", "horizon"), "until", self.until, "'contact' or 'horizon'"),
         )
         for good, name, value, wanted in checks:

@@ -238,7 +238,7 @@ class _Wave:
         h, first = self.task.lattice.spacing, (span[1], -1)
         for b in np.flatnonzero(bodies.rows[:, k.PART] == k.HAND).tolist():
             times = instants(bodies, b, span, FINENESS * h)
-            reach = max(self.task.grasp, CONTACT_RADIUS * h)
+            reach = max(self.task.grasp + self.params.slack * h, CONTACT_RADIUS * h)
             near = distances(bodies, b, limb, times) <= reach
             if near.any() and (first[1] < 0 or times[near][0] < first[0]):
                 first = (float(times[near][0]), b)

@@ -125,6 +125,8 @@ class MarchingParams:
     lookback: float = 1.0
     """Since when a cell must have been free: 1 covers the whole time since the front was next door
     (erratum 14), 0 the instant of its arrival only."""
+    slack: float = 0.0
+    """How far beyond the grasp a target still makes a contact, as for the wave [cells]."""
     until: Literal["contact", "horizon"] = "contact"
     """Stop at the first contact with a target or explore to the horizon."""
 
@@ -154,7 +156,7 @@ def march(task: Task, params: MarchingParams) -> Front:
         _closed_rim(lattice),
         task.thickness + params.margin * space.stride,
         task.bodies,
-        _marching_constants(task),
+        _marching_constants(task, params),
         params.lookback,
         params.until == "horizon",
         task.horizon / crossing,
@@ -213,7 +215,7 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
         _closed_rim(lattice),
         task.thickness + params.margin * space.stride,
         task.bodies,
-        _marching_constants(task),
+        _marching_constants(task, params),
         params.lookback,
         task.horizon / crossing,
         task.ignore / crossing,
@@ -232,11 +234,17 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
     )
 
 
-def _marching_constants(task: Task) -> np.ndarray:
+def _contact_distance(task: Task, params: WaveParams | MarchingParams) -> float:
+    """Distance of a cell's centre and a target at which they are in contact."""
+    h = task.lattice.spacing
+    return max(task.grasp + params.slack * h, CONTACT_RADIUS * h)
+
+
+def _marching_constants(task: Task, params: MarchingParams) -> np.ndarray:
     """Float constants of both kinds of marching; times are in crossings."""
     c = np.zeros(kernels.CONSTANTS)
     c[kernels.KAPPA] = task.lattice.spacing / task.speed
-    c[kernels.GRASP] = max(task.grasp, CONTACT_RADIUS * task.lattice.spacing)
+    c[kernels.GRASP] = _contact_distance(task, params)
     c[kernels.SHORTEST] = 0.03 * c[kernels.KAPPA]
     return c
 
@@ -293,7 +301,7 @@ def _constants(params: WaveParams, task: Task, kappa: float) -> np.ndarray:
     c[kernels.EPSILON] = params.epsilon
     c[kernels.THRESHOLD] = params.threshold
     c[kernels.KAPPA] = kappa
-    c[kernels.GRASP] = max(task.grasp, CONTACT_RADIUS * task.lattice.spacing)
+    c[kernels.GRASP] = _contact_distance(task, params)
     c[kernels.NOMINAL_DELAY] = 1.0 / NOMINAL_SPEED
     c[kernels.QUIET] = QUIET
     c[kernels.SHORTEST] = kappa * params.step

@@ -9,10 +9,11 @@ import pytest
 from gcm_learn import seeding, solve
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners import planner_names
 from tests.random_solid import random_solid
 from tests.referee import judge
 
-PLANNERS = ["gcm", "marching", "straight"]
+PLANNERS = planner_names()
 
 
 def limited(rng):

@@ -88,7 +88,7 @@ def test_a_late_catch_is_noticed(plan):
     assert "horizon" in faults(tampered(plan, time=5.0 * plan.trajectory.time))
 
 
-@pytest.mark.parametrize("at", [(1.45, 0.0), (0.5, -0.5), (0.98, 0.05)])
+@pytest.mark.parametrize("at", [(1.45, 0.0), (0.5, -0.5), (0.95, -0.25)])
 def test_a_touch_is_noticed(plan, at):
     """A needle in the way of the hand, of the upper arm, of the elbow."""
     needle = Body("obstacle", "needle", Disc(1e-3), PlanarQuadratic(at, REST, REST))

@@ -74,7 +74,9 @@ def test_the_printed_start_is_late_by_six(points):
 
 def test_bias_of_the_time_step():
     _, exact = free_arrival(step=0.02)
-    bias = {step: np.mean(free_arrival(step=step)[1] - exact) for step in (0.1, 0.2, 0.25, 0.5, 0.9)}
+    bias = {
+        step: np.mean(free_arrival(step=step)[1] - exact) for step in (0.1, 0.2, 0.25, 0.5, 0.9)
+    }
     assert bias[0.1] == pytest.approx(0.3, abs=0.15)
     assert bias[0.2] == pytest.approx(0.6, abs=0.2)
     assert bias[0.25] == pytest.approx(0.8, abs=0.25)
@@ -109,7 +111,7 @@ def test_refused_parameters(changes, named):
     with pytest.raises(LatticeError, match=named) as refusal:
         WaveParams(**changes)
     assert "\n" not in str(refusal.value)
-    assert str(list(changes.values())[0]) in str(refusal.value)
+    assert str(next(iter(changes.values()))) in str(refusal.value)
 
 
 @pytest.mark.parametrize("n", [15, 0, 10_000])

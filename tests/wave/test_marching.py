@@ -51,66 +51,76 @@ def test_anisotropy():
     assert 1.0 - speed.min() / speed.max() <= 0.01
 
 
+def closed_corners(blocked):
+    """Blocked cells (3n, 3n) on a grid three times as fine, with no way between two that touch."""
+    fine = np.kron(blocked, np.ones((3, 3), dtype=bool))
+    for i, j in np.argwhere(blocked[:-1, :-1] & blocked[1:, 1:]):
+        fine[3 * i + 2, 3 * j + 3] = fine[3 * i + 3, 3 * j + 2] = True
+    for i, j in np.argwhere(blocked[:-1, 1:] & blocked[1:, :-1]):
+        fine[3 * i + 2, 3 * j + 2] = fine[3 * i + 3, 3 * j + 3] = True
+    return fine
+
+
+def free_lengths(fine, points, others):
+    """Lengths (p, o) [cells] of straight ways, infinite where something is in between."""
+    share = np.linspace(0.0, 1.0, 240)[:, None, None]
+    out = np.empty((len(points), len(others)))
+    for k, point in enumerate(points):
+        way = np.floor(3.0 * (point + share * (others - point) + 0.5)).astype(int)
+        way = np.clip(way, 0, len(fine) - 1)
+        free = ~fine[way[..., 0], way[..., 1]].any(axis=0)
+        out[k] = np.where(free, np.hypot(*(others - point).T), np.inf)
+    return out
+
+
 def shortest_ways(task, blocked):
     """Lengths (n, n) [cells] of the shortest ways from the hand past blocked cells.
 
-    Ways are polygons with corners in free cells next to blocked ones (a visibility graph), and a
-    segment is free when none of its points lies in a blocked cell.
+    Ways are polygons whose corners are free cells next to blocked ones: a visibility graph.
     """
-    n = blocked.shape[0]
-    to_cells = 1.0 / task.lattice.spacing
-    reach = task.lattice.upper_arm + 1.0
-    hand = (np.array(task.hand)[::-1] + reach) * to_cells - 0.5
+    n, reach = len(blocked), task.lattice.upper_arm + 1.0
+    hand = (np.array(task.hand)[::-1] + reach) / task.lattice.spacing - 0.5
     ring = hand_space(task.lattice).inside.reshape(n, n)
-    padded = np.pad(blocked, 1)
-    near = sum(padded[1 + i : n + 1 + i, 1 + j : n + 1 + j] for i in (-1, 0, 1) for j in (-1, 0, 1))
-    corners = np.vstack([hand, np.argwhere(ring & ~blocked & (near > 0))])
-
-    def seen(points, others):
-        """Lengths (p, o) of free segments, infinite where something is in the way."""
-        share = np.linspace(0.0, 1.0, 160)[:, None, None]
-        out = np.empty((len(points), len(others)))
-        for k, point in enumerate(points):
-            way = np.rint(point + share * (others - point)).astype(int)
-            free = ~blocked[np.clip(way[..., 0], 0, n - 1), np.clip(way[..., 1], 0, n - 1)]
-            length = np.hypot(*(others - point).T)
-            out[k] = np.where(free.reshape(160, -1).all(axis=0), length, np.inf)
-        return out
-
-    between = seen(corners, corners)
+    padded, free = np.pad(blocked, 1), ring & ~blocked
+    shifts = [(i, j) for i in range(3) for j in range(3)]
+    near = np.any([padded[i : i + n, j : j + n] for i, j in shifts], axis=0)
+    # Cells beyond the rim may be crossed, but not to slip round the end of a wall.
+    fine = closed_corners(blocked | (near & ~ring))
+    corners = np.vstack([hand, np.argwhere(free & near)])
+    between = free_lengths(fine, corners, corners)
     length = between[0].copy()
     for _ in range(40):
         length = np.minimum(length, (length[:, None] + between).min(axis=0))
-    cells = np.argwhere(ring & ~blocked)
+    cells = np.argwhere(free)
     ways = np.full((n, n), np.nan)
-    ways[tuple(cells.T)] = (length[:, None] + seen(corners, cells)).min(axis=0)
+    ways[tuple(cells.T)] = (length[:, None] + free_lengths(fine, corners, cells)).min(axis=0)
     return ways
 
 
 @pytest.mark.parametrize(
-    ("hand", "wall"),
+    ("hand", "place", "radius"),
     [
-        ((1.2, 0.3), disc("obstacle", "behind a tip", (1.05, 0.95), radius=0.08)),
-        ((1.0, -0.9), disc("obstacle", "in the middle", (0.2, 1.2), radius=0.15)),
-        ((-0.3, 1.1), disc("obstacle", "by the elbow", (0.5, 0.5), radius=0.05)),
+        ((1.2, -0.5), (0.3, 0.6), 0.05),
+        ((0.3, 1.3), (1.2, 0.3), 0.2),
+        ((0.3, 1.3), (1.0, -0.3), 0.1),
+        ((-1.3, 0.3), (1.0, 0.3), 0.1),
     ],
-    ids=lambda a: getattr(a, "name", None),
 )
-def test_round_a_static_wall(hand, wall):
+def test_round_a_static_wall(hand, place, radius):
     """The front's times are those of the shortest ways round what it froze, or nearly so."""
+    wall = disc("obstacle", "wall", place, radius=radius)
     task = task_of(scene(wall, hand=hand, horizon=5.0), 40)
     front = march(task, COARSE)
     frozen = front.state == FROZEN
-    assert np.count_nonzero(frozen) > 15
     exact, found = shortest_ways(task, frozen), in_cells(task, front)
-    cells = np.isfinite(exact) & ~frozen & np.isfinite(found)
-    assert np.count_nonzero(cells) > 0.9 * np.count_nonzero(np.isfinite(exact))
-    excess = (found - exact)[cells]
+    cells = ~frozen & np.isfinite(found)
+    assert np.array_equal(cells, np.isfinite(exact))
+    error = (found - exact)[cells]
     hidden = (exact - away(task))[cells] > 0.5
     assert np.count_nonzero(hidden) > 100
-    assert excess.min() > -0.5  # a ray may shave a blocked cell's corner
-    assert np.median(np.abs(excess[hidden])) < 0.35 and excess.max() < 1.5
-    assert np.abs(excess[~hidden]).max() < 0.5
+    assert error.min() > -0.2 and error.max() < 1.0
+    assert np.median(np.abs(error[hidden])) < 0.15
+    assert np.quantile(np.abs(error), 0.95) < 0.3
 
 
 def test_static_obstacles_only_make_it_later():
@@ -125,28 +135,31 @@ def test_static_obstacles_only_make_it_later():
             arrival = np.where(front.state == FREE, in_cells(task, front), np.nan)
             arrival[np.isnan(arrival)] = np.inf
             if before is not None:
-                assert (arrival >= before - 0.05)[np.isfinite(before)].all()
                 assert np.isinf(arrival[np.isinf(before)]).all()
+                # Where two fronts meet, a front of several bends may be late by most of a cell.
+                assert (arrival > before - 1.0)[np.isfinite(before)].all()
+                assert np.mean(arrival < before - 0.1) < 0.06
             before = arrival
 
 
-@pytest.mark.parametrize("k", range(3))
-def test_marching_and_wave_agree(k):
-    """After an affine fit the two maps differ by little more than the wave's anisotropy."""
-    situation = three_discs(seeding.rng(43, k), moving=False)
-    task = task_of(situation)
+@pytest.mark.parametrize(
+    ("place", "scatter"), [(None, 4.0), ((0.2, 1.2), 8.0), ((1.4, -0.5), 8.0), ((1.6, 1.0), 5.0)]
+)
+def test_marching_and_wave_agree(place, scatter):
+    """But for an affine map, beyond 10 cells: a single neuron starts slowly; bends cost the wave."""
+    walls = [] if place is None else [disc("obstacle", "wall", place)]
+    task = task_of(scene(*walls, horizon=3.0))
     wave = propagate(task, WaveParams(until="horizon", laplacian=9))
     marched = march(task, EXPLORE)
-    both = (wave.arrival > 0.0) & (marched.arrival > 0.0)
+    both = (away(task) > 10.0) & (wave.arrival > 0.0) & (marched.arrival > 0.0)
     both &= (wave.state == FREE) & (marched.state == FREE)
-    assert np.count_nonzero(both) > 2500
-    ours, theirs = marched.arrival[both] * 400.0, wave.arrival[both] * 400.0  # [tau]
+    assert np.count_nonzero(both) > 4000
+    ours, theirs = (front.arrival[both] * 400.0 for front in (marched, wave))  # [tau]
     slope, shift = np.polyfit(ours, theirs, 1)
-    assert slope == pytest.approx(1.0, abs=0.05) and 10.0 < shift < 25.0
-    assert np.std(theirs - slope * ours - shift) < 3.0
-    agree = (wave.state == FROZEN) == (marched.state == FROZEN)
-    reached = (wave.arrival > 0.0) & (marched.arrival > 0.0)
-    assert np.mean(agree[reached]) > 0.99
+    assert 1.0 <= slope < 1.06 and 15.0 < shift < 30.0
+    assert np.std(theirs - slope * ours - shift) < scatter
+    frozen = [front.state == FROZEN for front in (wave, marched)]
+    assert np.count_nonzero(frozen[0] != frozen[1]) <= 0.05 * np.count_nonzero(frozen[0])
 
 
 @pytest.mark.parametrize(
@@ -162,11 +175,11 @@ def test_symmetry(move, back):
     for k in range(8):
         situation = three_discs(seeding.rng(44, k))
         here, there = (march(task_of(s, 40), COARSE) for s in (situation, move(situation)))
-        states = np.count_nonzero(here.state != back(there.state))
-        assert states <= 2
+        assert np.count_nonzero(here.state != back(there.state)) <= 2
         task = task_of(situation, 40)
         difference = np.abs(in_cells(task, here) - back(in_cells(task, there)))
-        assert np.nanquantile(difference, 0.98) < 0.05
+        # Of two ways of the same length round an obstacle, either may be the first.
+        assert np.nanmedian(difference) < 1e-9 and np.nanmax(difference) < 1.0
 
 
 def test_contact():

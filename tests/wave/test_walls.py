@@ -1,0 +1,120 @@
+"""Thin walls, at rest and moving, hold: the front is never found behind one (erratum 14).
+
+Scenes and criterion are those of experiments/01_leaks.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcm_learn import seeding
+from gcm_learn.arm.lattice import Lattice
+from gcm_learn.wave import MarchingParams, WaveParams, front_speed, march, propagate
+from gcm_learn.wave.kernels import FROZEN
+
+SCENES = Path(__file__).parents[2] / "experiments" / "01_leaks" / "walls.py"
+spec = importlib.util.spec_from_file_location("leaks_walls", SCENES)
+walls = importlib.util.module_from_spec(spec)
+sys.modules[spec.name] = walls  # dataclasses look their module up
+spec.loader.exec_module(walls)
+
+PROMISED = (0.05, 0.25, 0.5, 1.0)  # speeds of walls [cells per tau]
+CASES = [("static", 0.0), *((m, v) for m in list(walls.MOTIONS)[1:] for v in PROMISED)]
+VARIANTS = {
+    "wave": WaveParams(n=40, until="horizon"),
+    "nine points": WaveParams(n=40, until="horizon", laplacian=9),
+    "paper's lattice": WaveParams(until="horizon"),
+    "printed start": WaveParams(n=40, until="horizon", start="printed", start_radius=3.0),
+    "long step": WaveParams(n=40, until="horizon", step=0.8),
+}
+
+
+def start_of(params):
+    """When the front sets out [tau]."""
+    return params.start_radius / front_speed(params).fastest
+
+
+def test_a_wall_is_where_the_limb_touches():
+    """The criterion's line in hand-space is what the limb test freezes, for both parts."""
+    for part, (rho, distance) in walls.PARTS.items():
+        lattice = Lattice(80, rho)
+        scene = walls.draw(seeding.rng(51), part, "static", 0.0, 0.0, WaveParams())
+        front = march(scene.task, MarchingParams(until="horizon"))
+        off = [np.abs(np.angle(np.exp(1j * (scene.direction - a)))) for a in scene.start]
+        across = np.minimum(*off) * walls.breadth(lattice, scene.direction) / lattice.spacing
+        assert np.count_nonzero(front.state == FROZEN) > 20
+        # What is frozen elsewhere is frozen by the forearm behind a body that the upper arm meets.
+        if part == "forearm":
+            assert across[front.state == FROZEN].max() < 4.0
+        assert distance < 1.0
+
+
+@pytest.mark.parametrize("part", walls.PARTS)
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_no_wave_leaks(part, variant):
+    params = VARIANTS[variant]
+    met = 0
+    for motion, speed in CASES:
+        for k in range(4):
+            rng = seeding.rng(52, k)
+            scene = walls.draw(rng, part, motion, speed, 0.0, params)
+            front = propagate(scene.task, params)
+            leaked = walls.leaked_cells(scene, front, start_of(params))
+            assert leaked == 0, f"{motion} at {speed} cells/tau, scene {k}"
+            met += np.count_nonzero(front.state == FROZEN) > 5
+    assert met > 30  # fronts that ran against a wall
+
+
+@pytest.mark.parametrize("part", walls.PARTS)
+@pytest.mark.parametrize("n", [40, 80])
+def test_no_marching_leaks(part, n):
+    params, met = MarchingParams(n=n, until="horizon"), 0
+    for motion, speed in CASES:
+        for k in range(8):
+            rng = seeding.rng(53, k)
+            scene = walls.draw(rng, part, motion, speed, 0.0, WaveParams(n=n))
+            front = march(scene.task, params)
+            assert walls.leaked_cells(scene, front) == 0, f"{motion} at {speed}, scene {k}"
+            met += np.count_nonzero(front.state == FROZEN) > 5
+    assert met > 60
+
+
+@pytest.mark.parametrize("engine", ["wave", "marching"])
+def test_the_criterion_sees_leaks(engine):
+    """Without the margin a wall without thickness stands between the cells' centres."""
+    for part in walls.PARTS:
+        params = WaveParams(n=40, until="horizon", margin=0.0)
+        scene = walls.draw(seeding.rng(54), part, "static", 0.0, 0.0, params)
+        if engine == "wave":
+            front = propagate(scene.task, params)
+        else:
+            front = march(scene.task, MarchingParams(n=40, until="horizon", margin=0.0))
+        assert walls.leaked_cells(scene, front) > 100
+
+
+def test_a_wall_that_recedes_lets_the_front_follow():
+    """Walls are not walls for ever: what they leave is reached, later than if it had been free."""
+    params = VARIANTS["wave"]
+    scene = walls.draw(seeding.rng(55), "upper arm", "receding", 0.1, 0.0, params)
+    front = propagate(scene.task, params)
+    low, high = scene.start
+    outside = np.mod(scene.direction - low, 2.0 * np.pi) > high - low
+    assert np.count_nonzero(outside & (front.arrival > 0.0)) > 30
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", walls.PARTS)
+@pytest.mark.parametrize("width", [0.0, 1.0, 2.0])
+def test_no_leaks_in_many_scenes(part, width):
+    params = WaveParams(until="horizon")
+    for motion, speed in CASES:
+        for k in range(40):
+            scene = walls.draw(seeding.rng(56, k), part, motion, speed, width, params)
+            assert walls.leaked_cells(scene, propagate(scene.task, params)) == 0
+            front = march(scene.task, MarchingParams(until="horizon"))
+            assert walls.leaked_cells(scene, front) == 0
