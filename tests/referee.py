@@ -303,32 +303,38 @@ def segment_distances(shape, pose, a, b):
         return _segment_polygon(np.array(shape.vertices), p[:, :2], q[:, :2])
     if isinstance(shape, Disc):
         return np.maximum(_segment_point(np.zeros(2), p[:, :2], q[:, :2]) - shape.radius, 0.0)
-    # The distance to a convex solid is convex along a segment: golden section.
-    low, high = np.zeros(len(p)), np.ones(len(p))
+    least = golden_minimum(lambda s: depths(shape, p + s[:, None] * (q - p)), len(p), SECTIONS)
+    return np.maximum(least, 0.0)
 
-    def at(s):
-        return depths(shape, p + s[:, None] * (q - p))
 
+def golden_minimum(function, n, sections):
+    """Minima (n,) over [0, 1] of n convex functions, evaluated together at n places."""
+    low, high = np.zeros(n), np.ones(n)
     s, u = high - GOLDEN, low + GOLDEN
-    ds, du = at(s), at(u)
-    for _ in range(SECTIONS):
-        left = ds < du
+    fs, fu = function(s), function(u)
+    for _ in range(sections):
+        left = fs < fu
         low, high = np.where(left, low, s), np.where(left, u, high)
-        kept, d_kept = np.where(left, s, u), np.where(left, ds, du)
+        kept, f_kept = np.where(left, s, u), np.where(left, fs, fu)
         fresh = np.where(left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
-        d_fresh = at(fresh)
-        s, ds = np.where(left, fresh, kept), np.where(left, d_fresh, d_kept)
-        u, du = np.where(left, kept, fresh), np.where(left, d_kept, d_fresh)
-    return np.maximum(np.minimum(np.minimum(ds, du), np.minimum(at(0 * s), at(0 * s + 1))), 0.0)
+        f_fresh = function(fresh)
+        s, fs = np.where(left, fresh, kept), np.where(left, f_fresh, f_kept)
+        u, fu = np.where(left, kept, fresh), np.where(left, f_kept, f_fresh)
+    ends = np.minimum(function(np.zeros(n)), function(np.ones(n)))
+    return np.minimum(np.minimum(fs, fu), ends)
 
 
 def point_distances(shape, pose, points):
     """Distances (n,) of plane points (n, 2) to a shape at one pose; 0 inside."""
-    n = len(points)
-    many = np.broadcast_to(pose[0], (n, 3)), np.broadcast_to(pose[1], (n, 3, 3))
+    many = _repeated(pose, len(points))
     if isinstance(shape, Disc | Polygon):
         return segment_distances(shape, many, points, points)
     return np.maximum(depths(shape, _in_body(many, points)), 0.0)
+
+
+def _repeated(pose, n):
+    """One pose as n poses."""
+    return np.broadcast_to(pose[0], (n, 3)), np.broadcast_to(pose[1], (n, 3, 3))
 
 
 def _in_body(pose, points):
@@ -405,17 +411,25 @@ def within_grasp(situation, plan, slack=1e-7):
     grasp = situation.arm.grasp
     if situation.plane is None:
         return segment_distances(body.shape, pose, hand[None], hand[None])[0] <= grasp + slack
-    # Is some point of the solid in the plane, not farther from the hand than `grasp`? The depth
-    # is convex: search the disc around the hand by ever finer grids.
-    grid = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 21)] * 2), axis=-1).reshape(-1, 2)
-    best, size = np.zeros(2), grasp
-    lowest = np.inf
-    for _ in range(40):
-        points = np.concatenate([best[None], best + size * grid])
-        away = np.linalg.norm(points, axis=1, keepdims=True)
-        points = points * np.minimum(1.0, grasp / np.maximum(away, 1e-300))
-        many = (np.repeat(pose[0], len(points), 0), np.repeat(pose[1], len(points), 0))
-        depth = depths(body.shape, _in_body(many, hand + points))
-        best, lowest = points[depth.argmin()], min(lowest, depth.min())
-        size *= 0.6
-    return lowest <= slack
+    return deepest(body.shape, pose, hand, grasp) <= slack
+
+
+def deepest(shape, pose, hand, grasp):
+    """Smallest signed distance to a solid's surface within `grasp` of the hand, in the plane.
+
+    It is convex, and so is its minimum over every chord of that disc as a function of the chord:
+    golden section along the chords, ever closer chords around the best.
+    """
+    low, high = -grasp, grasp
+    for _ in range(12):
+        x = np.linspace(low, high, 33)
+        half = np.sqrt(np.maximum(grasp**2 - x**2, 0.0))
+
+        def depth(share, x=x, half=half):
+            points = hand + np.stack([x, (2.0 * share - 1.0) * half], axis=1)
+            return depths(shape, _in_body(_repeated(pose, 33), points))
+
+        least = golden_minimum(depth, 33, 60)
+        best = int(least.argmin())
+        low, high = x[max(best - 1, 0)], x[min(best + 1, 32)]
+    return least[best]

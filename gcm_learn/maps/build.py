@@ -9,7 +9,15 @@ from gcm_learn.maps.cognitive_map import CognitiveMap, Contact
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import Bodies
-from gcm_learn.wave import MarchingParams, Task, WaveParams, kappa_of, march, propagate
+from gcm_learn.wave import (
+    LayeredFront,
+    MarchingParams,
+    Task,
+    WaveParams,
+    kappa_of,
+    march,
+    propagate,
+)
 from gcm_learn.wave.kernels import CONTACT, FROZEN
 
 
@@ -38,8 +46,35 @@ def build_map(
         Whether the target was met is its `contact`.
     """
     params = WaveParams() if params is None else params
+    task = task_of(situation, params, bodies, ignore)
+    wave = isinstance(params, WaveParams)
+    front = propagate(task, params) if isinstance(params, WaveParams) else march(task, params)
+    frozen = front.state == FROZEN
+    contact = None
+    if front.contact_cell >= 0:
+        cell = divmod(front.contact_cell, params.n)
+        contact = _contact(situation, task.lattice, cell, front.contact_time, front.contact_body)
+    return CognitiveMap(
+        lattice=task.lattice,
+        hand=task.hand,
+        arrival=np.ma.MaskedArray(front.arrival, mask=frozen | (front.arrival < 0.0)),
+        effective_obstacles=frozen,
+        effective_target=front.state == CONTACT,
+        contact=contact,
+        kappa=kappa_of(task, params if isinstance(params, WaveParams) else WaveParams(n=params.n)),
+        engine="wave" if wave else "marching",
+    )
+
+
+def task_of(
+    situation: Situation,
+    params: WaveParams | MarchingParams,
+    bodies: Bodies | None = None,
+    ignore: float = 0.0,
+) -> Task:
+    """What a front has to explore in a situation; the arguments are those of `build_map`."""
     arm = situation.arm
-    task = Task(
+    return Task(
         bodies=pack(situation) if bodies is None else bodies,
         lattice=Lattice(params.n, arm.upper_arm, arm.elbow),
         hand=arm.hand,
@@ -49,26 +84,53 @@ def build_map(
         grasp=arm.grasp,
         ignore=ignore,
     )
-    wave = isinstance(params, WaveParams)
-    front = propagate(task, params) if isinstance(params, WaveParams) else march(task, params)
-    frozen = front.state == FROZEN
-    contact = None
-    if front.contact_cell >= 0:
-        iy, ix = divmod(front.contact_cell, params.n)
-        centres = task.lattice.centres
-        contact = Contact(
-            cell=(iy, ix),
-            position=(float(centres[ix]), float(centres[iy])),
-            time=front.contact_time,
-            body=situation.bodies[front.contact_body].name,
-        )
+
+
+def layered_map(situation: Situation, task: Task, front: LayeredFront) -> CognitiveMap:
+    """The map of a front that waits: one sheet of arrivals for every safe interval of a cell.
+
+    Parameters
+    ----------
+    situation : Situation
+    task, front : Task, LayeredFront
+        What was explored, and what came of it.
+
+    Returns
+    -------
+    CognitiveMap
+        Its effective obstacles are the cells in which an obstacle was when a front came; unlike
+        those of a first-arrival map they may have arrivals, later ones.
+    """
+    n = task.lattice.n
+    iy, ix = front.cells.T
+    # The states are in order of arrival: the first one of a cell is on sheet 0, and so on.
+    flat = iy * n + ix
+    order = np.argsort(flat, kind="stable")
+    sheet = np.empty(len(flat), dtype=np.int64)
+    sheet[order] = np.arange(len(flat)) - np.searchsorted(flat[order], flat[order])
+    arrival = np.full((max(sheet.max(initial=0) + 1, 1), n, n), -1.0)
+    arrival[sheet, iy, ix] = front.arrival
+    sheets = np.ma.MaskedArray(arrival, mask=arrival < 0.0)
+    target, contact = np.zeros((n, n), dtype=bool), None
+    if front.met_state >= 0:
+        cell = (int(iy[front.met_state]), int(ix[front.met_state]))
+        target[cell] = True
+        contact = _contact(situation, task.lattice, cell, front.met_time, front.met_body)
     return CognitiveMap(
         lattice=task.lattice,
-        hand=arm.hand,
-        arrival=np.ma.MaskedArray(front.arrival, mask=frozen | (front.arrival < 0.0)),
-        effective_obstacles=frozen,
-        effective_target=front.state == CONTACT,
+        hand=task.hand,
+        arrival=sheets[0],
+        effective_obstacles=front.refused,
+        effective_target=target,
         contact=contact,
-        kappa=kappa_of(task, params if isinstance(params, WaveParams) else WaveParams(n=params.n)),
-        engine="wave" if wave else "marching",
+        kappa=kappa_of(task, WaveParams(n=n)),
+        engine="layered",
+        later=sheets[1:] if len(sheets) > 1 else None,
     )
+
+
+def _contact(
+    situation: Situation, lattice: Lattice, cell: tuple[int, int], time: float, body: int
+) -> Contact:
+    x, y = float(lattice.centres[cell[1]]), float(lattice.centres[cell[0]])
+    return Contact(cell=cell, position=(x, y), time=time, body=situation.bodies[body].name)

@@ -54,7 +54,10 @@ class CognitiveMap:
     kappa: float
     """Seconds per unit of mental time: t = kappa tau."""
     engine: str
-    """"wave" or "marching"."""
+    """"wave", "marching" or "layered"."""
+    later: np.ma.MaskedArray | None = None
+    """(m, n, n) float: earliest arrivals in a cell's second, third, ... safe interval that can be
+    reached [s]; only layered maps, in which the hand may wait, have such sheets."""
 
     def __post_init__(self) -> None:
         shape = (self.lattice.n, self.lattice.n)
@@ -71,6 +74,12 @@ class CognitiveMap:
     def contact_tau(self) -> float | None:
         """Mental time of the contact, as in the figures' captions."""
         return None if self.contact is None else self.contact.time / self.kappa
+
+    @property
+    def sheets(self) -> np.ma.MaskedArray:
+        """All sheets of arrivals (1 + m, n, n) [s]; a first-arrival map has one."""
+        first = self.arrival[None]
+        return first if self.later is None else np.ma.concatenate([first, self.later])
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the map as in Fig. 4D; returns the axes."""
@@ -99,6 +108,7 @@ class CognitiveMap:
                 arrival=self.arrival.filled(-1.0),
                 effective_obstacles=self.effective_obstacles,
                 effective_target=self.effective_target,
+                **({} if self.later is None else {"later": self.later.filled(-1.0)}),
             )
             temporary.replace(path)
         finally:
@@ -135,4 +145,7 @@ class CognitiveMap:
             contact=contact,
             kappa=header["kappa"],
             engine=header["engine"],
+            later=np.ma.MaskedArray(data["later"], mask=data["later"] < 0.0)
+            if "later" in data
+            else None,
         )

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.arm.lattice import LARGEST_LATTICE, Lattice
+from gcm_learn.arm.lattice import LARGEST_LATTICE
+from gcm_learn.maps import CognitiveMap, layered_map, task_of
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.fronts import HALF_DIAGONAL
 from gcm_learn.planners.plan import Plan
@@ -31,11 +32,14 @@ class LayeredPlanner:
         answer = problem.early_answer()
         if answer is not None:
             return answer
+        first: CognitiveMap | None = None
         reason = ""
         for params in self.rungs:
-            task = _task(problem, params)
+            task = task_of(situation, params, problem.bodies)
             for attempts in range(self.contacts):
                 front = march_layers(task, params)
+                front_map = layered_map(situation, task, front)
+                first = front_map if first is None else first
                 if front.met_state < 0:
                     reason = reason or "no target can be met within the horizon, waits included"
                     break
@@ -43,13 +47,13 @@ class LayeredPlanner:
                 if attempt is None:
                     reason = "no target can be met from where the hand may wait"
                 else:
-                    plan, reason = checked(problem, attempt)
+                    plan, reason = checked(problem, attempt, front_map)
                     if plan is not None:
                         return plan
                 # Meetings that fail come in rows: skip ever more of them.
                 skip = 2**attempts * task.lattice.spacing / task.speed
                 task = replace(task, ignore=front.met_time + skip)
-        return problem.answer("unreachable", reason)
+        return problem.answer("unreachable", reason, first)
 
 
 def layered(params: MarchingParams | None = None) -> LayeredPlanner:
@@ -87,16 +91,3 @@ def way_to(front: LayeredFront, task: Task) -> tuple[np.ndarray, np.ndarray]:
         hand += [piece[:1], piece[1:]]
         wanted += [np.array([leave]), times[1:]]
     return np.vstack(hand), np.concatenate(wanted)
-
-
-def _task(problem: Problem, params: MarchingParams) -> Task:
-    arm = problem.situation.arm
-    return Task(
-        bodies=problem.bodies,
-        lattice=Lattice(params.n, arm.upper_arm, arm.elbow),
-        hand=arm.hand,
-        speed=arm.max_hand_speed,
-        horizon=problem.situation.horizon,
-        thickness=arm.thickness,
-        grasp=arm.grasp,
-    )

@@ -86,18 +86,18 @@ def hold(B, k, plane):
 
 
 @njit(cache=True, forceinline=True)
-def earliest_neighbour(B, k, W, plane, points):
-    """Arrival of the earliest neighbour that the front has reached, -1 if none."""
+def next_door(B, k, W, plane):
+    """Arrival of the earliest edge neighbour that was reached and found free, -1 if none.
+
+    Only through an edge does the front arrive: two frozen cells that touch at a corner are a wall.
+    """
     best = np.float32(-1.0)
-    a = k + 5 * plane
-    for di in range(-1, 2):
-        for dj in range(-1, 2):
-            if (di == 0 and dj == 0) or (points == 5 and di != 0 and dj != 0):
-                continue
-            c = B[a + di * W + dj]
-            # Padding and cells outside the ring hold 0 there but have no live neighbours.
-            if B[k + di * W + dj + 4 * plane] > 0.0 and c >= 0.0 and (best < 0.0 or c < best):
-                best = c
+    for e in (k - W, k - 1, k + 1, k + W):
+        c = B[e + 5 * plane]
+        # Frozen cells have stopped; so has the hand's, which alone was reached at 0 and is live.
+        free = B[e + 3 * plane] > 0.0 or (c == 0.0 and B[e + 4 * plane] > 0.0)
+        if free and c >= 0.0 and (best < 0.0 or c < best):
+            best = c
     return best
 
 
@@ -172,21 +172,17 @@ def crossed(B, start, plane, level):
 
 
 @njit(cache=True)
-def arrivals(
-    B, n, W, plane, points, watch, watched, threshold, step, tau, lag, delay, found, since, when
-):
+def arrivals(B, n, W, plane, watch, watched, threshold, step, tau, lag, found, since, when):
     """Find and record the cells that crossed the threshold since the last look.
 
     Parameters
     ----------
     lag : float
         Mental time since the last look.
-    delay : float
-        Assumed time since the front was next door, for cells without a reached neighbour.
     found : (n * n,) int64 ndarray
         Filled with their flat indices.
     since, when : (n * n,) ndarray
-        Filled with the arrival of their earliest neighbour and their own [tau].
+        Filled with the arrival next door and their own [tau].
 
     Returns
     -------
@@ -202,16 +198,19 @@ def arrivals(
         for k in range(first, first + BLOCK):
             if B[k] < threshold or B[k + 5 * plane] >= 0.0:
                 continue
+            before = np.float64(next_door(B, k, W, plane))
+            if before < 0.0:
+                continue
             rise = B[k] - B[k + plane]
             back = step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
-            arrival = max(tau - min(back, lag), 0.0)
-            before = np.float64(earliest_neighbour(B, k, W, plane, points))
-            if before < 0.0:
-                before = max(arrival - delay, 0.0)
-            B[k + 5 * plane] = arrival
             found[count] = corner + k
-            since[count], when[count] = min(before, arrival), arrival
+            when[count] = max(tau - min(back, lag), before)
+            since[count] = before
             count += 1
+    # Written down only now, so that no cell passes on what has not been judged yet.
+    for i in range(count):
+        k = (found[i] // n + 1) * W + found[i] % n + LEFT
+        B[k + 5 * plane] = when[i]
     return count
 
 
@@ -326,8 +325,8 @@ def propagate(
         look += 1
         tau = tau0 + look * 2 * pairs * step
         count = arrivals(
-            B, n, W, plane, points, watch, watched, threshold, step,
-            tau, 2 * pairs * step, c[NOMINAL_DELAY], found, since, when,
+            B, n, W, plane, watch, watched, threshold, step, tau, 2 * pairs * step,
+            found, since, when,
         )  # fmt: skip
         if count > 0:
             now = min(tau, tau_end)

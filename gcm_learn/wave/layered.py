@@ -156,7 +156,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 @njit(cache=True)
 def march_layers(
-    n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, end, ignore, states, spans
+    n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, end, ignore, states, spans, refused
 ):
     """March over cells and sheets until a target is met.
 
@@ -178,6 +178,8 @@ def march_layers(
         Filled with cell, source and predecessor; cells are indices of the padded lattice.
     spans : (m, 2) float64 ndarray
         Filled with arrival and end of the safe interval [crossings].
+    refused : (n * n,) bool ndarray
+        Set where an obstacle was when a front came.
 
     Returns
     -------
@@ -232,6 +234,7 @@ def march_layers(
             )  # fmt: skip
             for i in range(count):
                 if blocked[i]:
+                    refused[cells[i]] = True
                     come_back(
                         places[i], cells[i], now, bodies, limb, gap, kappa, end, lookback, bucket,
                         status, again, queue, counts, scratch,

@@ -113,9 +113,11 @@ def expand(
                 k == q + sy or (k == corner and status[q + sy] == ACCEPTED)
             ):
                 major = q + sy
+            if status[major] == BEYOND:  # the ring is convex outwards: rays may graze it
+                major = q + sy if major == q + sx else q + sx
             other = corner if k == major else major
             if (k == major or k == corner) and (
-                status[other] == ACCEPTED or status[other] == BEYOND
+                status[other] == ACCEPTED or (k == major and status[other] == BEYOND)
             ):
                 source = home
                 time = np.sqrt(dx * dx + dy * dy)

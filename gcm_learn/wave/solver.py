@@ -186,6 +186,8 @@ class LayeredFront:
     """Index of that target, -1 if none."""
     met_time: float
     """When [s]; the horizon if none."""
+    refused: np.ndarray
+    """(n, n) bool: where an obstacle was when a front came."""
 
 
 def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
@@ -207,6 +209,7 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
     crossing = h / task.speed
     states = np.empty((STATES_PER_CELL * n * n, 3), dtype=np.int32)
     spans = np.empty((STATES_PER_CELL * n * n, 2))
+    refused = np.zeros(n * n, dtype=np.bool_)
     count, state, body, time = layered.march_layers(
         n,
         (task.hand[1] + lattice.upper_arm + 1.0) / h - 0.5,
@@ -221,6 +224,7 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
         task.ignore / crossing,
         states,
         spans,
+        refused,
     )
     place = states[:count, layered.CELL]
     return LayeredFront(
@@ -231,6 +235,7 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
         met_state=state,
         met_body=body,
         met_time=time * crossing,
+        refused=refused.reshape(n, n),
     )
 
 

@@ -24,7 +24,7 @@ SCENES = {
     "caught without obstacles": Situation("", 2.0, ARM, (GOAL,)),
     "unreachable": Situation("far", 0.1, ARM, (GOAL, POST)),
     "start_blocked": Situation(
-        "blocked", 2.0, replace(ARM, thickness=0.5), (GOAL, replace(POST, name="near"))
+        "blocked", 2.0, replace(ARM, thickness=0.85), (GOAL, replace(POST, name="near"))
     ),
 }
 

@@ -11,8 +11,10 @@ from matplotlib.colors import to_hex, to_rgba
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 
 from gcm_learn import plots
+from gcm_learn.arm.lattice import Lattice
 from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn.families import paper
+from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots import style
 from gcm_learn.plots.demo import engines_figure
 from gcm_learn.plots.handspace import draw_extended, draw_hand_space, extended_image, lattice_of
@@ -153,6 +155,19 @@ def test_spread_keeps_arrivals_and_goes_on_one_cell(planar_case):
     assert grown.any()
     assert np.isfinite(far).sum() < far.size
     assert far[grown].min() > 5.0
+
+
+def test_spread_goes_round_no_corner_of_a_wall():
+    wall = np.zeros((16, 16), dtype=bool)
+    wall[8, 9] = True
+    arrival = np.ma.masked_all((16, 16))
+    arrival[8, 8] = 10.0
+    far = spread(
+        CognitiveMap(Lattice(16), (0.1, 0.1), arrival, wall, np.zeros_like(wall), None, 1.0, "wave")
+    )
+    assert far[8, 8] == 10.0
+    assert np.isfinite(far[7:10, 7]).all() and np.isfinite(far[[7, 9], 8]).all()
+    assert np.isinf(far[[7, 9], 9]).all()
 
 
 def test_birth_of_frozen_cells_is_when_the_front_came(planar_case):
