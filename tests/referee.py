@@ -14,7 +14,7 @@ import numpy as np
 
 from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Pendulum, Polygon, Sphere
 
-INSTANTS = 600  # first samples of a movement, besides the trajectory's own
+INSTANTS = 400  # first samples of a movement, besides the trajectory's own
 LOWS = 4  # local minima of a distance that are looked at more closely
 CLOSER = 3  # times, each 8 times as densely
 SECTIONS = 32  # of the golden section search along a segment: to 2e-7 of its length

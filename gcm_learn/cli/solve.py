@@ -87,6 +87,8 @@ def _solve_all(
 ) -> None:
     scrolling = stream.isatty()  # the solutions themselves show how far it has come
     with Progress(len(situations), "situations", quiet=scrolling) as progress:
+        if situations:  # once for nothing: planning_ms is not to count the loading of kernels
+            plan_one(planner, situations[0], file)
         for situation in situations:
             plan = plan_one(planner, situation, file)
             stream.write(_line(plan, situation, file))

@@ -1,10 +1,10 @@
 """The yardstick: bounds on the earliest catch of any movement, waiting allowed, whole limb.
 
-The reachable set of the hand is followed through space and time on a lattice,
-R(t + dt) = dilate(R(t), v dt) minus what is occupied, once rounded outwards and once rounded
-inwards (`oracle_kernels`).  The outer set's first meeting with a target bounds every catch from
-below.  The inner set's is the end of a movement, which is tightened and verified like every plan
-and bounds the earliest catch from above.
+The places that the hand can reach are followed through space and time on a lattice,
+R(t + dt) = dilate(R(t), v dt) minus what is occupied, once rounded outwards and once inwards
+(`reachable_set`).  The outer set's first meeting with a target is before every catch; one that
+never meets a target proves that there is none.  The inner set's first meeting ends a movement,
+which is pulled tight, timed and verified like every plan, and is not before the earliest catch.
 """
 
 from __future__ import annotations
@@ -12,206 +12,216 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 
-from gcm_learn.arm.kinematics import SIDE, elbow_position
-from gcm_learn.arm.lattice import Lattice
-from gcm_learn.arm.occupancy import first_touch
-from gcm_learn.planners import oracle_kernels as kernels
-from gcm_learn.planners.completion import (
-    HOLE_MARGIN,
-    Attempt,
-    Problem,
-    checked,
-    finish,
-    straight_catch,
-)
+from gcm_learn.planners.completion import Problem, checked, finish, straight_catch
 from gcm_learn.planners.fronts import marching
 from gcm_learn.planners.interception import first_interception
-from gcm_learn.planners.oracle_kernels import Front, Grid
+from gcm_learn.planners.oracle_kernels import pull
 from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.reachable_set import ReachableSet
 from gcm_learn.planners.straight import StraightPlanner
-from gcm_learn.planners.timing import segment_times, straight_way
-from gcm_learn.planners.verification import SAFETY, start_clearance
+from gcm_learn.planners.timing import straight_way
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import LIMB, PART
-from gcm_learn.situation.situation import Arm
 
-SIZES = (60, 120, 240)
+SIZES = (60, 120)
+"""Cells along a side, one lattice after the other until the bounds are tight."""
+LAST_SIZE = 240
+"""For situations that those leave undecided: a catch neither found nor ruled out."""
 TIGHT = 0.02
-STEP = 0.97
-MOST_STEPS = 3000
-FEWEST_STEPS = 100
-TRIES = 30
-A_STEP = 6
-NEVER = 1e300
+"""Bounds that differ by at most this share are not refined."""
+A_STEP = 4  # meetings of one step of which movements are made
+MEETINGS = 40  # and of one lattice
+
+Stratum = Literal["U", "L", "W", "Q"]
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What is known of the earliest catch of a situation [s]."""
+    """What is known of a situation's earliest catch."""
 
     lower: float
+    """No movement catches before [s]; infinite if none catches within the horizon."""
     upper: float
+    """`plan` catches then [s]; infinite without one."""
     plan: Plan | None
-    n: int
+    """The best verified plan."""
+    blocked: bool = False
+    """The limb touches an obstacle at t = 0."""
 
     @property
-    def gap(self) -> float:
-        return self.upper - self.lower
+    def tight(self) -> bool:
+        """Whether the bounds agree, or say that there is no catch."""
+        return self.lower >= (1.0 - TIGHT) * self.upper or math.isinf(self.lower)
 
 
-class ReachableSet:
-    """The set of places where the hand can be, step by step."""
+def bounds(
+    situation: Situation, sizes: tuple[int, ...] = SIZES, last_size: int | None = LAST_SIZE
+) -> Bounds:
+    """Bound the earliest catch of any movement that keeps the rules of the world.
 
-    def __init__(self, problem: Problem, n: int, exact: bool, waiting: bool = True) -> None:
-        arm = problem.situation.arm
-        self.problem, self.exact, self.waiting = problem, exact, waiting
-        self.n, self.h = n, 2.0 * arm.reach / n
-        self.grid = _grid(n, arm.upper_arm, arm.elbow, exact)
-        self.cost = _costs(arm, n, exact)
-        self.front = _front(arm, self.grid, self.cost, self.h, exact)
-        self.floor = arm.thickness + (
-            min(SAFETY, 0.5 * start_clearance(problem.situation, problem.bodies)) if exact else 0.0
-        )
-        self.start = np.array([*arm.hand, self._start_until()])
-        dt = STEP * float(self.cost.min())
-        horizon = problem.situation.horizon
-        self.steps = int(min(max(math.ceil(horizon / dt), FEWEST_STEPS), MOST_STEPS))
+    Parameters
+    ----------
+    situation : Situation
+        Joint speed limits are kept by the plan; the lower bound does not know them.
+    sizes : tuple of int
+        Cells along a side of the lattices, in the order in which they are tried.
+    last_size : int, optional
+        One more size, for when a catch has neither been found nor ruled out.
 
-    def _start_until(self) -> float:
-        problem, arm = self.problem, self.problem.situation.arm
-        limb = (*arm.hand, *elbow_position(arm.hand, arm.upper_arm, arm.elbow))
-        scratch = np.zeros((len(problem.situation.bodies), 12))
-        first = NEVER
-        for b in np.flatnonzero(problem.bodies.rows[:, PART] == LIMB):
-            t = first_touch(
-                problem.bodies, b, *limb, self.floor, 0.0, problem.situation.horizon,
-                1e-5 * problem.situation.horizon, scratch,
-            )
-            if t >= 0.0:
-                first = min(first, t)
-        return first
-
-    def meetings(self, gap: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Cells and times of meetings with targets, by steps."""
-        problem, grid = self.problem, self.grid
-        situation, arm, bodies = problem.situation, problem.situation.arm, problem.bodies
-        size, count = grid.limb.shape[0], len(situation.bodies)
-        poses, scratch = np.zeros((count, 12)), np.zeros((count, 12))
-        look, touched = np.full((size, count), -1.0), np.zeros(size, dtype=np.uint64)
-        cells, times = np.empty(4 * size, dtype=np.int64), np.empty(4 * size)
-        ahead = 4.0 * float(self.cost.max())
-        ts = np.linspace(0.0, situation.horizon, self.steps + 1)
-        front = self.front
-        if not self.exact:
-            kernels.surely_blocked(
-                bodies, grid, 0.0, ahead, arm.thickness, look, touched, poses, front.away,
-                front.blocked,
-            )
-        for t0, t1 in zip(ts[:-1], ts[1:]):
-            front.before[:] = front.blocked
-            if self.exact:
-                kernels.ever_blocked(
-                    bodies, grid, t0, t1, t1 + ahead, self.floor, look, poses, scratch, front.away,
-                    front.blocked,
-                )
-                if self.waiting:
-                    kernels.leave(grid, front, t0, t1)
-            else:
-                kernels.surely_blocked(
-                    bodies, grid, t1, t1 + ahead, arm.thickness, look, touched, poses, front.away,
-                    front.blocked,
-                )
-            front = self._room(front)
-            kernels.accept(
-                bodies, grid, front, t0, t1, arm.upper_arm, SIDE[arm.elbow],
-                arm.inner_reach + HOLE_MARGIN if arm.inner_reach > 0 else 0.0, self.floor, self.start, self.exact, self.waiting,
-            )
-            found = kernels.meetings(
-                bodies, grid, front, t0, t1, gap, not self.waiting, poses, scratch, cells, times
-            )
-            self.front = front
-            if found:
-                order = np.argsort(times[:found], kind="stable")
-                yield cells[:found][order], times[:found][order]
-            if not self.exact:
-                kernels.leave(grid, front, t1, t1)
-
-    def _room(self, front: Front) -> Front:
-        if front.count[0] + self.grid.cells.size <= front.cell.size:
-            return front
-        def more(a): return np.concatenate([a, np.zeros_like(a)])
-        return front._replace(cell=more(front.cell), came=more(front.came), left=more(front.left), parent=more(front.parent))
-
-    def way(self, cell: int) -> tuple[np.ndarray, np.ndarray]:
-        """Time and hand from the start to a cell, with waits."""
-        front, grid = self.front, self.grid
-        chain = []
-        node = int(front.latest[cell])
-        while node >= 0:
-            chain.append(node)
-            node = int(front.parent[node])
-        chain.reverse()
-        time, hand = [0.0], [np.array(self.problem.situation.arm.hand)]
-        for node in chain:
-            time += [front.left[node], front.came[node]]
-            hand += [hand[-1], grid.limb[front.cell[node], :2]]
-        return np.array(time), np.array(hand)
+    Returns
+    -------
+    Bounds
+        The lower one ignores free spaces and obstacles smaller than a cell's diagonal.
+    """
+    return _bounds(Problem(situation, "oracle"), sizes, last_size)
 
 
-@lru_cache(maxsize=16)
-def _grid(n, rho, elbow, exact):
-    lattice = Lattice(n, rho, elbow)
-    h = lattice.spacing
-    w = n + 2 * kernels.RIM
-    centres = (np.arange(w) - kernels.RIM + 0.5) * h - (rho + 1.0)
-    x, y = np.meshgrid(centres, centres)
-    hand = np.stack([x.ravel(), y.ravel()], axis=-1)
-    corner = hand - 0.5 * h
-    radius = np.hypot(*hand.T)
-    inner, outer = abs(rho - 1.0), rho + 1.0
-    if exact:
-        inside = (radius <= outer) & (radius > inner + (HOLE_MARGIN if inner > 0 else 0.0))
-    else:
-        half = h * math.sqrt(0.5)
-        inside = (radius <= outer + half) & (radius >= inner - half)
-    r = np.hypot(*corner.T)
-    scale = np.clip(r, max(inner, 1e-9), outer) / np.maximum(r, 1e-9)
-    corner = corner * scale[:, None]
-    yy, xx = np.divmod(np.arange(w * w), w)
-    inside &= (yy >= 2) & (yy < w - 2) & (xx >= 2) & (xx < w - 2)
-    cells = np.flatnonzero(inside)
-    corners = np.unique(np.concatenate([cells, cells + 1, cells + w, cells + w + 1]))
-    limb = np.concatenate([hand, elbow_position(hand, rho, elbow)], axis=1)
-    corner = np.concatenate([corner, elbow_position(corner, rho, elbow)], axis=1)
-    return Grid(w, limb, corner, cells, corners)
+def _bounds(problem: Problem, sizes: tuple[int, ...], last_size: int | None) -> Bounds:
+    answer = problem.early_answer()
+    if answer is not None:
+        return Bounds(math.inf, math.inf, None, answer.status == "start_blocked")
+    lower = _unhindered(problem)
+    best = _straight(problem)
+    for n in sizes:
+        found = Bounds(lower, _time(best), best)
+        if found.tight:
+            return found
+        lower, best = _refined(problem, n, found)
+    found = Bounds(lower, _time(best), best)
+    if last_size is not None and best is None and not found.tight:
+        lower, best = _refined(problem, last_size, found)
+    return Bounds(lower, _time(best), best)
 
 
-def _costs(arm: Arm, n: int, exact: bool) -> np.ndarray:
-    h = 2.0 * arm.reach / n
-    lengths = h * np.hypot(kernels.MOVE_I, kernels.MOVE_J)
-    if not exact:
-        return (lengths / (kernels.STRETCH * arm.max_hand_speed))[None]
-    return (lengths / (arm.max_hand_speed*(1-1e-8)))[None]
+def _time(plan: Plan | None) -> float:
+    return math.inf if plan is None or plan.catch_time is None else plan.catch_time
 
 
-def _front(arm: Arm, grid: Grid, cost, h: float, exact: bool) -> Front:
-    size = grid.limb.shape[0]
-    offset = np.abs(grid.limb[:, :2] - arm.hand)
-    if not exact:
-        offset = np.maximum(offset - 0.5 * h, 0.0)
-    away = np.hypot(*offset.T) / (arm.max_hand_speed*(1-1e-8 if exact else 1))
-    near = np.where(away * arm.max_hand_speed <= 2.5 * h, away, np.inf)
-    outside = np.ones(size, bool)
-    outside[grid.cells] = False
-    near[outside] = np.inf
-    nodes = 2 * grid.cells.size
-    f = lambda v, t=float: np.full(size, v, dtype=t)
-    return Front(
-        f(False, bool), f(False, bool), f(False, bool), f(np.inf), f(-1.0), near.copy(), f(-1, np.int64),
-        away, near, cost, np.zeros(nodes, np.int64), np.zeros(nodes), np.zeros(nodes), np.zeros(nodes, np.int64), np.zeros(1, np.int64),
-    )
+def _refined(problem: Problem, n: int, known: Bounds) -> tuple[float, Plan | None]:
+    """Both bounds on a lattice of n x n cells, given what is known."""
+    outer = ReachableSet(problem, n, exact=False, before=known.upper)
+    lower = known.lower
+    if outer.sound:
+        _, times = next(outer.meetings(), (None, [known.upper]))
+        lower = max(lower, float(times[0]))
+    best = known.plan
+    if not math.isinf(lower):
+        found = first_catch_of(problem, n, before=known.upper)
+        best = best if found is None else found
+    return min(lower, _time(best)), best
+
+
+def _unhindered(problem: Problem) -> float:
+    """Earliest interception by a hand that nothing hinders [s], infinite if there is none."""
+    situation, arm = problem.situation, problem.situation.arm
+    x, y = arm.hand
+    t, *_ = first_interception(
+        problem.bodies, x, y, 0.0, 0.0, situation.horizon + problem.instant,
+        arm.max_hand_speed * (1.0 + 1e-9), arm.grasp, 0.0, math.inf, problem.instant,
+    )  # fmt: skip
+    return math.inf if t < 0.0 else max(t - problem.instant, 0.0)
+
+
+def _straight(problem: Problem) -> Plan | None:
+    """The straight planner's plan, under this planner's name."""
+    plan = StraightPlanner("oracle").plan(problem.situation)
+    return plan if plan.caught else None
+
+
+def first_catch_of(
+    problem: Problem, n: int, waiting: bool = True, before: float = math.inf
+) -> Plan | None:
+    """The first meeting of the inner set of which a verified plan can be made.
+
+    Parameters
+    ----------
+    n : int
+        Cells along a side of the lattice.
+    waiting : bool
+        Whether the set may wait.
+    before : float
+        Later catches are no use [s].
+    """
+    inner = ReachableSet(problem, n, exact=True, waiting=waiting, before=before)
+    left = MEETINGS
+    for cells, times in inner.meetings():
+        for cell, time in list(zip(cells.tolist(), times.tolist(), strict=True))[:A_STEP]:
+            plan = _catch_from(problem, inner, cell, time, waiting)
+            if plan is not None and _time(plan) < before:
+                return plan
+            left -= 1
+        if left <= 0:
+            break
+    return None
+
+
+def _catch_from(
+    problem: Problem, inner: ReachableSet, cell: int, time: float, waiting: bool
+) -> Plan | None:
+    """The earliest plan by the way to a cell at which a target is met at `time`."""
+    came, left, hand = inner.way_to(cell)
+    left[-1] = time if waiting else came[-1]
+    best = _verified(problem, *_sampled(came, left, hand))
+    if best is None:
+        best = _verified(problem, *_sampled(came, came[-1:] if len(came) == 1 else np.append(left[:-1], came[-1]), hand))
+    if best is None:
+        return None
+    for way in _shorter(problem, inner, came, left, hand):
+        ending = straight_catch(problem, way[1][-1], float(way[0][-1]))
+        if ending is None or ending[0][-1] >= _time(best) - 1e-6:
+            continue
+        plan = _verified(problem, *way)
+        if plan is not None and _time(plan) < _time(best):
+            best = plan
+    return best
+
+
+def _shorter(problem, inner, came, left, hand) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    speed = problem.situation.arm.max_hand_speed * (1.0 - 1e-8)
+    arrival, departure, before = pull(problem.bodies, inner.rules, came, left, hand, speed)
+    for j in range(len(came)):
+        stops = [j]
+        while before[stops[0]] >= 0:
+            stops.insert(0, int(before[stops[0]]))
+        first = stops[0]
+        c = np.concatenate([came[:first+1], arrival[stops[1:]]])
+        l = np.concatenate([left[:first], departure[stops[1:]], arrival[j:j+1]])
+        p = np.concatenate([hand[:first], hand[stops]])
+        yield _sampled(c, l, p)
+        if before[j] < 0 and left[j] > came[j] + 1e-9:
+            l = l.copy(); l[-1] = left[j]
+            yield _sampled(c, l, p)
+
+
+def _sampled(came, left, hand):
+    time, way = [came[:1]], [hand[:1]]
+    for k in range(len(came)):
+        if left[k] > time[-1][-1]:
+            time.append(left[k:k+1]); way.append(hand[k:k+1])
+        if k + 1 < len(came):
+            piece = straight_way(hand[k], hand[k+1])
+            time.append(np.linspace(left[k], came[k+1], len(piece))[1:])
+            way.append(piece[1:])
+    return np.concatenate(time), np.concatenate(way)
+
+
+def _verified(problem, time, hand):
+    if len(time) < 2:
+        return None
+    attempt = finish(problem, hand, time)
+    return None if attempt is None else checked(problem, attempt)[0]
+
+
+def stratum(situation, known=None):
+    if StraightPlanner().plan(situation).caught:
+        return "L"
+    problem = Problem(situation, "oracle")
+    if problem.early_answer() is not None:
+        return "U"
+    if marching().plan(situation).caught or first_catch_of(problem, SIZES[-1], waiting=False) is not None:
+        return "W"
+    known = bounds(situation)
+    return "Q" if known.plan is not None else "U"

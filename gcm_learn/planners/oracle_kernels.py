@@ -1,13 +1,13 @@
 """Kernels of the oracle: a reachable set on a lattice, step by step through time.
 
-Two roundings of the same recurrence, R(t + dt) = dilate(R(t), v dt) minus what is occupied:
+One recurrence, R(t + dt) = dilate(R(t), v dt) minus what is occupied, with two roundings:
 
-*outer*: a cell is free as long as any part of it may be free, and lengths are underestimated, so
-what this set cannot reach nothing can reach;
-*inner*: the hand moves straight from centre to centre and rests there, and every move and rest is
+*outer*: a cell is free as long as any part of it may be free, and ways count as short as they can
+be, so what this set does not reach nothing reaches;
+*inner*: the hand goes straight from centre to centre and rests there, and every move and rest is
 checked without sampling, so what this set reaches can be reached.
 
-Arrivals are real numbers within their step: the lattice rounds places, not times.
+The lattice rounds places only: arrivals are real numbers, and a step just holds those within it.
 """
 
 from __future__ import annotations
@@ -30,30 +30,70 @@ from gcm_learn.situation.kernels import (
     segment_point2,
 )
 
-RIM = 2  # cells around the lattice that are never entered, so that moves need no bounds
-START = 16  # the source beside the 16 neighbours: the hand at t = 0, which is no cell's centre
-MOST_SURE = 63  # obstacles that the outer set heeds: the bits of a word; more only hinder
+MOST_SURE = 63  # obstacles that the outer set heeds, the bits of a word; leaving out is optimistic
 FINEST = 1e-3  # resolution of touches within a step [steps]
-_COARSE = 1e9  # resolution of clearances whose sign is all that matters
+ANY = 1e9  # resolution of a clearance of which only the sign matters
 
-# 16 moves, by which lengths are at most STRETCH times too long: sqrt(1 + (sqrt(5) - 2)^2).
-MOVE_I = np.array([1, -1, 0, 0, 1, 1, -1, -1, 2, 2, -2, -2, 1, 1, -1, -1])
-MOVE_J = np.array([0, 0, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 2, -2, 2, -2])
-STRETCH = 1.0275
-# The two cells between which a move passes (itself for the four that pass none).
-PASS_I = np.stack([np.sign(MOVE_I) * (abs(MOVE_I) >= abs(MOVE_J)), np.sign(MOVE_I)], axis=1)
-PASS_J = np.stack([np.sign(MOVE_J) * (abs(MOVE_J) > abs(MOVE_I)), np.sign(MOVE_J)], axis=1)
-PASS_I[4:8], PASS_J[4:8] = [[1, 0], [1, 0], [-1, 0], [-1, 0]], [[0, 1], [0, -1], [0, 1], [0, -1]]
+# The moves of a hand in a step, in cells, and the pairs of cells between which they pass.
+_OCTANT = {
+    (1, 0): [],
+    (1, 1): [((1, 0), (0, 1))],
+    (2, 1): [((1, 0), (1, 1))],
+    (3, 1): [((1, 0), (1, 1)), ((2, 0), (2, 1))],
+    (3, 2): [((1, 0), (1, 1)), ((2, 1), (2, 2))],
+}
+STRETCH = (
+    1.0131  # lengths by these moves are at most that much too long: sqrt(1 + (sqrt(10) - 3)^2)
+)
+RIM = 3  # cells around the lattice that are never entered, so that moves need no bounds
+
+
+def _moves() -> tuple[np.ndarray, np.ndarray]:
+    """Mirror the octant: moves (32, 2) and the cells they pass between (32, 2 pairs, 2, 2)."""
+    moves: dict[tuple[int, int], list] = {}
+    for (i, j), pairs in _OCTANT.items():
+        for si in (1, -1):
+            for sj in (1, -1):
+                for swap in (False, True):
+
+                    def place(cell, si=si, sj=sj, swap=swap):
+                        a, b = cell[::-1] if swap else cell
+                        return si * a, sj * b
+
+                    mirrored = [[place(p), place(q)] for p, q in pairs]
+                    moves[place((i, j))] = (mirrored + mirrored)[:2] or [[(0, 0)] * 2] * 2
+    return np.array(list(moves)), np.array(list(moves.values()))
+
+
+MOVES, BETWEEN = _moves()
+COUNT = len(MOVES)
+START = COUNT  # the source besides the neighbours: the hand at t = 0, which is no cell's centre
 
 
 class Grid(NamedTuple):
-    """A lattice with a rim, flattened row by row: cell k has the corners k, k + 1, k + width, ..."""
+    """A lattice with a rim, row by row: the corners of cell k are k, k + 1, k + width, ..."""
 
     width: int
-    limb: np.ndarray  # (m, 4): hand x, y and elbow x, y at the cells' centres
-    corner: np.ndarray  # (m, 4): the same at their lower left corners, within the ring
-    cells: np.ndarray  # (c,) int: those that the hand can be in
-    corners: np.ndarray  # (k,) int: those of these cells
+    centre: np.ndarray  # (m, 4): hand x, y and elbow x, y at the cells' centres
+    corner: np.ndarray  # (m, 4): the same at their lower left corners, drawn into the ring
+    cells: np.ndarray  # (c,) int: those that count
+    corners: np.ndarray  # (k,) int: theirs
+
+
+class Rules(NamedTuple):
+    """What makes a set outer or inner, and of whose hand."""
+
+    exact: bool  # inner
+    waiting: bool  # whether the hand may leave a cell later than it came
+    rho: float
+    side: float
+    hole: float  # moves stay that far from the shoulder
+    touch: float  # distance at which an obstacle touches
+    meet: float  # distance from a centre at which a target is met
+    hand_x: float
+    hand_y: float
+    start_until: float  # until when the hand can stay where it starts [s]
+    margin: float  # cells need no look that much before the hand can be there [s]
 
 
 class Front(NamedTuple):
@@ -62,34 +102,54 @@ class Front(NamedTuple):
     alive: np.ndarray  # (m,) bool: in the set now
     blocked: np.ndarray  # (m,) bool: occupied in this step
     before: np.ndarray  # (m,) bool: in the one before
-    arrival: np.ndarray  # (m,): when it last came into the set [s]
-    until: np.ndarray  # (m,): and how long the hand could stay
-    hoped: np.ndarray  # (m,): not to be looked at before [s]
-    latest: np.ndarray  # (m,) int: its node, -1 before the first
-    away: np.ndarray  # (m,): least time from the hand at t = 0 [s]
-    near: np.ndarray  # (m,): the same, infinite where no move leads from there
-    cost: np.ndarray  # (1 or m, 16): least time of the moves into a cell [s]
-    cell: np.ndarray  # (n,) int: of the nodes, in order of acceptance
-    came: np.ndarray  # (n,): arrival
-    left: np.ndarray  # (n,): when the hand left the node before
+    arrival: np.ndarray  # (m,): when the hand last came [s]
+    until: np.ndarray  # (m,): until when it could stay [s]
+    hoped: np.ndarray  # (m,): when there may be something to see, at the earliest [s]
+    useful: np.ndarray  # (m,): when it is too late for a catch that matters [s]
+    latest: np.ndarray  # (m,) int: the cell's last node, -1 before the first
+    away: np.ndarray  # (m,): least time from the start [s]
+    near: np.ndarray  # (m,): the same where the hand may go straight from there, else infinite
+    cost: np.ndarray  # (1 or m, COUNT): least time of each move into a cell [s]
+    cell: np.ndarray  # (n,) int: of every node, in order of acceptance
+    came: np.ndarray  # (n,): when the hand came [s]
+    left: np.ndarray  # (n,): when it left the node before [s]
     parent: np.ndarray  # (n,) int: that node, -1 for the start
     count: np.ndarray  # (1,) int: number of nodes
 
 
-@njit(cache=True)
-def surely_blocked(bodies, grid, t, reached, thickness, look, touched, poses, away, blocked):
-    """Mark the cells at all corners of which the limb touches the same obstacle at time t.
+class Desk(NamedTuple):
+    """Room to work."""
 
-    Parameters
-    ----------
-    reached : float
-        Cells whose `away` is later cannot matter yet [s].
-    look : (m, b) ndarray
-        When a corner has to be looked at again for an obstacle [s].
-    touched : (m,) uint64 ndarray
-        Obstacles that are touched at a corner, one bit each.
-    """
-    poses_at(bodies, t, poses)
+    look: np.ndarray  # (m, b): when a cell or corner has to be looked at for an obstacle [s]
+    touched: np.ndarray  # (m,) uint64: obstacles that are touched at a corner, a bit each
+    poses: np.ndarray  # (b, 12)
+    others: np.ndarray  # (b, 12)
+    cells: np.ndarray  # (k,) int: where the target is met
+    times: np.ndarray  # (k,): and when [s]
+
+
+@njit(cache=True)
+def step(bodies, grid, rules, front, desk, t0, t1):
+    """Take the set from t0 to t1; returns the number of meetings, which are on the desk."""
+    front.before[:] = front.blocked
+    if rules.exact:
+        ever_blocked(bodies, grid, rules, front, desk, t0, t1)
+        if rules.waiting:
+            leave(grid, front, t0)
+    else:
+        surely_blocked(bodies, grid, rules, front, desk, t1)
+    accept(bodies, grid, rules, front, t0, t1)
+    count = meetings(bodies, grid, rules, front, desk, t0, t1)
+    if not rules.exact:
+        leave(grid, front, t1)
+    return count
+
+
+@njit(cache=True)
+def surely_blocked(bodies, grid, rules, front, desk, t):
+    """Mark the cells at all corners of which the limb touches the same obstacle at time t."""
+    poses_at(bodies, t, desk.poses)
+    look, touched = desk.look, desk.touched
     for b in range(min(bodies.rows.shape[0], MOST_SURE)):
         if bodies.rows[b, PART] == HAND:
             continue
@@ -97,29 +157,27 @@ def surely_blocked(bodies, grid, t, reached, thickness, look, touched, poses, aw
         speed = bodies.rows[b, TOP_SPEED]
         for a in range(grid.corners.size):
             k = grid.corners[a]
-            if away[k] > reached or look[k, b] > t:
+            if look[k, b] > t or front.away[k] > t + rules.margin:
                 continue
-            hx, hy, ex, ey = grid.corner[k, 0], grid.corner[k, 1], grid.corner[k, 2], grid.corner[k, 3]
-            room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - thickness
+            x, y, ex, ey = (
+                grid.corner[k, 0], grid.corner[k, 1], grid.corner[k, 2], grid.corner[k, 3]
+            )  # fmt: skip
+            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - rules.touch
             touched[k] &= ~bit
             if room <= 0.0:
                 touched[k] |= bit
-            wait = max(room, 0.0) / speed if speed > 0.0 else 1e300
-            look[k, b] = t + wait
+            look[k, b] = t + max(room, 0.0) / speed if speed > 0.0 else 1e300
     w = grid.width
     for a in range(grid.cells.size):
         k = grid.cells[a]
-        blocked[k] = (touched[k] & touched[k + 1] & touched[k + w] & touched[k + w + 1]) != 0
+        front.blocked[k] = (touched[k] & touched[k + 1] & touched[k + w] & touched[k + w + 1]) != 0
 
 
 @njit(cache=True)
-def ever_blocked(bodies, grid, t0, t1, reached, gap, look, poses, scratch, away, blocked):
-    """Mark the cells at whose centre the limb touches an obstacle at any instant of [t0, t1].
-
-    The parameters are those of `surely_blocked`; `gap` is the distance that counts as touching.
-    """
-    poses_at(bodies, t1, poses)
-    blocked[:] = False
+def ever_blocked(bodies, grid, rules, front, desk, t0, t1):
+    """Mark the cells at whose centre the limb touches an obstacle at any instant of [t0, t1]."""
+    poses_at(bodies, t1, desk.poses)
+    front.blocked[:] = False
     shortest = FINEST * (t1 - t0)
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
@@ -128,113 +186,93 @@ def ever_blocked(bodies, grid, t0, t1, reached, gap, look, poses, scratch, away,
         moved = drift(bodies, b, t0, t1)
         for a in range(grid.cells.size):
             k = grid.cells[a]
-            if away[k] > reached or blocked[k] or look[k, b] >= t1:
+            if desk.look[k, b] >= t1 or front.blocked[k] or front.away[k] > t1 + rules.margin:
                 continue
-            hx, hy, ex, ey = grid.limb[k, 0], grid.limb[k, 1], grid.limb[k, 2], grid.limb[k, 3]
-            room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap
+            x, y, ex, ey = (
+                grid.centre[k, 0], grid.centre[k, 1], grid.centre[k, 2], grid.centre[k, 3]
+            )  # fmt: skip
+            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - rules.touch
             if room > moved:
-                look[k, b] = t1 + room / speed if speed > 0.0 else 1e300
+                desk.look[k, b] = t1 + room / speed if speed > 0.0 else 1e300
             elif room <= 0.0:
-                blocked[k] = True
+                front.blocked[k] = True
             else:
-                t = first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch)
-                blocked[k] = t >= 0.0
+                front.blocked[k] = 0.0 <= first_touch(
+                    bodies, b, x, y, ex, ey, rules.touch, t0, t1, shortest, desk.others
+                )
 
 
 @njit(cache=True)
-def leave(grid, front, until, again):
-    """Take the occupied cells out of the set; the hand could stay `until`, look again `again`."""
+def leave(grid, front, until):
+    """Take the occupied cells out of the set: the hand could stay `until`."""
     for a in range(grid.cells.size):
         k = grid.cells[a]
         if front.alive[k] and front.blocked[k]:
             front.alive[k] = False
             front.until[k] = until
-            front.hoped[k] = again
+            front.hoped[k] = until
 
 
 @njit(cache=True)
-def accept(bodies, grid, front, t0, t1, rho, side, hole, floor, start, exact, waiting):
-    """Take those cells into the set at which the hand arrives in (t0, t1].
-
-    Parameters
-    ----------
-    hole : float
-        Radius around the shoulder that straight moves must not cut.
-    floor : float
-        Distance that moves must keep.
-    start : (3,) ndarray
-        Hand x, y at t = 0 and until when it can stay there [s].
-    exact : bool
-        Inner set: moves are checked; else the outer set, in which they only must not pass between
-        cells that are both occupied.
-    waiting : bool
-        Whether the hand may leave a cell later than it came.
-
-    Returns
-    -------
-    int
-        Number of cells taken in.
-    """
+def accept(bodies, grid, rules, front, t0, t1):
+    """Take those cells into the set at which the hand arrives in (t0, t1]."""
     time, hand = np.empty(2), np.empty((2, 2))
-    fresh = 0
     for a in range(grid.cells.size):
         k = grid.cells[a]
-        if front.alive[k] or front.hoped[k] > t1:
+        if front.alive[k] or front.hoped[k] > t1 or front.useful[k] < t0:
             continue
-        if front.blocked[k] and (exact or front.before[k]):
+        if front.blocked[k] and (rules.exact or front.before[k]):
             continue
         tried = 0
         while True:
-            d, when = earliest(grid, front, k, t0, t1, start[2], tried, exact, waiting)
-            if d < 0:
+            d, when = earliest(grid, rules, front, k, t0, t1, tried)
+            if d < 0 or when > front.useful[k]:
                 break
             cost = front.near[k] if d == START else move_time(front, k, d)
-            if exact:
+            if rules.exact:
                 time[0], time[1] = when - cost, when
-                q = source_of(grid, k, d)
-                hand[0, 0] = start[0] if d == START else grid.limb[q, 0]
-                hand[0, 1] = start[1] if d == START else grid.limb[q, 1]
-                hand[1, 0], hand[1, 1] = grid.limb[k, 0], grid.limb[k, 1]
-                if not clear(bodies, time, hand, rho, side, hole, floor):
+                q = k if d == START else source_of(grid, k, d)
+                hand[0, 0] = rules.hand_x if d == START else grid.centre[q, 0]
+                hand[0, 1] = rules.hand_y if d == START else grid.centre[q, 1]
+                hand[1, 0], hand[1, 1] = grid.centre[k, 0], grid.centre[k, 1]
+                if not clear(bodies, rules, time, hand):
                     tried |= 1 << d
                     continue
             settle(grid, front, k, d, when, cost)
-            fresh += 1
             break
-    return fresh
 
 
 @njit(cache=True)
-def earliest(grid, front, k, t0, t1, start_until, tried, exact, waiting):
+def earliest(grid, rules, front, k, t0, t1, tried):
     """Find the source, not yet tried, from which cell k is reached first in (t0, t1]: (d, when)."""
-    best, when = -1, t1
-    for d in range(17):
+    best, first = -1, t1
+    for d in range(COUNT + 1):
         if tried >> d & 1:
             continue
         if d == START:
-            came, until, cost = 0.0, start_until, front.near[k]
+            came, until, cost = 0.0, rules.start_until, front.near[k]
         else:
             q = source_of(grid, k, d)
             if front.latest[q] < 0:
                 continue
             came, until, cost = front.arrival[q], front.until[q], move_time(front, k, d)
-        t = came + cost
-        if t <= t0:
-            if not waiting:
+        when = came + cost
+        if when <= t0:
+            if not rules.waiting:
                 continue
-            t = t0
-        if t > when or t - cost > until or (t == when and best >= 0):
+            when = t0
+        if when > first or (when == first and best >= 0) or when - cost > until:
             continue
-        if not exact and d != START and barred(grid, front, k, d):
+        if not rules.exact and d != START and barred(grid, front, k, d):
             continue
-        best, when = d, t
-    return best, when
+        best, first = d, when
+    return best, first
 
 
 @njit(cache=True, inline="always")
 def source_of(grid, k, d):
     """Cell from which move d leads into cell k."""
-    return k - MOVE_I[d % 16] * grid.width - MOVE_J[d % 16]
+    return k - MOVES[d, 0] * grid.width - MOVES[d, 1]
 
 
 @njit(cache=True, inline="always")
@@ -245,25 +283,27 @@ def move_time(front, k, d):
 
 @njit(cache=True)
 def barred(grid, front, k, d):
-    """Tell whether both cells between which move d into cell k passes are occupied throughout."""
-    if d < 4:
-        return False
+    """Tell whether move d into cell k passes between two cells that are occupied all the step."""
     q = source_of(grid, k, d)
     for p in range(2):
-        m = q + PASS_I[d, p] * grid.width + PASS_J[d, p]
-        if not (front.blocked[m] and front.before[m]):
-            return False
-    return True
+        solid = True
+        for c in range(2):
+            m = q + BETWEEN[d, p, c, 0] * grid.width + BETWEEN[d, p, c, 1]
+            solid = solid and m != q and front.blocked[m] and front.before[m]
+        if solid:
+            return True
+    return False
 
 
 @njit(cache=True)
-def clear(bodies, time, hand, rho, side, hole, floor):
-    """Tell whether the limb keeps its distance while the hand goes straight."""
-    if hole > 0.0:
+def clear(bodies, rules, time, hand):
+    """Tell whether the limb keeps its distance while the hand goes straight (2, 2) in time (2,)."""
+    if rules.hole > 0.0:
         nearest = segment_point2(0.0, 0.0, hand[0, 0], hand[0, 1], hand[1, 0], hand[1, 1])
-        if nearest < hole * hole:
+        if nearest < rules.hole * rules.hole:
             return False
-    return least_distance(bodies, time, hand, rho, side, floor, _COARSE)[0] > floor
+    floor = rules.touch
+    return least_distance(bodies, time, hand, rules.rho, rules.side, floor, ANY)[0] > floor
 
 
 @njit(cache=True)
@@ -274,46 +314,101 @@ def settle(grid, front, k, d, when, cost):
     front.parent[n] = -1 if d == START else front.latest[source_of(grid, k, d)]
     front.count[0] = n + 1
     front.alive[k], front.arrival[k], front.until[k], front.latest[k] = True, when, 1e300, n
-    for e in range(16):
-        q = k + MOVE_I[e] * grid.width + MOVE_J[e]
+    for e in range(COUNT):
+        q = k + MOVES[e, 0] * grid.width + MOVES[e, 1]
         front.hoped[q] = min(front.hoped[q], when + move_time(front, q, e))
 
 
 @njit(cache=True)
-def meetings(bodies, grid, front, t0, t1, gap, fresh, poses, scratch, cells, times):
-    """Find the cells of the set in which the hand meets a target in [t0, t1].
+def meetings(bodies, grid, rules, front, desk, t0, t1):
+    """Find the cells of the set in which a target is met in [t0, t1] and put them on the desk."""
+    count = 0
+    poses_at(bodies, t1, desk.poses)
+    shortest = FINEST * (t1 - t0)
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        bx, by, bz = desk.poses[b, 0], desk.poses[b, 1], desk.poses[b, 2]
+        far = (bodies.rows[b, REACH] + rules.meet + drift(bodies, b, t0, t1)) ** 2
+        for a in range(grid.cells.size):
+            k = grid.cells[a]
+            x, y = grid.centre[k, 0], grid.centre[k, 1]
+            if not front.alive[k] or (x - bx) ** 2 + (y - by) ** 2 + bz * bz > far:
+                continue
+            if front.arrival[k] < t0 and not rules.waiting:
+                continue
+            since = max(t0, front.arrival[k])
+            t = first_touch(bodies, b, x, y, x, y, rules.meet, since, t1, shortest, desk.others)
+            if t >= 0.0 and count < desk.cells.size:
+                desk.cells[count], desk.times[count] = k, t
+                count += 1
+    return count
+
+
+@njit(cache=True)
+def useful_until(bodies, grid, until, speed, gap, instants):
+    """Last moments (m,) at which a hand at the cells may still meet a target before `until` [s].
 
     Parameters
     ----------
     gap : float
         Distance from the centre at which a target is met.
-    fresh : bool
-        Look only at cells that came into the set in this step.
-    cells, times : (m,) ndarray
-        Filled.
+    instants : int
+        Times at which the targets are looked at; their ways in between widen the gap.
+    """
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    last = np.full(grid.centre.shape[0], -1.0)
+    for i in range(instants + 1):
+        t = until * i / instants
+        poses_at(bodies, t, poses)
+        for b in range(bodies.rows.shape[0]):
+            if bodies.rows[b, PART] != HAND:
+                continue
+            early, late = max(t - until / instants, 0.0), min(t + until / instants, until)
+            near = gap + bodies.rows[b, REACH] + drift(bodies, b, early, late)
+            for a in range(grid.cells.size):
+                k = grid.cells[a]
+                dx, dy = grid.centre[k, 0] - poses[b, 0], grid.centre[k, 1] - poses[b, 1]
+                away = np.sqrt(dx * dx + dy * dy + poses[b, 2] ** 2) - near
+                last[k] = max(last[k], late - max(away, 0.0) / speed)
+    return last
+
+
+@njit(cache=True)
+def pull(bodies, rules, came, left, hand, speed):
+    """Pull a way tight: for every stop the earliest arrival by straight legs from stops before.
+
+    Parameters
+    ----------
+    came, left : (n,) ndarray
+        When the hand comes to the stops and leaves them [s].
+    hand : (n, 2) ndarray
+        The stops; the way between them is known to be clear.
 
     Returns
     -------
-    int
-        Number of cells.
+    arrival, departure : (n,) ndarray
+        At the stop, and from the stop before [s].
+    before : (n,) int64 ndarray
+        That stop; -1 where the way as it was is best.
     """
-    count = 0
-    poses_at(bodies, t1, poses)
-    shortest = FINEST * (t1 - t0)
-    for b in range(bodies.rows.shape[0]):
-        if bodies.rows[b, PART] != HAND:
-            continue
-        far = (bodies.rows[b, REACH] + gap + drift(bodies, b, t0, t1)) ** 2
-        for a in range(grid.cells.size):
-            k = grid.cells[a]
-            if not front.alive[k] or (fresh and front.arrival[k] < t0):
+    n = came.size
+    arrival, departure = came.copy(), came.copy()
+    before = np.full(n, -1)
+    time, leg = np.empty(2), np.empty((2, 2))
+    for j in range(1, n):
+        for i in range(j):
+            way = np.sqrt((hand[j, 0] - hand[i, 0]) ** 2 + (hand[j, 1] - hand[i, 1]) ** 2)
+            when = arrival[i] + way / speed
+            if when >= arrival[j] - 1e-9:
                 continue
-            x, y = grid.limb[k, 0], grid.limb[k, 1]
-            if (x - poses[b, 0]) ** 2 + (y - poses[b, 1]) ** 2 + poses[b, 2] ** 2 > far:
-                continue
-            since = max(t0, front.arrival[k])
-            t = first_touch(bodies, b, x, y, x, y, gap, since, t1, shortest, scratch)
-            if t >= 0.0 and count < cells.size:
-                cells[count], times[count] = k, t
-                count += 1
-    return count
+            time[0], time[1] = arrival[i], when
+            leg[0, 0], leg[0, 1], leg[1, 0], leg[1, 1] = (
+                hand[i, 0],
+                hand[i, 1],
+                hand[j, 0],
+                hand[j, 1],
+            )
+            if clear(bodies, rules, time, leg):
+                arrival[j], departure[j], before[j] = when, arrival[i], i
+    return arrival, departure, before

@@ -16,8 +16,8 @@ from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 FREE, FROZEN, CONTACT = 0, 1, 2  # what became of a cell
 
-CONSTANTS = 9  # length of the array of float constants below
-STEP, DIFFUSION, EPSILON, THRESHOLD, KAPPA, GRASP, NOMINAL_DELAY, QUIET, SHORTEST = range(CONSTANTS)
+CONSTANTS = 8  # length of the array of float constants below
+STEP, DIFFUSION, EPSILON, THRESHOLD, KAPPA, GRASP, QUIET, SHORTEST = range(CONSTANTS)
 
 
 @njit(cache=True)

@@ -21,7 +21,6 @@ from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
 from gcm_learn.wave.solver import (
     CONTACT_RADIUS,
-    NOMINAL_SPEED,
     Front,
     Task,
     front_speed,
@@ -189,9 +188,12 @@ class _Wave:
     def look(self, now: float, kappa: float) -> list[tuple[float, int, int]]:
         """Record arrivals and apply Eq. 11 to them; returns contacts (time, cell, body)."""
         new = self.live & (self.arrival < 0.0) & (self.r >= self.params.threshold)
-        self.arrival[new] = self.crossing[new]
-        contacts, cells = [], [(int(y), int(x)) for y, x in np.argwhere(new)]
-        since = {cell: self._since(cell) for cell in cells}
+        cells = [(int(y), int(x)) for y, x in np.argwhere(new)]
+        since = {cell: self._next_door(cell) for cell in cells}
+        cells = [cell for cell in cells if since[cell] >= 0.0]
+        contacts = []
+        for cell in cells:
+            self.arrival[cell] = max(self.crossing[cell], since[cell])
         for cell in cells:
             span = (since[cell] * kappa, now * kappa)
             if self._occupied(cell, span):
@@ -206,15 +208,14 @@ class _Wave:
             self.coupled = couplings(self.live, self.params.laplacian)
         return contacts
 
-    def _since(self, cell: tuple[int, int]) -> float:
-        """When the front was next door: the earliest neighbour's arrival [tau]."""
-        offsets = EDGES if self.params.laplacian == 5 else EDGES + CORNERS
-        n, times = self.params.n, [float(self.arrival[cell])]
-        for i, j in offsets:
+    def _next_door(self, cell: tuple[int, int]) -> float:
+        """Earliest arrival at an edge neighbour that was found free [tau], -1 if none."""
+        n, times = self.params.n, []
+        for i, j in EDGES:
             y, x = cell[0] + i, cell[1] + j
-            if 0 <= y < n and 0 <= x < n and self.arrival[y, x] >= 0.0:
+            if 0 <= y < n and 0 <= x < n and self.state[y, x] == FREE:
                 times.append(float(self.arrival[y, x]))
-        return min(times) if len(times) > 1 else max(times[0] - 1.0 / NOMINAL_SPEED, 0.0)
+        return min((time for time in times if time >= 0.0), default=-1.0)
 
     def _take_out(self, cell: tuple[int, int], state: int) -> None:
         self.state[cell] = state

@@ -14,7 +14,6 @@ from gcm_learn.situation.kernels import COLUMNS, Bodies
 from gcm_learn.wave import kernels, layered, marching, stencil
 from gcm_learn.wave.params import REST, WaveParams
 
-NOMINAL_SPEED = 0.164  # circular front at d = 0.2 [cells per tau] (erratum 9)
 QUIET = 1e-4  # potential change [1/tau] below which a block of cells counts as settled
 CONTACT_RADIUS = 0.71  # at least half a cell's diagonal, or a small target slips between centres
 STATES_PER_CELL = 4  # room for sheets; most cells need one
@@ -307,7 +306,6 @@ def _constants(params: WaveParams, task: Task, kappa: float) -> np.ndarray:
     c[kernels.THRESHOLD] = params.threshold
     c[kernels.KAPPA] = kappa
     c[kernels.GRASP] = _contact_distance(task, params)
-    c[kernels.NOMINAL_DELAY] = 1.0 / NOMINAL_SPEED
     c[kernels.QUIET] = QUIET
     c[kernels.SHORTEST] = kappa * params.step
     return c

@@ -136,14 +136,14 @@ solid = st.tuples(
 @st.composite
 def wild_situations(draw):
     """Situations whose numbers may have any magnitude."""
-    space, plane = draw(st.sampled_from([(planar, None), (solid, strategies.planes())]))
+    space, plane = draw(st.sampled_from([(planar, st.none()), (solid, strategies.planes())]))
     parts = draw(st.lists(space, min_size=1, max_size=3))
     bodies = tuple(
         Body("obstacle" if k else "target", str(k), shape, motion)
         for k, (shape, motion) in enumerate(parts)
     )
     horizon = draw(st.floats(0.05, 1.0) | wild)
-    return Situation("wild", horizon, draw(wild_arms()), bodies, plane and draw(plane))
+    return Situation("wild", horizon, draw(wild_arms()), bodies, draw(plane))
 
 
 REST = ((0.0, 0.0), (0.0, 0.0))

@@ -54,9 +54,10 @@ def broken(family, planner, seed, seeds):
 
 @pytest.mark.parametrize("planner", PLANNERS)
 @pytest.mark.parametrize(
-    ("family", "count"), [("planar", 300), ("solid", 60), ("limited", 60), ("slippery", 60)]
+    ("family", "count"), [("planar", 300), ("solid", 40), ("limited", 40), ("slippery", 40)]
 )
 def test_every_catch_keeps_the_promise(family, count, planner):
+    count = count // 4 if planner == "layered" else count  # it takes its time
     complaints, caught = broken(family, planner, 61, range(count))
     assert complaints == {}
     assert caught > count / 8  # else nothing has been tested
