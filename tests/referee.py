@@ -14,8 +14,8 @@ import numpy as np
 
 from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Pendulum, Polygon, Sphere
 
-INSTANTS = 400  # first samples of a movement, besides the trajectory's own
-LOWS = 4  # local minima of a distance that are looked at more closely
+INSTANTS = 300  # first samples of a movement, besides the trajectory's own
+LOWS = 3  # local minima of a distance that are looked at more closely
 CLOSER = 3  # times, each 8 times as densely
 SECTIONS = 32  # of the golden section search along a segment: to 2e-7 of its length
 SWING_STEPS = 2000
@@ -41,20 +41,23 @@ def judge(situation, plan, instants=INSTANTS):
     arm, path = situation.arm, plan.trajectory
     complaints = [*_records(situation, plan), *_speeds(arm, path)]
     t = np.unique(np.concatenate([np.linspace(0.0, path.time[-1], instants), path.time]))
-    free = np.inf
-    for reading in (by_hand, by_joints):
-        hand, _ = reading(arm, path, t)
+    lowest = {}
+    readings = {reading: reading(arm, path, t) for reading in (by_hand, by_joints)}
+    pairs = zip(*readings.values(), strict=True)
+    apart = [np.linalg.norm(first - second, axis=1).max() for first, second in pairs]
+    for reading, (hand, _) in readings.items():
         radius = np.linalg.norm(hand, axis=1)
         if radius.max() > arm.reach + LENGTH or radius.min() < arm.inner_reach - LENGTH:
             complaints.append(f"{reading.__name__}: the hand leaves the ring")
-        lowest = nearest(situation, lambda t, reading=reading: reading(arm, path, t), t)
-        if lowest <= arm.thickness:
-            complaints.append(f"{reading.__name__}: touches, clearance {lowest - arm.thickness:g}")
-        if reading is by_hand:
-            free = lowest - arm.thickness
-    astray = np.linalg.norm(by_hand(arm, path, t)[0] - by_joints(arm, path, t)[0], axis=1).max()
-    if astray > INTERPOLATION:
-        complaints.append(f"joints linear between samples lead the hand {astray:g} astray")
+        if reading is by_joints and lowest[by_hand] - arm.thickness > 2.0 * max(apart):
+            continue  # nowhere are the two limbs so far apart
+        lowest[reading] = nearest(situation, lambda t, reading=reading: reading(arm, path, t), t)
+        if lowest[reading] <= arm.thickness:
+            gap = lowest[reading] - arm.thickness
+            complaints.append(f"{reading.__name__}: touches, clearance {gap:g}")
+    free = lowest[by_hand] - arm.thickness
+    if apart[0] > INTERPOLATION:
+        complaints.append(f"joints linear between samples lead the hand {apart[0]:g} astray")
     if not within_grasp(situation, plan):
         complaints.append("the hand misses the target")
     if np.isfinite(free) and not abs(plan.clearance - free) <= CLEARANCE:

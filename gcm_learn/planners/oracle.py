@@ -10,6 +10,7 @@ which is pulled tight, timed and verified like every plan, and is not before the
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -32,8 +33,9 @@ LAST_SIZE = 240
 """For situations that those leave undecided: a catch neither found nor ruled out."""
 TIGHT = 0.02
 """Bounds that differ by at most this share are not refined."""
-A_STEP = 4  # meetings of one step of which movements are made
-MEETINGS = 40  # and of one lattice
+A_CELL = 2  # meetings of one step of which movements are made
+WORTH=0.002
+MEETINGS = 24  # and of one lattice
 
 Stratum = Literal["U", "L", "W", "Q"]
 
@@ -146,16 +148,24 @@ def first_catch_of(
         Later catches are no use [s].
     """
     inner = ReachableSet(problem, n, exact=True, waiting=waiting, before=before)
-    left = MEETINGS
+    best: Plan | None = None
+    tries: Counter[int] = Counter()
     for cells, times in inner.meetings():
-        for cell, time in list(zip(cells.tolist(), times.tolist(), strict=True))[:A_STEP]:
-            plan = _catch_from(problem, inner, cell, time, waiting)
-            if plan is not None and _time(plan) < before:
-                return plan
-            left -= 1
-        if left <= 0:
+        if times[0] >= before or tries.total() >= MEETINGS:
             break
-    return None
+        for cell, time in zip(cells.tolist(), times.tolist(), strict=True):
+            if tries[cell] < A_CELL and _promises(problem, inner, cell, before):
+                tries[cell] += 1
+                plan = _catch_from(problem, inner, cell, time, waiting)
+                if plan is not None and _time(plan) < before:
+                    best, before = plan, _time(plan) * (1.0-WORTH)
+    return best
+
+
+def _promises(problem: Problem, inner: ReachableSet, cell: int, before: float) -> bool:
+    front = inner.front
+    ending = straight_catch(problem, inner.grid.centre[cell, :2], float(front.arrival[cell]))
+    return ending is not None and ending[0][-1] < before
 
 
 def _catch_from(

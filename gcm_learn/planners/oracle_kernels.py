@@ -48,6 +48,9 @@ STRETCH = (
 RIM = 3  # cells around the lattice that are never entered, so that moves need no bounds
 
 
+PAST = 16  # samples of time that are remembered: more than the longest move takes
+
+
 def _moves() -> tuple[np.ndarray, np.ndarray]:
     """Mirror the octant: moves (32, 2) and the cells they pass between (32, 2 pairs, 2, 2)."""
     moves: dict[tuple[int, int], list] = {}
@@ -67,6 +70,8 @@ def _moves() -> tuple[np.ndarray, np.ndarray]:
 
 MOVES, BETWEEN = _moves()
 COUNT = len(MOVES)
+# How far along a move passes between a pair: at the foot of the pair's middle.
+SHARES = (BETWEEN.mean(axis=2) * MOVES[:, None]).sum(axis=2) / (MOVES**2).sum(axis=1)[:, None]
 START = COUNT  # the source besides the neighbours: the hand at t = 0, which is no cell's centre
 
 
@@ -101,7 +106,7 @@ class Front(NamedTuple):
 
     alive: np.ndarray  # (m,) bool: in the set now
     blocked: np.ndarray  # (m,) bool: occupied in this step
-    before: np.ndarray  # (m,) bool: in the one before
+    past: np.ndarray  # (PAST, m) bool: occupied at the last samples of time, in turns
     arrival: np.ndarray  # (m,): when the hand last came [s]
     until: np.ndarray  # (m,): until when it could stay [s]
     hoped: np.ndarray  # (m,): when there may be something to see, at the earliest [s]
@@ -129,16 +134,17 @@ class Desk(NamedTuple):
 
 
 @njit(cache=True)
-def step(bodies, grid, rules, front, desk, t0, t1):
-    """Take the set from t0 to t1; returns the number of meetings, which are on the desk."""
-    front.before[:] = front.blocked
+def step(bodies, grid, rules, front, desk, s, dt, end):
+    """Take the set through step s of length dt; returns how many meetings are on the desk."""
+    t0, t1 = (s - 1) * dt, min(s * dt, end)
     if rules.exact:
         ever_blocked(bodies, grid, rules, front, desk, t0, t1)
         if rules.waiting:
             leave(grid, front, t0)
     else:
         surely_blocked(bodies, grid, rules, front, desk, t1)
-    accept(bodies, grid, rules, front, t0, t1)
+        front.past[s % PAST] = front.blocked
+    accept(bodies, grid, rules, front, t0, t1, s, dt)
     count = meetings(bodies, grid, rules, front, desk, t0, t1)
     if not rules.exact:
         leave(grid, front, t1)
@@ -214,18 +220,18 @@ def leave(grid, front, until):
 
 
 @njit(cache=True)
-def accept(bodies, grid, rules, front, t0, t1):
+def accept(bodies, grid, rules, front, t0, t1, s, dt):
     """Take those cells into the set at which the hand arrives in (t0, t1]."""
     time, hand = np.empty(2), np.empty((2, 2))
     for a in range(grid.cells.size):
         k = grid.cells[a]
         if front.alive[k] or front.hoped[k] > t1 or front.useful[k] < t0:
             continue
-        if front.blocked[k] and (rules.exact or front.before[k]):
+        if front.blocked[k] and (rules.exact or front.past[(s - 1) % PAST, k]):
             continue
         tried = 0
         while True:
-            d, when = earliest(grid, rules, front, k, t0, t1, tried)
+            d, when = earliest(grid, rules, front, k, t0, t1, s, dt, tried)
             if d < 0 or when > front.useful[k]:
                 break
             cost = front.near[k] if d == START else move_time(front, k, d)
@@ -243,7 +249,7 @@ def accept(bodies, grid, rules, front, t0, t1):
 
 
 @njit(cache=True)
-def earliest(grid, rules, front, k, t0, t1, tried):
+def earliest(grid, rules, front, k, t0, t1, s, dt, tried):
     """Find the source, not yet tried, from which cell k is reached first in (t0, t1]: (d, when)."""
     best, first = -1, t1
     for d in range(COUNT + 1):
@@ -263,7 +269,7 @@ def earliest(grid, rules, front, k, t0, t1, tried):
             when = t0
         if when > first or (when == first and best >= 0) or when - cost > until:
             continue
-        if not rules.exact and d != START and barred(grid, front, k, d):
+        if not rules.exact and d != START and barred(grid, front, k, d, when - cost, cost, s, dt):
             continue
         best, first = d, when
     return best, first
@@ -282,17 +288,42 @@ def move_time(front, k, d):
 
 
 @njit(cache=True)
-def barred(grid, front, k, d):
-    """Tell whether move d into cell k passes between two cells that are occupied all the step."""
+def barred(grid, front, k, d, leave, cost, s, dt):
+    """Tell whether move d into cell k, begun at `leave`, leads through what is surely occupied.
+
+    At every sample of time on its way the hand is in one of the cells around the straight way, and
+    it passes between cells of which one is free at the sample before or after.
+    """
     q = source_of(grid, k, d)
+    for m in range(s - 1, max(s - PAST, -1), -1):
+        share = (m * dt - leave) / cost
+        if share <= 0.0:
+            break
+        if share < 1.0 and surrounded(grid, front, q, share * MOVES[d, 0], share * MOVES[d, 1], m):
+            return True
     for p in range(2):
+        if BETWEEN[d, p, 0, 0] == 0 and BETWEEN[d, p, 0, 1] == 0:
+            continue
+        m = min(max(int((leave + SHARES[d, p] * cost) / dt), s - PAST + 1, 0), s - 1)
         solid = True
         for c in range(2):
-            m = q + BETWEEN[d, p, c, 0] * grid.width + BETWEEN[d, p, c, 1]
-            solid = solid and m != q and front.blocked[m] and front.before[m]
+            j = q + BETWEEN[d, p, c, 0] * grid.width + BETWEEN[d, p, c, 1]
+            solid = solid and front.past[m % PAST, j] and front.past[(m + 1) % PAST, j]
         if solid:
             return True
     return False
+
+
+@njit(cache=True)
+def surrounded(grid, front, q, i, j, m):
+    """Tell whether all cells around the point (i, j) from cell q were occupied at sample m."""
+    i0, j0 = int(np.floor(i + 1e-6)), int(np.floor(j + 1e-6))
+    i1, j1 = int(np.ceil(i - 1e-6)), int(np.ceil(j - 1e-6))
+    for a in range(i0, i1 + 1):
+        for b in range(j0, j1 + 1):
+            if not front.past[m % PAST, q + a * grid.width + b]:
+                return False
+    return True
 
 
 @njit(cache=True)

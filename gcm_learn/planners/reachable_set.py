@@ -76,6 +76,7 @@ class ReachableSet:
         )
         if not exact:
             kernels.surely_blocked(bodies, self.grid, self.rules, self.front, self.desk, 0.0)
+            self.front.past[0] = self.front.blocked
 
     @property
     def sound(self) -> bool:
@@ -85,12 +86,12 @@ class ReachableSet:
     def meetings(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Follow the set and report, step by step, cells (k,) and times (k,) of meetings [s]."""
         steps = math.ceil(self.end / self.dt)
-        for k in range(steps):
-            t0, t1 = k * self.dt, min((k + 1) * self.dt, self.end)
+        for s in range(1, steps + 1):
             self._make_room()
             found = kernels.step(
-                self.problem.bodies, self.grid, self.rules, self.front, self.desk, t0, t1
-            )
+                self.problem.bodies, self.grid, self.rules, self.front, self.desk, s, self.dt,
+                self.end,
+            )  # fmt: skip
             if found:
                 order = np.argsort(self.desk.times[:found], kind="stable")
                 yield self.desk.cells[:found][order], self.desk.times[:found][order]
@@ -215,7 +216,7 @@ def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> F
     return Front(
         alive=np.zeros(size, dtype=bool),
         blocked=np.zeros(size, dtype=bool),
-        before=np.zeros(size, dtype=bool),
+        past=np.zeros((1 if exact else kernels.PAST, size), dtype=bool),
         arrival=np.full(size, np.inf),
         until=np.full(size, -1.0),
         hoped=near.copy(),

@@ -87,16 +87,15 @@ def hold(B, k, plane):
 
 @njit(cache=True, forceinline=True)
 def next_door(B, k, W, plane):
-    """Arrival of the earliest edge neighbour that was reached and found free, -1 if none.
+    """Arrival of the earliest edge neighbour that passes the front on, -1 if none.
 
-    Only through an edge does the front arrive: two frozen cells that touch at a corner are a wall.
+    Only through an edge does it arrive: two insulated cells that touch at a corner are a wall.
     """
     best = np.float32(-1.0)
     for e in (k - W, k - 1, k + 1, k + W):
         c = B[e + 5 * plane]
-        # Frozen cells have stopped; so has the hand's, which alone was reached at 0 and is live.
-        free = B[e + 3 * plane] > 0.0 or (c == 0.0 and B[e + 4 * plane] > 0.0)
-        if free and c >= 0.0 and (best < 0.0 or c < best):
+        # Insulated cells and the padding have no potential; where it is negative, nobody has been.
+        if B[e] > 0.0 and c >= 0.0 and (best < 0.0 or c < best):
             best = c
     return best
 

@@ -188,12 +188,11 @@ class _Wave:
     def look(self, now: float, kappa: float) -> list[tuple[float, int, int]]:
         """Record arrivals and apply Eq. 11 to them; returns contacts (time, cell, body)."""
         new = self.live & (self.arrival < 0.0) & (self.r >= self.params.threshold)
-        cells = [(int(y), int(x)) for y, x in np.argwhere(new)]
-        since = {cell: self._next_door(cell) for cell in cells}
-        cells = [cell for cell in cells if since[cell] >= 0.0]
-        contacts = []
+        since = {(int(y), int(x)): self._next_door((int(y), int(x))) for y, x in np.argwhere(new)}
+        cells = [cell for cell, time in since.items() if time >= 0.0]
         for cell in cells:
             self.arrival[cell] = max(self.crossing[cell], since[cell])
+        contacts = []
         for cell in cells:
             span = (since[cell] * kappa, now * kappa)
             if self._occupied(cell, span):
@@ -209,13 +208,13 @@ class _Wave:
         return contacts
 
     def _next_door(self, cell: tuple[int, int]) -> float:
-        """Earliest arrival at an edge neighbour that was found free [tau], -1 if none."""
+        """Earliest arrival at an edge neighbour that passes the front on [tau], -1 if none."""
         n, times = self.params.n, []
         for i, j in EDGES:
             y, x = cell[0] + i, cell[1] + j
-            if 0 <= y < n and 0 <= x < n and self.state[y, x] == FREE:
+            if 0 <= y < n and 0 <= x < n and self.live[y, x] and self.arrival[y, x] >= 0.0:
                 times.append(float(self.arrival[y, x]))
-        return min((time for time in times if time >= 0.0), default=-1.0)
+        return min(times, default=-1.0)
 
     def _take_out(self, cell: tuple[int, int], state: int) -> None:
         self.state[cell] = state

@@ -226,6 +226,17 @@ def test_a_solid_bullet_through_the_plane_is_never_missed(seed):
     assert clearance(Situation("s", 1.0, arm, bodies, FLAT), path)[0] <= 0.0
 
 
+@pytest.mark.parametrize(("speed", "moment"), [(3.0, 1e-3), (10.0, 3e-4), (30.0, 1e-3)])
+@pytest.mark.xfail(strict=False, reason="the way of a limb from the shoulder itself is not bounded")
+def test_a_bullet_at_a_limb_that_starts_from_the_shoulder_is_never_missed(speed, moment):
+    """With the hand on the shoulder, any direction of the upper arm is as good as another."""
+    path = Trajectory.of_hand(np.array([0.0, 0.01]), np.array([[0.0, 0.0], [-0.033, 0.0]]))
+    motion = PlanarQuadratic((speed * moment, 0.5), (-speed, 0.0), (0.0, 0.0))
+    situation = scene((Disc(1e-4), motion), arm=Arm((0.0, 0.0), 3.3))
+    assert brute(situation, path) <= 0.0
+    assert clearance(situation, path)[0] <= 0.0
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_samples_that_add_nothing_change_nothing(seed):
     rng = seeding.rng(35, seed)
