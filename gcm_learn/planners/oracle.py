@@ -2,40 +2,39 @@
 
 The places that the hand can reach are followed through space and time on a lattice,
 R(t + dt) = dilate(R(t), v dt) minus what is occupied, once rounded outwards and once inwards
-(`reachable_set`).  The outer set's first meeting with a target is before every catch; one that
-never meets a target proves that there is none.  The inner set's first meeting ends a movement,
-which is pulled tight, timed and verified like every plan, and is not before the earliest catch.
+(`reachable_set`).  The outer set's first meeting with a target comes before every catch; if it
+never meets one there is none.  The inner set's meetings end movements, which are pulled tight,
+timed and verified like every plan: the earliest of them is not before the earliest catch.
 """
 
 from __future__ import annotations
 
 import math
+import time as clock
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from gcm_learn.planners.completion import Problem, checked, finish, straight_catch
 from gcm_learn.planners.fronts import marching
-from gcm_learn.planners.interception import first_interception
-from gcm_learn.planners.oracle_kernels import pull
+from gcm_learn.planners.interception import first_catch, first_interception
+from gcm_learn.planners.oracle_kernels import clear, pull
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.reachable_set import ReachableSet
+from gcm_learn.planners.reachable_set import TIDY, ReachableSet
 from gcm_learn.planners.straight import StraightPlanner
 from gcm_learn.planners.timing import straight_way
 from gcm_learn.situation import Situation
 
-SIZES = (60, 120)
-"""Cells along a side, one lattice after the other until the bounds are tight."""
-LAST_SIZE = 240
-"""For situations that those leave undecided: a catch neither found nor ruled out."""
-TIGHT = 0.02
-"""Bounds that differ by at most this share are not refined."""
-A_CELL = 2  # meetings of one step of which movements are made
-WORTH=0.002
-MEETINGS = 24  # and of one lattice
+SIZES = (60, 120)  # cells along a side, one lattice after the other until the bounds are tight
+LAST_SIZE = 240  # for situations in which these neither find a catch nor rule it out
+TIGHT = 0.02  # bounds that differ by at most this share are not refined
+MEETINGS = 8  # of an inner set of which movements are made
+A_CELL = 2  # of them in the same cell
+LOOSE = 1.015  # ways on the lattice are worth pulling tight if they take at most that much longer
+WORTH = 5e-4  # share of its time by which a catch must be earlier to be looked for
 
 Stratum = Literal["U", "L", "W", "Q"]
 
@@ -45,18 +44,34 @@ class Bounds:
     """What is known of a situation's earliest catch."""
 
     lower: float
-    """No movement catches before [s]; infinite if none catches within the horizon."""
+    """No movement catches before [s]; infinite if none does within the horizon."""
     upper: float
-    """`plan` catches then [s]; infinite without one."""
-    plan: Plan | None
-    """The best verified plan."""
-    blocked: bool = False
-    """The limb touches an obstacle at t = 0."""
+    """When `plan` catches [s]; infinite if it does not."""
+    plan: Plan
+    """The best verified plan, or why there is none."""
 
     @property
     def tight(self) -> bool:
-        """Whether the bounds agree, or say that there is no catch."""
-        return self.lower >= (1.0 - TIGHT) * self.upper or math.isinf(self.lower)
+        """Whether the bounds agree to a share of TIGHT, or say that there is no catch."""
+        return self.lower >= (1.0 - TIGHT) * self.upper
+
+    @property
+    def decided(self) -> bool:
+        """Whether it is known that there is a catch, or that there is none."""
+        return self.plan.caught or math.isinf(self.lower)
+
+
+@dataclass(frozen=True)
+class OraclePlanner:
+    """The plan behind the upper bound; slow, and as near to optimal as its finest lattice."""
+
+    name: str = "oracle"
+    sizes: tuple[int, ...] = SIZES
+    last_size: int | None = LAST_SIZE
+
+    def plan(self, situation: Situation) -> Plan:
+        """Answer a situation."""
+        return bounds(situation, self.sizes, self.last_size).plan
 
 
 def bounds(
@@ -67,7 +82,6 @@ def bounds(
     Parameters
     ----------
     situation : Situation
-        Joint speed limits are kept by the plan; the lower bound does not know them.
     sizes : tuple of int
         Cells along a side of the lattices, in the order in which they are tried.
     last_size : int, optional
@@ -76,162 +90,195 @@ def bounds(
     Returns
     -------
     Bounds
-        The lower one ignores free spaces and obstacles smaller than a cell's diagonal.
+        The lower one knows no joint speeds and takes a cell for blocked when its corners are, so
+        it holds up to free spots smaller than a cell amid a single obstacle's image.
     """
-    return _bounds(Problem(situation, "oracle"), sizes, last_size)
-
-
-def _bounds(problem: Problem, sizes: tuple[int, ...], last_size: int | None) -> Bounds:
+    problem = Problem(situation, "oracle")
     answer = problem.early_answer()
     if answer is not None:
-        return Bounds(math.inf, math.inf, None, answer.status == "start_blocked")
-    lower = _unhindered(problem)
-    best = _straight(problem)
+        return Bounds(math.inf, math.inf, answer)
+    plan = StraightPlanner("oracle").plan(situation)
+    known = Bounds(_unhindered(problem), _time(plan), plan)
     for n in sizes:
-        found = Bounds(lower, _time(best), best)
-        if found.tight:
-            return found
-        lower, best = _refined(problem, n, found)
-    found = Bounds(lower, _time(best), best)
-    if last_size is not None and best is None and not found.tight:
-        lower, best = _refined(problem, last_size, found)
-    return Bounds(lower, _time(best), best)
+        if not known.tight:
+            known = _refined(problem, n, known)
+    if last_size is not None and not known.decided:
+        known = _refined(problem, last_size, known)
+    if known.plan.caught:
+        elapsed = 1e3 * (clock.perf_counter() - problem.started)
+        return replace(known, plan=replace(known.plan, planning_ms=elapsed))
+    return replace(known, plan=problem.answer("unreachable", _why(known)))
 
 
-def _time(plan: Plan | None) -> float:
-    return math.inf if plan is None or plan.catch_time is None else plan.catch_time
+def stratum(situation: Situation, known: Bounds | None = None) -> Stratum:
+    """What a situation takes.
+
+    - **L**, straight line: the planner `straight` catches.
+    - **W**, way round: not L, but a first arrival catches: the planner `marching` does, or the
+      inner set that never waits (it leaves every cell when it comes, once) meets a target from
+      where a straight last leg, which may be slow, ends in a verified catch.
+    - **Q**, queueing: neither, but `bounds` has a verified plan, which therefore waits.
+    - **U**, unreachable: no plan at all.  `known.decided` tells whether that is certain.
+
+    Parameters
+    ----------
+    situation : Situation
+    known : Bounds, optional
+        The situation's bounds, if the caller has them at hand.
+    """
+    if StraightPlanner().plan(situation).caught:
+        return "L"
+    known = bounds(situation) if known is None else known
+    if math.isinf(known.lower):
+        return "U"
+    if marching().plan(situation).caught:
+        return "W"
+    problem = Problem(situation, "oracle")
+    if any(earliest_catch(problem, n, waiting=False) is not None for n in SIZES):
+        return "W"
+    return "Q" if known.plan.caught else "U"
 
 
-def _refined(problem: Problem, n: int, known: Bounds) -> tuple[float, Plan | None]:
-    """Both bounds on a lattice of n x n cells, given what is known."""
-    outer = ReachableSet(problem, n, exact=False, before=known.upper)
-    lower = known.lower
-    if outer.sound:
-        _, times = next(outer.meetings(), (None, [known.upper]))
-        lower = max(lower, float(times[0]))
-    best = known.plan
-    if not math.isinf(lower):
-        found = first_catch_of(problem, n, before=known.upper)
-        best = best if found is None else found
-    return min(lower, _time(best)), best
+def earliest_catch(
+    problem: Problem, n: int, *, waiting: bool = True, before: float = math.inf
+) -> Plan | None:
+    """The best of the plans that an inner set's meetings give.
+
+    Parameters
+    ----------
+    problem : Problem
+    n : int
+        Cells along a side of the lattice.
+    waiting : bool
+        Whether the hand may wait on its way to a meeting.
+    before : float
+        Later catches are no use [s].
+
+    Returns
+    -------
+    Plan
+        None if no plan catches by then.
+    """
+    inner = ReachableSet(problem, n, exact=True, waiting=waiting, before=LOOSE * before)
+    best: Plan | None = None
+    tries: Counter[int] = Counter()
+    for cells, times in inner.meetings():
+        if times[0] >= LOOSE * before or tries.total() >= MEETINGS:
+            break
+        for cell, time in zip(cells.tolist(), times.tolist(), strict=True):
+            if tries[cell] < A_CELL and _promises(inner, cell, LOOSE * before):
+                tries[cell] += 1
+                plan = _catch_from(inner, cell, time, before)
+                if plan is not None:
+                    best, before = plan, (1.0 - WORTH) * _time(plan)
+    return best
+
+
+def _time(plan: Plan) -> float:
+    """Catch time of a plan, infinite if there is none [s]."""
+    return math.inf if plan.catch_time is None else plan.catch_time
+
+
+def _why(known: Bounds) -> str:
+    """Why there is no plan."""
+    if math.isinf(known.lower):
+        return "certainly unreachable: no movement meets a target within the horizon"
+    return f"no verified catch was found, though none is ruled out from {known.lower:.3f} s on"
 
 
 def _unhindered(problem: Problem) -> float:
     """Earliest interception by a hand that nothing hinders [s], infinite if there is none."""
-    situation, arm = problem.situation, problem.situation.arm
-    x, y = arm.hand
+    situation, arm, instant = problem.situation, problem.situation.arm, problem.instant
+    speed, end = arm.max_hand_speed * (1.0 + 1e-9), situation.horizon + instant
     t, *_ = first_interception(
-        problem.bodies, x, y, 0.0, 0.0, situation.horizon + problem.instant,
-        arm.max_hand_speed * (1.0 + 1e-9), arm.grasp, 0.0, math.inf, problem.instant,
-    )  # fmt: skip
-    return math.inf if t < 0.0 else max(t - problem.instant, 0.0)
+        problem.bodies, *arm.hand, 0.0, 0.0, end, speed, arm.grasp, 0.0, math.inf, instant
+    )
+    return math.inf if t < 0.0 else max(t - instant, 0.0)
 
 
-def _straight(problem: Problem) -> Plan | None:
-    """The straight planner's plan, under this planner's name."""
-    plan = StraightPlanner("oracle").plan(problem.situation)
-    return plan if plan.caught else None
+def _refined(problem: Problem, n: int, known: Bounds) -> Bounds:
+    """Both bounds on a lattice of n x n cells, given what is known."""
+    lower, upper, plan = known.lower, known.upper, known.plan
+    outer = ReachableSet(problem, n, exact=False, before=upper)
+    if outer.sound:
+        _, times = next(outer.meetings(), (None, [upper]))
+        lower = max(lower, float(times[0]))
+    if lower < upper:
+        found = earliest_catch(problem, n, before=upper)
+        plan = plan if found is None else found
+    return Bounds(min(lower, _time(plan)), _time(plan), plan)
 
 
-def first_catch_of(
-    problem: Problem, n: int, waiting: bool = True, before: float = math.inf
-) -> Plan | None:
-    """The first meeting of the inner set of which a verified plan can be made.
+def _promises(inner: ReachableSet, cell: int, before: float) -> bool:
+    """Whether a straight leg from a cell, left at once, would meet a target early enough."""
+    start, since = inner.grid.centre[cell, :2], float(inner.front.arrival[cell])
+    leg = straight_catch(inner.problem, start, since)
+    return leg is not None and leg[0][-1] < before
 
-    Parameters
-    ----------
-    n : int
-        Cells along a side of the lattice.
-    waiting : bool
-        Whether the set may wait.
-    before : float
-        Later catches are no use [s].
+
+def _catch_from(inner: ReachableSet, cell: int, time: float, before: float) -> Plan | None:
+    """The earliest plan that follows the way to a cell, where a target is met at `time`.
+
+    The way is pulled tight, and at each of its stops the hand may dash for the target.
     """
-    inner = ReachableSet(problem, n, exact=True, waiting=waiting, before=before)
-    best: Plan | None = None
-    tries: Counter[int] = Counter()
-    for cells, times in inner.meetings():
-        if times[0] >= before or tries.total() >= MEETINGS:
+    problem = inner.problem
+    came, left, stops = inner.way_to(cell)
+    left[-1] = came[-1]
+    ends = [time, _comes(inner, stops[-1], time)] if inner.rules.waiting else []
+    speed = problem.situation.arm.max_hand_speed * TIDY
+    arrival, departure, origin = pull(problem.bodies, inner.rules, came, left, stops, speed)
+    for dash in sorted(_dashes(inner, stops, arrival, left, origin, ends)):
+        if dash[0] >= before:
             break
-        for cell, time in zip(cells.tolist(), times.tolist(), strict=True):
-            if tries[cell] < A_CELL and _promises(problem, inner, cell, before):
-                tries[cell] += 1
-                plan = _catch_from(problem, inner, cell, time, waiting)
-                if plan is not None and _time(plan) < before:
-                    best, before = plan, _time(plan) * (1.0-WORTH)
-    return best
+        chain = [dash[1]]
+        while origin[chain[0]] >= 0:
+            chain.insert(0, int(origin[chain[0]]))
+        first, tight = chain[0], chain[1:]
+        time_, hand = _sampled(
+            np.concatenate([came[: first + 1], arrival[tight]]),
+            np.concatenate([left[:first], departure[tight], [dash[2]]]),
+            np.concatenate([stops[: first + 1], stops[tight]]),
+        )
+        attempt = finish(problem, hand, time_)
+        plan = None if attempt is None else checked(problem, attempt)[0]
+        if plan is not None and _time(plan) < before:
+            return plan
+    return None
 
 
-def _promises(problem: Problem, inner: ReachableSet, cell: int, before: float) -> bool:
-    front = inner.front
-    ending = straight_catch(problem, inner.grid.centre[cell, :2], float(front.arrival[cell]))
-    return ending is not None and ending[0][-1] < before
+def _comes(inner: ReachableSet, stop: np.ndarray, since: float) -> float:
+    """When a target comes within reach of a stop from some time on, -1 if it does not [s]."""
+    problem = inner.problem
+    span, stay = np.array([since, inner.end]), np.array([stop, stop])
+    return first_catch(problem.bodies, span, stay, problem.reach, 0.25 * problem.instant)[0]
 
 
-def _catch_from(
-    problem: Problem, inner: ReachableSet, cell: int, time: float, waiting: bool
-) -> Plan | None:
-    """The earliest plan by the way to a cell at which a target is met at `time`."""
-    came, left, hand = inner.way_to(cell)
-    left[-1] = time if waiting else came[-1]
-    best = _verified(problem, *_sampled(came, left, hand))
-    if best is None:
-        best = _verified(problem, *_sampled(came, came[-1:] if len(came) == 1 else np.append(left[:-1], came[-1]), hand))
-    if best is None:
-        return None
-    for way in _shorter(problem, inner, came, left, hand):
-        ending = straight_catch(problem, way[1][-1], float(way[0][-1]))
-        if ending is None or ending[0][-1] >= _time(best) - 1e-6:
-            continue
-        plan = _verified(problem, *way)
-        if plan is not None and _time(plan) < _time(best):
-            best = plan
-    return best
+def _dashes(
+    inner: ReachableSet,
+    stops: np.ndarray,
+    arrival: np.ndarray,
+    left: np.ndarray,
+    origin: np.ndarray,
+    ends: list[float],
+) -> Iterator[tuple[float, int, float]]:
+    """Clear straight legs from stops to targets: when they catch, the stop, when they leave it."""
+    for k, stop in enumerate(stops):
+        waits = ends if k + 1 == len(stops) else [] if origin[k] >= 0 else [left[k]]
+        for leave in [arrival[k], *(t for t in waits if t > arrival[k])]:
+            leg = straight_catch(inner.problem, stop, float(leave))
+            if leg is not None and clear(
+                inner.problem.bodies, inner.rules, leg[0][[0, -1]], leg[1][[0, -1]]
+            ):
+                yield float(leg[0][-1]), k, float(leave)
 
 
-def _shorter(problem, inner, came, left, hand) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    speed = problem.situation.arm.max_hand_speed * (1.0 - 1e-8)
-    arrival, departure, before = pull(problem.bodies, inner.rules, came, left, hand, speed)
-    for j in range(len(came)):
-        stops = [j]
-        while before[stops[0]] >= 0:
-            stops.insert(0, int(before[stops[0]]))
-        first = stops[0]
-        c = np.concatenate([came[:first+1], arrival[stops[1:]]])
-        l = np.concatenate([left[:first], departure[stops[1:]], arrival[j:j+1]])
-        p = np.concatenate([hand[:first], hand[stops]])
-        yield _sampled(c, l, p)
-        if before[j] < 0 and left[j] > came[j] + 1e-9:
-            l = l.copy(); l[-1] = left[j]
-            yield _sampled(c, l, p)
-
-
-def _sampled(came, left, hand):
-    time, way = [came[:1]], [hand[:1]]
-    for k in range(len(came)):
-        if left[k] > time[-1][-1]:
-            time.append(left[k:k+1]); way.append(hand[k:k+1])
-        if k + 1 < len(came):
-            piece = straight_way(hand[k], hand[k+1])
-            time.append(np.linspace(left[k], came[k+1], len(piece))[1:])
-            way.append(piece[1:])
-    return np.concatenate(time), np.concatenate(way)
-
-
-def _verified(problem, time, hand):
-    if len(time) < 2:
-        return None
-    attempt = finish(problem, hand, time)
-    return None if attempt is None else checked(problem, attempt)[0]
-
-
-def stratum(situation, known=None):
-    if StraightPlanner().plan(situation).caught:
-        return "L"
-    problem = Problem(situation, "oracle")
-    if problem.early_answer() is not None:
-        return "U"
-    if marching().plan(situation).caught or first_catch_of(problem, SIZES[-1], waiting=False) is not None:
-        return "W"
-    known = bounds(situation)
-    return "Q" if known.plan is not None else "U"
+def _sampled(
+    came: np.ndarray, left: np.ndarray, stops: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Times (m,) and hands (m, 2), at least two, of a way with waits at its stops."""
+    time, hand = [came[:1], left[:1]], [stops[:1], stops[:1]]
+    for k in range(1, len(stops)):
+        piece = straight_way(stops[k - 1], stops[k])
+        time += [np.linspace(left[k - 1], came[k], len(piece))[1:], left[k : k + 1]]
+        hand += [piece[1:], stops[k : k + 1]]
+    return np.concatenate(time), np.concatenate(hand)

@@ -23,7 +23,7 @@ FEWEST_STEPS, MOST_STEPS = 100, 3000  # in a horizon
 START_CELLS = 3.2  # cells that near to the hand at t = 0 are entered straight from it
 USEFUL_INSTANTS = 50
 JOINT_SLACK = 1.05  # joint speeds vary along a move; timing and verification have the last word
-_TIDY = 1.0 - 1e-8  # of the hand's speed, against rounding
+TIDY = 1.0 - 1e-8  # of the hand's speed, against rounding
 
 
 class ReachableSet:
@@ -208,7 +208,7 @@ def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> F
     counts = np.zeros(size, dtype=bool)
     counts[grid.cells] = True
     cost = _costs(arm, grid, h, exact)
-    away = distance / (arm.max_hand_speed * (_TIDY if exact else 1.0))
+    away = distance / (arm.max_hand_speed * (TIDY if exact else 1.0))
     # The hand starts slower where joints limit it: as the dearest move into the cell, per length.
     dear = (cost / cost.min(axis=0)).max(axis=1) if len(cost) > 1 else 1.0
     near = np.where(counts & (distance <= START_CELLS * h), away * dear, np.inf)
@@ -238,7 +238,7 @@ def _costs(arm: Arm, grid: Grid, h: float, exact: bool) -> np.ndarray:
     length = h * np.hypot(*MOVES.T)
     if not exact:
         return length[None] / (kernels.STRETCH * arm.max_hand_speed)
-    least = length[None] / (arm.max_hand_speed * _TIDY)
+    least = length[None] / (arm.max_hand_speed * TIDY)
     if arm.max_joint_speed is None:
         return least
     joints = joint_angles(grid.centre[:, :2], arm.upper_arm, arm.elbow)

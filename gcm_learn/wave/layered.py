@@ -237,8 +237,8 @@ def march_layers(
                     refused[cells[i]] = True
                     # Surely in a later bucket, or a cell could be refused here for ever.
                     come_back(
-                        places[i], cells[i], now + 1e-6, bodies, limb, gap, kappa, end, lookback, bucket,
-                        status, again, queue, counts, scratch,
+                        places[i], cells[i], now + 1e-6, bodies, limb, gap, kappa, end, lookback,
+                        bucket, status, again, queue, counts, scratch,
                     )  # fmt: skip
             free = keep_free(count, states.shape[0] - total, blocked, places, cells, start, origins)
             for i in range(free):

@@ -60,7 +60,7 @@ def away_from(source, i, j, W, hand_i, hand_j):
 
 
 @njit(cache=True, forceinline=True)
-def expand(
+def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
     places, found, count, state, n, hand_i, hand_j, tent, origin, status, queue, counts, bucket
 ):
     """Offer the fronts of newly accepted cells to their neighbours.

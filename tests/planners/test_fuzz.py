@@ -173,14 +173,14 @@ def test_wild_situations_get_an_answer(situation, planner):
 
 
 @pytest.mark.slow
-@settings(max_examples=3000)
+@settings(max_examples=1000)
 @given(wild_situations(), planners)
 def test_many_wild_situations_get_an_answer(situation, planner):
     answered(situation, planner)
 
 
 @pytest.mark.slow
-@settings(max_examples=3000)
+@settings(max_examples=1000)
 @given(strategies.situations(), planners)
 def test_many_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)

@@ -136,8 +136,8 @@ def test_static_obstacles_only_make_it_later():
             arrival[np.isnan(arrival)] = np.inf
             if before is not None:
                 assert np.isinf(arrival[np.isinf(before)]).all()
-                # Where two fronts meet, a front of several bends may be late by most of a cell.
-                assert (arrival > before - 1.0)[np.isfinite(before)].all()
+                # A front of several bends may be late by 3 % where an earlier wall meets a later.
+                assert (arrival >= 0.97 * before)[np.isfinite(before)].all()
                 assert np.mean(arrival < before - 0.1) < 0.06
             before = arrival
 
@@ -146,7 +146,7 @@ def test_static_obstacles_only_make_it_later():
     ("place", "scatter"), [(None, 4.0), ((0.2, 1.2), 8.0), ((1.4, -0.5), 8.0), ((1.6, 1.0), 5.0)]
 )
 def test_marching_and_wave_agree(place, scatter):
-    """But for an affine map, beyond 10 cells: a single neuron starts slowly; bends cost the wave."""
+    """Beyond 10 cells and but for an affine map: a single neuron starts slowly, bends cost time."""
     walls = [] if place is None else [disc("obstacle", "wall", place)]
     task = task_of(scene(*walls, horizon=3.0))
     wave = propagate(task, WaveParams(until="horizon", laplacian=9))
