@@ -6,10 +6,9 @@ the body is the line phi(y) = theta in hand-space, which runs from the outer to 
 ring: a wall without holes, whatever its thickness.  For s < rho it is the upper arm that is touched
 (the wall is half a circle); for rho < s < 1 - rho it is the forearm.
 
-Two such bodies, spinning about the shoulder, enclose the hand in a wedge.  A front that respects
-them reaches every cell while the cell is in the wedge; a cell that is reached and not frozen while
-it is outside shows a leak.  There are no other false or missed alarms to weigh: the criterion needs
-neither distances nor tolerances.
+Two such bodies enclose the hand in a wedge.  A front that respects them reaches every cell while
+the cell is in the wedge; a cell that is reached and not frozen while it is outside shows a leak.
+The criterion needs neither distances nor tolerances.
 """
 
 from __future__ import annotations
@@ -21,13 +20,36 @@ import numpy as np
 from gcm_learn.arm.lattice import Lattice, hand_space
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
 from gcm_learn.situation.bodies import pack
-from gcm_learn.wave import Front, Task, WaveParams, kappa_of
+from gcm_learn.situation.kernels import Bodies
+from gcm_learn.wave import Front, Task, WaveParams, front_speed, kappa_of
 from gcm_learn.wave.kernels import FREE
 
 PARTS = {"upper arm": (1.0, 0.5), "forearm": (0.4, 0.5)}  # rho and distance s from the shoulder
-MOTIONS = {"static": (0, 0), "head on": (1, -1), "receding": (-1, 1), "sweeping": (1, 1)}
+TURNING = {"head on": (1, -1), "receding": (-1, 1), "sweeping": (1, 1)}
+MOTIONS = ("static", *TURNING, "passing")
 POINT = 1e-5  # half-width of a body of no width [forearm lengths]
 CLEAR = 0.3  # walls start at least this far from the hand [rad]
+BESIDE, AHEAD = 0.2, 0.9  # a passing disc flies by the shoulder at BESIDE, from and to AHEAD
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A body at the direction theta(t), seen from the shoulder."""
+
+    body: Body
+    theta: float
+    """At t = 0 [rad]."""
+    rate: float = 0.0
+    """Angular velocity of a turning wall [rad/s]."""
+    flight: float = 0.0
+    """Velocity of a passing disc along its line, with the sign of its turn [forearm lengths/s]."""
+
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Direction at times t [rad], continuous in t."""
+        side = np.sign(self.flight)
+        way = abs(self.flight) * t - AHEAD
+        passed = side * (np.arctan2(way, BESIDE) - np.arctan2(-AHEAD, BESIDE))
+        return self.theta + self.rate * t + passed
 
 
 @dataclass(frozen=True)
@@ -35,12 +57,12 @@ class Walls:
     """A task whose only obstacles are two walls."""
 
     task: Task
+    out: float
+    """When the front sets out: what is excited before does not count [s]."""
     direction: np.ndarray
     """(n, n): phi [rad]."""
-    start: tuple[float, float]
-    """theta of the clockwise and the counter-clockwise wall at t = 0 [rad]; the first is below."""
-    rate: tuple[float, float]
-    """Their angular velocities [rad/s]."""
+    pair: tuple[Wall, Wall]
+    """Clockwise and counter-clockwise of the hand."""
 
 
 def limb_direction(lattice: Lattice, distance: float) -> np.ndarray:
@@ -81,46 +103,55 @@ def draw(
     ----------
     rng : numpy.random.Generator
     part, motion : str
-        One of PARTS, one of MOTIONS.
+        One of PARTS, one of MOTIONS.  Passing discs are walls for the upper arm only.
     speed : float
         Of the walls across themselves, where it is largest [cells per tau].
     width : float
         Of the walls, where it is largest [cells]; the margin comes on top.
     params : WaveParams
-        For the size of the lattice, for kappa and for the time at which the front sets out.
+        For the size of the lattice, for kappa and for the disc that is excited at the start.
 
     Returns
     -------
     Walls
     """
     rho, distance = PARTS[part]
-    elbow = "right" if rng.random() < 0.5 else "left"
-    lattice = Lattice(params.n, rho, elbow)
+    lattice = Lattice(params.n, rho, "right" if rng.random() < 0.5 else "left")
     direction = limb_direction(lattice, distance)
-    turn = rng.uniform(-np.pi, np.pi)
-    radius = rng.uniform(abs(rho - 1.0) + 0.3, rho + 0.8)
+    turn, radius = rng.uniform(-np.pi, np.pi), rng.uniform(abs(rho - 1.0) + 0.3, rho + 0.8)
     hand = (float(radius * np.cos(turn)), float(radius * np.sin(turn)))
-    free = Task(_pack((), hand, lattice, 1.0), lattice, hand, speed=1.0, horizon=1.0)
-    kappa = kappa_of(free, params)
-    reach = breadth(lattice, direction)
-    rate = speed * lattice.spacing / kappa / reach
-    before, after, horizon = _angles(rng, motion, rate * kappa)
+    kappa = kappa_of(Task(_pack((), hand, lattice, 1.0), lattice, hand, 1.0, 1.0), params)
+    per_radian = breadth(lattice, direction)
+    rate = speed * lattice.spacing / per_radian  # [rad/tau]
+    half = max(0.5 * width * lattice.spacing * distance / per_radian, POINT)
     here = float(direction[lattice.cell_of(*hand)])
-    start, rates = (here - before, here + after), tuple(rate * s for s in MOTIONS[motion])
-    half = max(0.5 * width * lattice.spacing * distance / reach, POINT)
-    walls = tuple(_wall(k, distance, half, start[k], rates[k]) for k in (0, 1))
-    bodies = _pack(walls, hand, lattice, horizon * kappa)
-    task = Task(bodies, lattice, hand, speed=1.0, horizon=horizon * kappa)
-    return Walls(task, direction, start, (rates[0], rates[1]))
+    out = params.start_radius / front_speed(params).fastest if params.start_radius > 0 else 0.0
+    if motion == "passing":
+        pair, horizon = _passing(rng, here, rate / kappa, half)
+    else:
+        # The excited disc looks wide from a hand near the shoulder.
+        clear = CLEAR + 4.0 * params.start_radius * lattice.spacing
+        before, after, tau = _angles(rng, motion, rate, clear)
+        signs, horizon = TURNING.get(motion, (0, 0)), (out + tau) * kappa
+        # These angles are those at which the walls are when the front sets out.
+        starts = (here - before - signs[0] * rate * out, here + after - signs[1] * rate * out)
+        low, high = (
+            _turning(k, distance, half, starts[k], signs[k] * rate / kappa) for k in (0, 1)
+        )
+        pair = (low, high)
+    bodies = _pack((pair[0].body, pair[1].body), hand, lattice, horizon)
+    return Walls(Task(bodies, lattice, hand, 1.0, horizon), out * kappa, direction, pair)
 
 
-def _angles(rng: np.random.Generator, motion: str, rate: float) -> tuple[float, float, float]:
-    """Angles between hand and walls at t = 0 and a horizon [tau], for a rate [rad/tau].
+def _angles(
+    rng: np.random.Generator, motion: str, rate: float, clear: float
+) -> tuple[float, float, float]:
+    """Angles between hand and walls, and a horizon [tau], for a rate [rad/tau].
 
     Approaching walls are to meet the front when it has some size, if there is room for that: they
     start far off, but leave a sector on the far side in which a leak is seen.
     """
-    near = rng.uniform(CLEAR, 1.0, size=2)
+    near = rng.uniform(clear, clear + 0.7, size=2)
     meet = rng.uniform(20.0, 90.0) * rate
     if motion == "static":
         return *(near + rng.uniform(0.0, 1.5, size=2)), 400.0
@@ -131,14 +162,41 @@ def _angles(rng: np.random.Generator, motion: str, rate: float) -> tuple[float, 
     return min(near[0] + meet, rng.uniform(3.0, 4.3)), near[1], 400.0
 
 
-def _wall(index: int, distance: float, half: float, start: float, rate: float) -> Body:
-    """A square of half-width `half` that spins about the shoulder."""
+def _turning(index: int, distance: float, half: float, start: float, rate: float) -> Wall:
+    """A square of half-width `half` that spins about the shoulder; a disc when it rests."""
+    still = (0.0, 0.0)
+    if rate == 0.0:
+        place = (float(distance * np.cos(start)), float(distance * np.sin(start)))
+        body = Body("obstacle", f"wall {index}", Disc(half), PlanarQuadratic(place, still, still))
+        return Wall(body, start)
     corners = ((distance + half, 0.0), (distance, half), (distance - half, 0.0), (distance, -half))
-    motion = PlanarQuadratic((0.0, 0.0), (0.0, 0.0), (0.0, 0.0), start, rate)
-    return Body("obstacle", f"wall {index}", Polygon(corners), motion)
+    motion = PlanarQuadratic(still, still, still, start, rate)
+    return Wall(Body("obstacle", f"wall {index}", Polygon(corners), motion), start, rate)
 
 
-def _pack(walls, hand, lattice, horizon):
+def _passing(
+    rng: np.random.Generator, here: float, rate: float, half: float
+) -> tuple[tuple[Wall, Wall], float]:
+    """A disc that flies by the shoulder, its direction turning past the hand's, and one at rest."""
+    side = 1.0 if rng.random() < 0.5 else -1.0  # +1: the clockwise wall moves, counter-clockwise
+    start = here - side * rng.uniform(CLEAR, 1.5)
+    middle = start + side * np.arctan2(AHEAD, BESIDE)  # its direction when it is nearest
+    normal = np.array([np.cos(middle), np.sin(middle)])
+    along = side * np.array([-normal[1], normal[0]])
+    place, velocity = BESIDE * normal - AHEAD * along, rate * BESIDE * along
+    motion = PlanarQuadratic(
+        (float(place[0]), float(place[1])), (float(velocity[0]), float(velocity[1])), (0.0, 0.0)
+    )
+    disc = Body("obstacle", "wall 0", Disc(half * BESIDE / 0.5), motion)
+    mover = Wall(disc, start, flight=side * rate * BESIDE)
+    rest = _turning(1, 0.5, half, here + side * rng.uniform(0.5, 2.5), 0.0)
+    pair = (mover, rest) if side > 0 else (rest, mover)
+    return pair, 2.0 * AHEAD / (rate * BESIDE)
+
+
+def _pack(
+    walls: tuple[Body, ...], hand: tuple[float, float], lattice: Lattice, horizon: float
+) -> Bodies:
     """Pack walls; a target out of reach makes the situation valid."""
     away = PlanarQuadratic((9.0, 0.0), (0.0, 0.0), (0.0, 0.0))
     target = Body("target", "far away", Disc(0.1), away)
@@ -146,21 +204,9 @@ def _pack(walls, hand, lattice, horizon):
     return pack(Situation("walls", horizon, arm, (*walls, target)))
 
 
-def leaked_cells(walls: Walls, front: Front, since: float = 0.0) -> int:
-    """Count the cells that a front reached on the far side of a wall.
-
-    Parameters
-    ----------
-    walls : Walls
-    front : Front
-    since : float
-        When the front set out; what was excited at the start does not count [s].
-
-    Returns
-    -------
-    int
-    """
+def leaked_cells(walls: Walls, front: Front) -> int:
+    """Count the cells that a front reached on the far side of a wall."""
     t = front.arrival
-    low, high = (a + w * t for a, w in zip(walls.start, walls.rate, strict=True))
+    low, high = (wall.at(t) for wall in walls.pair)
     inside = np.mod(walls.direction - low, 2.0 * np.pi) < high - low
-    return int(np.count_nonzero((front.state == FREE) & (t > since) & ~inside))
+    return int(np.count_nonzero((front.state == FREE) & (t > walls.out) & ~inside))

@@ -101,15 +101,17 @@ class CognitiveMap:
             "contact": None if self.contact is None else vars(self.contact),
         }
         temporary = path.with_suffix(".tmp.npz")
+        arrays = {
+            "header": np.array(json.dumps(header)),
+            "arrival": self.arrival.filled(-1.0),
+            "effective_obstacles": self.effective_obstacles,
+            "effective_target": self.effective_target,
+        }
+        if self.later is not None:
+            arrays["later"] = self.later.filled(-1.0)
         try:
-            np.savez_compressed(
-                temporary,
-                header=json.dumps(header),
-                arrival=self.arrival.filled(-1.0),
-                effective_obstacles=self.effective_obstacles,
-                effective_target=self.effective_target,
-                **({} if self.later is None else {"later": self.later.filled(-1.0)}),
-            )
+            with open(temporary, "wb") as stream:
+                np.savez_compressed(stream, allow_pickle=False, **arrays)
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)

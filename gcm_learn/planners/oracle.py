@@ -280,5 +280,5 @@ def _sampled(
     for k in range(1, len(stops)):
         piece = straight_way(stops[k - 1], stops[k])
         time += [np.linspace(left[k - 1], came[k], len(piece))[1:], left[k : k + 1]]
-        hand += [piece[1:], stops[k : k + 1]]
+        hand += [piece[1:-1], stops[k : k + 1], stops[k : k + 1]]
     return np.concatenate(time), np.concatenate(hand)

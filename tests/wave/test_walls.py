@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.wave import MarchingParams, WaveParams, front_speed, march, propagate
+from gcm_learn.wave import MarchingParams, WaveParams, march, propagate
 from gcm_learn.wave.kernels import FROZEN
 
 SCENES = Path(__file__).parents[2] / "experiments" / "01_leaks" / "walls.py"
@@ -23,7 +23,7 @@ sys.modules[spec.name] = walls  # dataclasses look their module up
 spec.loader.exec_module(walls)
 
 PROMISED = (0.05, 0.25, 0.5, 1.0)  # speeds of walls [cells per tau]
-CASES = [("static", 0.0), *((m, v) for m in list(walls.MOTIONS)[1:] for v in PROMISED)]
+CASES = [("static", 0.0), *((m, v) for m in walls.MOTIONS[1:] for v in PROMISED)]
 VARIANTS = {
     "wave": WaveParams(n=40, until="horizon"),
     "nine points": WaveParams(n=40, until="horizon", laplacian=9),
@@ -33,9 +33,8 @@ VARIANTS = {
 }
 
 
-def start_of(params):
-    """When the front sets out [tau]."""
-    return params.start_radius / front_speed(params).fastest
+def cases(part):
+    return [case for case in CASES if part == "upper arm" or case[0] != "passing"]
 
 
 @pytest.mark.parametrize("part", walls.PARTS)
@@ -44,7 +43,8 @@ def test_a_wall_is_where_the_limb_touches(part):
     scene = walls.draw(seeding.rng(51), part, "static", 0.0, 0.0, WaveParams())
     lattice = scene.task.lattice
     frozen = march(scene.task, MarchingParams(until="horizon")).state == FROZEN
-    off = [np.abs(np.angle(np.exp(1j * (scene.direction - theta)))) for theta in scene.start]
+    starts = [wall.theta for wall in scene.pair]
+    off = [np.abs(np.angle(np.exp(1j * (scene.direction - theta)))) for theta in starts]
     across = np.minimum(*off) * walls.breadth(lattice, scene.direction) / lattice.spacing
     # Near the rims the elbow swings fast and the margin is wide; and within the reach of the
     # bodies the forearm freezes cells of its own.
@@ -61,12 +61,12 @@ def test_a_wall_is_where_the_limb_touches(part):
 def test_no_wave_leaks(part, variant):
     params = VARIANTS[variant]
     met = 0
-    for motion, speed in CASES:
+    for motion, speed in cases(part):
         for k in range(4):
             rng = seeding.rng(52, k)
             scene = walls.draw(rng, part, motion, speed, 0.0, params)
             front = propagate(scene.task, params)
-            leaked = walls.leaked_cells(scene, front, start_of(params))
+            leaked = walls.leaked_cells(scene, front)
             assert leaked == 0, f"{motion} at {speed} cells/tau, scene {k}"
             met += np.count_nonzero(front.state == FROZEN) > 5
     assert met > 30  # fronts that ran against a wall
@@ -76,7 +76,7 @@ def test_no_wave_leaks(part, variant):
 @pytest.mark.parametrize("n", [40, 80])
 def test_no_marching_leaks(part, n):
     params, met = MarchingParams(n=n, until="horizon"), 0
-    for motion, speed in CASES:
+    for motion, speed in cases(part):
         for k in range(8):
             rng = seeding.rng(53, k)
             scene = walls.draw(rng, part, motion, speed, 0.0, WaveParams(n=n))
@@ -87,16 +87,18 @@ def test_no_marching_leaks(part, n):
 
 
 @pytest.mark.parametrize("engine", ["wave", "marching"])
-def test_the_criterion_sees_leaks(engine):
+@pytest.mark.parametrize("motion", ["static", "head on", "sweeping", "passing"])
+def test_the_criterion_sees_leaks(engine, motion):
     """Without the margin a wall without thickness stands between the cells' centres."""
-    for part in walls.PARTS:
-        params = WaveParams(n=40, until="horizon", margin=0.0)
-        scene = walls.draw(seeding.rng(54), part, "static", 0.0, 0.0, params)
+    params = WaveParams(n=40, until="horizon", margin=0.0)
+    for k in range(5):
+        rng, speed = seeding.rng(54, k), 0.25 * (motion != "static")
+        scene = walls.draw(rng, "upper arm", motion, speed, 0.0, params)
         if engine == "wave":
             front = propagate(scene.task, params)
         else:
             front = march(scene.task, MarchingParams(n=40, until="horizon", margin=0.0))
-        assert walls.leaked_cells(scene, front) > 100
+        assert walls.leaked_cells(scene, front) > 20
 
 
 def test_a_wall_that_recedes_lets_the_front_follow():
@@ -104,7 +106,7 @@ def test_a_wall_that_recedes_lets_the_front_follow():
     params = VARIANTS["wave"]
     scene = walls.draw(seeding.rng(55), "upper arm", "receding", 0.1, 0.0, params)
     front = propagate(scene.task, params)
-    low, high = scene.start
+    low, high = (wall.theta for wall in scene.pair)
     outside = np.mod(scene.direction - low, 2.0 * np.pi) > high - low
     assert np.count_nonzero(outside & (front.arrival > 0.0)) > 30
 
@@ -114,7 +116,7 @@ def test_a_wall_that_recedes_lets_the_front_follow():
 @pytest.mark.parametrize("width", [0.0, 1.0, 2.0])
 def test_no_leaks_in_many_scenes(part, width):
     params = WaveParams(until="horizon")
-    for motion, speed in CASES:
+    for motion, speed in cases(part):
         for k in range(40):
             scene = walls.draw(seeding.rng(56, k), part, motion, speed, width, params)
             assert walls.leaked_cells(scene, propagate(scene.task, params)) == 0
