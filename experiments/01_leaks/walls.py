@@ -38,16 +38,18 @@ class Wall:
 
     body: Body
     theta: float
-    """At t = 0 [rad]."""
+    """At t = 0, or at its start [rad]."""
     rate: float = 0.0
     """Angular velocity of a turning wall [rad/s]."""
     flight: float = 0.0
     """Velocity of a passing disc along its line, with the sign of its turn [forearm lengths/s]."""
+    start: float = 0.0
+    """When a passing disc is AHEAD [s]."""
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Direction at times t [rad], continuous in t."""
         side = np.sign(self.flight)
-        way = abs(self.flight) * t - AHEAD
+        way = abs(self.flight) * (t - self.start) - AHEAD
         passed = side * (np.arctan2(way, BESIDE) - np.arctan2(-AHEAD, BESIDE))
         return self.theta + self.rate * t + passed
 
@@ -127,7 +129,7 @@ def draw(
     here = float(direction[lattice.cell_of(*hand)])
     out = params.start_radius / front_speed(params).fastest if params.start_radius > 0 else 0.0
     if motion == "passing":
-        pair, horizon = _passing(rng, here, rate / kappa, half)
+        pair, horizon = _passing(rng, here, rate / kappa, half, out * kappa)
     else:
         # The excited disc looks wide from a hand near the shoulder.
         clear = CLEAR + 4.0 * params.start_radius * lattice.spacing
@@ -175,7 +177,7 @@ def _turning(index: int, distance: float, half: float, start: float, rate: float
 
 
 def _passing(
-    rng: np.random.Generator, here: float, rate: float, half: float
+    rng: np.random.Generator, here: float, rate: float, half: float, out: float
 ) -> tuple[tuple[Wall, Wall], float]:
     """A disc that flies by the shoulder, its direction turning past the hand's, and one at rest."""
     side = 1.0 if rng.random() < 0.5 else -1.0  # +1: the clockwise wall moves, counter-clockwise
@@ -183,15 +185,16 @@ def _passing(
     middle = start + side * np.arctan2(AHEAD, BESIDE)  # its direction when it is nearest
     normal = np.array([np.cos(middle), np.sin(middle)])
     along = side * np.array([-normal[1], normal[0]])
-    place, velocity = BESIDE * normal - AHEAD * along, rate * BESIDE * along
+    velocity = rate * BESIDE * along
+    place = BESIDE * normal - AHEAD * along - out * velocity
     motion = PlanarQuadratic(
         (float(place[0]), float(place[1])), (float(velocity[0]), float(velocity[1])), (0.0, 0.0)
     )
     disc = Body("obstacle", "wall 0", Disc(half * BESIDE / 0.5), motion)
-    mover = Wall(disc, start, flight=side * rate * BESIDE)
+    mover = Wall(disc, start, flight=side * rate * BESIDE, start=out)
     rest = _turning(1, 0.5, half, here + side * rng.uniform(0.5, 2.5), 0.0)
     pair = (mover, rest) if side > 0 else (rest, mover)
-    return pair, 2.0 * AHEAD / (rate * BESIDE)
+    return pair, out + 2.0 * AHEAD / (rate * BESIDE)
 
 
 def _pack(

@@ -1,0 +1,122 @@
+"""Count the fronts that leak through walls, against the walls' speed; writes table.md.
+
+python experiments/01_leaks/run.py                   about three minutes on one core
+python experiments/01_leaks/run.py --scenes 4        a quick look
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+
+from walls import MOTIONS, PARTS, Walls, draw, leaked_cells  # noqa: E402
+
+from gcm_learn import seeding  # noqa: E402
+from gcm_learn.wave import Front, MarchingParams, WaveParams, march, propagate  # noqa: E402
+
+SPEEDS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)  # of walls [cells per tau]; the front has 0.17
+WIDTHS = (0.0, 1.0, 2.0, 3.0)  # of walls [cells]
+PLAIN = WaveParams(until="horizon")
+# Fast walls sweep the ring before a single neuron has become a wave: a larger ring, a larger start.
+QUICK = replace(PLAIN, n=160, start_radius=4.0)
+
+Engine = Callable[[Walls, WaveParams], Front]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A way to run a front, and what to call it."""
+
+    name: str
+    engine: Engine
+    width: float = 0.0
+
+
+def wave(**changes: object) -> Engine:
+    """Run the wave with some parameters changed."""
+    return lambda walls, params: propagate(walls.task, replace(params, **changes))  # type: ignore[arg-type]
+
+
+def marching(**changes: object) -> Engine:
+    """Run causal marching with some parameters changed."""
+    bare = MarchingParams(until="horizon", **changes)  # type: ignore[arg-type]
+    return lambda walls, params: march(walls.task, replace(bare, n=params.n))
+
+
+ENGINES = (
+    Row("wave", wave()),
+    Row("wave, 9 points", wave(laplacian=9)),
+    Row("wave, held", wave(frozen="held")),
+    Row("wave, held, 9 points", wave(frozen="held", laplacian=9)),
+    Row("wave, step 0.8", wave(step=0.8)),
+    Row("wave, diffusion 1", wave(diffusion=1.0)),
+    Row("marching", marching()),
+)
+PROMISE = tuple(
+    Row(f"{row.name}, {width:.0f} cells", row.engine, width)
+    for row in (ENGINES[0], ENGINES[2], ENGINES[-1])
+    for width in WIDTHS[1:]
+)
+BARE = tuple(
+    Row(f"{name}, {width:.0f} cells", engine, width)
+    for name, engine in (
+        ("wave", wave(margin=0.0)),
+        ("marching", marching(margin=0.0)),
+        ("marching, no lookback", marching(margin=0.0, lookback=0.0)),
+    )
+    for width in WIDTHS
+)
+
+
+def leaks(row: Row, speed: float, scenes: int) -> str:
+    """Share of fronts that leak, and the cells of the worst, as a table's entry."""
+    leaked, fronts, worst = 0, 0, 0
+    params = QUICK if speed > 1.0 else PLAIN
+    for part in PARTS:
+        for motion in MOTIONS:
+            if (motion == "static") != (speed == 0.0) or (motion, part) == ("passing", "forearm"):
+                continue
+            for k in range(scenes):
+                walls = draw(seeding.rng(71, k), part, motion, speed, row.width, params)
+                cells = leaked_cells(walls, row.engine(walls, params))
+                leaked, fronts, worst = leaked + (cells > 0), fronts + 1, max(worst, cells)
+    return f"{100.0 * leaked / fronts:.0f} % ({worst})" if leaked else "0"
+
+
+def table(title: str, rows: tuple[Row, ...], scenes: int) -> list[str]:
+    """Make a markdown table: one line a row, one column a speed."""
+    lines = ["", f"## {title}", "", f"| | {' | '.join(f'{v:g}' for v in SPEEDS)} |"]
+    lines.append("|---" * (len(SPEEDS) + 1) + "|")
+    for row in rows:
+        entries = [leaks(row, speed, scenes) for speed in SPEEDS]
+        lines.append(f"| {row.name} | {' | '.join(entries)} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def main() -> None:
+    """Measure and write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=25, help="of every part and motion")
+    parser.add_argument("--out", type=Path, default=HERE / "table.md")
+    arguments = parser.parse_args()
+    lines = [
+        "# Fronts that leak through walls, by the walls' speed [cells per tau]",
+        "",
+        "Share of the fronts and, in parentheses, the cells that the worst one reached behind a"
+        f" wall. {arguments.scenes} scenes of every part of the arm and kind of motion.",
+    ]
+    lines += table("Walls without thickness, margin 1", ENGINES, arguments.scenes)
+    lines += table("Thicker walls, margin 1", PROMISE, arguments.scenes)
+    lines += table("Cells' centres only, margin 0", BARE, arguments.scenes)
+    arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
