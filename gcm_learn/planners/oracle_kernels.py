@@ -31,7 +31,7 @@ from gcm_learn.situation.kernels import (
 )
 
 MOST_SURE = 63  # obstacles that the outer set heeds, the bits of a word; leaving out is optimistic
-FINEST = 1e-3  # resolution of touches within a step [steps]
+FINEST = 0.2  # resolution of touches within a step [steps]
 ANY = 1e9  # resolution of a clearance of which only the sign matters
 
 # The moves of a hand in a step, in cells, and the pairs of cells between which they pass.
@@ -233,6 +233,8 @@ def accept(bodies, grid, rules, front, t0, t1, s, dt):
         while True:
             d, when = earliest(grid, rules, front, k, t0, t1, s, dt, tried)
             if d < 0 or when > front.useful[k]:
+                if tried:
+                    front.hoped[k] = t1 + 2 * dt
                 break
             cost = front.near[k] if d == START else move_time(front, k, d)
             if rules.exact:

@@ -195,8 +195,7 @@ def march_layers(
     coarse = 0.2 * kappa  # resolution of intervals and meetings [s]; plans are verified anyway
     status, latest = outside.copy(), np.full(W * W, -1, dtype=np.int32)
     tent, again = np.full(W * W, NEVER), np.full(W * W, NEVER)
-    source_of = np.full(W * W, -9, dtype=np.int32)
-    via_of = np.full(W * W, -9, dtype=np.int32)
+    source_of, via_of = np.full((2, W * W), -9, dtype=np.int32)
     queue = np.empty((20 * n * n, 3), dtype=np.int32)
     counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
     counts[0] = 0
@@ -221,9 +220,7 @@ def march_layers(
                 slot, bucket, n, end, latest, tent, again, source_of, via_of, states, spans,
                 queue, counts, places, cells, start, origins,
             )  # fmt: skip
-            if count == 0:
-                continue
-            if not posed:
+            if count > 0 and not posed:
                 poses_at(bodies, now * kappa, poses)
                 posed = True
             for i in range(count):

@@ -152,7 +152,7 @@ MOVING = (Body("target", "0", Disc(0.1), PlanarQuadratic((1.6, -0.9), (0.1, 0.1)
 FAST = Body("obstacle", "1", rectangles(1e6, 1e-6), PlanarQuadratic((5.0, 5.0), *REST, 0.0, 1e6))
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(wild_situations(), planners)
 @example(
     Situation("slow joints", 1.0, Arm((1.0, 0.5), 3.0, 1.0, "right", (5.0, 1e-9)), MOVING), "gcm"
@@ -173,14 +173,14 @@ def test_wild_situations_get_an_answer(situation, planner):
 
 
 @pytest.mark.slow
-@settings(max_examples=1000)
+@settings(max_examples=500)
 @given(wild_situations(), planners)
 def test_many_wild_situations_get_an_answer(situation, planner):
     answered(situation, planner)
 
 
 @pytest.mark.slow
-@settings(max_examples=1000)
+@settings(max_examples=500)
 @given(strategies.situations(), planners)
 def test_many_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)
