@@ -12,6 +12,7 @@ from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import HAND, PART, Bodies, arm_distance, drift, pose_at
 
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearm lengths]
+_SHOULDER = 1e-9  # hands this near to the shoulder have no direction [forearm lengths]
 _DEEPEST = 48  # bisections of one segment before it counts as touching
 _MOST = 1_000_000  # looks at one path before it counts as touching: bodies may spin absurdly fast
 
@@ -39,6 +40,8 @@ def limb_sweep(x0, y0, x1, y1, rho):
     r0, r1 = np.sqrt(x0 * x0 + y0 * y0), np.sqrt(x1 * x1 + y1 * y1)
     s = min(max(-(x0 * dx + y0 * dy) / length2, 0.0), 1.0)
     nearest = np.sqrt((x0 + s * dx) ** 2 + (y0 + s * dy) ** 2)
+    if nearest < _SHOULDER:  # there the arm may point anywhere: no bound but the whole circle
+        return 2.0 * np.pi * rho
     turn = abs(np.arctan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1))
     b0, b1, b2 = _bend(r0, rho), _bend(r1, rho), _bend(nearest, rho)
     variation = abs(b0 - b2) + abs(b1 - b2)

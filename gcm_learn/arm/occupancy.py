@@ -21,23 +21,30 @@ from gcm_learn.situation.kernels import (
     poses_at,
 )
 
+FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearm lengths]
+MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
+
 
 @njit(cache=True)
 def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
     """First instant in [t0, t1] at which body b is within `gap` of a limb at rest, or -1.
 
     Conservative advancement: from a distance d above the gap, nothing can happen before the
-    body has travelled d - gap.  `shortest` [s] is the resolution below which it stops refining.
+    body has travelled d - gap.  It stops refining below `shortest` [s], or what a faster body
+    needs for FINEST, within MOST_LOOKS.
     """
     t = t0
+    speed = bodies.rows[b, TOP_SPEED]
+    if speed > 0.0:
+        shortest = min(shortest, max(FINEST / speed, (t1 - t0) / MOST_LOOKS))
     while True:
         pose_at(bodies, b, t, scratch)
         room = arm_room(bodies, scratch, b, hx, hy, ex, ey, gap)
         if room <= 0.0:
             return t
-        if t >= t1 or bodies.rows[b, TOP_SPEED] == 0.0:
+        if t >= t1 or speed == 0.0:
             return -1.0
-        t = min(t + max(room / bodies.rows[b, TOP_SPEED], shortest), t1)
+        t = min(t + max(room / speed, shortest), t1)
 
 
 @njit(cache=True, forceinline=True)

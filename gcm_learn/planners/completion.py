@@ -7,25 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.arm.kinematics import SIDE
 from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners.interception import first_catch, first_interception, may_be_reached
 from gcm_learn.planners.plan import Plan, Status
-from gcm_learn.planners.timing import (
-    JOINT_TOLERANCE,
-    keep_limits,
-    refine,
-    segment_times,
-    straight_way,
-)
+from gcm_learn.planners.timing import keep_limits, refine, segment_times, straight_way
 from gcm_learn.planners.verification import CATCH_SAFETY, start_clearance, verify
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import Bodies
+from gcm_learn.situation.kernels import HAND, PART, TOP_SPEED, Bodies
 from gcm_learn.situation.situation import Arm
 
-_INSTANT = 5e-4  # resolution of interceptions: the hand's way in that time [forearm lengths]
+_INSTANT = 5e-4  # resolution of interceptions: the way of hand and target in it [forearm lengths]
 _MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
 HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
@@ -48,8 +41,9 @@ class Problem:
     @property
     def instant(self) -> float:
         """Resolution in time of interceptions [s]."""
-        situation = self.situation
-        return max(_INSTANT / situation.arm.max_hand_speed, situation.horizon / _MOST_INSTANTS)
+        targets = self.bodies.rows[self.bodies.rows[:, PART] == HAND, TOP_SPEED]
+        speed = self.situation.arm.max_hand_speed + targets.max()
+        return float(max(_INSTANT / speed, self.situation.horizon / _MOST_INSTANTS))
 
     def answer(
         self, status: Status, message: str, cognitive_map: CognitiveMap | None = None
@@ -129,6 +123,7 @@ def straight_catch(
         if body < 0:
             return None
         hand = straight_way(start, np.array([px, py]))
+        _, hand = refine(arm, np.zeros(len(hand)), hand)
         sooner = np.concatenate([[0.0], np.cumsum(segment_times(arm, hand))])
         if t <= since or sooner[-1] <= (t - since) * (1.0 + 1e-12):
             # Whatever time is left over is spread evenly.
@@ -153,7 +148,7 @@ def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt |
         When the front was there [s].
     """
     arm = problem.situation.arm
-    hand = out_of_hole(arm, hand)
+    arrival, hand = refine(arm, arrival, out_of_hole(arm, hand))
     time = keep_limits(arm, hand, arrival)
     t, body = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
     if body >= 0:
@@ -181,9 +176,8 @@ def out_of_hole(arm: Arm, hand: np.ndarray) -> np.ndarray:
 
 
 def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
-    """Sample a timed hand path densely enough for its joints and make an attempt of it."""
+    """Make an attempt of a timed hand path."""
     arm = problem.situation.arm
-    time, hand = refine(time, hand, arm.upper_arm, SIDE[arm.elbow], JOINT_TOLERANCE)
     return Attempt(Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow), body)
 
 
@@ -195,3 +189,14 @@ def checked(
     if not verdict.good:
         return None, verdict.reason
     return problem.caught(attempt, verdict.clearance, cognitive_map), ""
+
+
+def straight_plan(problem: Problem) -> tuple[Plan | None, str]:
+    """Go straight to the earliest interception: a plan if it holds, else why not."""
+    way = straight_catch(problem, np.array(problem.situation.arm.hand), 0.0)
+    if way is None:
+        return None, "no straight line meets a target in time"
+    time, hand, body = way
+    if time[-1] <= 0.0:
+        time, hand = time[:1], hand[:1]
+    return checked(problem, attempt_of(problem, time, hand, body))

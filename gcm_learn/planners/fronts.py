@@ -10,7 +10,7 @@ import numpy as np
 
 from gcm_learn.arm.lattice import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
-from gcm_learn.planners.completion import Problem, checked, finish
+from gcm_learn.planners.completion import Problem, checked, finish, straight_plan
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams
@@ -36,11 +36,15 @@ class FrontPlanner(Generic[Params]):
     """Makes a map, ignoring contacts before a time [s], and the way to its contact."""
     contacts: int = 3
     """How many contacts of one map to try before the next map."""
+    direct: bool = False
+    """Try the straight line first: where it holds, no way is faster, and no map is needed."""
 
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""
         problem = Problem(situation, self.name)
         answer = problem.early_answer()
+        if answer is None and self.direct:
+            answer = straight_plan(problem)[0]
         if answer is not None:
             return answer
         first: CognitiveMap | None = None

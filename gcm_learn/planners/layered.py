@@ -12,8 +12,11 @@ from gcm_learn.wave import LayeredFront, MarchingParams, Task, march_layers
 
 
 def layered(params: MarchingParams | None = None) -> FrontPlanner[MarchingParams]:
-    """The planner of first choice: marching in which the hand may wait."""
-    return FrontPlanner("layered", marching_rungs(params), _explore)
+    """The planner of first choice: marching in which the hand may wait.
+
+    Where the straight line to the earliest interception holds, that is the answer, without a map.
+    """
+    return FrontPlanner("layered", marching_rungs(params), _explore, direct=True)
 
 
 def _explore(

@@ -31,7 +31,8 @@ from gcm_learn.situation.kernels import (
 )
 
 MOST_SURE = 63  # obstacles that the outer set heeds, the bits of a word; leaving out is optimistic
-FINEST = 0.2  # resolution of touches within a step [steps]
+TRIES = 4  # moves into a cell that are checked in a step, best first
+FINEST = 0.05  # resolution of touches within a step [steps]
 ANY = 1e9  # resolution of a clearance of which only the sign matters
 
 # The moves of a hand in a step, in cells, and the pairs of cells between which they pass.
@@ -230,11 +231,9 @@ def accept(bodies, grid, rules, front, t0, t1, s, dt):
         if front.blocked[k] and (rules.exact or front.past[(s - 1) % PAST, k]):
             continue
         tried = 0
-        while True:
+        for _ in range(TRIES):
             d, when = earliest(grid, rules, front, k, t0, t1, s, dt, tried)
             if d < 0 or when > front.useful[k]:
-                if tried:
-                    front.hoped[k] = t1 + 2 * dt
                 break
             cost = front.near[k] if d == START else move_time(front, k, d)
             if rules.exact:
@@ -264,7 +263,7 @@ def earliest(grid, rules, front, k, t0, t1, s, dt, tried):
             if front.latest[q] < 0:
                 continue
             came, until, cost = front.arrival[q], front.until[q], move_time(front, k, d)
-        when = came + cost
+        when = max(came + cost, front.away[k])
         if when <= t0:
             if not rules.waiting:
                 continue

@@ -20,7 +20,7 @@ from gcm_learn.situation.situation import Arm
 
 STEP = 0.97  # of the shortest move: nothing comes into the set and goes on within one step
 FEWEST_STEPS, MOST_STEPS = 100, 3000  # in a horizon
-START_CELLS = 3.2  # cells that near to the hand at t = 0 are entered straight from it
+START_CELLS = (0.75, 3.2)  # outer, inner: cells that near to the start are entered from there
 USEFUL_INSTANTS = 50
 JOINT_SLACK = 1.05  # joint speeds vary along a move; timing and verification have the last word
 TIDY = 1.0 - 1e-8  # of the hand's speed, against rounding
@@ -176,7 +176,7 @@ def _rules(problem: Problem, h: float, exact: bool, waiting: bool) -> Rules:
         waiting=waiting,
         rho=arm.upper_arm,
         side=SIDE[arm.elbow],
-        hole=arm.inner_reach + HOLE_MARGIN if arm.inner_reach > 0.0 else 0.0,
+        hole=_hole(arm),
         touch=touch,
         meet=meet,
         hand_x=arm.hand[0],
@@ -184,6 +184,17 @@ def _rules(problem: Problem, h: float, exact: bool, waiting: bool) -> Rules:
         start_until=_start_until(problem, touch),
         margin=4.0 * h / arm.max_hand_speed,
     )
+
+
+def _hole(arm: Arm) -> float:
+    """Distance that moves keep from the shoulder: of the hole's rim, or of the singular point.
+
+    A hand that starts nearer may go on from there.
+    """
+    nearest = math.hypot(*arm.hand)
+    if arm.inner_reach > 0.0:
+        return min(arm.inner_reach + HOLE_MARGIN, nearest * TIDY)
+    return min(HOLE_MARGIN, 0.5 * nearest)
 
 
 def _start_until(problem: Problem, touch: float) -> float:
@@ -211,7 +222,7 @@ def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> F
     away = distance / (arm.max_hand_speed * (TIDY if exact else 1.0))
     # The hand starts slower where joints limit it: as the dearest move into the cell, per length.
     dear = (cost / cost.min(axis=0)).max(axis=1) if len(cost) > 1 else 1.0
-    near = np.where(counts & (distance <= START_CELLS * h), away * dear, np.inf)
+    near = np.where(counts & (distance <= START_CELLS[exact] * h), away * dear, np.inf)
     nodes = len(grid.cells) + 64
     return Front(
         alive=np.zeros(size, dtype=bool),

@@ -10,9 +10,15 @@ from gcm_learn.planners.verification import PARTS, joint_turns
 from gcm_learn.situation.situation import Arm
 
 SPACING = 0.02  # samples of a straight way are at most this far apart [forearm lengths]
+JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured
 MOST_PIECES = 64
 JOINT_TOLERANCE = 1e-4  # of hands on joints that are linear between samples [forearm lengths]
 _SLACK = 1.0 + 1e-9  # against rounding of the speed limits
+
+
+def refine(arm: Arm, time: np.ndarray, hand: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Add samples (times (n,), hands (n, 2)) until joints, too, may be taken as linear between."""
+    return _refine(time, hand, arm.upper_arm, SIDE[arm.elbow], JOINT_TOLERANCE)
 
 
 def segment_times(arm: Arm, hand: np.ndarray) -> np.ndarray:
@@ -21,6 +27,7 @@ def segment_times(arm: Arm, hand: np.ndarray) -> np.ndarray:
     least = steps / arm.max_hand_speed
     if arm.max_joint_speed is not None and len(hand) > 1:
         turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS) * PARTS
+        turns *= JOINT_SLACK
         least = np.maximum(least, (turns / np.asarray(arm.max_joint_speed)).max(axis=1))
     return least * _SLACK
 
@@ -47,7 +54,7 @@ def keep_limits(arm: Arm, hand: np.ndarray, wanted: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def refine(time, hand, rho, side, tolerance):
+def _refine(time, hand, rho, side, tolerance):
     """Split segments until joints that are linear between samples keep the hand on its way.
 
     Parameters

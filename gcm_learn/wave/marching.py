@@ -26,6 +26,7 @@ PER_CELL = 1.5  # buckets per crossing: neighbours along a ray are 0.7 crossings
 BUCKETS = 32  # circular, a power of two; one step never spans more than 2 sqrt(2) crossings
 HAND_SOURCE = 0  # a cell of the rim, which is never a source itself
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
+HALF_DIAGONAL = 0.7072  # of a cell; the hand is in a cell whose centre is this near
 ROOT2 = float(np.sqrt(2.0))
 STEP_I = np.array([-1, -1, -1, 0, 0, 1, 1, 1])
 STEP_J = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
@@ -116,15 +117,18 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
             if status[major] == BEYOND:  # the ring is convex outwards: rays may graze it
                 major = q + sy if major == q + sx else q + sx
             other = corner if k == major else major
-            if (k == major or k == corner) and (
-                status[other] == ACCEPTED or (k == major and status[other] == BEYOND)
+            # Around the hand rays are too short for the rule, but no wall may be jumped there.
+            near = home == HAND_SOURCE and di * dj == 0 and ax * ax + ay * ay <= START_RADIUS**2
+            if near or (
+                (k == major or k == corner)
+                and (status[other] == ACCEPTED or (k == major and status[other] == BEYOND))
             ):
                 source = home
                 time = np.sqrt(dx * dx + dy * dy)
                 if home != HAND_SOURCE:
                     time += tent[home]
                 rival = origin[other]
-                if rival != home and other != home and status[other] == ACCEPTED:
+                if not near and rival != home and other != home and status[other] == ACCEPTED:
                     dy, dx = away_from(rival, ci + di, cj + dj, W, hand_i, hand_j)
                     later = np.sqrt(dx * dx + dy * dy)
                     if rival != HAND_SOURCE:
@@ -155,19 +159,27 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 @njit(cache=True)
 def seed(n, W, hand_i, hand_j, tent, origin, status, queue, counts):
-    """Reach the cells around the hand straight from it."""
+    """Put the hand's cell, or the nearest where the hand can be, into the queue.
+
+    The hand may be in several cells at once, on their borders.
+    """
     reach = int(START_RADIUS) + 1
-    for i in range(max(int(hand_i) - reach, 1), min(int(hand_i) + reach + 2, n + 1)):
-        for j in range(max(int(hand_j) - reach, 1), min(int(hand_j) + reach + 2, n + 1)):
-            k = i * W + j
-            away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
-            if status[k] == UNKNOWN and away <= START_RADIUS:
-                tent[k] = away
-                origin[k] = HAND_SOURCE
-                slot = 1 + int(away * PER_CELL)
-                queue[counts[0], 0], queue[counts[0], 1] = k, counts[slot]
-                counts[slot] = counts[0]
-                counts[0] += 1
+    nearest = START_RADIUS
+    for turn in range(2):
+        for i in range(max(int(hand_i) - reach, 1), min(int(hand_i) + reach + 2, n + 1)):
+            for j in range(max(int(hand_j) - reach, 1), min(int(hand_j) + reach + 2, n + 1)):
+                k = i * W + j
+                away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
+                if status[k] != UNKNOWN or away > max(nearest, HALF_DIAGONAL):
+                    continue
+                nearest = min(nearest, away)
+                if turn == 1:
+                    tent[k] = away
+                    origin[k] = HAND_SOURCE
+                    slot = 1 + int(away * PER_CELL)
+                    queue[counts[0], 0], queue[counts[0], 1] = k, counts[slot]
+                    counts[slot] = counts[0]
+                    counts[0] += 1
 
 
 @njit(cache=True, forceinline=True)

@@ -24,6 +24,7 @@ from gcm_learn.wave.solver import (
     Front,
     Task,
     front_speed,
+    hand_cell,
     kappa_of,
 )
 
@@ -169,7 +170,7 @@ class _Wave:
             slowness = 1.0 / front_speed(params).fastest
             r[disc], z[disc], arrival[disc] = *EXCITED, away[disc] * slowness
             tau = params.start_radius * slowness
-        hand = task.lattice.cell_of(*task.hand)
+        hand = hand_cell(task.lattice, task.hand)
         r[hand], q[hand], arrival[hand] = HAND_POTENTIAL, 0.0, 0.0
         coupled = couplings(live, params.laplacian)
         gap = task.thickness + params.margin * space.stride.reshape(n, n)

@@ -265,6 +265,20 @@ def _closed_rim(lattice: Lattice) -> np.ndarray:
     return status.ravel()
 
 
+def hand_cell(lattice: Lattice, hand: tuple[float, float]) -> tuple[int, int]:
+    """Index (iy, ix) of the hand's cell; at a rim, of the nearest one that is in the ring.
+
+    A clamped neuron outside the ring has too few neighbours to start a wave.
+    """
+    iy, ix = lattice.cell_of(*hand)
+    space = hand_space(lattice)
+    if space.inside[iy * lattice.n + ix]:
+        return iy, ix
+    away = np.linalg.norm(space.limb[:, :2] - hand, axis=1)
+    nearest = int(np.argmin(np.where(space.inside, away, np.inf)))
+    return nearest // lattice.n, nearest % lattice.n
+
+
 def _start(
     space: HandSpace,
     lattice: Lattice,
@@ -280,7 +294,7 @@ def _start(
     kernels.prepare(
         buffer, n, shape.width, shape.plane, params.laplacian, space.inside, params.step, *rest
     )
-    iy, ix = lattice.cell_of(*hand)
+    iy, ix = hand_cell(lattice, hand)
     kernels.excite(
         buffer,
         n,

@@ -227,7 +227,6 @@ def test_a_solid_bullet_through_the_plane_is_never_missed(seed):
 
 
 @pytest.mark.parametrize(("speed", "moment"), [(3.0, 1e-3), (10.0, 3e-4), (30.0, 1e-3)])
-@pytest.mark.xfail(strict=False, reason="the way of a limb from the shoulder itself is not bounded")
 def test_a_bullet_at_a_limb_that_starts_from_the_shoulder_is_never_missed(speed, moment):
     """With the hand on the shoulder, any direction of the upper arm is as good as another."""
     path = Trajectory.of_hand(np.array([0.0, 0.01]), np.array([[0.0, 0.0], [-0.033, 0.0]]))

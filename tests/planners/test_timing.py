@@ -76,12 +76,11 @@ def test_a_straight_way_is_straight_and_dense(start, end):
     np.testing.assert_allclose(steps, np.tile(steps[0], (len(steps), 1)), atol=1e-12)
 
 
-@given(st.integers(0, 10**6), st.sampled_from([1.0, -1.0]))
-def test_refined_samples_keep_linear_joints_on_the_way(seed, side):
+@given(st.integers(0, 10**6), st.sampled_from(["right", "left"]))
+def test_refined_samples_keep_linear_joints_on_the_way(seed, elbow):
     hand = wandering(seed)[::4]
     time = np.linspace(0.0, 1.0, len(hand))
-    elbow = "right" if side > 0 else "left"
-    fine_time, fine = refine(time, hand, 1.0, side, 1e-4)
+    fine_time, fine = refine(Arm(tuple(hand[0]), 1.0, elbow=elbow), time, hand)
     for t, h in zip(time, hand, strict=True):
         assert np.abs(fine - h).sum(axis=1).min() < 1e-12 and np.abs(fine_time - t).min() < 1e-12
     for k in (0, 1):  # nothing but samples has been added
