@@ -57,10 +57,11 @@ ENGINES = (
     Row("wave, step 0.8", wave(step=0.8)),
     Row("wave, diffusion 1", wave(diffusion=1.0)),
     Row("marching", marching()),
+    Row("marching, no lookback", marching(lookback=0.0)),
 )
 PROMISE = tuple(
     Row(f"{row.name}, {width:.0f} cells", row.engine, width)
-    for row in (ENGINES[0], ENGINES[2], ENGINES[-1])
+    for row in (ENGINES[0], ENGINES[2], ENGINES[6])
     for width in WIDTHS[1:]
 )
 BARE = tuple(

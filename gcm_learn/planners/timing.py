@@ -26,8 +26,7 @@ def segment_times(arm: Arm, hand: np.ndarray) -> np.ndarray:
     steps = np.sqrt((np.diff(hand, axis=0) ** 2).sum(axis=1))
     least = steps / arm.max_hand_speed
     if arm.max_joint_speed is not None and len(hand) > 1:
-        turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS) * PARTS
-        turns *= JOINT_SLACK
+        turns = JOINT_SLACK * joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS)
         least = np.maximum(least, (turns / np.asarray(arm.max_joint_speed)).max(axis=1))
     return least * _SLACK
 

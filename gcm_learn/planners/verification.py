@@ -17,7 +17,8 @@ from gcm_learn.situation.kernels import Bodies, pose_at
 SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]
 CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
-PARTS = 8  # pieces of a segment on which joint speeds are measured
+PARTS = 16  # pieces of a segment on which joint speeds are measured
+_RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
 
 
 @dataclass(frozen=True)
@@ -33,19 +34,57 @@ class Verdict:
 
 
 @njit(cache=True)
+def _rates_at(x, y, dx, dy, rho):
+    """Turn of both joints per length of the hand's way at (x, y) in the unit direction (dx, dy).
+
+    The elbow's angle depends on the hand's radius only, the shoulder's also on its direction; at
+    the rims of the ring, where both rates have no bound, the answer is 0 and says nothing.
+    """
+    r = np.sqrt(x * x + y * y)
+    if r < _RIM or r > rho + 1.0 - _RIM or r < abs(rho - 1.0) + _RIM:
+        return 0.0, 0.0
+    outward, around = (x * dx + y * dy) / r, (x * dy - y * dx) / (r * r)
+    cosine = (r * r + rho * rho - 1.0) / (2.0 * rho * r)  # of the angle at the shoulder
+    bend = (r * r - rho * rho + 1.0) / (2.0 * rho * r * r) / np.sqrt(1.0 - cosine * cosine)
+    elbow = (r * r - rho * rho - 1.0) / (2.0 * rho)  # cosine of the elbow's angle
+    # Whatever the elbow's side, the two parts of the shoulder's turn may add up.
+    shoulder = abs(around) + abs(bend * outward)
+    return shoulder, abs(outward) * r / (rho * np.sqrt(max(1.0 - elbow * elbow, 1e-12)))
+
+
+@njit(cache=True)
 def joint_turns(hand, rho, side, parts):
-    """Largest turn of each joint over one of `parts` equal pieces of every segment (n - 1, 2)."""
+    """Turn of each joint over every segment if it turned all the way as fast as at its fastest.
+
+    The fastest is the largest mean rate over `parts` equal pieces, and the largest rate at their
+    ends and where the segment is nearest to the shoulder.
+
+    Returns
+    -------
+    (n - 1, 2) ndarray
+        [rad]
+    """
     n = hand.shape[0]
     out = np.zeros((n - 1, 2))
     piece = np.empty((parts + 1, 2))
     for k in range(n - 1):
+        x, y = hand[k, 0], hand[k, 1]
+        dx, dy = hand[k + 1, 0] - x, hand[k + 1, 1] - y
+        length = np.sqrt(dx * dx + dy * dy)
+        if length == 0.0:
+            continue
         for p in range(parts + 1):
-            for a in range(2):
-                piece[p, a] = hand[k, a] + p / parts * (hand[k + 1, a] - hand[k, a])
+            piece[p, 0], piece[p, 1] = x + p / parts * dx, y + p / parts * dy
         joints = joints_of(piece, rho, side)
         for p in range(parts):
             for a in range(2):
-                out[k, a] = max(out[k, a], abs(joints[p + 1, a] - joints[p, a]))
+                out[k, a] = max(out[k, a], parts * abs(joints[p + 1, a] - joints[p, a]))
+        nearest = min(max(-(x * dx + y * dy) / (length * length), 0.0), 1.0)
+        for p in range(parts + 2):
+            s = p / parts if p <= parts else nearest
+            shoulder, elbow = _rates_at(x + s * dx, y + s * dy, dx / length, dy / length, rho)
+            out[k, 0] = max(out[k, 0], shoulder * length)
+            out[k, 1] = max(out[k, 1], elbow * length)
     return out
 
 
@@ -120,7 +159,7 @@ def _kinematic_fault(situation: Situation, trajectory: Trajectory) -> str:
     if np.any(steps > arm.max_hand_speed * spans * (1.0 + SPEED_TOLERANCE)):
         return "the hand would have to be faster than max_hand_speed"
     if arm.max_joint_speed is not None:
-        turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS) * PARTS
+        turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS)
         limits = np.asarray(arm.max_joint_speed) * (1.0 + SPEED_TOLERANCE)
         if np.any(turns > limits * spans[:, None]):
             return "a joint would have to be faster than max_joint_speed"

@@ -118,7 +118,8 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 major = q + sy if major == q + sx else q + sx
             other = corner if k == major else major
             # Around the hand rays are too short for the rule, but no wall may be jumped there.
-            near = home == HAND_SOURCE and di * dj == 0 and ax * ax + ay * ay <= START_RADIUS**2
+            near = bucket <= START_RADIUS * PER_CELL and home == HAND_SOURCE and di * dj == 0
+            near = near and ax * ax + ay * ay <= START_RADIUS**2
             if near or (
                 (k == major or k == corner)
                 and (status[other] == ACCEPTED or (k == major and status[other] == BEYOND))

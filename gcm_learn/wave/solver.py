@@ -14,7 +14,7 @@ from gcm_learn.situation.kernels import COLUMNS, Bodies
 from gcm_learn.wave import kernels, layered, marching, stencil
 from gcm_learn.wave.params import REST, WaveParams
 
-QUIET = 1e-4  # potential change [1/tau] below which a block of cells counts as settled
+QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
 CONTACT_RADIUS = 0.71  # at least half a cell's diagonal, or a small target slips between centres
 STATES_PER_CELL = 4  # room for sheets; most cells need one
 _workspace = threading.local()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.arm.lattice import Lattice
+from gcm_learn.arm.lattice import Lattice, hand_space
 from gcm_learn.errors import LatticeError
 from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of, march, propagate
 from tests.wave.scenes import SPEED, arrival_tau, away, disc, scene, task_of
@@ -64,6 +64,22 @@ def test_a_single_neuron_takes_its_time(points):
     single = delay(laplacian=points)
     assert single == pytest.approx(18.0, abs=3.0)
     assert delay(laplacian=points, start_radius=3.0) < single - 3.0
+
+
+def test_a_stretched_arm_starts_a_front():
+    """The hand's own cell may have its centre beyond the rim."""
+    outside = 0
+    for k in range(60):
+        angle = 2.0 * np.pi * (k + 0.3) / 60
+        hand = (2.0 * np.cos(angle), 2.0 * np.sin(angle))
+        task = task_of(scene(hand=hand, horizon=4.0), 40)
+        inside = hand_space(task.lattice).inside.reshape(40, 40)
+        outside += not inside[task.lattice.cell_of(*hand)]
+        wave = propagate(task, WaveParams(n=40, until="horizon"))
+        marched = march(task, MarchingParams(n=40, until="horizon"))
+        assert np.array_equal(wave.arrival >= 0.0, inside)
+        assert np.array_equal(marched.arrival >= 0.0, inside)
+    assert outside > 5
 
 
 @pytest.mark.parametrize("points", [5, 9])
