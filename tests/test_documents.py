@@ -90,15 +90,15 @@ def test_exchange_example_is_a_situation_and_its_fields_are_the_solutions():
     situation = situation_from_json(json.loads(example))
     assert situation.name == "ball-and-post"
     caught = solve(situation, "layered")
-    others = [solve(situation, name) for name in planner_names() if name != "layered"]
-    assert caught.caught and not any(plan.caught for plan in others), "as the README says"
+    first_arrival = [solve(situation, name) for name in ("gcm", "marching")]
+    assert caught.caught and not any(plan.caught for plan in first_arrival), "as the README says"
     text = (ROOT / "docs" / "exchange.md").read_text("utf-8").split("## Solution")[1]
     listed = set(re.findall(r"`([a-z_]+)`", text))
     assert set(plan_to_json(caught)) - {"format"} <= listed
 
 
 def test_readme_lists_the_planners_and_commands():
-    assert sorted(first_column(README, "Planners")) == planner_names()
+    assert sorted(first_column(README, "Planners")) == sorted(planner_names())
     commands = [row.split()[1] for row in first_column(README, "On the command line")]
     assert commands == list(COMMANDS)
 

@@ -7,15 +7,21 @@ from collections.abc import Callable
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.layered import layered
+from gcm_learn.planners.oracle import OraclePlanner
 from gcm_learn.planners.plan import Plan, Planner
+from gcm_learn.planners.potential import PotentialPlanner
 from gcm_learn.planners.straight import StraightPlanner
+from gcm_learn.planners.straight_wait import StraightWaitPlanner
 from gcm_learn.situation import Situation
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
     "gcm": gcm,
     "layered": layered,
     "marching": marching,
+    "oracle": OraclePlanner,
+    "potential": PotentialPlanner,
     "straight": StraightPlanner,
+    "straight-wait": StraightWaitPlanner,
 }
 
 

@@ -18,6 +18,7 @@ SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm le
 CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured
+LARGEST_TURN = 0.5  # of a joint between two samples: more is a jump, e.g. at the shoulder [rad]
 _RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
 
 
@@ -34,7 +35,7 @@ class Verdict:
 
 
 @njit(cache=True)
-def _rates_at(x, y, dx, dy, rho):
+def _rates_at(x, y, dx, dy, rho, side):
     """Turn of both joints per length of the hand's way at (x, y) in the unit direction (dx, dy).
 
     The elbow's angle depends on the hand's radius only, the shoulder's also on its direction; at
@@ -47,8 +48,7 @@ def _rates_at(x, y, dx, dy, rho):
     cosine = (r * r + rho * rho - 1.0) / (2.0 * rho * r)  # of the angle at the shoulder
     bend = (r * r - rho * rho + 1.0) / (2.0 * rho * r * r) / np.sqrt(1.0 - cosine * cosine)
     elbow = (r * r - rho * rho - 1.0) / (2.0 * rho)  # cosine of the elbow's angle
-    # Whatever the elbow's side, the two parts of the shoulder's turn may add up.
-    shoulder = abs(around) + abs(bend * outward)
+    shoulder = abs(around + side * bend * outward)
     return shoulder, abs(outward) * r / (rho * np.sqrt(max(1.0 - elbow * elbow, 1e-12)))
 
 
@@ -82,7 +82,7 @@ def joint_turns(hand, rho, side, parts):
         nearest = min(max(-(x * dx + y * dy) / (length * length), 0.0), 1.0)
         for p in range(parts + 2):
             s = p / parts if p <= parts else nearest
-            shoulder, elbow = _rates_at(x + s * dx, y + s * dy, dx / length, dy / length, rho)
+            shoulder, elbow = _rates_at(x + s * dx, y + s * dy, dx / length, dy / length, rho, side)
             out[k, 0] = max(out[k, 0], shoulder * length)
             out[k, 1] = max(out[k, 1], elbow * length)
     return out
@@ -154,6 +154,8 @@ def _kinematic_fault(situation: Situation, trajectory: Trajectory) -> str:
         return "the path leaves the reachable ring"
     if len(time) == 1:
         return ""
+    if np.abs(np.diff(trajectory.joints, axis=0)).max() > LARGEST_TURN:
+        return "the arm would have to turn round within no time near the shoulder"
     spans = np.diff(time)
     steps = np.sqrt((np.diff(hand, axis=0) ** 2).sum(axis=1))
     if np.any(steps > arm.max_hand_speed * spans * (1.0 + SPEED_TOLERANCE)):
