@@ -43,6 +43,7 @@ MOST_SURE = 63  # obstacles that the outer set heeds, the bits of a word; leavin
 TRIES = 4  # moves into a cell that are checked in a step, best first
 FINEST = 0.05  # resolution of touches within a step [steps]
 
+
 class Grid(NamedTuple):
     """A lattice with a rim, row by row: the corners of cell k are k, k + 1, k + width, ..."""
 
