@@ -6,6 +6,10 @@
 'caught'
 """
 
+from gcm_learn import compiled
+
+compiled.keep_apart()  # before the first kernel is made
+
 from gcm_learn.arm import Lattice, Trajectory
 from gcm_learn.errors import GcmError, SituationError
 from gcm_learn.families import paper_scene

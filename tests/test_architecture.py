@@ -42,7 +42,7 @@ def skeleton(tmp_path):
     for layer in LAYERS:
         (package / layer).mkdir(parents=True)
         (package / layer / "__init__.py").touch()
-    for module in ("__init__", "errors", "seeding"):
+    for module in ("__init__", "errors", "seeding", "compiled"):
         (package / f"{module}.py").touch()
     return package
 

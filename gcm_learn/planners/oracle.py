@@ -14,7 +14,7 @@ import time as clock
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -188,7 +188,11 @@ def _why(known: Bounds) -> str:
 
 
 def _unhindered(problem: Problem) -> float:
-    """Earliest interception by a hand that nothing hinders [s]; 0 if that is not known."""
+    """Earliest interception by a hand that nothing hinders [s]; 0 if that is not known.
+
+    Infinite if there is none: in 3D the outer set alone would not know that, because for it a
+    target is where its solid is near, not where its cut with the plane is.
+    """
     situation, arm, instant = problem.situation, problem.situation.arm, problem.instant
     if instant * arm.max_hand_speed > FINE:  # too coarse for targets that rush through
         return 0.0
@@ -196,7 +200,7 @@ def _unhindered(problem: Problem) -> float:
     t, *_ = first_interception(
         problem.bodies, *arm.hand, 0.0, 0.0, end, speed, arm.grasp, 0.0, math.inf, instant
     )
-    return max(t - instant, 0.0)
+    return math.inf if t < 0.0 else max(t - instant, 0.0)
 
 
 def _refined(problem: Problem, n: int, known: Bounds) -> Bounds:
@@ -221,41 +225,51 @@ def _catch_by(inner: ReachableSet, meeting: Meeting, before: float) -> Plan | No
     came, left, stops = inner.way_to(meeting.cell)
     left[-1] = meeting.leave
     arrival, departure, origin = pull(problem.bodies, inner.rules, came, left, stops)
-    for dash in sorted(_dashes(inner, stops, arrival, left, origin)):
-        if dash[0] >= before:
+    for dash in sorted(_dashes(inner, stops, arrival, came, left)):
+        if dash.time >= before:
             break
-        chain = [dash[1]]
-        while origin[chain[0]] >= 0:
+        chain = [dash.stop]
+        while dash.tight and origin[chain[0]] >= 0:
             chain.insert(0, int(origin[chain[0]]))
         first, tight = chain[0], chain[1:]
-        time_, hand = _sampled(
+        time, hand = _sampled(
             np.concatenate([came[: first + 1], arrival[tight]]),
-            np.concatenate([left[:first], departure[tight], [dash[2]]]),
+            np.concatenate([left[:first], departure[tight], [dash.leave]]),
             np.concatenate([stops[: first + 1], stops[tight]]),
         )
-        attempt = finish(problem, hand, time_)
+        attempt = finish(problem, hand, time)
         plan = None if attempt is None else checked(problem, attempt)[0]
         if plan is not None and _time(plan) < before:
             return plan
     return None
 
 
+class Dash(NamedTuple):
+    """A clear straight leg from a stop to a target."""
+
+    time: float
+    """When it catches [s]."""
+    stop: int
+    leave: float
+    """When it leaves the stop [s]."""
+    tight: bool
+    """The stop is reached by the way pulled tight, else by the way as it was."""
+
+
 def _dashes(
-    inner: ReachableSet,
-    stops: np.ndarray,
-    arrival: np.ndarray,
-    left: np.ndarray,
-    origin: np.ndarray,
-) -> Iterator[tuple[float, int, float]]:
-    """Clear straight legs from stops to targets: when they catch, the stop, when they leave it."""
+    inner: ReachableSet, stops: np.ndarray, arrival: np.ndarray, came: np.ndarray, left: np.ndarray
+) -> Iterator[Dash]:
+    """Find the dashes from all stops: on arrival, or after the wait of the way as it was."""
     for k, stop in enumerate(stops):
-        waits = left[k] > arrival[k] and (origin[k] < 0 or k + 1 == len(stops))
-        for leave in [arrival[k], left[k]] if waits else [arrival[k]]:
+        chances = [(arrival[k], True)]
+        if left[k] > came[k] or k + 1 == len(stops):
+            chances.append((left[k], False))
+        for leave, tight in chances:
             leg = straight_catch(inner.problem, stop, float(leave))
             if leg is not None and clear(
                 inner.problem.bodies, inner.rules, leg[0][[0, -1]], leg[1][[0, -1]]
             ):
-                yield float(leg[0][-1]), k, float(leave)
+                yield Dash(float(leg[0][-1]), k, float(leave), tight)
 
 
 def _sampled(

@@ -100,9 +100,9 @@ class PotentialPlanner:
 
     name: str = "potential"
     influence: float = 0.1
-    """Distance d0 within which obstacles push [forearm lengths]; chosen on 300 random situations."""
+    """Distance d0 within which obstacles push [forearm lengths]; chosen on 300 situations."""
     gain: float = 3e-4
-    """eta of the repulsive potential, for an attractive force of 1; chosen on 300 random situations."""
+    """eta of the repulsive potential, for an attractive force of 1; chosen on 300 situations."""
 
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""

@@ -106,7 +106,9 @@ class ReachableSet:
             )
             if found:
                 columns = (desk.times[:found], desk.leaves[:found], desk.cells[:found])
-                yield sorted(Meeting(*row) for row in zip(*(c.tolist() for c in columns)))
+                yield sorted(
+                    Meeting(*row) for row in zip(*(c.tolist() for c in columns), strict=True)
+                )
 
     def _make_room(self) -> None:
         """Make sure that a step cannot run out of nodes."""

@@ -26,7 +26,7 @@ class StraightWaitPlanner:
     instants: int = 24
     """Interceptions that are tried, evenly from the first to the horizon."""
     shares: tuple[float, ...] = (0.0, 1.0, 0.5)
-    """Shares of the spare time that are spent before leaving, in the order in which they are tried."""
+    """Shares of the spare time that are spent before leaving, in the order of trying."""
 
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""

@@ -1,0 +1,30 @@
+"""Where compiled kernels are kept: one folder for each state of their sources.
+
+Numba renews a cached function when its own file changes, but not when a function that it calls does
+(the callee is compiled into the caller).  After an update such a cache would silently run old code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from numba import config
+
+FOLDERS = ("situation", "arm", "wave", "maps", "planners")  # where compiled functions are
+
+
+def sources_hash() -> str:
+    """Hash of everything that compiled functions can depend on."""
+    digest = hashlib.sha256()
+    for folder in FOLDERS:
+        for path in sorted((Path(__file__).parent / folder).glob("*.py")):
+            digest.update(path.name.encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def keep_apart() -> None:
+    """Point numba's cache at the folder of the present sources, unless the user has chosen one."""
+    if not config.CACHE_DIR:
+        config.CACHE_DIR = str(Path(__file__).parent / "__pycache__" / f"kernels-{sources_hash()}")
