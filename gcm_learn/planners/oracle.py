@@ -18,10 +18,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from gcm_learn.planners.completion import Problem, checked, finish, straight_catch
+from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.fronts import marching
 from gcm_learn.planners.interception import first_interception
-from gcm_learn.planners.oracle_moves import clear, pull
+from gcm_learn.planners.oracle_moves import leg_from, pull
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.reachable_set import Meeting, ReachableSet
 from gcm_learn.planners.straight import StraightPlanner
@@ -91,8 +91,9 @@ def bounds(
     Returns
     -------
     Bounds
-        The lower one knows no joint speeds and takes a cell for blocked when its corners are, so
-        it holds up to free spots smaller than a cell amid a single obstacle's image.
+        The lower one knows no joint speeds.  It takes a cell for blocked when all its corners are
+        by the same obstacle, so it holds but for free spots smaller than a cell within the image
+        of one obstacle, and it is loosest where images taper, near the shoulder and the rim.
     """
     problem = Problem(situation, "oracle")
     answer = problem.early_answer()
@@ -141,7 +142,12 @@ def stratum(situation: Situation, known: Bounds | None = None) -> Stratum:
 
 
 def earliest_catch(
-    problem: Problem, n: int, *, waiting: bool = True, before: float = math.inf
+    problem: Problem,
+    n: int,
+    *,
+    waiting: bool = True,
+    after: float = 0.0,
+    before: float = math.inf,
 ) -> Plan | None:
     """The best of the plans that an inner set's meetings give.
 
@@ -152,15 +158,17 @@ def earliest_catch(
         Cells along a side of the lattice.
     waiting : bool
         Whether the hand may wait on its way to a meeting.
-    before : float
-        Later catches are no use [s].
+    after, before : float
+        Catches before the one are known to be impossible, after the other of no use [s].
 
     Returns
     -------
     Plan
         None if no plan catches by then.
     """
-    inner = ReachableSet(problem, n, exact=True, waiting=waiting, before=LOOSE * before)
+    inner = ReachableSet(
+        problem, n, exact=True, waiting=waiting, after=after, before=LOOSE * before
+    )
     best: Plan | None = None
     tries: Counter[int] = Counter()
     for met in inner.meetings():
@@ -211,7 +219,7 @@ def _refined(problem: Problem, n: int, known: Bounds) -> Bounds:
         met = next(outer.meetings(), None)
         lower = max(lower, upper if met is None else met[0].time)
     if lower < upper:
-        found = earliest_catch(problem, n, before=upper)
+        found = earliest_catch(problem, n, after=lower, before=upper)
         plan = plan if found is None else found
     return Bounds(min(lower, _time(plan)), _time(plan), plan)
 
@@ -225,9 +233,8 @@ def _catch_by(inner: ReachableSet, meeting: Meeting, before: float) -> Plan | No
     came, left, stops = inner.way_to(meeting.cell)
     left[-1] = meeting.leave
     arrival, departure, origin = pull(problem.bodies, inner.rules, came, left, stops)
-    for dash in sorted(_dashes(inner, stops, arrival, came, left)):
-        if dash.time >= before:
-            break
+    end = min(before, meeting.time + inner.rules.instant)
+    for dash in sorted(_dashes(inner, stops, arrival, came, left, end)):
         chain = [dash.stop]
         while dash.tight and origin[chain[0]] >= 0:
             chain.insert(0, int(origin[chain[0]]))
@@ -257,19 +264,23 @@ class Dash(NamedTuple):
 
 
 def _dashes(
-    inner: ReachableSet, stops: np.ndarray, arrival: np.ndarray, came: np.ndarray, left: np.ndarray
+    inner: ReachableSet,
+    stops: np.ndarray,
+    arrival: np.ndarray,
+    came: np.ndarray,
+    left: np.ndarray,
+    end: float,
 ) -> Iterator[Dash]:
     """Find the dashes from all stops: on arrival, or after the wait of the way as it was."""
-    for k, stop in enumerate(stops):
+    bodies, rules = inner.problem.bodies, inner.rules
+    for k, (x, y) in enumerate(stops):
         chances = [(arrival[k], True)]
         if left[k] > came[k] or k + 1 == len(stops):
             chances.append((left[k], False))
         for leave, tight in chances:
-            leg = straight_catch(inner.problem, stop, float(leave))
-            if leg is not None and clear(
-                inner.problem.bodies, inner.rules, leg[0][[0, -1]], leg[1][[0, -1]]
-            ):
-                yield Dash(float(leg[0][-1]), k, float(leave), tight)
+            time = leg_from(bodies, rules, x, y, leave, max(leave, rules.after), end)
+            if time >= 0.0:
+                yield Dash(time, k, leave, tight)
 
 
 def _sampled(

@@ -2,10 +2,10 @@
 
 One recurrence, R(t + dt) = dilate(R(t), v dt) minus what is occupied, with two roundings:
 
-*outer*: a cell is free as long as any part of it may be free, and ways count as short as they can
-be, so what this set does not reach nothing reaches;
-*inner*: the hand goes straight from centre to centre and rests there, and every move and rest is
-checked without sampling, so what this set reaches can be reached.
+*outer*: a cell is free unless the limb touches the same obstacle at all four of its corners, and
+ways count as short as they can be, so what this set does not reach nothing reaches;
+*inner*: the hand goes straight from centre to centre and rests there, moves are checked without
+sampling and rests to a fraction of a step, so what this set reaches can be reached.
 
 The lattice rounds places only: arrivals are real numbers, and a step just holds those within it.
 """
@@ -18,7 +18,6 @@ import numpy as np
 from numba import njit
 
 from gcm_learn.arm.occupancy import first_touch
-from gcm_learn.planners.interception import first_interception
 from gcm_learn.planners.oracle_moves import (
     COUNT,
     MOVES,
@@ -26,6 +25,7 @@ from gcm_learn.planners.oracle_moves import (
     START,
     clear,
     earliest,
+    leg_from,
     move_time,
     source_of,
 )
@@ -68,7 +68,8 @@ class Rules(NamedTuple):
     speed: float  # the hand's [forearm lengths / s],
     near: float  # radii of the ring
     far: float
-    instant: float  # and resolution in time of interceptions [s]
+    instant: float  # resolution in time of interceptions [s],
+    after: float  # and when they may begin [s]
     hand_x: float
     hand_y: float
     start_until: float  # until when the hand can stay where it starts [s]
@@ -120,7 +121,7 @@ def step(bodies, grid, rules, front, desk, s, dt, end):
         surely_blocked(bodies, grid, rules, front, desk, t1)
         front.past[s % PAST] = front.blocked
     accept(bodies, grid, rules, front, t0, t1, s, dt)
-    count = meetings(bodies, grid, rules, front, desk, t0, t1)
+    count = meetings(bodies, grid, rules, front, desk, t0, t1, end)
     if not rules.exact:
         leave(grid, front, t1)
     return count
@@ -239,8 +240,11 @@ def settle(grid, front, k, d, when, cost):
 
 
 @njit(cache=True)
-def meetings(bodies, grid, rules, front, desk, t0, t1):
-    """Find the cells of the set in which a target is met in [t0, t1] and put them on the desk."""
+def meetings(bodies, grid, rules, front, desk, t0, t1, end):
+    """Find the cells of the set in which a target is met in [t0, t1] and put them on the desk.
+
+    For the inner set that is a clear straight leg from the cell that catches before `end` [s].
+    """
     count = 0
     poses_at(bodies, t1, desk.poses)
     for b in range(bodies.rows.shape[0]):
@@ -260,25 +264,12 @@ def meetings(bodies, grid, rules, front, desk, t0, t1):
                 bodies, b, x, y, x, y, rules.meet, since, t1, FINEST * (t1 - t0), desk.others
             )
             if t >= 0.0 and rules.exact:
-                t = leg_from(bodies, rules, x, y, since, t1)
+                last = min(t1 + 2.0 * rules.meet / rules.speed, end)
+                t = leg_from(bodies, rules, x, y, since, max(since, rules.after), last)
             if t >= 0.0 and count < desk.cells.size:
                 desk.cells[count], desk.times[count], desk.leaves[count] = k, t, since
                 count += 1
     return count
-
-
-@njit(cache=True)
-def leg_from(bodies, rules, x, y, since, t1):
-    """When a clear straight leg that leaves (x, y) at `since` catches a target, -1 if it cannot."""
-    end = t1 + 2.0 * rules.meet / rules.speed
-    t, _, px, py = first_interception(
-        bodies, x, y, since, since, end, rules.speed, rules.grasp, rules.near, rules.far,
-        rules.instant,
-    )  # fmt: skip
-    if t < 0.0:
-        return -1.0
-    leg = np.array([[x, y], [px, py]])
-    return t if clear(bodies, rules, np.array([since, t]), leg) else -1.0
 
 
 @njit(cache=True)

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from gcm_learn.arm.clearance import least_distance
+from gcm_learn.planners.interception import first_interception
 from gcm_learn.situation.kernels import segment_point2
 
 ANY = 1e9  # resolution of a clearance of which only the sign matters
@@ -132,6 +133,22 @@ def clear(bodies, rules, time, hand):
             return False
     floor = rules.touch
     return least_distance(bodies, time, hand, rules.rho, rules.side, floor, ANY)[0] > floor
+
+
+@njit(cache=True)
+def leg_from(bodies, rules, x, y, leave, since, end):
+    """When a clear straight leg that leaves (x, y) at `leave` catches a target, -1 if it cannot.
+
+    Catches between `since` and `end` are looked for, joints left aside [s].
+    """
+    t, _, px, py = first_interception(
+        bodies, x, y, leave, since, end, rules.speed, rules.grasp, rules.near, rules.far,
+        rules.instant,
+    )  # fmt: skip
+    if t < 0.0:
+        return -1.0
+    leg = np.array([[x, y], [px, py]])
+    return t if clear(bodies, rules, np.array([leave, t]), leg) else -1.0
 
 
 @njit(cache=True)

@@ -24,6 +24,7 @@ STEP = 0.97  # of the shortest move: nothing comes into the set and goes on with
 FEWEST_STEPS, MOST_STEPS = 100, 3000  # in a horizon
 START_CELLS = (0.75, 3.2)  # outer, inner: cells that near to the start are entered from there
 USEFUL_INSTANTS = 50
+LEG_INSTANTS = 4.0  # resolution of interceptions by legs, which planning makes exact [instants]
 JOINT_SLACK = 1.05  # joint speeds vary along a move; timing and verification have the last word
 TIDY = 1.0 - 1e-8  # of the hand's speed, against rounding
 
@@ -50,8 +51,8 @@ class ReachableSet:
         Inner set instead of the outer one.
     waiting : bool
         Whether the hand may wait; if not, a cell is left when it is reached and not again.
-    before : float
-        Catches from this time on do not matter [s].
+    after, before : float
+        Catches before the one or from the other on need not be looked for [s].
     """
 
     def __init__(
@@ -61,6 +62,7 @@ class ReachableSet:
         *,
         exact: bool,
         waiting: bool = True,
+        after: float = 0.0,
         before: float = math.inf,
     ) -> None:
         arm, bodies = problem.situation.arm, problem.bodies
@@ -71,7 +73,7 @@ class ReachableSet:
         self.dt = min(STEP * h / (STRETCH * arm.max_hand_speed), self.end / FEWEST_STEPS)
         self.dt = max(self.dt, self.end / MOST_STEPS)
         grid = _grid(Lattice(self.n, arm.upper_arm, arm.elbow), exact)
-        self.rules = _rules(problem, h, exact, waiting)
+        self.rules = _rules(problem, h, exact, waiting, after)
         useful = kernels.useful_until(
             bodies, grid, self.end, arm.max_hand_speed, self.rules.meet, USEFUL_INSTANTS
         )
@@ -179,7 +181,7 @@ def _part(grid: Grid, wanted: np.ndarray) -> Grid:
     return grid._replace(cells=np.flatnonzero(wanted), corners=np.flatnonzero(corners))
 
 
-def _rules(problem: Problem, h: float, exact: bool, waiting: bool) -> Rules:
+def _rules(problem: Problem, h: float, exact: bool, waiting: bool, after: float) -> Rules:
     arm = problem.situation.arm
     touch, meet = arm.thickness, arm.grasp + h * math.sqrt(0.5)
     if exact:
@@ -197,7 +199,8 @@ def _rules(problem: Problem, h: float, exact: bool, waiting: bool) -> Rules:
         speed=arm.max_hand_speed * TIDY,
         near=arm.inner_reach,
         far=arm.reach,
-        instant=problem.instant,
+        instant=LEG_INSTANTS * problem.instant,
+        after=after,
         hand_x=arm.hand[0],
         hand_y=arm.hand[1],
         start_until=_start_until(problem, touch),
