@@ -83,6 +83,7 @@ def task_of(
         thickness=arm.thickness,
         grasp=arm.grasp,
         ignore=ignore,
+        joint_speed=arm.max_joint_speed,
     )
 
 

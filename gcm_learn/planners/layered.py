@@ -7,7 +7,8 @@ import numpy as np
 from gcm_learn.maps import CognitiveMap, layered_map, task_of
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.fronts import FrontPlanner, Way, marching_rungs
-from gcm_learn.planners.timing import straight_way
+from gcm_learn.planners.timing import segment_times, straight_way
+from gcm_learn.situation.situation import Arm
 from gcm_learn.wave import LayeredFront, MarchingParams, Task, march_layers
 
 
@@ -25,11 +26,11 @@ def _explore(
     """Layered map and the way back through its states."""
     task = task_of(problem.situation, params, problem.bodies, ignore)
     front = march_layers(task, params)
-    way = way_to(front, task) if front.met_state >= 0 else None
+    way = way_to(front, task, problem.situation.arm) if front.met_state >= 0 else None
     return layered_map(problem.situation, task, front), way
 
 
-def way_to(front: LayeredFront, task: Task) -> tuple[np.ndarray, np.ndarray]:
+def way_to(front: LayeredFront, task: Task, arm: Arm) -> tuple[np.ndarray, np.ndarray]:
     """Way from the hand to where the target is met, with waits.
 
     Returns
@@ -50,9 +51,10 @@ def way_to(front: LayeredFront, task: Task) -> tuple[np.ndarray, np.ndarray]:
     for state in chain:
         iy, ix = front.cells[state]
         piece = straight_way(hand[-1][-1], np.array([centres[ix], centres[iy]]))
-        length = float(np.hypot(*(piece[-1] - piece[0])))
-        leave = max(front.arrival[state] - length / task.speed, wanted[-1][-1])
-        times = np.linspace(leave, front.arrival[state], len(piece))
+        under_way = np.concatenate([[0.0], np.cumsum(segment_times(arm, piece))])
+        leave = max(front.arrival[state] - under_way[-1], wanted[-1][-1])
+        share = under_way / max(under_way[-1], 1e-300)
+        times = leave + share * (front.arrival[state] - leave)
         hand += [piece[:1], piece[1:]]
         wanted += [np.array([leave]), times[1:]]
     return np.vstack(hand), np.concatenate(wanted)

@@ -6,13 +6,13 @@ from gcm_learn.wave.solver import (
     FrontSpeed,
     LayeredFront,
     MarchingParams,
-    Task,
     front_speed,
     kappa_of,
     march,
     march_layers,
     propagate,
 )
+from gcm_learn.wave.task import Task
 
 __all__ = [
     "Front",

@@ -29,8 +29,12 @@ def live_weight(points, corner):
 
 
 @njit(cache=True)
-def prepare(B, n, W, plane, points, inside, step, rest_r, rest_z):
-    """Fill the buffer for a lattice at rest: no-flux at its border and outside the ring."""
+def prepare(B, n, W, plane, points, inside, rate, step, rest_r, rest_z):
+    """Fill the buffer for a lattice at rest: no-flux at its border and outside the ring.
+
+    A cell's dynamics run at its `rate` (n * n,), the q of Eq. 10: 1, or less where the front is to
+    be slower.
+    """
     B[:] = 0.0
     for i in range(n):
         for j in range(n):
@@ -40,7 +44,7 @@ def prepare(B, n, W, plane, points, inside, step, rest_r, rest_z):
             B[k] = rest_r
             B[k + plane] = rest_r
             B[k + 2 * plane] = rest_z
-            B[k + 3 * plane] = step
+            B[k + 3 * plane] = step * rate[i * n + j]
             live = np.float32(0.0)
             for di in range(-1, 2):
                 for dj in range(-1, 2):

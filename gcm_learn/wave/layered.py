@@ -31,6 +31,7 @@ from gcm_learn.wave.marching import (
     STEP_J,
     UNKNOWN,
     row_of,
+    slowness,
 )
 
 SETTLED, PASSING = 1, 4  # not to be entered any more; reached, but safe only for a while
@@ -62,17 +63,22 @@ def push(k, time, kind, bucket, queue, counts):
 
 
 @njit(cache=True)
-def way_in(k, time, W, latest, states, spans):
+def way_in(k, time, n, rates, latest, states, spans):
     """State of a neighbour in which the hand can wait to be in cell k at `time`; -1 if none.
 
     Among those that are possible the one that was reached first: it has most room to wait.
     """
+    W = n + 2
+    row = row_of(k, W)
     best = -1
     for d in range(8):
         s = latest[k + STEP_I[d] * W + STEP_J[d]]
         if s < 0:
             continue
-        leave = time - (ROOT2 if STEP_I[d] != 0 and STEP_J[d] != 0 else 1.0)
+        step = ROOT2 if STEP_I[d] != 0 and STEP_J[d] != 0 else 1.0
+        if rates.shape[0] > 0:
+            step *= slowness(rates, row, k - row * W, n, STEP_I[d], STEP_J[d])
+        leave = time - step
         if spans[s, ARRIVAL] <= leave <= spans[s, END]:
             if best < 0 or spans[s, ARRIVAL] < spans[best, ARRIVAL]:
                 best = s
@@ -91,8 +97,8 @@ def offset(source, i, j, W, hand_i, hand_j, states):
 
 @njit(cache=True)
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
-    first, last, n, hand_i, hand_j, states, spans, latest, status, tent, again, source_of, via_of,
-    queue, counts, bucket,
+    first, last, n, hand_i, hand_j, rates, states, spans, latest, status, tent, again, source_of,
+    via_of, queue, counts, bucket,
 ):  # fmt: skip
     """Offer the fronts of new states to the neighbours of their cells, as marching does.
 
@@ -116,7 +122,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
             if source_of[q] == home and tent[q] < NEVER:
                 continue
             dy, dx = offset(home, ci + di, cj + dj, W, hand_i, hand_j, states)
-            ax, ay = abs(dx), abs(dy)
+            ray_i, ray_j, ax, ay = dy, dx, abs(dx), abs(dy)
             sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
             major = q + sx if ax >= ay else q + sy
             corner = q + sx + sy
@@ -124,7 +130,10 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 corner = major
             elif abs(ax - ay) <= 1e-9:
                 major = corner
-            bent = now + (ROOT2 if di != 0 and dj != 0 else 1.0)
+            bent = ROOT2 if di != 0 and dj != 0 else 1.0
+            if rates.shape[0] > 0:
+                bent *= slowness(rates, ci + di, cj + dj, n, di, dj)
+            bent += now
             time, source, via = bent, s, s
             if k == major or k == corner:
                 beside = corner if k == major else major
@@ -142,6 +151,14 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                         later = start + np.sqrt(dx * dx + dy * dy)
                         if later > time:
                             time, source, via = later, rival, rival
+                    if rates.shape[0] > 0:
+                        share = min(ax, ay) / max(ax, ay, 1e-9)
+                        weight = share if k == major else 1.0 - share
+                        time = now
+                        if other >= 0:
+                            time += weight * max(spans[other, ARRIVAL] - now, -1.0)
+                        slow = slowness(rates, ci + di, cj + dj, n, ray_i, ray_j)
+                        time += slow * np.sqrt(1.0 + share * share)
                     if time > bent:  # the straight front is late here: go round by this cell
                         time, source, via = bent, s, s
             if latest[q] >= 0 and time <= spans[latest[q], END]:
@@ -156,8 +173,9 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 @njit(cache=True)
 def march_layers(
-    n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, end, ignore, states, spans, refused
-):
+    n, hand_i, hand_j, limb, outside, gap, rates, bodies, c, lookback, end, ignore, states, spans,
+    refused,
+):  # fmt: skip
     """March over cells and sheets until a target is met.
 
     Parameters
@@ -168,6 +186,8 @@ def march_layers(
         UNKNOWN where the hand can be, CLOSED elsewhere.
     gap : (n * n,) ndarray
         Distance at which an obstacle occupies a cell.
+    rates : (n * n, 4) or (0, 4) ndarray
+        As for marching.
     c : (CONSTANTS,) ndarray
         As for marching.
     lookback : float
@@ -206,7 +226,7 @@ def march_layers(
     poses = np.zeros((bodies.rows.shape[0], 12))
     scratch = np.zeros_like(poses)
     hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
-    seed(n, hand_i, hand_j, status, tent, source_of, via_of, queue, counts)
+    seed(n, hand_i, hand_j, rates, status, tent, source_of, via_of, queue, counts)
     total, met, body, when = 0, -1, -1, end * kappa
     bucket, idle = 0, 0
     while idle < BUCKETS and bucket <= end * PER_CELL and bucket <= when / kappa * PER_CELL:
@@ -217,7 +237,7 @@ def march_layers(
         while counts[slot] >= 0:
             idle = 0
             count = pop(
-                slot, bucket, n, end, latest, tent, again, source_of, via_of, states, spans,
+                slot, bucket, n, end, rates, latest, tent, again, source_of, via_of, states, spans,
                 queue, counts, places, cells, start, origins,
             )  # fmt: skip
             if count > 0 and not posed:
@@ -260,8 +280,8 @@ def march_layers(
                         bucket, status, again, queue, counts, scratch,
                     )  # fmt: skip
             expand(
-                total, total + free, n, hand_i, hand_j, states, spans, latest, status, tent, again,
-                source_of, via_of, queue, counts, bucket,
+                total, total + free, n, hand_i, hand_j, rates, states, spans, latest, status, tent,
+                again, source_of, via_of, queue, counts, bucket,
             )  # fmt: skip
             total += free
         bucket += 1
@@ -281,7 +301,7 @@ def keep_free(count, room, blocked, places, cells, start, origins):
 
 
 @njit(cache=True)
-def seed(n, hand_i, hand_j, status, tent, source_of, via_of, queue, counts):
+def seed(n, hand_i, hand_j, rates, status, tent, source_of, via_of, queue, counts):
     """Reach the cells around the hand straight from it."""
     W = n + 2
     reach = int(START_RADIUS) + 1
@@ -290,14 +310,16 @@ def seed(n, hand_i, hand_j, status, tent, source_of, via_of, queue, counts):
             k = i * W + j
             away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
             if status[k] == UNKNOWN and away <= START_RADIUS:
+                if rates.shape[0] > 0:
+                    away *= slowness(rates, i, j, n, i - hand_i, j - hand_j)
                 tent[k], source_of[k], via_of[k] = away, FROM_HAND, FROM_HAND
                 push(k, away, ARRIVE, 0, queue, counts)
 
 
 @njit(cache=True)
 def pop(
-    slot, bucket, n, end, latest, tent, again, source_of, via_of, states, spans, queue, counts,
-    places, cells, start, origins,
+    slot, bucket, n, end, rates, latest, tent, again, source_of, via_of, states, spans, queue,
+    counts, places, cells, start, origins,
 ):  # fmt: skip
     """Take the entries of a bucket that are due; returns how many states they may become.
 
@@ -328,7 +350,7 @@ def pop(
             again[k] = NEVER
             if s >= 0 and due <= spans[s, END]:
                 continue
-            via = way_in(k, due, W, latest, states, spans)
+            via = way_in(k, due, n, rates, latest, states, spans)
             if via < 0:
                 continue
             origins[count, 0], origins[count, 1] = ITSELF, via

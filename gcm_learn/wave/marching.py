@@ -23,7 +23,8 @@ from gcm_learn.wave.kernels import FREE, KAPPA, judge
 # A cell of the padded lattice; CLOSED: frozen or nearer than the arm can reach, BEYOND: farther.
 UNKNOWN, ACCEPTED, CLOSED, BEYOND = 0, 1, 2, 3
 PER_CELL = 1.5  # buckets per crossing: neighbours along a ray are 0.7 crossings apart or more
-BUCKETS = 32  # circular, a power of two; one step never spans more than 2 sqrt(2) crossings
+BUCKETS = 32  # circular, a power of two; one step never spans more
+SLOWEST = 12.0  # crossings that a cell may take where joints limit the speed: see BUCKETS
 HAND_SOURCE = 0  # a cell of the rim, which is never a source itself
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
 HALF_DIAGONAL = 0.7072  # of a cell; the hand is in a cell whose centre is this near
@@ -61,9 +62,23 @@ def away_from(source, i, j, W, hand_i, hand_j):
 
 
 @njit(cache=True, forceinline=True)
+def slowness(rates, i, j, n, dy, dx):
+    """Least time per cell of way in direction (dy, dx) at (i, j) of the padded lattice [crossings].
+
+    1 where nothing but the hand's speed limits it.
+    """
+    m = (i - 1) * n + j - 1
+    length = np.sqrt(dx * dx + dy * dy) + 1e-300
+    first = abs(rates[m, 0] * dx + rates[m, 1] * dy) / length
+    second = abs(rates[m, 2] * dx + rates[m, 3] * dy) / length
+    return min(max(first, second, 1.0), SLOWEST)
+
+
+@njit(cache=True, forceinline=True)
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
-    places, found, count, state, n, hand_i, hand_j, tent, origin, status, queue, counts, bucket
-):
+    places, found, count, state, n, hand_i, hand_j, rates, tent, origin, status, queue, counts,
+    bucket,
+):  # fmt: skip
     """Offer the fronts of newly accepted cells to their neighbours.
 
     The ray from a neighbour q towards the source leaves through the edge between an axis (`major`)
@@ -79,6 +94,9 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
         frozen are passed over.
     hand_i, hand_j : float
         Hand in coordinates of the padded lattice.
+    rates : (n * n, 4) or (0, 4) ndarray
+        Joint speeds over their limits, per speed of the front and for its direction; none if the
+        joints are not limited.
     origin : ((n + 2)^2,) int32 ndarray
         Source of every cell: the index of a cell, or HAND_SOURCE.
     counts : (1 + BUCKETS,) int64 ndarray
@@ -87,6 +105,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
         The bucket being worked on; nothing is put into an earlier one.
     """
     W = n + 2
+    limited = rates.shape[0] > 0
     for a in range(count):
         if state[found[a]] != FREE:
             continue
@@ -136,14 +155,35 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                         later += tent[rival]
                     if later > time:
                         time, source = later, rival
+                if limited:
+                    slow = slowness(rates, ci + di, cj + dj, n, dy, dx)
+                    if near:
+                        time *= slow
+                    else:
+                        share = min(ax, ay) / max(ax, ay, 1e-9)
+                        time = tent[k]
+                        if status[other] == ACCEPTED:
+                            weight = share if k == major else 1.0 - share
+                            time += weight * (tent[other] - tent[k])
+                        time += slow * np.sqrt(1.0 + share * share)
             elif di == 0 or dj == 0:
-                time, source = tent[k] + 1.0, k
-                side = W if di == 0 else 1
-                for e in (k - side, k + side):
-                    if status[e] == ACCEPTED and tent[e] + ROOT2 < time:
-                        time, source = tent[e] + ROOT2, e
+                step = slowness(rates, ci + di, cj + dj, n, di, dj) if limited else 1.0
+                time, source = tent[k] + step, k
+                for turn in range(-1, 2, 2):
+                    si, sj = (0, turn) if di != 0 else (turn, 0)
+                    e = k + si * W + sj
+                    if status[e] != ACCEPTED:
+                        continue
+                    step = ROOT2
+                    if limited:
+                        step *= slowness(rates, ci + di, cj + dj, n, di - si, dj - sj)
+                    if tent[e] + step < time:
+                        time, source = tent[e] + step, e
             elif status[k + di * W] == ACCEPTED or status[k + dj] == ACCEPTED:
-                time, source = tent[k] + ROOT2, k
+                step = ROOT2
+                if limited:
+                    step *= slowness(rates, ci + di, cj + dj, n, di, dj)
+                time, source = tent[k] + step, k
             else:  # nothing squeezes through between two cells
                 continue
             # A straight ray wins a tie: rays of a bend would run beside the true ones.
@@ -159,7 +199,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 
 @njit(cache=True)
-def seed(n, W, hand_i, hand_j, tent, origin, status, queue, counts):
+def seed(n, W, hand_i, hand_j, rates, tent, origin, status, queue, counts):
     """Put the hand's cell, or the nearest where the hand can be, into the queue.
 
     The hand may be in several cells at once, on their borders.
@@ -175,6 +215,8 @@ def seed(n, W, hand_i, hand_j, tent, origin, status, queue, counts):
                     continue
                 nearest = min(nearest, away)
                 if turn == 1:
+                    if rates.shape[0] > 0:
+                        away *= slowness(rates, i, j, n, i - hand_i, j - hand_j)
                     tent[k] = away
                     origin[k] = HAND_SOURCE
                     slot = 1 + int(away * PER_CELL)
@@ -219,7 +261,9 @@ def close(places, found, when, count, state, status, arrival):
 
 
 @njit(cache=True)
-def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, end, ignore, state):
+def march(
+    n, hand_i, hand_j, limb, outside, gap, rates, bodies, c, lookback, explore, end, ignore, state
+):
     """March the front over the lattice.
 
     Parameters
@@ -231,6 +275,8 @@ def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, e
         UNKNOWN.
     gap : (n * n,) ndarray
         Distance at which an obstacle occupies a cell.
+    rates : (n * n, 4) or (0, 4) ndarray
+        As for `expand`.
     c : (CONSTANTS,) ndarray
         As for the wave; KAPPA is the seconds per crossing.
     lookback : float
@@ -267,7 +313,7 @@ def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, e
     arrival = np.full(n * n, -1.0)
     counts[0] = 0
     hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
-    seed(n, W, hand_i, hand_j, tent, origin, status, queue, counts)
+    seed(n, W, hand_i, hand_j, rates, tent, origin, status, queue, counts)
     contact, body, time = -1, -1, -1.0
     bucket, empty, accepted = 0, 0, 0
     while empty < BUCKETS and bucket <= end * PER_CELL and (contact < 0 or explore):
@@ -293,7 +339,7 @@ def march(n, hand_i, hand_j, limb, outside, gap, bodies, c, lookback, explore, e
                 contact, body, time = cell, target, t
             close(places, found, when, count, state, status, arrival)
             expand(
-                places, found, count, state, n, hand_i, hand_j, tent, origin, status,
+                places, found, count, state, n, hand_i, hand_j, rates, tent, origin, status,
                 queue, counts, bucket,
             )  # fmt: skip
             accepted += count

@@ -22,11 +22,12 @@ from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
 from gcm_learn.wave.solver import (
     CONTACT_RADIUS,
     Front,
-    Task,
     front_speed,
     hand_cell,
     kappa_of,
+    rates_of,
 )
+from gcm_learn.wave.task import Task
 
 LOOK = 1.2  # the front is looked at about this often [tau]
 FINENESS = 0.05  # from one instant of a search to the next, a body moves this many cells at most
@@ -162,7 +163,7 @@ class _Wave:
         limb = _limbs(task.lattice)
         rest = REST if params.start == "rest" else (0.0, 0.0)
         r, z = np.full((n, n), rest[0]), np.full((n, n), rest[1])
-        q, arrival = live.astype(float), np.full((n, n), -1.0)
+        q, arrival = live * rates_of(task).reshape(n, n), np.full((n, n), -1.0)
         tau = 0.0
         if params.start_radius > 0.0:
             away = np.hypot(*(limb[..., :2] - task.hand).T).T / task.lattice.spacing

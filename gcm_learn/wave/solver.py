@@ -9,13 +9,15 @@ from typing import Literal
 
 import numpy as np
 
-from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space
+from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space, joint_rates
 from gcm_learn.situation.kernels import COLUMNS, Bodies
 from gcm_learn.wave import kernels, layered, marching, stencil
 from gcm_learn.wave.params import REST, WaveParams
+from gcm_learn.wave.task import Task
 
 QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
 CONTACT_RADIUS = 0.71  # at least half a cell's diagonal, or a small target slips between centres
+DIRECTIONS = 32  # over which the speed of a joint-limited hand is averaged
 STATES_PER_CELL = 4  # room for sheets; most cells need one
 _workspace = threading.local()
 
@@ -38,34 +40,13 @@ class Front:
     """Euler steps (wave) or accepted cells (marching) that it took."""
 
 
-@dataclass(frozen=True)
-class Task:
-    """What a front has to explore: the world, the arm and the lattice."""
-
-    bodies: Bodies
-    """Obstacles freeze the front (Eq. 11), targets are contacts."""
-    lattice: Lattice
-    hand: tuple[float, float]
-    """Where the front starts [forearm lengths]."""
-    speed: float
-    """Largest hand speed [forearm lengths / s]; the front's fastest direction gets it."""
-    horizon: float
-    """When the front is stopped [s]."""
-    thickness: float = 0.0
-    """Radius of the limb [forearm lengths]."""
-    grasp: float = 0.0
-    """Distance at which the hand catches a target [forearm lengths]."""
-    ignore: float = 0.0
-    """Contacts before this time do not count [s]."""
-
-
 def kappa_of(task: Task, params: WaveParams) -> float:
     """Seconds per unit of mental time, such that the front nowhere outruns the hand.
 
     At the paper's setting (80 cells over 4 forearm lengths, d = 0.2) and 3.4 forearm lengths a
     second this is the paper's kappa = 1/400 s.
     """
-    return front_speed(params).fastest * task.lattice.spacing / task.speed
+    return front_speed(params).fastest * task.lattice.spacing / task.fastest
 
 
 def propagate(task: Task, params: WaveParams) -> Front:
@@ -90,7 +71,7 @@ def _propagate(task: Task, params: WaveParams, kappa: float) -> Front:
     lattice, space = task.lattice, hand_space(task.lattice)
     n, shape = lattice.n, stencil.layout(lattice.n)
     slowness = 1.0 / front_speed(params).fastest if params.start_radius > 0.0 else 0.0
-    buffer = _start(space, lattice, task.hand, params, slowness)
+    buffer = _start(space, task, params, slowness)
     state = np.zeros(n * n, dtype=np.uint8)
     cell, body, time, steps = kernels.propagate(
         buffer,
@@ -145,7 +126,7 @@ def march(task: Task, params: MarchingParams) -> Front:
     """
     lattice, space = task.lattice, hand_space(task.lattice)
     n, h = lattice.n, lattice.spacing
-    crossing = h / task.speed
+    crossing = h / task.fastest
     state = np.zeros(n * n, dtype=np.uint8)
     arrival, cell, body, time, accepted = marching.march(
         n,
@@ -154,6 +135,7 @@ def march(task: Task, params: MarchingParams) -> Front:
         space.limb,
         _closed_rim(lattice),
         task.thickness + params.margin * space.stride,
+        task.rates(),
         task.bodies,
         _marching_constants(task, params),
         params.lookback,
@@ -205,7 +187,7 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
     """
     lattice, space = task.lattice, hand_space(task.lattice)
     n, h = lattice.n, lattice.spacing
-    crossing = h / task.speed
+    crossing = h / task.fastest
     states = np.empty((STATES_PER_CELL * n * n, 3), dtype=np.int32)
     spans = np.empty((STATES_PER_CELL * n * n, 2))
     refused = np.zeros(n * n, dtype=np.bool_)
@@ -216,6 +198,7 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
         space.limb,
         _closed_rim(lattice),
         task.thickness + params.margin * space.stride,
+        task.rates(),
         task.bodies,
         _marching_constants(task, params),
         params.lookback,
@@ -247,7 +230,7 @@ def _contact_distance(task: Task, params: WaveParams | MarchingParams) -> float:
 def _marching_constants(task: Task, params: MarchingParams) -> np.ndarray:
     """Float constants of both kinds of marching; times are in crossings."""
     c = np.zeros(kernels.CONSTANTS)
-    c[kernels.KAPPA] = task.lattice.spacing / task.speed
+    c[kernels.KAPPA] = task.lattice.spacing / task.fastest
     c[kernels.GRASP] = _contact_distance(task, params)
     c[kernels.SHORTEST] = 0.03 * c[kernels.KAPPA]
     return c
@@ -279,20 +262,23 @@ def hand_cell(lattice: Lattice, hand: tuple[float, float]) -> tuple[int, int]:
     return nearest // lattice.n, nearest % lattice.n
 
 
-def _start(
-    space: HandSpace,
-    lattice: Lattice,
-    hand: tuple[float, float],
-    params: WaveParams,
-    slowness: float,
-) -> np.ndarray:
+def _start(space: HandSpace, task: Task, params: WaveParams, slowness: float) -> np.ndarray:
     """Prepare and excite this thread's buffer."""
+    lattice, hand = task.lattice, task.hand
     n, shape = lattice.n, stencil.layout(lattice.n)
     buffers = _workspace.__dict__.setdefault("buffers", {})
     buffer = buffers.setdefault(n, np.empty(shape.length, dtype=np.float32))
     rest = REST if params.start == "rest" else (0.0, 0.0)
     kernels.prepare(
-        buffer, n, shape.width, shape.plane, params.laplacian, space.inside, params.step, *rest
+        buffer,
+        n,
+        shape.width,
+        shape.plane,
+        params.laplacian,
+        space.inside,
+        rates_of(task),
+        params.step,
+        *rest,
     )
     iy, ix = hand_cell(lattice, hand)
     kernels.excite(
@@ -310,6 +296,28 @@ def _start(
         space.inside,
     )
     return buffer
+
+
+def rates_of(task: Task) -> np.ndarray:
+    """Rate (n * n,) of every cell's dynamics: q of Eq. 10 as a share of full speed.
+
+    A wave's speed does not depend on direction.  Where joints limit the hand, the front is as fast
+    as the hand is on average over directions; the plan's timing then keeps the limits exactly.
+    """
+    if task.joint_speed is None:
+        return np.ones(task.lattice.n**2)
+    return _joint_limited_rates(task.lattice, task.fastest, *task.joint_speed)
+
+
+@lru_cache(maxsize=16)
+def _joint_limited_rates(
+    lattice: Lattice, speed: float, shoulder: float, elbow: float
+) -> np.ndarray:
+    """Mean over directions of the hand's speed (n * n,), as a share of `speed`."""
+    angle = np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)
+    turns = np.abs(joint_rates(lattice) @ np.stack([np.cos(angle), np.sin(angle)]))
+    slowness = speed * (turns / np.array([shoulder, elbow])[:, None]).max(axis=1)
+    return (1.0 / np.clip(slowness, 1.0, marching.SLOWEST)).mean(axis=1)
 
 
 def _constants(params: WaveParams, task: Task, kappa: float) -> np.ndarray:

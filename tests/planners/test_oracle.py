@@ -45,7 +45,7 @@ def bar(low, high):
 # since a hand within 0.1 of the target's centre is within 0.4 of the disc's.
 OPENS = (0.4 - 0.05 - 0.05) / 0.5
 GATE = scene(goal(1.5, 0.0), obstacle("gate", Disc(0.4), (1.5, 0.0), (0.5, 0.0)))
-# Bars along the x axis, from near the shoulder to beyond the rim: no limb gets across.  The ring has
+# Bars along the x axis, from near the shoulder to beyond the rim: no limb gets across. The ring has
 # a hole: where hand and shoulder may meet, a cell around them is all the outer set needs to turn.
 UPPER = 1.2
 BARS = (obstacle("right bar", bar(0.3, 2.6)), obstacle("left bar", bar(-2.6, -0.3)))
