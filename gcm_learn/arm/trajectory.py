@@ -3,10 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from gcm_learn.arm.kinematics import SIDE, joints_of
+
+REST = 0.01  # a hand rests when it is slower than this share of its greatest speed on the way
+
+
+class Wait(NamedTuple):
+    """A rest of the hand on its way."""
+
+    x: float
+    y: float
+    """Where [forearm lengths]."""
+    start: float
+    end: float
+    """From when until when [s]."""
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return self.end - self.start
 
 
 @dataclass(frozen=True)
@@ -54,3 +73,32 @@ class Trajectory:
     def joints_at(self, t: float | np.ndarray) -> np.ndarray:
         """Joint angles (..., 2) at time(s) t, interpolated between samples."""
         return np.stack([np.interp(t, self.time, self.joints[:, k]) for k in (0, 1)], axis=-1)
+
+    def waits(self, shortest: float = 0.0) -> list[Wait]:
+        """Rests of the hand, in order of time.
+
+        A hand that never moves rests all the time.  Samples within a rest do not cut it.
+
+        Parameters
+        ----------
+        shortest : float
+            Rests that last less are left out [s].
+        """
+        way = np.sqrt((np.diff(self.hand, axis=0) ** 2).sum(axis=1))
+        span = np.diff(self.time)
+        speed = np.divide(way, span, out=np.zeros_like(way), where=span > 0.0)
+        rests = speed <= REST * speed.max(initial=0.0)
+        rests[(span == 0.0) & (way > 0.0)] = False
+        # +1 where a run of resting segments starts, -1 after its end
+        edges = np.diff(np.concatenate([[False], rests, [False]]).astype(int))
+        runs = zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)
+        found = [
+            Wait(
+                float(self.hand[a, 0]),
+                float(self.hand[a, 1]),
+                float(self.time[a]),
+                float(self.time[b]),
+            )
+            for a, b in runs
+        ]
+        return [wait for wait in found if wait.duration > 0.0 and wait.duration >= shortest]

@@ -104,13 +104,9 @@ def layered_map(situation: Situation, task: Task, front: LayeredFront) -> Cognit
     """
     n = task.lattice.n
     iy, ix = front.cells.T
-    # The states are in order of arrival: the first one of a cell is on sheet 0, and so on.
-    flat = iy * n + ix
-    order = np.argsort(flat, kind="stable")
-    sheet = np.empty(len(flat), dtype=np.int64)
-    sheet[order] = np.arange(len(flat)) - np.searchsorted(flat[order], flat[order])
-    arrival = np.full((max(sheet.max(initial=0) + 1, 1), n, n), -1.0)
-    arrival[sheet, iy, ix] = front.arrival
+    order, sheet = _sheets_of(iy * n + ix, front.arrival, front.end)
+    arrival = np.full((sheet.max(initial=0) + 1, n, n), -1.0)
+    arrival[sheet, iy[order], ix[order]] = front.arrival[order]
     sheets = np.ma.MaskedArray(arrival, mask=arrival < 0.0)
     target, contact = np.zeros((n, n), dtype=bool), None
     if front.met_state >= 0:
@@ -128,6 +124,35 @@ def layered_map(situation: Situation, task: Task, front: LayeredFront) -> Cognit
         engine="layered",
         later=sheets[1:] if len(sheets) > 1 else None,
     )
+
+
+def _sheets_of(
+    cell: np.ndarray, arrival: np.ndarray, end: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Count the safe intervals of every cell.
+
+    A front may come to a cell twice in one interval, over a neighbour and from where it waited;
+    the earlier one counts.
+
+    Parameters
+    ----------
+    cell, arrival, end : (m,) ndarray
+        Of the states: flat index; when the hand can be there, and until when [s].
+
+    Returns
+    -------
+    order : (k,) ndarray
+        The states that are the first in their interval, cell by cell in order of arrival.
+    sheet : (k,) ndarray
+        How many intervals of their cell come before.
+    """
+    order = np.lexsort((arrival, cell))
+    another = np.ones(len(order), dtype=bool)
+    same = cell[order][1:] == cell[order][:-1]
+    another[1:] = ~same | (arrival[order][1:] > end[order][:-1])
+    order = order[another]
+    sheet = np.arange(len(order)) - np.searchsorted(cell[order], cell[order])
+    return order, sheet
 
 
 def _contact(

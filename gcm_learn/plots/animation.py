@@ -16,6 +16,7 @@ from gcm_learn.plots import style
 from gcm_learn.plots.handspace import draw_hand, extended_image, show_image
 from gcm_learn.plots.maps import draw_effective
 from gcm_learn.plots.snapshots import draw_explored
+from gcm_learn.plots.waits import draw_waits, waiting_at
 from gcm_learn.plots.workspace import draw_arm, draw_bodies
 from gcm_learn.situation import Situation
 
@@ -125,12 +126,14 @@ def _hand(situation: Situation, plan: Plan, t: float) -> np.ndarray:
 
 
 def _left(ax: Axes, situation: Situation, plan: Plan, t: float) -> None:
+    note = f"t = {t:.2f} s"
     if plan.trajectory is not None:
+        note += ", waiting" if waiting_at(plan.trajectory, t) else ""
         past = plan.trajectory.hand[plan.trajectory.time <= t]
         ax.plot(past[:, 0], past[:, 1], color=style.PATH, lw=1.6, ls=(0, (2, 1.5)), zorder=4)
     draw_bodies(ax, situation, t)
     draw_arm(ax, situation.arm, _hand(situation, plan, t))
-    _note(ax, f"t = {t:.2f} s")
+    _note(ax, note)
 
 
 def _right(ax: Axes, situation: Situation, plan: Plan, t: float, at_end: bool) -> None:
@@ -143,6 +146,7 @@ def _right(ax: Axes, situation: Situation, plan: Plan, t: float, at_end: bool) -
     draw_bodies(ax, situation, t)
     if plan.trajectory is not None and at_end:
         style.draw_path(ax, plan.trajectory.hand)
+        draw_waits(ax, plan.trajectory)
     draw_hand(ax, _hand(situation, plan, t))
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.paper import CAPTION_INSTANTS, PAPER_SCENES
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import solve
@@ -19,7 +20,9 @@ from gcm_learn.plots.figures import draw_figure
 from gcm_learn.plots.maps import draw_colour_bar, latest_arrival, plot_map
 from gcm_learn.plots.page import Picture, Section, Table, render
 from gcm_learn.plots.recheck import broken_promise
+from gcm_learn.plots.sheets import sheets_figure
 from gcm_learn.plots.summary import STATUSES, Tally, summary_figure, tally
+from gcm_learn.plots.waits import draw_waits
 from gcm_learn.plots.workspace import draw_targets
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation, write_situations
@@ -64,8 +67,8 @@ def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
     """
     out.mkdir(parents=True, exist_ok=True)
     progress("Compiling")
-    for name in WARM_UP:  # so that the planning times told below are those of planning
-        _solved(PAPER_SCENES[name](), PLANNERS)
+    for make in (*(PAPER_SCENES[name] for name in WARM_UP), gate_scene):
+        _solved(make(), PLANNERS)  # so that the planning times told below are those of planning
     progress("Solving the paper's scenes")
     scenes = [_solved(make(), ENGINES) for make in PAPER_SCENES.values()]
     write_situations(out / "paper.jsonl", [scene.situation for scene in scenes])
@@ -74,11 +77,13 @@ def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
         progress(f"Drawing {scene.situation.name}")
         sections.append(_scene_section(out, scene))
     sections.append(_overview(scenes))
+    progress("Drawing a gate that opens")
+    sections.append(_waiting_section(out))
     if n_random > 0:
         progress(f"Solving {n_random} random situations")
         sections.append(_random_section(out, seed, n_random))
     sections.append(Section("more", "Your own situations", words.MORE))
-    opening = next(_film(scene) for scene in scenes if scene.situation.name == OPENING)
+    opening = next(_film(scene, "gcm") for scene in scenes if scene.situation.name == OPENING)
     page = out / "index.html"
     page.write_text(render(words.TITLE, words.LEAD, opening, style.KEY, sections), "utf-8")
     return page
@@ -134,7 +139,7 @@ def _scene_section(out: Path, scene: Solved) -> Section:
         _save(draw_figure(figure), out / f"{figure}.png", words.CAPTIONS[figure])
         for figure in (*EXTRA_FIGURES.get(name, ()), name)
     ]
-    film = _film(scene)
+    film = _film(scene, "gcm")
     animate(scene.situation, scene.plans["gcm"], out / film.file)
     pictures.append(film)
     maps = engines_figure(scene.situation, scene.plans)
@@ -142,9 +147,9 @@ def _scene_section(out: Path, scene: Solved) -> Section:
     return Section(name, f"{heading} (Fig. {name[3:]})", [text], pictures=pictures)
 
 
-def _film(scene: Solved) -> Picture:
-    """Return the place of a scene's film on the page."""
-    plan = scene.plans["gcm"]
+def _film(scene: Solved, planner: str) -> Picture:
+    """Return the place on the page of the film of a planner's movement."""
+    plan = scene.plans[planner]
     lasts = scene.situation.horizon if plan.catch_time is None else plan.catch_time
     caption = words.FILM.format(slower=FRAMES * FRAME_TIME / 1000 / lasts)
     return Picture(f"{scene.situation.name}.gif", caption, round(WIDTH * FILM_DPI))
@@ -174,10 +179,30 @@ def engines_figure(situation: Situation, plans: dict[str, Plan]) -> Figure:
             path = None if plan.trajectory is None else plan.trajectory.hand
             plot_map(plan.map, ax, path, latest=latest)
             draw_targets(ax, situation, plan.catch_time)
+        if plan.map is not None and plan.trajectory is not None:
+            draw_waits(ax, plan.trajectory)
         style.title(ax, f"{name}: {plan.status.replace('_', ' ')}")
     if latest > 0.0:
         draw_colour_bar(panels, latest)
     return figure
+
+
+def _waiting_section(out: Path) -> Section:
+    """Solve a situation in which the hand has to wait."""
+    scene = _solved(gate_scene(), PLANNERS)
+    write_situations(out / "gate.jsonl", [scene.situation])
+    plan = scene.plans["layered"]
+    film = _film(scene, "layered")
+    animate(scene.situation, plan, out / film.file)
+    first = engines_figure(scene.situation, {name: scene.plans[name] for name in ENGINES})
+    pictures = [
+        _save(sheets_figure(scene.situation, plan), out / "gate.png", words.SHEETS),
+        film,
+        _save(first, out / "gate-engines.png", words.GATE_SHUT),
+    ]
+    rows = [[name, _number(p.catch_time, ".3f"), p.message] for name, p in scene.plans.items()]
+    table = Table(("planner", "catch [s]", "answer"), rows)
+    return Section("waiting", "Beyond the paper: waiting", words.WAITING, [table], pictures)
 
 
 def _save(figure: Figure, path: Path, caption: str) -> Picture:

@@ -1,4 +1,7 @@
-"""The README's pictures, all of one situation: ``python -m gcm_learn.plots.gallery FOLDER``."""
+"""The README's pictures: ``python -m gcm_learn.plots.gallery FOLDER``.
+
+All but the last are of one situation.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,14 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.paper import fig3
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots import style
 from gcm_learn.plots.animation import animate
 from gcm_learn.plots.handspace import draw_hand_space
 from gcm_learn.plots.maps import plot_map
+from gcm_learn.plots.sheets import sheets_figure
 from gcm_learn.plots.snapshots import draw_snapshot
 from gcm_learn.plots.workspace import draw_courses, draw_targets, draw_workspace
 from gcm_learn.situation import Situation
@@ -52,6 +57,9 @@ def write_gallery(folder: Path) -> list[Path]:
         figure.savefig(out[-1], dpi=DPI)
     out.append(folder / "catch.gif")
     animate(situation, plan, out[-1])
+    out.append(folder / "waiting.png")
+    gate = gate_scene()
+    sheets_figure(gate, solve(gate, "layered")).savefig(out[-1], dpi=DPI)
     return out
 
 

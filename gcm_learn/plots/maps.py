@@ -67,7 +67,7 @@ def draw_effective(ax: Axes, cognitive_map: CognitiveMap, tau: float | None = No
     """Draw the effective obstacles and target that exist at mental time tau (default: all)."""
     born = birth(cognitive_map)
     for cells, colour in (
-        (cognitive_map.effective_obstacles, style.EFFECTIVE),
+        (walls(cognitive_map), style.EFFECTIVE),
         (cognitive_map.effective_target, style.TARGET),
     ):
         there = cells if tau is None else cells & (born <= tau)
@@ -78,6 +78,16 @@ def draw_effective(ax: Axes, cognitive_map: CognitiveMap, tau: float | None = No
             interpolation="antialiased",
         )  # fmt: skip
         ax.axis(limits)
+
+
+def walls(cognitive_map: CognitiveMap) -> np.ndarray:
+    """Return the effective obstacles (n, n) that were not entered later, either.
+
+    In a map with waits a cell that turned the front away may have let it in afterwards; in the
+    paper's maps there is no such cell.
+    """
+    shut: np.ndarray = cognitive_map.effective_obstacles & np.ma.getmaskarray(cognitive_map.arrival)
+    return shut
 
 
 def birth(cognitive_map: CognitiveMap) -> np.ndarray:
@@ -99,9 +109,9 @@ def spread(cognitive_map: CognitiveMap) -> np.ndarray:
     Infinite further out.
     """
     tau = np.ma.filled(cognitive_map.arrival_tau.astype(float), np.inf)
-    tau[cognitive_map.effective_obstacles] = np.inf  # the front ends there
+    tau[walls(cognitive_map)] = np.inf  # the front ends there
     padded = np.pad(tau, 1, constant_values=np.inf)
-    wall = np.pad(cognitive_map.effective_obstacles, 1)
+    wall = np.pad(walls(cognitive_map), 1)
     steps = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
     later = [
         np.where(

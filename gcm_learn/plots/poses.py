@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from gcm_learn.plots import style
+from gcm_learn.plots.waits import draw_waits
 from gcm_learn.plots.workspace import draw_arm, draw_bodies
 from gcm_learn.situation import Situation
 
@@ -52,4 +53,5 @@ def draw_poses(
     for t, shade in zip(times, np.linspace(PALEST, 1.0, len(times)), strict=True):
         draw_bodies(ax, situation, t, shade)
         draw_arm(ax, situation.arm, trajectory.hand_at(t), shade)
+    draw_waits(ax, trajectory)
     return ax

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 
 from gcm_learn.plots import style
 from gcm_learn.plots.handspace import draw_extended, draw_hand
-from gcm_learn.plots.maps import birth, draw_effective, spread
+from gcm_learn.plots.maps import birth, draw_effective, spread, walls
 from gcm_learn.plots.workspace import draw_body
 from gcm_learn.situation import Situation
 
@@ -67,7 +67,7 @@ def draw_explored(ax: Axes, cognitive_map: CognitiveMap, tau: float) -> None:
     region = ax.contourf(
         centres, centres, ahead, levels=[-np.inf, 0.0], colors=[style.EXPLORED], zorder=1
     )
-    stuck = cognitive_map.effective_obstacles & (birth(cognitive_map) <= tau)
+    stuck = walls(cognitive_map) & (birth(cognitive_map) <= tau)
     front = ax.contour(
         centres, centres, np.ma.masked_where(stuck, ahead), levels=[0.0], colors=[style.FRONT],
         linewidths=1.8, zorder=3,

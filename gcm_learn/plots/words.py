@@ -73,6 +73,23 @@ SCENES = {
     ),
 }
 
+WAITING = (
+    "A gate opens: a long bar slides off from between the hand and a ball. In the paper's map "
+    "every cell has one time of arrival, and what froze stays frozen, so the gate stays shut; "
+    "the way round it takes longer than there is time.",
+    "The planner `layered` lets the hand wait. A cell may be free, then blocked, then free "
+    "again; for each span in which it is free the map keeps the earliest arrival, on a sheet of "
+    "its own. Here the hand comes up to the bar, rests until its end has passed, and goes on.",
+)
+
+SHEETS = (
+    "Left: the movement; the sign for a pause marks where the hand rests, and for how long. "
+    "Right: the sheets of the map. Grey cells have earlier arrivals only; red ones were never "
+    "entered."
+)
+
+GATE_SHUT = "The same in maps of first arrivals: the front freezes along the bar."
+
 CAPTIONS = {
     "fig1": "Fig. 1. A: the direct way is barred. B: arms that touch the point, and the curve of "
     "their hands. Dashed circles: reach of the upper arm and of the whole arm.",
@@ -111,7 +128,8 @@ READING = (
 )
 
 MORE = (
-    "The situations of this page are in `paper.jsonl` beside it, one JSON object a line: copy "
+    "The situations of this page are in `paper.jsonl` and `gate.jsonl` beside it, one JSON "
+    "object a line: copy "
     "one, change it, and run `gcm-learn solve FILE --plot pictures`. `gcm-learn --help` lists "
     "the rest.",
 )

@@ -31,6 +31,37 @@ def test_duration_and_length():
     assert path.length == pytest.approx(0.5 + 1.0)
 
 
+def halting() -> Trajectory:
+    """Right for 0.5 s, rest for 0.3 s, up for 0.5 s, rest for 0.1 s."""
+    corner, top = [1.5, 0.0], [1.5, 0.5]
+    return Trajectory.of_hand(
+        np.array([0.0, 0.5, 0.8, 1.3, 1.4]), np.array([[1.0, 0.0], corner, corner, top, top])
+    )
+
+
+def test_waits_are_where_and_while_the_hand_rests():
+    first, last = halting().waits()
+    assert first == pytest.approx((1.5, 0.0, 0.5, 0.8)) and first.duration == pytest.approx(0.3)
+    assert last == pytest.approx((1.5, 0.5, 1.3, 1.4))
+    assert halting().waits(shortest=0.2) == [first]
+
+
+def test_waits_do_not_depend_on_the_samples():
+    way = halting()
+    rng = np.random.default_rng(0)
+    time = np.sort(np.concatenate([np.repeat(way.time, 2), rng.uniform(0.0, way.duration, 200)]))
+    finer = Trajectory.of_hand(time, way.hand_at(time))
+    np.testing.assert_allclose(finer.waits(), way.waits(), atol=1e-9)
+
+
+def test_a_slow_hand_does_not_wait_and_one_that_never_moves_always_does():
+    slow = Trajectory.of_hand(np.array([0.0, 1.0, 9.0]), np.array([[1.0, 0], [1.5, 0], [1.6, 0]]))
+    assert slow.waits() == []
+    still = Trajectory.of_hand(np.array([0.0, 0.4, 0.9]), np.full((3, 2), 0.7))
+    assert still.waits() == [(0.7, 0.7, 0.0, 0.9)]
+    assert Trajectory.of_hand(np.zeros(1), np.ones((1, 2))).waits() == []
+
+
 @pytest.mark.parametrize(
     ("time", "hand", "joints"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from dataclasses import replace
 
@@ -11,11 +12,12 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.arm import Lattice
 from gcm_learn.arm.lattice import hand_space
+from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn.errors import FileFormatError
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.maps import CognitiveMap, Contact, build_map
+from gcm_learn.maps import CognitiveMap, Contact, build_map, layered_map, task_of
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
-from gcm_learn.wave import MarchingParams, WaveParams
+from gcm_learn.wave import MarchingParams, WaveParams, march_layers
 from tests.random_solid import random_solid
 
 ENGINES = {"wave": WaveParams(), "marching": MarchingParams()}
@@ -260,3 +262,21 @@ def test_a_missing_file_is_a_missing_file(tmp_path):
 
 def test_contacts_compare_by_value():
     assert Contact((1, 2), (0.5, 0.25), 0.3, "a") == Contact((1, 2), (0.5, 0.25), 0.3, "a")
+
+
+@pytest.mark.parametrize("k", [8, 23])
+def test_sheets_are_different_spans_in_which_a_cell_is_free(k):
+    """On every sheet a cell is reached later than on the one before, and was blocked between."""
+    situation, params = random_planar(seeding.rng(5, k)), MarchingParams(margin=0.0, lookback=0.0)
+    task = task_of(situation, params)
+    cognitive_map = layered_map(situation, task, march_layers(task, params))
+    sheets, instants = cognitive_map.sheets, np.linspace(0.0, situation.horizon, 1000)
+    occupied = np.array([occupied_cells(situation, task.lattice, t) for t in instants])
+    assert len(sheets) > 1
+    for before, after in itertools.pairwise(sheets):
+        cells = ~np.ma.getmaskarray(after)
+        assert not np.ma.getmaskarray(before)[cells].any()
+        assert (after[cells] > before[cells]).all()
+        for iy, ix in np.argwhere(cells):
+            between = (instants > before[iy, ix]) & (instants < after[iy, ix])
+            assert occupied[between, iy, ix].any()

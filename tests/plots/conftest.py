@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
+from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
@@ -27,6 +28,13 @@ def solid_case() -> Case:
     """A 3D scene and a catch in it."""
     situation = PAPER_SCENES["fig6"]()
     return situation, solve(situation, "gcm")
+
+
+@pytest.fixture(scope="session")
+def waiting_case() -> Case:
+    """A scene in which the hand has to wait, and its catch."""
+    situation = gate_scene()
+    return situation, solve(situation, "layered")
 
 
 @pytest.fixture

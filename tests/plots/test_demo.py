@@ -19,7 +19,13 @@ def test_demo_end_to_end(tmp_path):
     text = page.read_text("utf-8")
     assert page == tmp_path / "demo" / "index.html"
     images = re.findall(r'src="([^"]+)"', text)
-    for name in (*(f"{figure}.png" for figure in FIGURES), "fig4.gif", "random.png"):
+    for name in (
+        *(f"{figure}.png" for figure in FIGURES),
+        "fig4.gif",
+        "gate.gif",
+        "gate.png",
+        "random.png",
+    ):
         assert name in images
     for image in images:
         assert (page.parent / image).stat().st_size > 1000

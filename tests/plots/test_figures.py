@@ -76,7 +76,7 @@ def test_plan_figure_without_a_map_shows_hand_space(planar_case, drawn):
     situation, plan = planar_case
     figure = plan_figure(situation, dataclasses.replace(plan, map=None))
     drawn(figure)
-    assert figure.axes[1].get_title() == "hand-space: extended obstacles"
+    assert figure.axes[1].get_title() == "hand-space at the catch (no map was made)"
 
 
 def test_plan_figure_without_obstacles_has_no_clearance(planar_case, drawn):

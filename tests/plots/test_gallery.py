@@ -7,7 +7,7 @@ from PIL import Image
 from gcm_learn.plots.gallery import write_gallery
 
 
-def test_gallery_writes_five_readable_pictures(tmp_path):
+def test_gallery_writes_six_readable_pictures(tmp_path):
     files = write_gallery(tmp_path / "images")
     assert [f.name for f in files] == [
         "situation.png",
@@ -15,6 +15,7 @@ def test_gallery_writes_five_readable_pictures(tmp_path):
         "wave.png",
         "map.png",
         "catch.gif",
+        "waiting.png",
     ]
     for file in files:
         with Image.open(file) as picture:
