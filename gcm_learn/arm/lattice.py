@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arm.kinematics import SIDE, elbow_position
+from gcm_learn.arm.kinematics import SIDE, elbow_position, joints_of
 from gcm_learn.errors import LatticeError
 
 SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320
-LEAST_BEND = 0.02  # sine of the elbow's angle below which rates of the joints are not followed
 
 
 @dataclass(frozen=True)
@@ -93,19 +92,11 @@ def hand_space(lattice: Lattice) -> HandSpace:
 
 
 @lru_cache(maxsize=16)
-def joint_rates(lattice: Lattice) -> np.ndarray:
-    """Inverse Jacobian (n * n, 2, 2) of the arm in every cell [rad / forearm length].
-
-    Row j times the hand's velocity is the speed of joint j.  At the rims of the ring, where the
-    arm is stretched or folded, rates have no bound; they are those of a slightly bent arm there.
-    """
-    limb = hand_space(lattice).limb
-    hand, elbow = limb[:, :2], limb[:, 2:]
-    forearm = hand - elbow
-    area = elbow[:, 0] * forearm[:, 1] - elbow[:, 1] * forearm[:, 0]  # rho times sin of the elbow
-    side = SIDE[lattice.elbow]
-    area = side * np.maximum(side * area, LEAST_BEND * lattice.upper_arm)
-    # d hand = d first x hand + d second x forearm (quarter turns): solved by dot products.
-    rates = np.stack([forearm, -hand], axis=1) / area[:, None, None]
-    rates.setflags(write=False)
-    return rates
+def cell_joints(lattice: Lattice) -> np.ndarray:
+    """Joint angles (n * n, 2) of the arm with its hand in every cell [rad]; shared, read-only."""
+    hands = hand_space(lattice).limb[:, None, :2]  # paths of one point each: nothing to unwrap
+    joints = np.concatenate(
+        [joints_of(hand, lattice.upper_arm, SIDE[lattice.elbow]) for hand in hands]
+    )
+    joints.setflags(write=False)
+    return joints

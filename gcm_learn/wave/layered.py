@@ -30,8 +30,9 @@ from gcm_learn.wave.marching import (
     STEP_I,
     STEP_J,
     UNKNOWN,
+    bare,
     row_of,
-    slowness,
+    step_time,
 )
 
 SETTLED, PASSING = 1, 4  # not to be entered any more; reached, but safe only for a while
@@ -63,21 +64,20 @@ def push(k, time, kind, bucket, queue, counts):
 
 
 @njit(cache=True)
-def way_in(k, time, n, rates, latest, states, spans):
+def way_in(k, time, n, turns, circle, latest, states, spans):
     """State of a neighbour in which the hand can wait to be in cell k at `time`; -1 if none.
 
     Among those that are possible the one that was reached first: it has most room to wait.
     """
     W = n + 2
-    row = row_of(k, W)
     best = -1
     for d in range(8):
         s = latest[k + STEP_I[d] * W + STEP_J[d]]
         if s < 0:
             continue
         step = ROOT2 if STEP_I[d] != 0 and STEP_J[d] != 0 else 1.0
-        if rates.shape[0] > 0:
-            step *= slowness(rates, row, k - row * W, n, STEP_I[d], STEP_J[d])
+        if turns.shape[0] > 0:
+            step = step_time(turns, circle, bare(k, n), bare(states[s, CELL], n), 0, 0.0, step)
         leave = time - step
         if spans[s, ARRIVAL] <= leave <= spans[s, END]:
             if best < 0 or spans[s, ARRIVAL] < spans[best, ARRIVAL]:
@@ -95,9 +95,15 @@ def offset(source, i, j, W, hand_i, hand_j, states):
     return float(row - i), float(k - row * W - j)
 
 
+@njit(cache=True, inline="always")
+def waits_in(k, time, latest, spans):
+    """Tell whether the hand has come to cell k and may be there at `time`."""
+    return latest[k] >= 0 and spans[latest[k], END] >= time
+
+
 @njit(cache=True)
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
-    first, last, n, hand_i, hand_j, rates, states, spans, latest, status, tent, again, source_of,
+    first, last, n, hand_i, hand_j, turns, circle, states, spans, latest, status, tent, again, source_of,
     via_of, queue, counts, bucket,
 ):  # fmt: skip
     """Offer the fronts of new states to the neighbours of their cells, as marching does.
@@ -106,6 +112,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
     again after that.
     """
     W = n + 2
+    limited = turns.shape[0] > 0
     for s in range(first, last):
         k = states[s, CELL]
         home = states[s, SOURCE]
@@ -122,7 +129,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
             if source_of[q] == home and tent[q] < NEVER:
                 continue
             dy, dx = offset(home, ci + di, cj + dj, W, hand_i, hand_j, states)
-            ray_i, ray_j, ax, ay = dy, dx, abs(dx), abs(dy)
+            ax, ay = abs(dx), abs(dy)
             sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
             major = q + sx if ax >= ay else q + sy
             corner = q + sx + sy
@@ -130,11 +137,29 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 corner = major
             elif abs(ax - ay) <= 1e-9:
                 major = corner
-            bent = ROOT2 if di != 0 and dj != 0 else 1.0
-            if rates.shape[0] > 0:
-                bent *= slowness(rates, ci + di, cj + dj, n, di, dj)
-            bent += now
-            time, source, via = bent, s, s
+            bent, home_of_bend = NEVER, s
+            if di == 0 or dj == 0:
+                bent = 1.0
+                if limited:
+                    bent = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, bent)
+                bent += now
+                side = W if di == 0 else 1
+                for e in (k - side, k + side):
+                    if not waits_in(e, now, latest, spans):
+                        continue
+                    step = ROOT2
+                    if limited:
+                        step = step_time(turns, circle, bare(q, n), bare(e, n), 0, 0.0, step)
+                    if spans[latest[e], ARRIVAL] + step < bent:
+                        bent, home_of_bend = spans[latest[e], ARRIVAL] + step, latest[e]
+            elif waits_in(k + di * W, now, latest, spans) or waits_in(k + dj, now, latest, spans):
+                bent = ROOT2
+                if limited:
+                    bent = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, bent)
+                bent += now
+            else:  # nothing squeezes through between two cells
+                continue
+            time, source, via = bent, home_of_bend, home_of_bend
             if k == major or k == corner:
                 beside = corner if k == major else major
                 other = latest[beside]
@@ -151,21 +176,24 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                         later = start + np.sqrt(dx * dx + dy * dy)
                         if later > time:
                             time, source, via = later, rival, rival
-                    if rates.shape[0] > 0:
-                        share = min(ax, ay) / max(ax, ay, 1e-9)
-                        weight = share if k == major else 1.0 - share
-                        time = now
+                    if limited:
+                        slope = min(ax, ay) / max(ax, ay, 1e-9)
+                        share = slope if k == major else 1.0 - slope
+                        time, to = now, k
                         if other >= 0:
-                            time += weight * max(spans[other, ARRIVAL] - now, -1.0)
-                        slow = slowness(rates, ci + di, cj + dj, n, ray_i, ray_j)
-                        time += slow * np.sqrt(1.0 + share * share)
-                    if time > bent:  # the straight front is late here: go round by this cell
-                        time, source, via = bent, s, s
+                            time += share * max(spans[other, ARRIVAL] - now, -1.0)
+                            to = beside
+                        time += step_time(
+                            turns, circle, bare(q, n), bare(k, n), bare(to, n), share,
+                            np.sqrt(1.0 + slope * slope),
+                        )  # fmt: skip
+                    if time > bent + 1e-9:  # the straight front is late here: go round by a cell
+                        time, source, via = bent, home_of_bend, home_of_bend
             if latest[q] >= 0 and time <= spans[latest[q], END]:
                 continue
             if again[q] < NEVER and time <= again[q]:
                 continue  # known to be blocked until then; `way_in` will find this state
-            if time >= tent[q] - 1e-9:
+            if time >= tent[q] + (1e-9 if source == home else -1e-9):  # a straight ray wins a tie
                 continue
             tent[q], source_of[q], via_of[q] = time, source, via
             push(q, time, ARRIVE, bucket, queue, counts)
@@ -173,8 +201,8 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 @njit(cache=True)
 def march_layers(
-    n, hand_i, hand_j, limb, outside, gap, rates, bodies, c, lookback, end, ignore, states, spans,
-    refused,
+    n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, end, ignore, states,
+    spans, refused,
 ):  # fmt: skip
     """March over cells and sheets until a target is met.
 
@@ -186,7 +214,7 @@ def march_layers(
         UNKNOWN where the hand can be, CLOSED elsewhere.
     gap : (n * n,) ndarray
         Distance at which an obstacle occupies a cell.
-    rates : (n * n, 4) or (0, 4) ndarray
+    turns, circle
         As for marching.
     c : (CONSTANTS,) ndarray
         As for marching.
@@ -222,11 +250,11 @@ def march_layers(
     cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
     since, until, start = np.empty(n * n), np.empty(n * n), np.empty(n * n)
     origins = np.empty((n * n, 2), dtype=np.int32)
-    blocked = np.empty(n * n, dtype=np.bool_)
+    blocked, turn_of = np.empty(n * n, dtype=np.bool_), np.zeros(W * W, dtype=np.int32)
     poses = np.zeros((bodies.rows.shape[0], 12))
     scratch = np.zeros_like(poses)
     hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
-    seed(n, hand_i, hand_j, rates, status, tent, source_of, via_of, queue, counts)
+    seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queue, counts)
     total, met, body, when = 0, -1, -1, end * kappa
     bucket, idle = 0, 0
     while idle < BUCKETS and bucket <= end * PER_CELL and bucket <= when / kappa * PER_CELL:
@@ -237,8 +265,8 @@ def march_layers(
         while counts[slot] >= 0:
             idle = 0
             count = pop(
-                slot, bucket, n, end, rates, latest, tent, again, source_of, via_of, states, spans,
-                queue, counts, places, cells, start, origins,
+                slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states, spans,
+                queue, counts, places, cells, start, origins, turn_of,
             )  # fmt: skip
             if count > 0 and not posed:
                 poses_at(bodies, now * kappa, poses)
@@ -280,7 +308,7 @@ def march_layers(
                         bucket, status, again, queue, counts, scratch,
                     )  # fmt: skip
             expand(
-                total, total + free, n, hand_i, hand_j, rates, states, spans, latest, status, tent,
+                total, total + free, n, hand_i, hand_j, turns, circle, states, spans, latest, status, tent,
                 again, source_of, via_of, queue, counts, bucket,
             )  # fmt: skip
             total += free
@@ -301,7 +329,7 @@ def keep_free(count, room, blocked, places, cells, start, origins):
 
 
 @njit(cache=True)
-def seed(n, hand_i, hand_j, rates, status, tent, source_of, via_of, queue, counts):
+def seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queue, counts):
     """Reach the cells around the hand straight from it."""
     W = n + 2
     reach = int(START_RADIUS) + 1
@@ -310,16 +338,16 @@ def seed(n, hand_i, hand_j, rates, status, tent, source_of, via_of, queue, count
             k = i * W + j
             away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
             if status[k] == UNKNOWN and away <= START_RADIUS:
-                if rates.shape[0] > 0:
-                    away *= slowness(rates, i, j, n, i - hand_i, j - hand_j)
+                if turns.shape[0] > 0:
+                    away = step_time(turns, circle, bare(k, n), n * n, 0, 0.0, away)
                 tent[k], source_of[k], via_of[k] = away, FROM_HAND, FROM_HAND
                 push(k, away, ARRIVE, 0, queue, counts)
 
 
 @njit(cache=True)
 def pop(
-    slot, bucket, n, end, rates, latest, tent, again, source_of, via_of, states, spans, queue,
-    counts, places, cells, start, origins,
+    slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states, spans, queue,
+    counts, places, cells, start, origins, turn_of,
 ):  # fmt: skip
     """Take the entries of a bucket that are due; returns how many states they may become.
 
@@ -345,18 +373,24 @@ def pop(
             tent[k] = NEVER
             if s >= 0 and due <= spans[s, END]:
                 continue
-            origins[count, 0], origins[count, 1] = source_of[k], via_of[k]
+            source, via = source_of[k], via_of[k]
         else:
             again[k] = NEVER
             if s >= 0 and due <= spans[s, END]:
                 continue
-            via = way_in(k, due, n, rates, latest, states, spans)
+            via = way_in(k, due, n, turns, circle, latest, states, spans)
             if via < 0:
                 continue
-            origins[count, 0], origins[count, 1] = ITSELF, via
-        places[count], start[count] = k, due
-        cells[count] = k - 2 * row_of(k, W) - n - 1
-        count += 1
+            source = ITSELF
+        a = turn_of[k]
+        if a < count and places[a] == k:  # both kinds in one bucket: one interval, so one state
+            if due >= start[a]:
+                continue
+        else:
+            a = turn_of[k] = count
+            count += 1
+        places[a], start[a], origins[a, 0], origins[a, 1] = k, due, source, via
+        cells[a] = bare(k, n)
     return count
 
 

@@ -23,8 +23,8 @@ from gcm_learn.wave.kernels import FREE, KAPPA, judge
 # A cell of the padded lattice; CLOSED: frozen or nearer than the arm can reach, BEYOND: farther.
 UNKNOWN, ACCEPTED, CLOSED, BEYOND = 0, 1, 2, 3
 PER_CELL = 1.5  # buckets per crossing: neighbours along a ray are 0.7 crossings apart or more
-BUCKETS = 32  # circular, a power of two; one step never spans more
-SLOWEST = 12.0  # crossings that a cell may take where joints limit the speed: see BUCKETS
+BUCKETS = 256  # circular, a power of two; one step never spans more
+SLOWEST = 165.0  # crossings that a step may take when joints limit the speed: see BUCKETS
 HAND_SOURCE = 0  # a cell of the rim, which is never a source itself
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
 HALF_DIAGONAL = 0.7072  # of a cell; the hand is in a cell whose centre is this near
@@ -62,21 +62,32 @@ def away_from(source, i, j, W, hand_i, hand_j):
 
 
 @njit(cache=True, forceinline=True)
-def slowness(rates, i, j, n, dy, dx):
-    """Least time per cell of way in direction (dy, dx) at (i, j) of the padded lattice [crossings].
+def step_time(turns, circle, m, a, b, share, length):
+    """Time of a straight step of `length` cells to cell m [crossings].
 
-    1 where nothing but the hand's speed limits it.
+    It starts between the cells a and b (both without padding), a `share` of the way to b.  That
+    takes as long as the hand, or the joint that has farthest to turn.
     """
-    m = (i - 1) * n + j - 1
-    length = np.sqrt(dx * dx + dy * dy) + 1e-300
-    first = abs(rates[m, 0] * dx + rates[m, 1] * dy) / length
-    second = abs(rates[m, 2] * dx + rates[m, 3] * dy) / length
-    return min(max(first, second, 1.0), SLOWEST)
+    shoulder = turns[m, 0] - turns[a, 0]
+    shoulder = abs(shoulder - circle * np.round(shoulder / circle))
+    elbow = abs(turns[m, 1] - turns[a, 1])
+    if share > 0.0:
+        other = turns[m, 0] - turns[b, 0]
+        other = abs(other - circle * np.round(other / circle))
+        shoulder += share * (other - shoulder)
+        elbow += share * (abs(turns[m, 1] - turns[b, 1]) - elbow)
+    return min(max(length, shoulder, elbow), SLOWEST)
+
+
+@njit(cache=True, forceinline=True)
+def bare(k, n):
+    """Index without padding of cell k of the padded lattice."""
+    return k - 2 * row_of(k, n + 2) - n - 1
 
 
 @njit(cache=True, forceinline=True)
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
-    places, found, count, state, n, hand_i, hand_j, rates, tent, origin, status, queue, counts,
+    places, found, count, state, n, hand_i, hand_j, turns, circle, tent, origin, status, queue, counts,
     bucket,
 ):  # fmt: skip
     """Offer the fronts of newly accepted cells to their neighbours.
@@ -94,9 +105,11 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
         frozen are passed over.
     hand_i, hand_j : float
         Hand in coordinates of the padded lattice.
-    rates : (n * n, 4) or (0, 4) ndarray
-        Joint speeds over their limits, per speed of the front and for its direction; none if the
-        joints are not limited.
+    turns : (n * n + 1, 2) or (0, 2) ndarray
+        Joint angles in every cell, then the hand's, as times at the joints' full speeds
+        [crossings]; none if the joints are not limited.
+    circle : float
+        The shoulder's full turn in the same unit.
     origin : ((n + 2)^2,) int32 ndarray
         Source of every cell: the index of a cell, or HAND_SOURCE.
     counts : (1 + BUCKETS,) int64 ndarray
@@ -105,7 +118,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
         The bucket being worked on; nothing is put into an earlier one.
     """
     W = n + 2
-    limited = rates.shape[0] > 0
+    limited = turns.shape[0] > 0
     for a in range(count):
         if state[found[a]] != FREE:
             continue
@@ -155,34 +168,36 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                         later += tent[rival]
                     if later > time:
                         time, source = later, rival
-                if limited:
-                    slow = slowness(rates, ci + di, cj + dj, n, dy, dx)
-                    if near:
-                        time *= slow
-                    else:
-                        share = min(ax, ay) / max(ax, ay, 1e-9)
-                        time = tent[k]
-                        if status[other] == ACCEPTED:
-                            weight = share if k == major else 1.0 - share
-                            time += weight * (tent[other] - tent[k])
-                        time += slow * np.sqrt(1.0 + share * share)
+                if limited and near:
+                    time = step_time(turns, circle, bare(q, n), n * n, 0, 0.0, time)
+                elif limited:
+                    share = min(ax, ay) / max(ax, ay, 1e-9)
+                    share = share if k == major else 1.0 - share
+                    if status[other] != ACCEPTED:
+                        share = 0.0
+                    length = np.sqrt(1.0 + (min(ax, ay) / max(ax, ay, 1e-9)) ** 2)
+                    time = tent[k] + share * (tent[other] - tent[k])
+                    time += step_time(
+                        turns, circle, bare(q, n), found[a], bare(other, n), share, length
+                    )
             elif di == 0 or dj == 0:
-                step = slowness(rates, ci + di, cj + dj, n, di, dj) if limited else 1.0
+                step = 1.0
+                if limited:
+                    step = step_time(turns, circle, bare(q, n), found[a], 0, 0.0, step)
                 time, source = tent[k] + step, k
-                for turn in range(-1, 2, 2):
-                    si, sj = (0, turn) if di != 0 else (turn, 0)
-                    e = k + si * W + sj
+                side = W if di == 0 else 1
+                for e in (k - side, k + side):
                     if status[e] != ACCEPTED:
                         continue
                     step = ROOT2
                     if limited:
-                        step *= slowness(rates, ci + di, cj + dj, n, di - si, dj - sj)
+                        step = step_time(turns, circle, bare(q, n), bare(e, n), 0, 0.0, step)
                     if tent[e] + step < time:
                         time, source = tent[e] + step, e
             elif status[k + di * W] == ACCEPTED or status[k + dj] == ACCEPTED:
                 step = ROOT2
                 if limited:
-                    step *= slowness(rates, ci + di, cj + dj, n, di, dj)
+                    step = step_time(turns, circle, bare(q, n), found[a], 0, 0.0, step)
                 time, source = tent[k] + step, k
             else:  # nothing squeezes through between two cells
                 continue
@@ -199,7 +214,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 
 @njit(cache=True)
-def seed(n, W, hand_i, hand_j, rates, tent, origin, status, queue, counts):
+def seed(n, W, hand_i, hand_j, turns, circle, tent, origin, status, queue, counts):
     """Put the hand's cell, or the nearest where the hand can be, into the queue.
 
     The hand may be in several cells at once, on their borders.
@@ -215,8 +230,8 @@ def seed(n, W, hand_i, hand_j, rates, tent, origin, status, queue, counts):
                     continue
                 nearest = min(nearest, away)
                 if turn == 1:
-                    if rates.shape[0] > 0:
-                        away *= slowness(rates, i, j, n, i - hand_i, j - hand_j)
+                    if turns.shape[0] > 0:
+                        away = step_time(turns, circle, bare(k, n), n * n, 0, 0.0, away)
                     tent[k] = away
                     origin[k] = HAND_SOURCE
                     slot = 1 + int(away * PER_CELL)
@@ -262,8 +277,9 @@ def close(places, found, when, count, state, status, arrival):
 
 @njit(cache=True)
 def march(
-    n, hand_i, hand_j, limb, outside, gap, rates, bodies, c, lookback, explore, end, ignore, state
-):
+    n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, explore, end, ignore,
+    state,
+):  # fmt: skip
     """March the front over the lattice.
 
     Parameters
@@ -275,7 +291,7 @@ def march(
         UNKNOWN.
     gap : (n * n,) ndarray
         Distance at which an obstacle occupies a cell.
-    rates : (n * n, 4) or (0, 4) ndarray
+    turns, circle
         As for `expand`.
     c : (CONSTANTS,) ndarray
         As for the wave; KAPPA is the seconds per crossing.
@@ -313,7 +329,7 @@ def march(
     arrival = np.full(n * n, -1.0)
     counts[0] = 0
     hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
-    seed(n, W, hand_i, hand_j, rates, tent, origin, status, queue, counts)
+    seed(n, W, hand_i, hand_j, turns, circle, tent, origin, status, queue, counts)
     contact, body, time = -1, -1, -1.0
     bucket, empty, accepted = 0, 0, 0
     while empty < BUCKETS and bucket <= end * PER_CELL and (contact < 0 or explore):
@@ -339,7 +355,7 @@ def march(
                 contact, body, time = cell, target, t
             close(places, found, when, count, state, status, arrival)
             expand(
-                places, found, count, state, n, hand_i, hand_j, rates, tent, origin, status,
+                places, found, count, state, n, hand_i, hand_j, turns, circle, tent, origin, status,
                 queue, counts, bucket,
             )  # fmt: skip
             accepted += count

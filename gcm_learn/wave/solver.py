@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -9,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space, joint_rates
+from gcm_learn.arm.lattice import HandSpace, Lattice, cell_joints, hand_space
 from gcm_learn.situation.kernels import COLUMNS, Bodies
 from gcm_learn.wave import kernels, layered, marching, stencil
 from gcm_learn.wave.params import REST, WaveParams
@@ -17,7 +18,7 @@ from gcm_learn.wave.task import Task
 
 QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
 CONTACT_RADIUS = 0.71  # at least half a cell's diagonal, or a small target slips between centres
-DIRECTIONS = 32  # over which the speed of a joint-limited hand is averaged
+SLOWEST_RATE = 0.02  # of a cell whose front is slow: the wave should not stop altogether
 STATES_PER_CELL = 4  # room for sheets; most cells need one
 _workspace = threading.local()
 
@@ -135,7 +136,7 @@ def march(task: Task, params: MarchingParams) -> Front:
         space.limb,
         _closed_rim(lattice),
         task.thickness + params.margin * space.stride,
-        task.rates(),
+        *task.turns(),
         task.bodies,
         _marching_constants(task, params),
         params.lookback,
@@ -198,7 +199,7 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
         space.limb,
         _closed_rim(lattice),
         task.thickness + params.margin * space.stride,
-        task.rates(),
+        *task.turns(),
         task.bodies,
         _marching_constants(task, params),
         params.lookback,
@@ -313,11 +314,18 @@ def rates_of(task: Task) -> np.ndarray:
 def _joint_limited_rates(
     lattice: Lattice, speed: float, shoulder: float, elbow: float
 ) -> np.ndarray:
-    """Mean over directions of the hand's speed (n * n,), as a share of `speed`."""
-    angle = np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)
-    turns = np.abs(joint_rates(lattice) @ np.stack([np.cos(angle), np.sin(angle)]))
-    slowness = speed * (turns / np.array([shoulder, elbow])[:, None]).max(axis=1)
-    return (1.0 / np.clip(slowness, 1.0, marching.SLOWEST)).mean(axis=1)
+    """Mean speed of the hand over the steps from a cell to its neighbours, as a share of `speed`."""
+    n, h = lattice.n, lattice.spacing
+    joints = np.pad(cell_joints(lattice).reshape(n, n, 2), ((1, 1), (1, 1), (0, 0)), mode="edge")
+    share = np.zeros((n, n))
+    steps = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
+    for i, j in steps:
+        turn = joints[1 + i : n + 1 + i, 1 + j : n + 1 + j] - joints[1:-1, 1:-1]
+        turn = np.abs((turn + np.pi) % (2.0 * np.pi) - np.pi)
+        least = (turn / (shoulder, elbow)).max(axis=2)
+        hand = h * math.hypot(i, j) / speed
+        share += hand / np.clip(least, hand, 1.0 / SLOWEST_RATE * hand)
+    return (share / len(steps)).ravel()
 
 
 def _constants(params: WaveParams, task: Task, kappa: float) -> np.ndarray:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.arm.lattice import Lattice, joint_rates
+from gcm_learn.arm.kinematics import joint_angles
+from gcm_learn.arm.lattice import Lattice, cell_joints
 from gcm_learn.situation.kernels import Bodies
 
 
@@ -40,12 +41,15 @@ class Task:
         shoulder, elbow = self.joint_speed
         return min(self.speed, (self.lattice.upper_arm + 1.0) * shoulder + elbow)
 
-    def rates(self) -> np.ndarray:
-        """Joint speeds (n * n, 4) of a hand at the fastest speed in x and in y, over their limits.
+    def turns(self) -> tuple[np.ndarray, float]:
+        """Joint angles in every cell, then the hand's (n * n + 1, 2), and a shoulder's full turn.
 
-        No rows if the joints are not limited.
+        As times that it takes to turn so far, in crossings of a cell at the fastest speed; no rows
+        if the joints are not limited.
         """
         if self.joint_speed is None:
-            return np.empty((0, 4))
-        limits = np.array(self.joint_speed)[:, None]
-        return (joint_rates(self.lattice) * (self.fastest / limits)).reshape(-1, 4)
+            return np.empty((0, 2)), 1.0
+        arm = self.lattice.upper_arm, self.lattice.elbow
+        joints = np.vstack([cell_joints(self.lattice), joint_angles(self.hand, *arm)])
+        unit = np.array(self.joint_speed) * self.lattice.spacing / self.fastest
+        return joints / unit, float(2.0 * np.pi / unit[0])

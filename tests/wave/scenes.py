@@ -28,6 +28,7 @@ def task_of(situation, n=80):
         situation.horizon,
         arm.thickness,
         arm.grasp,
+        joint_speed=arm.max_joint_speed,
     )
 
 
