@@ -19,14 +19,30 @@ from numba import njit
 
 from gcm_learn.arm.occupancy import blocked_cells
 from gcm_learn.situation.kernels import poses_at
-from gcm_learn.wave.intervals import NEVER, meet, next_free, safe_until
+from gcm_learn.wave.agenda import (
+    ARRIVAL,
+    ARRIVE,
+    CELL,
+    END,
+    FROM_HAND,
+    ITSELF,
+    PASSING,
+    SETTLED,
+    SOURCE,
+    VIA,
+    come_back,
+    keep_free,
+    pop,
+    push,
+    seed,
+)
+from gcm_learn.wave.intervals import NEVER, meet, safe_until
 from gcm_learn.wave.kernels import GRASP, KAPPA, SHORTEST
 from gcm_learn.wave.marching import (
     BEYOND,
     BUCKETS,
     PER_CELL,
     ROOT2,
-    START_RADIUS,
     STEP_I,
     STEP_J,
     UNKNOWN,
@@ -34,55 +50,6 @@ from gcm_learn.wave.marching import (
     row_of,
     step_time,
 )
-
-SETTLED, PASSING = 1, 4  # not to be entered any more; reached, but safe only for a while
-SPARE = 1 + BUCKETS  # entry of `counts` that heads the list of queue entries to be used again
-ARRIVE, REOPEN = 0, 1  # kinds of queue entries
-FROM_HAND, ITSELF = -1, -2  # sources that are no earlier state
-
-# Columns of a state: cell (padded index), source and predecessor (states); arrival, end.
-CELL, SOURCE, VIA = 0, 1, 2
-ARRIVAL, END = 0, 1
-
-
-@njit(cache=True)
-def push(k, time, kind, bucket, queue, counts):
-    """Put cell k into the bucket of a time, not before the one being worked on."""
-    # One turn of the buckets is all that the queue can tell apart: later visits ask again.
-    ahead = min(max(int(time * PER_CELL), bucket), bucket + BUCKETS - 1)
-    slot = 1 + (ahead & (BUCKETS - 1))
-    entry = counts[SPARE]
-    if entry >= 0:
-        counts[SPARE] = queue[entry, 1]
-    elif counts[0] < queue.shape[0]:
-        entry = counts[0]
-        counts[0] = entry + 1
-    else:
-        return
-    queue[entry, 0], queue[entry, 1], queue[entry, 2] = k, counts[slot], kind
-    counts[slot] = entry
-
-
-@njit(cache=True)
-def way_in(k, time, n, turns, circle, latest, states, spans):
-    """State of a neighbour in which the hand can wait to be in cell k at `time`; -1 if none.
-
-    Among those that are possible the one that was reached first: it has most room to wait.
-    """
-    W = n + 2
-    best = -1
-    for d in range(8):
-        s = latest[k + STEP_I[d] * W + STEP_J[d]]
-        if s < 0:
-            continue
-        step = ROOT2 if STEP_I[d] != 0 and STEP_J[d] != 0 else 1.0
-        if turns.shape[0] > 0:
-            step = step_time(turns, circle, bare(k, n), bare(states[s, CELL], n), 0, 0.0, step)
-        leave = time - step
-        if spans[s, ARRIVAL] <= leave <= spans[s, END]:
-            if best < 0 or spans[s, ARRIVAL] < spans[best, ARRIVAL]:
-                best = s
-    return best
 
 
 @njit(cache=True)
@@ -101,10 +68,42 @@ def waits_in(k, time, latest, spans):
     return latest[k] >= 0 and spans[latest[k], END] >= time
 
 
+@njit(cache=True, forceinline=True)
+def bend(s, k, q, di, dj, n, now, turns, circle, latest, spans):
+    """When the front of state s in cell k is in the neighbour q = k + (di, dj), going round a cell.
+
+    Returns the time and the state that it goes round: this one, or beside it one that was reached
+    earlier; (NEVER, -1) if q is reached across a corner only, where nothing squeezes through.
+    """
+    W = n + 2
+    limited = turns.shape[0] > 0
+    if di != 0 and dj != 0:
+        if not (waits_in(k + di * W, now, latest, spans) or waits_in(k + dj, now, latest, spans)):
+            return NEVER, -1
+        step = ROOT2
+        if limited:
+            step = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, step)
+        return now + step, s
+    best, home = 1.0, s
+    if limited:
+        best = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, best)
+    best += now
+    side = W if di == 0 else 1
+    for e in (k - side, k + side):
+        if not waits_in(e, now, latest, spans):
+            continue
+        step = ROOT2
+        if limited:
+            step = step_time(turns, circle, bare(q, n), bare(e, n), 0, 0.0, step)
+        if spans[latest[e], ARRIVAL] + step < best:
+            best, home = spans[latest[e], ARRIVAL] + step, latest[e]
+    return best, home
+
+
 @njit(cache=True)
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
-    first, last, n, hand_i, hand_j, turns, circle, states, spans, latest, status, tent, again, source_of,
-    via_of, queue, counts, bucket,
+    first, last, n, hand_i, hand_j, turns, circle, states, spans, latest, status, tent, again,
+    source_of, via_of, queue, counts, bucket,
 ):  # fmt: skip
     """Offer the fronts of new states to the neighbours of their cells, as marching does.
 
@@ -137,27 +136,8 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 corner = major
             elif abs(ax - ay) <= 1e-9:
                 major = corner
-            bent, home_of_bend = NEVER, s
-            if di == 0 or dj == 0:
-                bent = 1.0
-                if limited:
-                    bent = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, bent)
-                bent += now
-                side = W if di == 0 else 1
-                for e in (k - side, k + side):
-                    if not waits_in(e, now, latest, spans):
-                        continue
-                    step = ROOT2
-                    if limited:
-                        step = step_time(turns, circle, bare(q, n), bare(e, n), 0, 0.0, step)
-                    if spans[latest[e], ARRIVAL] + step < bent:
-                        bent, home_of_bend = spans[latest[e], ARRIVAL] + step, latest[e]
-            elif waits_in(k + di * W, now, latest, spans) or waits_in(k + dj, now, latest, spans):
-                bent = ROOT2
-                if limited:
-                    bent = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, bent)
-                bent += now
-            else:  # nothing squeezes through between two cells
+            bent, home_of_bend = bend(s, k, q, di, dj, n, now, turns, circle, latest, spans)
+            if home_of_bend < 0:
                 continue
             time, source, via = bent, home_of_bend, home_of_bend
             if k == major or k == corner:
@@ -265,8 +245,8 @@ def march_layers(
         while counts[slot] >= 0:
             idle = 0
             count = pop(
-                slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states, spans,
-                queue, counts, places, cells, start, origins, turn_of,
+                slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states,
+                spans, queue, counts, places, cells, start, origins, turn_of,
             )  # fmt: skip
             if count > 0 and not posed:
                 poses_at(bodies, now * kappa, poses)
@@ -308,103 +288,9 @@ def march_layers(
                         bucket, status, again, queue, counts, scratch,
                     )  # fmt: skip
             expand(
-                total, total + free, n, hand_i, hand_j, turns, circle, states, spans, latest, status, tent,
-                again, source_of, via_of, queue, counts, bucket,
+                total, total + free, n, hand_i, hand_j, turns, circle, states, spans, latest,
+                status, tent, again, source_of, via_of, queue, counts, bucket,
             )  # fmt: skip
             total += free
         bucket += 1
     return total, met, body, when / kappa
-
-
-@njit(cache=True)
-def keep_free(count, room, blocked, places, cells, start, origins):
-    """Drop the blocked ones of `count` cells, and what there is no `room` for; returns the rest."""
-    free = 0
-    for i in range(count):
-        if not blocked[i] and free < room:
-            places[free], cells[free], start[free] = places[i], cells[i], start[i]
-            origins[free, 0], origins[free, 1] = origins[i, 0], origins[i, 1]
-            free += 1
-    return free
-
-
-@njit(cache=True)
-def seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queue, counts):
-    """Reach the cells around the hand straight from it."""
-    W = n + 2
-    reach = int(START_RADIUS) + 1
-    for i in range(max(int(hand_i) - reach, 1), min(int(hand_i) + reach + 2, n + 1)):
-        for j in range(max(int(hand_j) - reach, 1), min(int(hand_j) + reach + 2, n + 1)):
-            k = i * W + j
-            away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
-            if status[k] == UNKNOWN and away <= START_RADIUS:
-                if turns.shape[0] > 0:
-                    away = step_time(turns, circle, bare(k, n), n * n, 0, 0.0, away)
-                tent[k], source_of[k], via_of[k] = away, FROM_HAND, FROM_HAND
-                push(k, away, ARRIVE, 0, queue, counts)
-
-
-@njit(cache=True)
-def pop(
-    slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states, spans, queue,
-    counts, places, cells, start, origins, turn_of,
-):  # fmt: skip
-    """Take the entries of a bucket that are due; returns how many states they may become.
-
-    Entries for later turns of the buckets go back into the queue; stale ones are dropped.
-    """
-    W = n + 2
-    count = 0
-    entry = counts[slot]
-    counts[slot] = -1
-    while entry >= 0:
-        k, kind, used = queue[entry, 0], queue[entry, 2], entry
-        entry = queue[entry, 1]
-        queue[used, 1] = counts[SPARE]
-        counts[SPARE] = used
-        due = tent[k] if kind == ARRIVE else again[k]
-        if due >= NEVER or due > end:
-            continue
-        if int(due * PER_CELL) > bucket:
-            push(k, due, kind, bucket, queue, counts)
-            continue
-        s = latest[k]
-        if kind == ARRIVE:
-            tent[k] = NEVER
-            if s >= 0 and due <= spans[s, END]:
-                continue
-            source, via = source_of[k], via_of[k]
-        else:
-            again[k] = NEVER
-            if s >= 0 and due <= spans[s, END]:
-                continue
-            via = way_in(k, due, n, turns, circle, latest, states, spans)
-            if via < 0:
-                continue
-            source = ITSELF
-        a = turn_of[k]
-        if a < count and places[a] == k:  # both kinds in one bucket: one interval, so one state
-            if due >= start[a]:
-                continue
-        else:
-            a = turn_of[k] = count
-            count += 1
-        places[a], start[a], origins[a, 0], origins[a, 1] = k, due, source, via
-        cells[a] = bare(k, n)
-    return count
-
-
-@njit(cache=True)
-def come_back(
-    k, m, time, bodies, limb, gap, kappa, end, lookback, bucket, status, again, queue, counts,
-    scratch,
-):  # fmt: skip
-    """Make a note to look at a cell again when it is free (time in crossings)."""
-    t = next_free(bodies, limb, m, gap[m], time * kappa, end * kappa, 0.25 * kappa, scratch)
-    if t >= NEVER:
-        status[k] = SETTLED  # not to be entered any more
-        return
-    due = t / kappa + lookback
-    if due < again[k]:
-        again[k] = due
-        push(k, due, REOPEN, bucket, queue, counts)

@@ -86,9 +86,41 @@ def bare(k, n):
 
 
 @njit(cache=True, forceinline=True)
+def bend(k, q, di, dj, n, turns, circle, tent, status):
+    """When the front of cell k is in its neighbour q = k + (di, dj), going round a cell.
+
+    Returns the time and the cell that it goes round: this one, or one beside it; (0, -1) if q is
+    reached across a corner only, where nothing squeezes through.
+    """
+    W = n + 2
+    limited = turns.shape[0] > 0
+    if di != 0 and dj != 0:
+        if status[k + di * W] != ACCEPTED and status[k + dj] != ACCEPTED:
+            return 0.0, -1
+        step = ROOT2
+        if limited:
+            step = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, step)
+        return tent[k] + step, k
+    step = 1.0
+    if limited:
+        step = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, step)
+    time, source = tent[k] + step, k
+    side = W if di == 0 else 1
+    for e in (k - side, k + side):
+        if status[e] != ACCEPTED:
+            continue
+        step = ROOT2
+        if limited:
+            step = step_time(turns, circle, bare(q, n), bare(e, n), 0, 0.0, step)
+        if tent[e] + step < time:
+            time, source = tent[e] + step, e
+    return time, source
+
+
+@njit(cache=True, forceinline=True)
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
-    places, found, count, state, n, hand_i, hand_j, turns, circle, tent, origin, status, queue, counts,
-    bucket,
+    places, found, count, state, n, hand_i, hand_j, turns, circle, tent, origin, status, queue,
+    counts, bucket,
 ):  # fmt: skip
     """Offer the fronts of newly accepted cells to their neighbours.
 
@@ -171,36 +203,18 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 if limited and near:
                     time = step_time(turns, circle, bare(q, n), n * n, 0, 0.0, time)
                 elif limited:
-                    share = min(ax, ay) / max(ax, ay, 1e-9)
-                    share = share if k == major else 1.0 - share
-                    if status[other] != ACCEPTED:
-                        share = 0.0
-                    length = np.sqrt(1.0 + (min(ax, ay) / max(ax, ay, 1e-9)) ** 2)
+                    slope = min(ax, ay) / max(ax, ay, 1e-9)
+                    share = slope if k == major else 1.0 - slope
+                    share *= status[other] == ACCEPTED
+                    length = np.sqrt(1.0 + slope * slope)
                     time = tent[k] + share * (tent[other] - tent[k])
                     time += step_time(
                         turns, circle, bare(q, n), found[a], bare(other, n), share, length
                     )
-            elif di == 0 or dj == 0:
-                step = 1.0
-                if limited:
-                    step = step_time(turns, circle, bare(q, n), found[a], 0, 0.0, step)
-                time, source = tent[k] + step, k
-                side = W if di == 0 else 1
-                for e in (k - side, k + side):
-                    if status[e] != ACCEPTED:
-                        continue
-                    step = ROOT2
-                    if limited:
-                        step = step_time(turns, circle, bare(q, n), bare(e, n), 0, 0.0, step)
-                    if tent[e] + step < time:
-                        time, source = tent[e] + step, e
-            elif status[k + di * W] == ACCEPTED or status[k + dj] == ACCEPTED:
-                step = ROOT2
-                if limited:
-                    step = step_time(turns, circle, bare(q, n), found[a], 0, 0.0, step)
-                time, source = tent[k] + step, k
-            else:  # nothing squeezes through between two cells
-                continue
+            else:
+                time, source = bend(k, q, di, dj, n, turns, circle, tent, status)
+                if source < 0:
+                    continue
             # A straight ray wins a tie: rays of a bend would run beside the true ones.
             if time >= tent[q] + (1e-9 if source == home else -1e-9):
                 continue

@@ -314,7 +314,7 @@ def rates_of(task: Task) -> np.ndarray:
 def _joint_limited_rates(
     lattice: Lattice, speed: float, shoulder: float, elbow: float
 ) -> np.ndarray:
-    """Mean speed of the hand over the steps from a cell to its neighbours, as a share of `speed`."""
+    """Mean speed of the hand over the steps from a cell (n * n,), as a share of `speed`."""
     n, h = lattice.n, lattice.spacing
     joints = np.pad(cell_joints(lattice).reshape(n, n, 2), ((1, 1), (1, 1), (0, 0)), mode="edge")
     share = np.zeros((n, n))
