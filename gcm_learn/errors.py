@@ -34,3 +34,20 @@ class UnknownNameError(GcmError, ValueError):
 
 class LatticeError(GcmError, ValueError):
     """A lattice or wave parameter is outside the range in which the engine is valid."""
+
+
+class FamilyError(GcmError, ValueError):
+    """A family of situations is asked for something it does not know or cannot draw.
+
+    Parameters
+    ----------
+    field : str
+        Path of the offending field, e.g. ``"gate.arm.upper_arm"``.
+    reason : str
+        What is wrong with it, with the value that was given.
+    """
+
+    def __init__(self, field: str, reason: str) -> None:
+        super().__init__(f"{field}: {reason}")
+        self.field = field
+        self.reason = reason

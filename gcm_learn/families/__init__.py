@@ -1,11 +1,41 @@
-"""Where situations come from: the paper's scenes and random families."""
+"""Where situations come from: the paper's scenes and random families.
+
+>>> from gcm_learn import families
+>>> families.draw("gate", seed=0, index=42).name
+'gate-0000042'
+"""
 
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.families.family import ArmRanges, Family
 from gcm_learn.families.paper import PAPER_SCENES
+from gcm_learn.families.piece_family import Sizes
+from gcm_learn.families.pieces import SpaceRanges
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.registry import (
+    draw,
+    family_from_dict,
+    family_names,
+    family_to_dict,
+    get_family,
+    item_name,
+)
 from gcm_learn.situation import Situation
 
-__all__ = ["PAPER_SCENES", "paper_scene", "random_planar"]
+__all__ = [
+    "PAPER_SCENES",
+    "ArmRanges",
+    "Family",
+    "Sizes",
+    "SpaceRanges",
+    "draw",
+    "family_from_dict",
+    "family_names",
+    "family_to_dict",
+    "get_family",
+    "item_name",
+    "paper_scene",
+    "random_planar",
+]
 
 
 def paper_scene(name: str) -> Situation:

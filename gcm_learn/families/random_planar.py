@@ -2,16 +2,107 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from gcm_learn.errors import SituationError
+from gcm_learn.families.family import TINY, ArmRanges, Family
+from gcm_learn.families.ranges import (
+    Counts,
+    Range,
+    counts,
+    number,
+    pick,
+    pick_angle,
+    pick_count,
+    span,
+)
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
 from gcm_learn.situation.shapes import Shape
 
 SPEED = 3.3  # largest hand speed [forearm lengths / s]: kappa is about 1/400 s on 80 cells
 HORIZON = 1.2  # [s], about 480 tau
-BODY_SPEED = 1.2  # largest body speed, in hand speeds
 ATTEMPTS = 100
+
+
+def pilot_arm() -> ArmRanges:
+    """The arms of the pilot measurements: one hand speed, one horizon."""
+    return ArmRanges(hand_speed=(SPEED, SPEED), horizon=(HORIZON, HORIZON))
+
+
+@dataclass(frozen=True)
+class RandomPlanar(Family):
+    """One target, obstacles anywhere, most bodies moving; nothing is aimed."""
+
+    name = "random-planar"
+    summary = "discs, bars and polygons anywhere in the plane, most of them moving"
+
+    arm: ArmRanges = field(default_factory=pilot_arm)
+    obstacles: Counts = counts(0, 4)
+    """Number of obstacles."""
+    view: float = number(2.0, 0.1, 100.0)
+    """Bodies start in a square of this half width about the shoulder [forearms]."""
+    still: float = number(0.3)
+    """Share of bodies that rest."""
+    speed: Range = span(0.0, 1.2)
+    """Of the others [hand speeds]."""
+    fall: Range = span(0.0, 6.0 / SPEED**2)
+    """Downward acceleration of half of the others [squared hand speeds per forearm]."""
+    spin: Range = span(-8.0 / SPEED, 8.0 / SPEED, -100.0)
+    """Of the others [hand speeds per forearm]."""
+    target: Range = span(0.04, 0.12, TINY)
+    """Radius of the target [forearms]."""
+    radius: Range = span(0.05, 0.25, TINY)
+    """Of discs [forearms]."""
+    half_length: Range = span(0.1, 0.5, TINY)
+    """Of bars [forearms]."""
+    half_width: Range = span(0.02, 0.1, TINY)
+    """Of bars [forearms]."""
+    corners: Range = span(0.08, 0.3, TINY)
+    """Distance of a polygon's three to seven corners from its origin [forearms]."""
+
+    def sketch(self, rng: np.random.Generator, name: str) -> Situation:
+        """Draw once, the limb free or not."""
+        count = pick_count(rng, self.obstacles)
+        arm, horizon = self.arm.draw(rng)
+        bodies = [Body("target", "target", Disc(pick(rng, self.target)), self._motion(rng, arm))]
+        for k in range(1, count + 1):
+            shape = self._shape(rng)
+            bodies.append(Body("obstacle", f"obstacle {k}", shape, self._motion(rng, arm)))
+        return Situation(name, horizon, arm, tuple(bodies))
+
+    def _motion(self, rng: np.random.Generator, arm: Arm) -> PlanarQuadratic:
+        """Start anywhere in view; half of the bodies that move accelerate."""
+        hand, ends = arm.max_hand_speed, (-self.view, self.view)
+        position = (pick(rng, ends), pick(rng, ends))
+        if rng.random() < self.still:
+            return PlanarQuadratic(position, (0.0, 0.0), (0.0, 0.0), math.pi * rng.random(), 0.0)
+        heading, speed = pick_angle(rng), pick(rng, self.speed) * hand
+        velocity = (speed * math.cos(heading), speed * math.sin(heading))
+        falls = rng.random() < 0.5
+        acceleration = (0.0, -pick(rng, self.fall) * hand**2) if falls else (0.0, 0.0)
+        spin = pick(rng, self.spin) * hand
+        return PlanarQuadratic(position, velocity, acceleration, math.pi * rng.random(), spin)
+
+    def _shape(self, rng: np.random.Generator) -> Shape:
+        """A disc, a bar or an irregular polygon."""
+        kind = rng.integers(3)
+        if kind == 0:
+            return Disc(pick(rng, self.radius))
+        if kind == 1:
+            length, width = pick(rng, self.half_length), pick(rng, self.half_width)
+            return Polygon(((-length, -width), (length, -width), (length, width), (-length, width)))
+        for _ in range(ATTEMPTS):
+            angles = sorted(pick_angle(rng) for _ in range(rng.integers(3, 8)))
+            radii = [pick(rng, self.corners) for _ in angles]
+            pairs = zip(radii, angles, strict=True)
+            try:
+                return Polygon(tuple((r * math.cos(a), r * math.sin(a)) for r, a in pairs))
+            except SituationError:
+                continue  # clockwise or crossing: draw again
+        raise SituationError("vertices", f"no simple polygon in {ATTEMPTS} draws")
 
 
 def random_planar(
@@ -33,52 +124,4 @@ def random_planar(
         Valid by construction; the limb may touch an obstacle at t = 0, and the target may never
         come within reach.
     """
-    count = int(rng.integers(bodies[0], bodies[1] + 1))
-    elbow = "right" if rng.random() < 0.5 else "left"
-    upper_arm = float(rng.uniform(0.8, 1.2))
-    angle = rng.uniform(-np.pi, np.pi)
-    radius = rng.uniform(abs(upper_arm - 1.0) + 0.35, upper_arm + 0.9)
-    arm = Arm(
-        hand=(radius * np.cos(angle), radius * np.sin(angle)),
-        max_hand_speed=SPEED,
-        upper_arm=upper_arm,
-        elbow=elbow,
-        thickness=float(rng.choice([0.0, 0.03])),
-    )
-    target = Body("target", "target", Disc(float(rng.uniform(0.04, 0.12))), _motion(rng))
-    obstacles = [
-        Body("obstacle", f"obstacle {k}", _shape(rng), _motion(rng)) for k in range(1, count)
-    ]
-    return Situation(name, HORIZON, arm, (target, *obstacles))
-
-
-def _motion(rng: np.random.Generator) -> PlanarQuadratic:
-    """Start anywhere in view; 70 % move, half of those accelerate."""
-    position = (float(rng.uniform(-2.0, 2.0)), float(rng.uniform(-2.0, 2.0)))
-    if rng.random() < 0.3:
-        return PlanarQuadratic(position, (0.0, 0.0), (0.0, 0.0), float(rng.uniform(0, np.pi)), 0.0)
-    heading = rng.uniform(-np.pi, np.pi)
-    speed = rng.uniform(0.0, BODY_SPEED * SPEED)
-    velocity = (float(speed * np.cos(heading)), float(speed * np.sin(heading)))
-    acceleration = (0.0, float(-rng.uniform(0.0, 6.0))) if rng.random() < 0.5 else (0.0, 0.0)
-    spin = float(rng.uniform(-8.0, 8.0))
-    return PlanarQuadratic(position, velocity, acceleration, float(rng.uniform(0, np.pi)), spin)
-
-
-def _shape(rng: np.random.Generator) -> Shape:
-    """A disc, a bar or an irregular polygon."""
-    kind = rng.integers(3)
-    if kind == 0:
-        return Disc(float(rng.uniform(0.05, 0.25)))
-    if kind == 1:
-        length, width = float(rng.uniform(0.1, 0.5)), float(rng.uniform(0.02, 0.1))
-        return Polygon(((-length, -width), (length, -width), (length, width), (-length, width)))
-    for _ in range(ATTEMPTS):
-        angles = np.sort(rng.uniform(-np.pi, np.pi, size=int(rng.integers(3, 8))))
-        radii = rng.uniform(0.08, 0.3, size=angles.size)
-        points = np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=-1)
-        try:
-            return Polygon(tuple((float(x), float(y)) for x, y in points))
-        except SituationError:
-            continue  # clockwise or crossing: draw again
-    raise SituationError("vertices", f"no simple polygon in {ATTEMPTS} draws")
+    return RandomPlanar(obstacles=(bodies[0] - 1, bodies[1] - 1)).sketch(rng, name)

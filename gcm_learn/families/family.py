@@ -1,0 +1,124 @@
+"""What all families share: the arm's ranges, and draws in which the limb starts free."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from gcm_learn.errors import FamilyError
+from gcm_learn.families.ranges import (
+    Counts,
+    Range,
+    Ranges,
+    choose,
+    counts,
+    number,
+    options,
+    pick,
+    pick_angle,
+    span,
+)
+from gcm_learn.planners.verification import start_clearance
+from gcm_learn.situation import Arm, Situation
+from gcm_learn.situation.bodies import pack
+
+ATTEMPTS = 50  # draws until the limb starts free; after that many the last one is given
+TINY = 1e-3  # what must be positive is at least this
+
+
+@dataclass(frozen=True)
+class ArmRanges(Ranges):
+    """The body and its time; another embodiment is one `dataclasses.replace`."""
+
+    upper_arm: Range = span(0.8, 1.2, TINY)
+    """Length of the upper arm [forearms]."""
+    right: float = number(0.5)
+    """Share of arms whose elbow is on the right."""
+    thickness: tuple[float, ...] = options(0.0, 0.03)
+    """Radii of the segments, one of which is drawn [forearms]."""
+    hand_speed: Range = span(2.8, 3.8, TINY)
+    """Largest speed of the hand [forearms/s]."""
+    horizon: Range = span(1.0, 1.4, TINY)
+    """Last moment at which a catch counts [s]."""
+    grasp: Range = span(0.05, 0.05)
+    """Distance at which the hand catches [forearms]."""
+    inner_margin: float = number(0.35)
+    """Between the ring's inner rim and where hands start and targets are met [forearms]."""
+    outer_margin: float = number(0.1)
+    """The same at the outer rim."""
+
+    def __post_init__(self) -> None:
+        """Check the fields, and that the margins leave a ring."""
+        super().__post_init__()
+        width = 2.0 * min(self.upper_arm[0], 1.0)
+        if self.inner_margin + self.outer_margin >= width:
+            both = f"{self.inner_margin!r} and {self.outer_margin!r}"
+            raise FamilyError("inner_margin", f"margins {both} fill the ring (width {width:g})")
+
+    def draw(self, rng: np.random.Generator) -> tuple[Arm, float]:
+        """Draw an arm, its hand in any direction from the shoulder, and a horizon [s]."""
+        elbow = "right" if rng.random() < self.right else "left"
+        upper_arm = pick(rng, self.upper_arm)
+        angle, radius = pick_angle(rng), pick(rng, self.radii(upper_arm))
+        arm = Arm(
+            hand=(radius * math.cos(angle), radius * math.sin(angle)),
+            thickness=choose(rng, self.thickness),
+            max_hand_speed=pick(rng, self.hand_speed),
+            upper_arm=upper_arm,
+            elbow=elbow,
+            grasp=pick(rng, self.grasp),
+        )
+        return arm, pick(rng, self.horizon)
+
+    def radii(self, upper_arm: float) -> Range:
+        """Distances from the shoulder at which hands start and targets are met [forearms]."""
+        return abs(upper_arm - 1.0) + self.inner_margin, upper_arm + 1.0 - self.outer_margin
+
+
+@dataclass(frozen=True)
+class Family(Ranges):
+    """A law by which situations are drawn, with its ranges.
+
+    `dataclasses.replace` gives the same law with other ranges: faster, larger, more, another arm.
+    """
+
+    name: ClassVar[str]
+    """Under which it is registered."""
+    summary: ClassVar[str]
+    """What happens, in one line."""
+
+    arm: ArmRanges = field(default_factory=ArmRanges)
+    obstacles: Counts = counts(1, 4)
+    """Number of obstacles."""
+
+    def draw(self, rng: np.random.Generator, name: str = "") -> Situation:
+        """Draw a situation in which the limb touches nothing at t = 0.
+
+        Draws that start blocked are thrown away, which thins out obstacles near the arm; after
+        `ATTEMPTS` of them, which takes ranges that leave no room, the last one is given.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator
+            The only source of randomness.
+        name : str
+            Of the situation; by default the family's. Names must be unique in a file.
+
+        Returns
+        -------
+        Situation
+            Valid; the target may be out of reach.
+        """
+        for _ in range(ATTEMPTS):
+            situation = self.sketch(rng, name or self.name)
+            if start_clearance(situation, pack(situation)) > 0.0:
+                break
+        return situation
+
+    @abstractmethod
+    def sketch(self, rng: np.random.Generator, name: str) -> Situation:
+        """Draw once, the limb free or not."""

@@ -1,0 +1,152 @@
+"""A gate: the way to the target opens at a moment, and the hand has to wait for it.
+
+Whatever stands nearer to the shoulder than the elbow keeps the upper arm from turning past it. So
+a resting body on one side of the upper arm and a gate on its other side lock the arm in, however
+long the way round. The gate opens in one of two ways: a *bolt* is a bar that points at the
+shoulder and slides outwards, and is open when its inner end is farther than the elbow; a *runner*
+is a ball that passes the shoulder and runs ahead of the arm, and is open when it has passed the
+direction that the upper arm has at the target. Both start from rest, so a front is there before.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcm_learn.families.layout import Event, anywhere, elbow_at, polar, way_time
+from gcm_learn.families.piece_family import InSpace, PieceFamily
+from gcm_learn.families.pieces import Piece, Vector, solid_body
+from gcm_learn.families.ranges import (
+    Counts,
+    Range,
+    counts,
+    number,
+    pick,
+    pick_angle,
+    pick_count,
+    pick_sign,
+    span,
+)
+from gcm_learn.situation import Arm, Body
+
+STEEPEST = 1.2  # [rad] runners farther behind than this would have to run far
+NONE: Range = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Gate(PieceFamily):
+    """A resting target behind a gate, the arm locked in until it opens."""
+
+    name = "gate"
+    summary = "a gate that locks the arm in until it slides away or runs ahead"
+
+    obstacles: Counts = counts(2, 4, 2)
+    """Number of obstacles, the gate and the body on the arm's other side included."""
+    opening: Range = span(0.35, 0.65, 0.01, 0.95)
+    """When the gate opens [horizons]."""
+    bolts: float = number(0.6)
+    """Share of gates that are bolts; the others are runners."""
+    before: Range = span(0.15, 0.5, most=1.5)
+    """Angle at the shoulder from the limb to the gate [rad]."""
+    behind: Range = span(0.3, 0.8, most=1.2)
+    """Angle from the gate to the limb that reaches the target [rad]."""
+    back: Range = span(0.4, 1.2, most=2.0)
+    """Angle from the upper arm to the resting body on its other side [rad]."""
+    bend: Range = span(0.6, 2.2, 0.1, 3.0)
+    """Angle of the elbow at the target, 0 being a straight arm [rad]."""
+    near: Range = span(0.15, 0.45, 0.05, 0.9)
+    """Distance of bolt, runner and resting body from the shoulder at first [upper arms]."""
+    bolt: Range = span(0.4, 0.8, 0.2)
+    """Half the length of bolts [forearms]."""
+    runner: Range = span(0.03, 0.07, 1e-3)
+    """Radius of runners and of the resting body [forearms]."""
+
+    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
+        """The target, the gate, the body on the other side, others that rest."""
+        first = math.atan2(*reversed(elbow_at(arm, arm.hand)))
+        ahead = pick_sign(rng)
+        forearm = 1.0 if arm.elbow == "right" else -1.0  # to which side of the upper arm
+        spread = math.remainder(math.atan2(arm.hand[1], arm.hand[0]) - first, math.tau)
+        gate = first + ahead * (max(ahead * spread, 0.0) + pick(rng, self.before))
+        bend, behind = pick(rng, self.bend), pick(rng, self.behind)
+        if forearm != ahead:  # the forearm points back to the gate
+            behind += math.atan2(math.sin(bend), arm.upper_arm + math.cos(bend))
+        opens = pick(rng, self.opening) * horizon
+        meet = _hand_of(arm, gate + ahead * behind, forearm * bend)
+        target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet)
+        if rng.random() < self.bolts or behind > STEEPEST:
+            lock = self._bolt(rng, arm, gate, opens)
+        else:
+            lock = self._runner(rng, arm, gate, ahead, behind, opens)
+        place = polar(pick(rng, self.near) * arm.upper_arm, first - ahead * pick(rng, self.back))
+        post = Piece("obstacle", "post", (pick(rng, self.runner),), place)
+        event = Event(target, meet, max(opens, way_time(arm, meet)), horizon, ahead)
+        others = pick_count(rng, self.obstacles) - 2
+        return target, lock, post, *self.fitting(rng, arm, event, others)
+
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+        """A body at rest anywhere within reach."""
+        size, angle = self.sizes.any(rng), pick_angle(rng)
+        return Piece("obstacle", f"obstacle {k + 1}", size, anywhere(rng, arm), angle=angle)
+
+    def _bolt(self, rng: np.random.Generator, arm: Arm, gate: float, opens: float) -> Piece:
+        """A bar along a direction; its inner end passes the elbow's circle when it opens."""
+        half, inner = pick(rng, self.bolt), pick(rng, self.near) * arm.upper_arm
+        pull = 2.0 * (arm.upper_arm - inner) / opens**2
+        size = (half, pick(rng, self.sizes.half_width))
+        return Piece(
+            "obstacle", "bolt", size, polar(inner, gate),
+            acceleration=polar(pull, gate), angle=gate, offset=half,
+        )  # fmt: skip
+
+    def _runner(
+        self,
+        rng: np.random.Generator,
+        arm: Arm,
+        gate: float,
+        ahead: float,
+        behind: float,
+        opens: float,
+    ) -> Piece:
+        """A ball that runs at right angles to a direction until it has turned by `behind`."""
+        near = pick(rng, self.near) * arm.upper_arm
+        pull = 2.0 * near * math.tan(behind) / opens**2
+        return Piece(
+            "obstacle", "runner", (pick(rng, self.runner),), polar(near, gate),
+            acceleration=polar(pull, gate + ahead * math.pi / 2),
+        )  # fmt: skip
+
+
+def _hand_of(arm: Arm, first: float, second: float) -> Vector:
+    """Hand of joint angles: direction of the upper arm, turn of the forearm against it."""
+    rho = arm.upper_arm
+    return (
+        rho * math.cos(first) + math.cos(first + second),
+        rho * math.sin(first) + math.sin(first + second),
+    )
+
+
+@dataclass(frozen=True)
+class GateSolid(InSpace, Gate):
+    """The same with solids; some bolts are pulled out of the plane along its normal instead."""
+
+    name = "gate-solid"
+    summary = "a gate of solids that slides away, runs ahead or is pulled out of the plane"
+
+    pulled: float = number(0.5)
+    """Share of bolts that leave along the plane's normal."""
+
+    def _bolt(self, rng: np.random.Generator, arm: Arm, gate: float, opens: float) -> Piece:
+        """A bolt that slides, or one that leaves the plane from rest."""
+        bolt = super()._bolt(rng, arm, gate, opens)
+        if rng.random() >= self.pulled:
+            return bolt
+        return bolt._replace(acceleration=(0.0, 0.0), leaves=opens)
+
+    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+        """What a piece becomes; gates neither lean nor come through the plane by chance."""
+        is_gate = piece.name in ("bolt", "runner")
+        space = replace(self.space, crossing=NONE, lean=NONE) if is_gate else self.space
+        return solid_body(rng, piece, space, arm.max_hand_speed)

@@ -1,0 +1,127 @@
+"""The paper's Figs. 7 and 8, varied: a ball on a cord swings through the arm's plane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.families.family import Family
+from gcm_learn.families.layout import Event, WayRanges, meeting_time, on_the_way
+from gcm_learn.families.piece_family import Sizes
+from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, Vector, in_world, solid_body
+from gcm_learn.families.ranges import Range, number, pick, pick_count, pick_sign, span
+from gcm_learn.situation import Arm, Body, Capsule, Pendulum, Situation, Sphere
+from gcm_learn.situation.bodies import integrate_swing
+
+_STEPS = 100  # of the integration back to t = 0; the error of a swing is far below 1e-6 rad
+
+
+class Swing(NamedTuple):
+    """A cord and how it moves; the ball is at `place` at the time `when`."""
+
+    place: Vector
+    when: float
+    gravity: float
+    """[forearms/s^2]"""
+
+
+@dataclass(frozen=True)
+class PendulumFamily(Family):
+    """The ball is the target, its cord an obstacle; other pendulums swing across the way.
+
+    The arm's plane is vertical, the swing's plane stands at an angle to it.
+    """
+
+    name = "pendulum"
+    summary = "a ball on a cord that swings through the arm's plane, with others in the way"
+
+    sizes: Sizes = field(default_factory=Sizes)
+    space: SpaceRanges = field(default_factory=SpaceRanges)
+    way: WayRanges = field(default_factory=WayRanges)
+    length: Range = span(0.8, 2.5, 0.1)
+    """From pivot to ball [forearms]."""
+    gravity: Range = span(0.3, 1.0, 0.01)
+    """The same for all bodies of a scene [squared hand speeds per forearm]."""
+    amplitude: Range = span(0.3, 1.0, 0.01, 1.5)
+    """Largest angle of the swing [rad]."""
+    phase: Range = span(-0.8, 0.8, -0.99, 0.99)
+    """Angle at which the plane is met [amplitudes]."""
+    heading: Range = span(0.2, 1.57, 0.0, 1.58)
+    """Angle between the swing's plane and the arm's [rad]."""
+    wait: Range = span(1.0, 2.0, 1.0)
+    """When the ball is where it may be met, in times that the hand needs for the way there."""
+    cord: Range = span(0.005, 0.02, 1e-3)
+    """Radius of cords [forearms]."""
+    swinging: float = number(0.6)
+    """Share of swinging bodies among the other obstacles, as far as there is room for two each."""
+
+    def sketch(self, rng: np.random.Generator, name: str) -> Situation:
+        """Draw once, the limb free or not."""
+        arm, horizon = self.arm.draw(rng)
+        return Situation(name, horizon, arm, tuple(self._bodies(rng, arm, horizon)), UPRIGHT)
+
+    def _bodies(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Iterator[Body]:
+        """The ball, its cord, then balls on cords and bodies at rest."""
+        meet = self.way.end(rng, arm, horizon, self.arm.radii(arm.upper_arm))
+        when = meeting_time(rng, arm, meet, self.wait, horizon)
+        gravity = pick(rng, self.gravity) * arm.max_hand_speed**2
+        size = pick(rng, self.sizes.target)
+        ball, cord = self._pair(rng, Swing(meet, when, gravity), size, "target", "")
+        yield ball
+        target = Piece("target", "ball", (size,), meet, when)
+        event = Event(target, meet, when, horizon, 1.0)
+        left = pick_count(rng, self.obstacles)
+        if left > 0:
+            yield cord
+        left -= 1
+        while left > 0:
+            place, at = on_the_way(rng, arm, event, (0.2, 0.9))
+            if left >= 2 and rng.random() < self.swinging:
+                size, swing = pick(rng, self.sizes.radius), Swing(place, at, gravity)
+                yield from self._pair(rng, swing, size, "obstacle", f" {left}")
+                left -= 2
+            else:
+                piece = Piece("obstacle", f"post {left}", self.sizes.any(rng), place)
+                yield solid_body(rng, piece, self.space, arm.max_hand_speed)
+                left -= 1
+
+    def _pair(
+        self, rng: np.random.Generator, swing: Swing, radius: float, role: str, number: str
+    ) -> tuple[Body, Body]:
+        """A ball and its cord."""
+        motion = self._motion(rng, swing)
+        length = motion.length
+        cord = Capsule(pick(rng, self.cord), 0.5 * length)
+        hung = Pendulum(
+            motion.pivot, motion.axis, motion.down, length, motion.gravity, motion.angle,
+            motion.rate, 0.0, 0.5 * length,
+        )  # fmt: skip
+        return (
+            Body(role, f"ball{number}", Sphere(radius), motion),
+            Body("obstacle", f"cord{number}", cord, hung),
+        )
+
+    def _motion(self, rng: np.random.Generator, swing: Swing) -> Pendulum:
+        """The swing back at t = 0, from its energy and its angle when the plane is met."""
+        length, amplitude = pick(rng, self.length), pick(rng, self.amplitude)
+        heading = pick_sign(rng) * pick(rng, self.heading)
+        angle, stiffness = pick(rng, self.phase) * amplitude, swing.gravity / length
+        rate = pick_sign(rng) * math.sqrt(2.0 * stiffness * (math.cos(angle) - math.cos(amplitude)))
+        # Without damping, time runs back when the rate is turned round.
+        back = integrate_swing(angle, -rate, stiffness, 0.0, swing.when / _STEPS, _STEPS + 1)[-1]
+        along = in_world(math.cos(heading), 0.0, math.sin(heading))
+        x, y, z = in_world(*swing.place, 0.0)
+        s, c = length * math.sin(angle), length * math.cos(angle)
+        return Pendulum(
+            pivot=(x - s * along[0], y - s * along[1], z + c),
+            axis=(along[1], -along[0], 0.0),
+            down=(0.0, 0.0, -1.0),
+            length=length,
+            gravity=swing.gravity,
+            angle=float(back[0]),
+            rate=-float(back[1]),
+        )

@@ -1,0 +1,161 @@
+"""Families made of balls and bars, each in the plane and, as a sibling, in space."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.layout import (
+    TRIES,
+    Event,
+    WayRanges,
+    leaves_room,
+    meeting_time,
+    polar,
+    way_time,
+)
+from gcm_learn.families.pieces import (
+    UPRIGHT,
+    Piece,
+    SpaceRanges,
+    Vector,
+    planar_body,
+    solid_body,
+)
+from gcm_learn.families.ranges import (
+    Range,
+    Ranges,
+    number,
+    pick,
+    pick_angle,
+    pick_count,
+    pick_sign,
+    span,
+)
+from gcm_learn.situation import Arm, Body, Plane, Situation
+
+
+@dataclass(frozen=True)
+class Sizes(Ranges):
+    """How large balls and bars are [forearms]."""
+
+    target: Range = span(0.04, 0.12, TINY)
+    """Radius of the target."""
+    radius: Range = span(0.06, 0.2, TINY)
+    """Radius of an obstacle that is a ball."""
+    half_length: Range = span(0.15, 0.45, TINY)
+    """Half the length of a bar."""
+    half_width: Range = span(0.02, 0.08, TINY)
+    """Half the width of a bar."""
+    bars: float = number(0.5)
+    """Share of bars among the obstacles, where a family leaves the choice."""
+
+    def ball_to_catch(self, rng: np.random.Generator) -> tuple[float, ...]:
+        """Size of a target."""
+        return (pick(rng, self.target),)
+
+    def ball(self, rng: np.random.Generator) -> tuple[float, ...]:
+        """Size of a ball in the way."""
+        return (pick(rng, self.radius),)
+
+    def bar(self, rng: np.random.Generator) -> tuple[float, ...]:
+        """Size of a bar in the way."""
+        return pick(rng, self.half_length), pick(rng, self.half_width)
+
+    def any(self, rng: np.random.Generator) -> tuple[float, ...]:
+        """Size of a ball or of a bar."""
+        return self.bar(rng) if rng.random() < self.bars else self.ball(rng)
+
+
+@dataclass(frozen=True)
+class PieceFamily(Family):
+    """Base of families whose bodies are balls and bars."""
+
+    plane: ClassVar[Plane | None] = None
+
+    sizes: Sizes = field(default_factory=Sizes)
+    """Of what has no range of its own."""
+
+    def sketch(self, rng: np.random.Generator, name: str) -> Situation:
+        """Draw once, the limb free or not."""
+        arm, horizon = self.arm.draw(rng)
+        bodies = tuple(self.body(rng, piece, arm) for piece in self.pieces(rng, arm, horizon))
+        return Situation(name, horizon, arm, bodies, self.plane)
+
+    @abstractmethod
+    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
+        """The target, then the obstacles, in the arm's plane."""
+
+    @abstractmethod
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+        """Obstacle number k, counted from 0."""
+
+    def fitting(
+        self, rng: np.random.Generator, arm: Arm, event: Event, count: int
+    ) -> tuple[Piece, ...]:
+        """Obstacles that leave room for the limb at its start and at the meeting."""
+        pieces = []
+        for k in range(count):
+            for _ in range(TRIES):
+                piece = self.obstacle(rng, arm, event, k)
+                if leaves_room(piece, arm, event):
+                    break
+            pieces.append(piece)
+        return tuple(pieces)
+
+    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+        """What a piece becomes."""
+        return planar_body(piece)
+
+
+@dataclass(frozen=True)
+class EventFamily(PieceFamily):
+    """Base of families that aim obstacles at the straight way to where the target may be met."""
+
+    way: WayRanges = field(default_factory=WayRanges)
+
+    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
+        """The target, then the obstacles, in the arm's plane."""
+        event = self.event(rng, arm, horizon)
+        return event.target, *self.fitting(rng, arm, event, pick_count(rng, self.obstacles))
+
+    @abstractmethod
+    def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
+        """The target and how it may be met."""
+
+    def goal(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Vector:
+        """Where the target may be met."""
+        return self.way.end(rng, arm, horizon, self.arm.radii(arm.upper_arm))
+
+    def ball_at_rest(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
+        """A resting target, met as early as can be."""
+        meet = self.goal(rng, arm, horizon)
+        target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet)
+        return Event(target, meet, way_time(arm, meet), horizon, pick_sign(rng))
+
+    def moving_ball(
+        self, rng: np.random.Generator, arm: Arm, horizon: float, speed: Range, wait: Range
+    ) -> Event:
+        """A target that flies in any direction at a speed from a range [hand speeds]."""
+        meet = self.goal(rng, arm, horizon)
+        when = meeting_time(rng, arm, meet, wait, horizon)
+        velocity = polar(pick(rng, speed) * arm.max_hand_speed, pick_angle(rng))
+        target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet, when, velocity)
+        return Event(target, meet, when, horizon, pick_sign(rng))
+
+
+@dataclass(frozen=True)
+class InSpace:
+    """Makes the 3D sibling of a family of pieces; the first base of a class."""
+
+    plane: ClassVar[Plane | None] = UPRIGHT
+
+    space: SpaceRanges = field(default_factory=SpaceRanges)
+
+    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+        """What a piece becomes."""
+        return solid_body(rng, piece, self.space, arm.max_hand_speed)

@@ -1,0 +1,136 @@
+"""Random 3D situations: solids of all kinds fly, spin and swing through the arm's plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.layout import polar
+from gcm_learn.families.ranges import Range, number, pick, pick_angle, pick_count, span
+from gcm_learn.situation import (
+    Arm,
+    Body,
+    Box,
+    Capsule,
+    Cylinder,
+    Pendulum,
+    Plane,
+    Situation,
+    SolidMotion,
+    SolidQuadratic,
+    SolidShape,
+    Sphere,
+)
+from gcm_learn.situation.bodies import rotation_of
+
+Vector3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class RandomSolid(Family):
+    """The arm's plane stands anywhere in space; every body crosses it within reach at some time.
+
+    Half of the pendulums are cords, all else flies and most of it spins.
+    """
+
+    name = "random-solid"
+    summary = "spheres, boxes, capsules and cylinders that fly, spin and swing through the plane"
+
+    target: Range = span(0.06, 0.15, TINY)
+    """Sizes of the target [forearms]."""
+    size: Range = span(0.04, 0.3, TINY)
+    """Sizes of obstacles: radii, half lengths, half extents [forearms]."""
+    speed: Range = span(-0.3, 0.3, -100.0)
+    """Components of velocities in the plane when it is crossed [hand speeds]."""
+    crossing: Range = span(-0.18, 0.18, -100.0)
+    """Components along its normal [hand speeds]."""
+    acceleration: Range = span(-0.18, 0.18, -100.0)
+    """Components, for half of those that fly [squared hand speeds per forearm]."""
+    spin: Range = span(-1.8, 1.8, -100.0)
+    """Components, for 70 % of those that fly [hand speeds per forearm]."""
+    swinging: float = number(0.3)
+    """Share of pendulums."""
+    length: Range = span(0.3, 1.5, 0.01)
+    """Of pendulums [forearms]."""
+    gravity: Range = span(0.0, 3.6)
+    """Of pendulums [squared hand speeds per forearm]."""
+
+    def sketch(self, rng: np.random.Generator, name: str) -> Situation:
+        """Draw once, the limb free or not."""
+        frame, centre = random_rotation(rng), rng.uniform(-1.0, 1.0, 3)
+        plane = Plane(_triple(centre), _triple(frame[0]), _triple(frame[1]))
+        arm, horizon = self.arm.draw(rng)
+        sizes = [("target", self.target)]
+        for k in range(pick_count(rng, self.obstacles)):
+            sizes.append((f"obstacle {k + 1}", self.size))
+        bodies = []
+        for title, ends in sizes:
+            x, y = polar(pick(rng, self.arm.radii(arm.upper_arm)), pick_angle(rng))
+            motion = self._motion(rng, centre + (x, y, 0.0) @ frame, frame, arm, horizon)
+            bodies.append(Body(title.split()[0], title, random_shape(rng, ends), motion))
+        return Situation(name, horizon, arm, tuple(bodies), plane)
+
+    def _motion(
+        self,
+        rng: np.random.Generator,
+        meeting: np.ndarray,
+        frame: np.ndarray,
+        arm: Arm,
+        horizon: float,
+    ) -> SolidMotion:
+        """Be at a place of the plane at some moment of the horizon."""
+        hand = arm.max_hand_speed
+        if rng.random() < self.swinging:
+            return self._swing(rng, meeting, hand)
+        when = horizon * rng.random()
+        own = (pick(rng, self.speed), pick(rng, self.speed), pick(rng, self.crossing))
+        velocity = hand * np.array(own) @ frame
+        pull = self._three(rng, self.acceleration, hand**2 if rng.random() < 0.5 else 0.0)
+        turn = rng.normal(size=4)
+        return SolidQuadratic(
+            position=_triple(meeting - velocity * when - 0.5 * pull * when**2),
+            velocity=_triple(velocity),
+            acceleration=_triple(pull),
+            orientation=tuple((turn / np.linalg.norm(turn)).tolist()),
+            spin=_triple(self._three(rng, self.spin, hand if rng.random() < 0.7 else 0.0)),
+        )
+
+    def _swing(self, rng: np.random.Generator, meeting: np.ndarray, hand: float) -> Pendulum:
+        """A pendulum that passes a place at angle 0."""
+        frame, length = random_rotation(rng), pick(rng, self.length)
+        return Pendulum(
+            pivot=_triple(meeting - length * frame[1]),
+            axis=_triple(frame[0]),
+            down=_triple(frame[1]),
+            length=length,
+            gravity=pick(rng, self.gravity) * hand**2,
+            angle=pick(rng, (-1.5, 1.5)),
+            rate=pick(rng, (-0.6, 0.6)) * hand,
+            damping=0.5 * float(rng.integers(2)),
+            hang=None if rng.random() < 0.5 else 0.5 * length,
+        )
+
+    @staticmethod
+    def _three(rng: np.random.Generator, ends: Range, unit: float) -> np.ndarray:
+        """Three components from a range (3,), times a unit."""
+        return unit * np.array([pick(rng, ends) for _ in range(3)])
+
+
+def random_rotation(rng: np.random.Generator) -> np.ndarray:
+    """A rotation matrix (3, 3), all equally likely."""
+    turn = rng.normal(size=4)
+    return rotation_of(turn.tolist())
+
+
+def random_shape(rng: np.random.Generator, size: Range) -> SolidShape:
+    """A solid of any kind, its sizes from a range [forearms]."""
+    a, b, c = (pick(rng, size) for _ in range(3))
+    return (Sphere(a), Box((a, b, c)), Capsule(0.5 * a, b), Cylinder(a, b))[int(rng.integers(4))]
+
+
+def _triple(vector: np.ndarray) -> Vector3:
+    """An array (3,) as the tuple that records hold."""
+    x, y, z = vector.tolist()
+    return x, y, z

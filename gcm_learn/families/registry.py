@@ -1,0 +1,137 @@
+"""Families by name, and their configurations as plain dictionaries."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from gcm_learn import seeding
+from gcm_learn.errors import FamilyError, UnknownNameError
+from gcm_learn.families.behind_mover import BehindMover, BehindMoverSolid
+from gcm_learn.families.crossing_swarm import CrossingSwarm, CrossingSwarmSolid
+from gcm_learn.families.falling import Falling, FallingSolid
+from gcm_learn.families.family import Family
+from gcm_learn.families.gate import Gate, GateSolid
+from gcm_learn.families.late_target import LateTarget, LateTargetSolid
+from gcm_learn.families.moving_point import MovingPoint, MovingPointSolid
+from gcm_learn.families.pendulum import PendulumFamily
+from gcm_learn.families.random_planar import RandomPlanar
+from gcm_learn.families.random_solid import RandomSolid
+from gcm_learn.families.ranges import Ranges
+from gcm_learn.families.spinning import Spinning, SpinningSolid
+from gcm_learn.families.static_clutter import StaticClutter, StaticClutterSolid
+from gcm_learn.situation import Situation
+
+_Record = TypeVar("_Record", bound=Ranges)
+
+_FAMILIES: dict[str, type[Family]] = {
+    family.name: family
+    for family in (
+        StaticClutter, StaticClutterSolid, MovingPoint, MovingPointSolid, CrossingSwarm,
+        CrossingSwarmSolid, Falling, FallingSolid, Spinning, SpinningSolid, PendulumFamily, Gate,
+        GateSolid, BehindMover, BehindMoverSolid, LateTarget, LateTargetSolid, RandomPlanar,
+        RandomSolid,
+    )
+}  # fmt: skip
+
+
+def family_names() -> list[str]:
+    """Names of the registered families, planar ones before their siblings in space."""
+    return list(_FAMILIES)
+
+
+def get_family(name: str) -> Family:
+    """A family with its default ranges; raises UnknownNameError with the known names."""
+    return _class_of(name)()
+
+
+def draw(family: str | Family, seed: int, index: int) -> Situation:
+    """Draw item `index` of a family under a seed: the same whatever else is drawn.
+
+    Parameters
+    ----------
+    family : str or Family
+        A registered name, for the default ranges, or a configuration.
+    seed, index : int
+        Non-negative.
+
+    Returns
+    -------
+    Situation
+        Named after family and index, e.g. ``gate-0000042``.
+
+    Examples
+    --------
+    >>> from gcm_learn import families
+    >>> families.draw("gate", 0, 42).name
+    'gate-0000042'
+    """
+    config = get_family(family) if isinstance(family, str) else family
+    return config.draw(seeding.rng(seed, index), item_name(config, index))
+
+
+def item_name(family: Family, index: int) -> str:
+    """Name of item `index` of a family."""
+    return f"{family.name}-{index:07d}"
+
+
+def family_to_dict(family: Family) -> dict[str, Any]:
+    """A configuration as plain values for JSON or TOML, with the family's name under "family"."""
+    return {"family": family.name, **_plain(family)}
+
+
+def family_from_dict(values: Mapping[str, object]) -> Family:
+    """The configuration of a dictionary; what is left out keeps its default.
+
+    Parameters
+    ----------
+    values : mapping
+        ``{"family": "gate", "opening": [0.5, 0.8], "arm": {"right": 1.0}}``
+
+    Raises
+    ------
+    FamilyError
+        One line, with the path of the field that is unknown or out of its range.
+    """
+    if "family" not in values:
+        raise FamilyError("family", f"is missing (known: {', '.join(family_names())})")
+    record = _class_of(values["family"])
+    given = {key: value for key, value in values.items() if key != "family"}
+    return _made(record(), given, record.name)
+
+
+def _class_of(name: object) -> type[Family]:
+    if not isinstance(name, str) or name not in _FAMILIES:
+        raise UnknownNameError(f"family: {name!r} is not one of {', '.join(family_names())}")
+    return _FAMILIES[name]
+
+
+def _plain(record: Ranges) -> dict[str, Any]:
+    """Fields of a record: numbers, lists and nested dictionaries."""
+    out: dict[str, Any] = {}
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if isinstance(value, Ranges):
+            out[field.name] = _plain(value)
+        else:
+            out[field.name] = list(value) if isinstance(value, tuple) else value
+    return out
+
+
+def _made(record: _Record, values: object, path: str) -> _Record:
+    """A record with some fields replaced, nested ones too."""
+    if not isinstance(values, Mapping):
+        raise FamilyError(path, f"must be an object (got {values!r})")
+    known = {field.name for field in dataclasses.fields(record)}
+    changes: dict[str, Any] = {}
+    for key, value in values.items():
+        if key not in known:
+            reason = f"is not a known field (known: {', '.join(sorted(known))})"
+            raise FamilyError(f"{path}.{key}", reason)
+        old = getattr(record, key)
+        changes[key] = _made(old, value, f"{path}.{key}") if isinstance(old, Ranges) else value
+    try:
+        return dataclasses.replace(record, **changes)
+    except FamilyError as error:
+        raise FamilyError(f"{path}.{error.field}", error.reason) from None
