@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -79,6 +80,9 @@ class SolidQuadratic:
         put(self, "orientation", unit_vector(self.orientation, "orientation", 4))
 
 
+MOST_PERIODS = 1000  # of a pendulum's fastest swing in a horizon: its angle is tabulated
+
+
 @dataclass(frozen=True)
 class Pendulum:
     """A body on a cord; ``angle'' = -(gravity / length) sin(angle) - damping angle'``.
@@ -135,6 +139,11 @@ class Pendulum:
     def hang_distance(self) -> float:
         """Distance from the pivot to the body's centre."""
         return self.length if self.hang is None else self.hang
+
+    @property
+    def fastest(self) -> float:
+        """Bound of how fast anything about the swing changes [rad/s]."""
+        return max(math.sqrt(self.gravity / self.length), abs(self.rate), self.damping, 1e-3)
 
 
 SolidMotion = SolidQuadratic | Pendulum

@@ -20,7 +20,13 @@ from gcm_learn.situation.checks import (
     unit_vector,
     vector,
 )
-from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.motion import (
+    MOST_PERIODS,
+    Motion,
+    Pendulum,
+    PlanarQuadratic,
+    SolidQuadratic,
+)
 from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
 
 ROLES = ("target", "obstacle")
@@ -215,6 +221,11 @@ class Situation:
             if not body.is_solid and self.plane is not None:
                 reason = f"{quote(body.shape.kind)} is planar, but the situation has a plane"
                 raise SituationError(f"bodies[{k}].shape.kind", reason)
+            if isinstance(body.motion, Pendulum):
+                longest = 2.0 * math.pi * MOST_PERIODS / body.motion.fastest
+                if self.horizon > longest:
+                    reason = f"{self.horizon:g} s is over {MOST_PERIODS} periods of bodies[{k}]"
+                    raise SituationError("horizon", f"{reason} (at most {longest:g})")
         if not self.targets:
             raise SituationError("bodies", f"no target among {len(self.bodies)} bodies")
 

@@ -14,6 +14,7 @@ from gcm_learn.situation import (
     Arm,
     Body,
     Disc,
+    Pendulum,
     PlanarQuadratic,
     Plane,
     Situation,
@@ -192,3 +193,12 @@ def test_targets_and_obstacles_share_out_the_bodies(situation):
     )
     assert situation.bodies[0] in situation.targets
     assert situation.is_solid == all(body.is_solid for body in situation.bodies)
+
+
+def test_a_horizon_of_too_many_swings_is_refused_by_name():
+    swing = Pendulum((0, 0, 1), (1, 0, 0), (0, 0, -1), 1.0, 9.81, 0.5, 0.0)
+    ball = Body("target", "ball", Sphere(0.1), swing)
+    period = 2.0 * math.pi / math.sqrt(9.81)
+    assert Situation("s", 999.0 * period, Arm(**ARM), [ball], PLANE).horizon > 0.0
+    refused = message(Situation, "s", 1001.0 * period, Arm(**ARM), [ball], PLANE)
+    assert refused.startswith("horizon: 2008.08 s is over 1000 periods of bodies[0]")
