@@ -28,13 +28,21 @@ from numba import njit
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from gcm_learn import Lattice, MarchingParams, WaveParams, get_planner, rng  # noqa: E402
+from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng  # noqa: E402
 from gcm_learn.arm.lattice import hand_space  # noqa: E402
 from gcm_learn.arm.occupancy import occupied_cells  # noqa: E402
 from gcm_learn.families import random_planar  # noqa: E402
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation  # noqa: E402
 from gcm_learn.situation.bodies import pack  # noqa: E402
-from gcm_learn.wave import Task, front_speed, kappa_of, march, propagate, stencil  # noqa: E402
+from gcm_learn.wave import (  # noqa: E402
+    Task,
+    front_speed,
+    kappa_of,
+    march,
+    march_layers,
+    propagate,
+    stencil,
+)
 from gcm_learn.wave.reference import propagate_reference  # noqa: E402
 from tests.referee import judge  # noqa: E402
 
@@ -210,10 +218,34 @@ def plan_against_kernel(situations: int = 120) -> str:
     return f"{mid:.2f} x  (10 to 90 %: {low:.2f} to {high:.2f}; {len(ratios)} plans)"
 
 
+def layered_against_marching(situations: int = 60) -> str:
+    """Layered marching against plain marching on what a straight line does not solve."""
+    straight, ratios, times = get_planner("straight"), [], []
+    for k, name in itertools.product(
+        range(situations), ("random-planar", "crossing-swarm", "gate")
+    ):
+        situation = families.draw(name, 13, k)
+        if straight.plan(situation).caught:
+            continue
+        task = task_of(situation, situation.horizon)
+        layers, _, ratio = paired(
+            lambda: march_layers(task, MarchingParams()),  # noqa: B023
+            lambda: march(task, MarchingParams()),  # noqa: B023
+            5,
+        )
+        ratios.append(ratio)
+        times.append(layers)
+    low, mid, high = np.percentile(ratios, [10, 50, 90])
+    return (
+        f"{mid:.2f} x  (10 to 90 %: {low:.2f} to {high:.2f}; {len(ratios)} situations; "
+        f"median {np.median(times):.2f} ms)"
+    )
+
+
 def violations(situations: int) -> str:
     """Plans reported as caught that break a promise, by the tests' independent referee."""
     lines = []
-    for name in ("gcm", "marching", "straight"):
+    for name in ("gcm", "marching", "layered", "straight"):
         planner, caught, broken, ms = get_planner(name), 0, 0, []
         for k in range(situations):
             situation = random_planar(rng(11, k))
@@ -251,6 +283,7 @@ def main() -> None:
         ("error in free space", "marching no larger", free_space_errors),
         ("front speed anisotropy", "9-point 3.5 %, marching 1 %", anisotropy),
         ("whole plan / wave kernel alone", "at most 1.3 x", plan_against_kernel),
+        ("layered marching / marching", "at most 5 x", layered_against_marching),
         ("broken promises", "0", lambda: violations(arguments.situations)),
     ]
     for what, target, measure in table:
