@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.families.layout import Event, on_the_way, polar
+from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece
 from gcm_learn.families.ranges import (
@@ -33,7 +33,7 @@ class BehindMover(EventFamily):
     name = "behind-mover"
     summary = "a moving target that a mover covers from the hand at every moment"
 
-    obstacles: Counts = counts(1, 4, 1)
+    obstacles: Counts = counts(1, 3, 1)
     """Number of obstacles, the covering mover included."""
     speed: Range = span(0.05, 0.4)
     """Of the target [hand speeds]."""
@@ -56,7 +56,7 @@ class BehindMover(EventFamily):
         """First the cover, then bodies that move across the way."""
         if k == 0:
             return self._cover(rng, arm, event)
-        place, at = on_the_way(rng, arm, event, (0.2, 0.9))
+        place, at = self.aim(rng, arm, event)
         velocity = polar(pick(rng, self.others) * arm.max_hand_speed, pick_angle(rng))
         size, angle = self.sizes.any(rng), pick_angle(rng)
         return Piece("obstacle", f"obstacle {k}", size, place, at, velocity, angle=angle)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.families.layout import Event, on_the_way, polar
+from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece
 from gcm_learn.families.ranges import Counts, Range, counts, pick, pick_angle, span
@@ -45,7 +45,7 @@ class CrossingSwarm(EventFamily):
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
         """A member of the swarm."""
-        place, at = on_the_way(rng, arm, event, (0.15, 0.9))
+        place, at = self.aim(rng, arm, event)
         (x, y), (mx, my), hand = arm.hand, event.meet, arm.max_hand_speed
         across = math.atan2(my - y, mx - x) + event.side * math.pi / 2
         heading = across + pick(rng, self.spread)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.families.layout import Event, meeting_time, on_the_way
+from gcm_learn.families.layout import Event, meeting_time
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece, Vector
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, pick_sign, span
@@ -49,7 +49,7 @@ class Falling(EventFamily):
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
         """Something that falls, or a shelf."""
-        place, at = on_the_way(rng, arm, event, (0.2, 0.9))
+        place, at = self.aim(rng, arm, event)
         if rng.random() < self.shelves:
             lying = SLOPE * (2.0 * rng.random() - 1.0)
             return Piece("obstacle", f"shelf {k + 1}", self.sizes.bar(rng), place, angle=lying)

@@ -11,11 +11,12 @@ direction that the upper arm has at the target. Both start from rest, so a front
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.families.layout import Event, anywhere, elbow_at, polar, way_time
+from gcm_learn.families.layout import TRIES, Event, anywhere, elbow_at, polar, way_time
 from gcm_learn.families.piece_family import InSpace, PieceFamily
 from gcm_learn.families.pieces import Piece, Vector, solid_body
 from gcm_learn.families.ranges import (
@@ -31,8 +32,23 @@ from gcm_learn.families.ranges import (
 )
 from gcm_learn.situation import Arm, Body
 
-STEEPEST = 1.2  # [rad] runners farther behind than this would have to run far
-NONE: Range = (0.0, 0.0)
+STEEPEST = 1.2  # [rad] runners would have to run far if the target were farther behind
+LONGEST = 0.5  # straight way to the target, in ways that the hand can make within the horizon
+
+
+class Lock(NamedTuple):
+    """Directions seen from the shoulder [rad], and where the target is."""
+
+    arm: float
+    """Of the upper arm at the start."""
+    ahead: float
+    """1 if the way to the target turns counter-clockwise, else -1."""
+    gate: float
+    """Of the gate at first."""
+    behind: float
+    """Angle from there to the upper arm that reaches the target."""
+    meet: Vector
+    """Hand at the target [forearms]."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +60,9 @@ class Gate(PieceFamily):
 
     obstacles: Counts = counts(2, 4, 2)
     """Number of obstacles, the gate and the body on the arm's other side included."""
-    opening: Range = span(0.35, 0.65, 0.01, 0.95)
-    """When the gate opens [horizons]."""
+    opening: Range = span(0.05, 0.4, 0.01, 0.95)
+    """When the gate opens, as shares of the time from when the hand could be at the target,
+    if there were no gate, until the horizon."""
     bolts: float = number(0.6)
     """Share of gates that are bolts; the others are runners."""
     before: Range = span(0.15, 0.5, most=1.5)
@@ -65,6 +82,24 @@ class Gate(PieceFamily):
 
     def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
         """The target, the gate, the body on the other side, others that rest."""
+        for _ in range(TRIES):
+            lock = self._lock(rng, arm)
+            way = way_time(arm, lock.meet)
+            if way <= LONGEST * horizon:
+                break
+        target = Piece("target", "target", self.sizes.ball_to_catch(rng), lock.meet)
+        opens = way + pick(rng, self.opening) * max(horizon - way, 0.1 * horizon)
+        bolted = rng.random() < self.bolts or lock.behind > STEEPEST
+        gate = (self._bolt if bolted else self._runner)(rng, arm, lock, opens)
+        side = lock.arm - lock.ahead * pick(rng, self.back)
+        place = polar(pick(rng, self.near) * arm.upper_arm, side)
+        post = Piece("obstacle", "post", (pick(rng, self.runner),), place)
+        event = Event(target, lock.meet, opens, horizon, lock.ahead)
+        others = pick_count(rng, self.obstacles) - 2
+        return target, gate, post, *self.fitting(rng, arm, event, others)
+
+    def _lock(self, rng: np.random.Generator, arm: Arm) -> Lock:
+        """A gate beside the limb and a target behind it."""
         first = math.atan2(*reversed(elbow_at(arm, arm.hand)))
         ahead = pick_sign(rng)
         forearm = 1.0 if arm.elbow == "right" else -1.0  # to which side of the upper arm
@@ -73,49 +108,32 @@ class Gate(PieceFamily):
         bend, behind = pick(rng, self.bend), pick(rng, self.behind)
         if forearm != ahead:  # the forearm points back to the gate
             behind += math.atan2(math.sin(bend), arm.upper_arm + math.cos(bend))
-        opens = pick(rng, self.opening) * horizon
         meet = _hand_of(arm, gate + ahead * behind, forearm * bend)
-        target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet)
-        if rng.random() < self.bolts or behind > STEEPEST:
-            lock = self._bolt(rng, arm, gate, opens)
-        else:
-            lock = self._runner(rng, arm, gate, ahead, behind, opens)
-        place = polar(pick(rng, self.near) * arm.upper_arm, first - ahead * pick(rng, self.back))
-        post = Piece("obstacle", "post", (pick(rng, self.runner),), place)
-        event = Event(target, meet, max(opens, way_time(arm, meet)), horizon, ahead)
-        others = pick_count(rng, self.obstacles) - 2
-        return target, lock, post, *self.fitting(rng, arm, event, others)
+        return Lock(first, ahead, gate, behind, meet)
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
-        """A body at rest anywhere within reach."""
+        """A body at rest that the arm can dodge."""
         size, angle = self.sizes.any(rng), pick_angle(rng)
-        return Piece("obstacle", f"obstacle {k + 1}", size, anywhere(rng, arm), angle=angle)
+        return Piece("obstacle", f"obstacle {k + 1}", size, anywhere(rng, arm, 0.0), angle=angle)
 
-    def _bolt(self, rng: np.random.Generator, arm: Arm, gate: float, opens: float) -> Piece:
-        """A bar along a direction; its inner end passes the elbow's circle when it opens."""
+    def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
+        """A bar along the gate's direction; its inner end passes the elbow when it opens."""
         half, inner = pick(rng, self.bolt), pick(rng, self.near) * arm.upper_arm
         pull = 2.0 * (arm.upper_arm - inner) / opens**2
         size = (half, pick(rng, self.sizes.half_width))
         return Piece(
-            "obstacle", "bolt", size, polar(inner, gate),
-            acceleration=polar(pull, gate), angle=gate, offset=half,
+            "obstacle", "bolt", size, polar(inner, lock.gate),
+            acceleration=polar(pull, lock.gate), angle=lock.gate, offset=half,
         )  # fmt: skip
 
-    def _runner(
-        self,
-        rng: np.random.Generator,
-        arm: Arm,
-        gate: float,
-        ahead: float,
-        behind: float,
-        opens: float,
-    ) -> Piece:
-        """A ball that runs at right angles to a direction until it has turned by `behind`."""
-        near = pick(rng, self.near) * arm.upper_arm
-        pull = 2.0 * near * math.tan(behind) / opens**2
+    def _runner(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
+        """A ball that runs at right angles to the gate until it has passed the target's arm."""
+        # It has to get there before it is farther from the shoulder than the elbow.
+        near = min(pick(rng, self.near), 0.9 * math.cos(lock.behind)) * arm.upper_arm
+        pull = 2.0 * near * math.tan(lock.behind) / opens**2
         return Piece(
-            "obstacle", "runner", (pick(rng, self.runner),), polar(near, gate),
-            acceleration=polar(pull, gate + ahead * math.pi / 2),
+            "obstacle", "runner", (pick(rng, self.runner),), polar(near, lock.gate),
+            acceleration=polar(pull, lock.gate + lock.ahead * math.pi / 2),
         )  # fmt: skip
 
 
@@ -138,9 +156,9 @@ class GateSolid(InSpace, Gate):
     pulled: float = number(0.5)
     """Share of bolts that leave along the plane's normal."""
 
-    def _bolt(self, rng: np.random.Generator, arm: Arm, gate: float, opens: float) -> Piece:
+    def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
         """A bolt that slides, or one that leaves the plane from rest."""
-        bolt = super()._bolt(rng, arm, gate, opens)
+        bolt = super()._bolt(rng, arm, lock, opens)
         if rng.random() >= self.pulled:
             return bolt
         return bolt._replace(acceleration=(0.0, 0.0), leaves=opens)
@@ -148,5 +166,4 @@ class GateSolid(InSpace, Gate):
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
         """What a piece becomes; gates neither lean nor come through the plane by chance."""
         is_gate = piece.name in ("bolt", "runner")
-        space = replace(self.space, crossing=NONE, lean=NONE) if is_gate else self.space
-        return solid_body(rng, piece, space, arm.max_hand_speed)
+        return solid_body(rng, piece, self.space, arm.max_hand_speed, firm=is_gate)

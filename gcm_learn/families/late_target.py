@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.families.layout import Event, on_the_way, polar
+from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece, ball_through
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, pick_sign, span
@@ -34,8 +34,6 @@ class LateTarget(EventFamily):
     """Angle between the target's course and the way to the shoulder [rad]."""
     moving: float = number(0.7)
     """Share of obstacles that move; the others rest on the way."""
-    share: Range = span(0.2, 0.9, most=1.0)
-    """Where on the straight way obstacles are met, as shares of it."""
     others: Range = span(0.1, 0.6)
     """Speeds of those that move [hand speeds]."""
 
@@ -52,7 +50,7 @@ class LateTarget(EventFamily):
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
         """A body on the way to where the target comes in."""
-        place, at = on_the_way(rng, arm, event, self.share)
+        place, at = self.aim(rng, arm, event)
         size, angle, velocity = self.sizes.any(rng), pick_angle(rng), (0.0, 0.0)
         if rng.random() < self.moving:
             velocity = polar(pick(rng, self.others) * arm.max_hand_speed, pick_angle(rng))

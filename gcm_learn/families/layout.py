@@ -13,14 +13,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arm.kinematics import SIDE, elbow_of
+from gcm_learn.families.kernels import limb_gap2
 from gcm_learn.families.pieces import Piece, Vector
 from gcm_learn.families.ranges import Range, Ranges, pick, pick_angle, pick_sign, span
 from gcm_learn.situation import Arm
 
 TRIES = 10  # draws of what has to fit; after that many the last one is taken
 LATEST = 0.9  # latest planned meeting [horizons]
-UPPER = 0.25  # share of points that are put on the upper arm, the others on the forearm
-PARTS = {"upper": (0.3, 1.0), "fore": (0.2, 1.1)}  # how far along a segment; 1.1 is beyond the hand
+UPPER_ARM = (0.3, 1.0)  # where along it points are put
+FOREARM = (0.2, 1.1)  # the same; 1.1 is beyond the hand
+TINY = 1e-3  # [forearms]
 CORNER = 1.42  # a bar's corners are at most this many half widths from its middle line
 
 
@@ -39,14 +42,9 @@ class Event(NamedTuple):
 
 
 def elbow_at(arm: Arm, hand: Vector) -> Vector:
-    """Elbow of a hand position (erratum 7's closed form, as in `arm.kinematics`)."""
-    x, y = hand
-    r2 = max(x * x + y * y, 1e-12)
-    rho = arm.upper_arm
-    a = min(max((r2 + rho * rho - 1.0) / (2.0 * rho * math.sqrt(r2)), -1.0), 1.0)
-    b = math.sqrt(1.0 - a * a) * (1.0 if arm.elbow == "right" else -1.0)
-    scale = rho / math.sqrt(r2)
-    return scale * (a * x + b * y), scale * (a * y - b * x)
+    """Elbow of a hand position."""
+    x, y = elbow_of(*hand, arm.upper_arm, SIDE[arm.elbow])
+    return x, y
 
 
 @dataclass(frozen=True)
@@ -87,9 +85,12 @@ def meeting_time(
 
 
 def on_the_way(
-    rng: np.random.Generator, arm: Arm, event: Event, share: Range
+    rng: np.random.Generator, arm: Arm, event: Event, share: Range, inside: float
 ) -> tuple[Vector, float]:
     """A point that the limb sweeps on its straight way to the meeting, and when.
+
+    What is nearer to the shoulder than the elbow stops the upper arm from turning past it, so
+    that the only detour is the long way round; what is farther can be dodged by folding the arm.
 
     Parameters
     ----------
@@ -98,6 +99,8 @@ def on_the_way(
     event : Event
     share : (float, float)
         Range of shares of the way.
+    inside : float
+        Share of points on the upper arm; the others are on the forearm, farther than the elbow.
 
     Returns
     -------
@@ -106,16 +109,20 @@ def on_the_way(
     when : float
         [s]
     """
-    s = pick(rng, share)
+    upper = rng.random() < inside
     (x, y), (mx, my) = arm.hand, event.meet
-    hand = (x + s * (mx - x), y + s * (my - y))
-    ex, ey = elbow_at(arm, hand)
-    if rng.random() < UPPER:
-        f = pick(rng, PARTS["upper"])
-        point = (f * ex, f * ey)
-    else:
-        f = pick(rng, PARTS["fore"])
+    for _ in range(TRIES):
+        s = pick(rng, share)
+        hand = (x + s * (mx - x), y + s * (my - y))
+        ex, ey = elbow_at(arm, hand)
+        if upper:
+            f = pick(rng, UPPER_ARM)
+            point = (f * ex, f * ey)
+            break
+        f = pick(rng, FOREARM)
         point = (ex + f * (hand[0] - ex), ey + f * (hand[1] - ey))
+        if math.hypot(*point) > arm.upper_arm:
+            break
     return point, s * event.when
 
 
@@ -124,9 +131,13 @@ def way_time(arm: Arm, meet: Vector) -> float:
     return math.hypot(meet[0] - arm.hand[0], meet[1] - arm.hand[1]) / arm.max_hand_speed
 
 
-def anywhere(rng: np.random.Generator, arm: Arm) -> Vector:
-    """A place in the disc that the arm reaches, evenly."""
-    return polar(arm.reach * math.sqrt(rng.random()), pick_angle(rng))
+def anywhere(rng: np.random.Generator, arm: Arm, inside: float) -> Vector:
+    """A place within reach; `inside` is the share of those nearer to the shoulder than the elbow.
+
+    In each of the two regions all places are equally likely.
+    """
+    near, far = (TINY, arm.upper_arm) if rng.random() < inside else (arm.upper_arm, arm.reach)
+    return polar(math.sqrt(pick(rng, (near * near, far * far))), pick_angle(rng))
 
 
 def polar(radius: float, angle: float) -> Vector:
@@ -146,45 +157,13 @@ def leaves_room(piece: Piece, arm: Arm, event: Event) -> bool:
 
 def touches(piece: Piece, arm: Arm, hand: Vector, t: float) -> bool:
     """Whether a piece is nearer to the limb of a hand position than its thickness, at time t."""
-    x, y = piece.at(t)
-    long, wide = piece.size if len(piece.size) == 2 else (0.0, piece.size[0])
-    near = arm.thickness + (CORNER * wide if long else wide)
-    ex, ey = elbow_at(arm, hand)
-    ax = ay = bx = by = 0.0
-    if long:
+    (x, y), (dx, dy) = piece.at(t), (0.0, 0.0)
+    near = piece.size[-1]
+    if len(piece.size) == 2:
         angle = piece.angle + piece.spin * (t - piece.when)
-        c, s = math.cos(angle), math.sin(angle)
-        ax, ay = (piece.offset - long) * c, (piece.offset - long) * s
-        bx, by = (piece.offset + long) * c, (piece.offset + long) * s
-    bar = (x + ax, y + ay, x + bx, y + by)
-    upper, fore = (0.0, 0.0, ex, ey), (ex, ey, hand[0], hand[1])
-    return _squared_gap(bar, upper) <= near * near or _squared_gap(bar, fore) <= near * near
-
-
-Line = tuple[float, float, float, float]  # both ends of a segment
-
-
-def _squared_gap(p: Line, q: Line) -> float:
-    """Squared distance of two segments in the plane: 0 if they cross, else at one of the ends."""
-    ux, uy, vx, vy = p[2] - p[0], p[3] - p[1], q[2] - q[0], q[3] - q[1]
-    wx, wy = q[0] - p[0], q[1] - p[1]
-    cross = ux * vy - uy * vx
-    if cross != 0.0:
-        s, t = (wx * vy - wy * vx) / cross, (wx * uy - wy * ux) / cross
-        if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
-            return 0.0
-    return min(
-        _from_end(p[0], p[1], q, vx, vy),
-        _from_end(p[2], p[3], q, vx, vy),
-        _from_end(q[0], q[1], p, ux, uy),
-        _from_end(q[2], q[3], p, ux, uy),
-    )
-
-
-def _from_end(x: float, y: float, line: Line, dx: float, dy: float) -> float:
-    """Squared distance of a point to a segment with the direction (dx, dy)."""
-    x, y = x - line[0], y - line[1]
-    length2 = dx * dx + dy * dy
-    s = min(max((x * dx + y * dy) / length2, 0.0), 1.0) if length2 > 0.0 else 0.0
-    x, y = x - s * dx, y - s * dy
-    return x * x + y * y
+        dx, dy = piece.size[0] * math.cos(angle), piece.size[0] * math.sin(angle)
+        # The origin is on the bar's middle line, `offset` from its middle.
+        share = piece.offset / piece.size[0]
+        x, y, near = x + share * dx, y + share * dy, CORNER * near
+    gap2 = limb_gap2(*hand, arm.upper_arm, SIDE[arm.elbow], x - dx, y - dy, x + dx, y + dy)
+    return bool(gap2 <= (arm.thickness + near) ** 2)

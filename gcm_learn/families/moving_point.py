@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.families.layout import Event, on_the_way, polar
+from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, span
@@ -15,7 +15,7 @@ from gcm_learn.situation import Arm
 
 @dataclass(frozen=True)
 class MovingPoint(EventFamily):
-    """Every point is aimed at a part of the limb and reaches it on its straight way."""
+    """Points small enough to be all edge: where they pass, the limb must have gone or must wait."""
 
     name = "moving-point"
     summary = "points that cross the limb's way to a resting or slow target"
@@ -30,8 +30,6 @@ class MovingPoint(EventFamily):
     """Of the other targets [hand speeds]."""
     wait: Range = span(1.0, 1.8, 1.0)
     """When the target is where it may be met, in times that the hand needs for the way there."""
-    share: Range = span(0.2, 0.9, most=1.0)
-    """Where on the straight way the points are met, as shares of it."""
 
     def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
         """A ball that rests or is slow."""
@@ -41,7 +39,7 @@ class MovingPoint(EventFamily):
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
         """A point."""
-        place, at = on_the_way(rng, arm, event, self.share)
+        place, at = self.aim(rng, arm, event)
         velocity = polar(pick(rng, self.speed) * arm.max_hand_speed, pick_angle(rng))
         size = (pick(rng, self.point),)
         return Piece("obstacle", f"point {k + 1}", size, place, at, velocity)

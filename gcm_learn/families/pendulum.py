@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.families.family import Family
-from gcm_learn.families.layout import Event, WayRanges, meeting_time, on_the_way
-from gcm_learn.families.piece_family import Sizes
-from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, Vector, in_world, solid_body
-from gcm_learn.families.ranges import Range, number, pick, pick_count, pick_sign, span
+from gcm_learn.families.layout import Event
+from gcm_learn.families.piece_family import EventFamily, InSpace
+from gcm_learn.families.pieces import Piece, Vector, in_world
+from gcm_learn.families.ranges import (
+    Counts,
+    Range,
+    counts,
+    number,
+    pick,
+    pick_angle,
+    pick_count,
+    pick_sign,
+    span,
+)
 from gcm_learn.situation import Arm, Body, Capsule, Pendulum, Situation, Sphere
 from gcm_learn.situation.bodies import integrate_swing
 
@@ -30,18 +38,18 @@ class Swing(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PendulumFamily(Family):
+class PendulumFamily(InSpace, EventFamily):
     """The ball is the target, its cord an obstacle; other pendulums swing across the way.
 
-    The arm's plane is vertical, the swing's plane stands at an angle to it.
+    The arm's plane is vertical, the swing's plane stands at an angle to it. There are no planar
+    pendulums; bars on hinges in the family "spinning" are their cousins.
     """
 
     name = "pendulum"
     summary = "a ball on a cord that swings through the arm's plane, with others in the way"
 
-    sizes: Sizes = field(default_factory=Sizes)
-    space: SpaceRanges = field(default_factory=SpaceRanges)
-    way: WayRanges = field(default_factory=WayRanges)
+    obstacles: Counts = counts(1, 4, 1)
+    """Number of obstacles, the target's cord included."""
     length: Range = span(0.8, 2.5, 0.1)
     """From pivot to ball [forearms]."""
     gravity: Range = span(0.3, 1.0, 0.01)
@@ -52,42 +60,41 @@ class PendulumFamily(Family):
     """Angle at which the plane is met [amplitudes]."""
     heading: Range = span(0.2, 1.57, 0.0, 1.58)
     """Angle between the swing's plane and the arm's [rad]."""
-    wait: Range = span(1.0, 2.0, 1.0)
+    wait: Range = span(1.0, 1.8, 1.0)
     """When the ball is where it may be met, in times that the hand needs for the way there."""
     cord: Range = span(0.005, 0.02, 1e-3)
     """Radius of cords [forearms]."""
     swinging: float = number(0.6)
-    """Share of swinging bodies among the other obstacles, as far as there is room for two each."""
+    """Share of pendulums among the other obstacles, as far as there is room for two bodies each;
+    the rest of them are bodies at rest."""
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation:
         """Draw once, the limb free or not."""
         arm, horizon = self.arm.draw(rng)
-        return Situation(name, horizon, arm, tuple(self._bodies(rng, arm, horizon)), UPRIGHT)
-
-    def _bodies(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Iterator[Body]:
-        """The ball, its cord, then balls on cords and bodies at rest."""
-        meet = self.way.end(rng, arm, horizon, self.arm.radii(arm.upper_arm))
-        when = meeting_time(rng, arm, meet, self.wait, horizon)
-        gravity = pick(rng, self.gravity) * arm.max_hand_speed**2
-        size = pick(rng, self.sizes.target)
-        ball, cord = self._pair(rng, Swing(meet, when, gravity), size, "target", "")
-        yield ball
-        target = Piece("target", "ball", (size,), meet, when)
-        event = Event(target, meet, when, horizon, 1.0)
-        left = pick_count(rng, self.obstacles)
-        if left > 0:
-            yield cord
-        left -= 1
+        event, gravity = self.event(rng, arm, horizon), pick(rng, self.gravity)
+        gravity *= arm.max_hand_speed**2
+        place, when, size = event.meet, event.when, event.target.size[0]
+        bodies = [*self._pair(rng, Swing(place, when, gravity), size, "target", "")]
+        left = pick_count(rng, self.obstacles) - 1
         while left > 0:
-            place, at = on_the_way(rng, arm, event, (0.2, 0.9))
             if left >= 2 and rng.random() < self.swinging:
-                size, swing = pick(rng, self.sizes.radius), Swing(place, at, gravity)
-                yield from self._pair(rng, swing, size, "obstacle", f" {left}")
-                left -= 2
+                swing = Swing(*self.aim(rng, arm, event), gravity)
+                size, left = pick(rng, self.sizes.radius), left - 2
+                bodies += self._pair(rng, swing, size, "obstacle", f" {left}")
             else:
-                piece = Piece("obstacle", f"post {left}", self.sizes.any(rng), place)
-                yield solid_body(rng, piece, self.space, arm.max_hand_speed)
+                (post,) = self.fitting(rng, arm, event, 1)
                 left -= 1
+                bodies.append(self.body(rng, post._replace(name=f"post {left}"), arm))
+        return Situation(name, horizon, arm, tuple(bodies), self.plane)
+
+    def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
+        """A ball, and where and when it passes."""
+        return self.moving_ball(rng, arm, horizon, (0.0, 0.0), self.wait)
+
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+        """A body at rest."""
+        place, _ = self.aim(rng, arm, event)
+        return Piece("obstacle", "post", self.sizes.any(rng), place, angle=pick_angle(rng))
 
     def _pair(
         self, rng: np.random.Generator, swing: Swing, radius: float, role: str, number: str

@@ -13,8 +13,10 @@ from gcm_learn.families.layout import (
     TRIES,
     Event,
     WayRanges,
+    anywhere,
     leaves_room,
     meeting_time,
+    on_the_way,
     polar,
     way_time,
 )
@@ -117,6 +119,13 @@ class EventFamily(PieceFamily):
     """Base of families that aim obstacles at the straight way to where the target may be met."""
 
     way: WayRanges = field(default_factory=WayRanges)
+    aimed: float = number(0.5)
+    """Share of obstacles that are aimed at the limb's straight way; the others pass anywhere within
+    reach at any time. The more are aimed, the fewer targets can be caught at all."""
+    share: Range = span(0.2, 0.9, most=1.0)
+    """Where on the straight way aimed obstacles are met, as shares of it."""
+    inside: float = number(0.15)
+    """Share of places nearer to the shoulder than the elbow; see `layout.on_the_way`."""
 
     def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
         """The target, then the obstacles, in the arm's plane."""
@@ -130,6 +139,12 @@ class EventFamily(PieceFamily):
     def goal(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Vector:
         """Where the target may be met."""
         return self.way.end(rng, arm, horizon, self.arm.radii(arm.upper_arm))
+
+    def aim(self, rng: np.random.Generator, arm: Arm, event: Event) -> tuple[Vector, float]:
+        """Where an obstacle is to be, and when [s]."""
+        if rng.random() < self.aimed:
+            return on_the_way(rng, arm, event, self.share, self.inside)
+        return anywhere(rng, arm, self.inside), event.horizon * rng.random()
 
     def ball_at_rest(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
         """A resting target, met as early as can be."""

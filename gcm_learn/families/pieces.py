@@ -102,7 +102,14 @@ def planar_body(piece: Piece) -> Body:
     return Body(piece.role, piece.name, shape, motion)
 
 
-def solid_body(rng: np.random.Generator, piece: Piece, space: SpaceRanges, speed: float) -> Body:
+def solid_body(
+    rng: np.random.Generator,
+    piece: Piece,
+    space: SpaceRanges,
+    speed: float,
+    *,
+    firm: bool = False,
+) -> Body:
     """A piece as a solid that is in the arm's plane at its time.
 
     Parameters
@@ -112,16 +119,18 @@ def solid_body(rng: np.random.Generator, piece: Piece, space: SpaceRanges, speed
     space : SpaceRanges
     speed : float
         Of the hand [forearms/s].
+    firm : bool
+        Neither let it lean nor come through the plane.
     """
     depth = pick(rng, space.depth)
-    tilt = _lean(rng, pick(rng, space.lean))
+    tilt = _UNTURNED if firm else _lean(rng, pick(rng, space.lean))
     if piece.leaves is not None:
         return _leaving(rng, piece, tilt, depth)
     shape, own = _solid_shape(rng, piece, depth)
     if piece.offset and piece.spin:
         motion: Pendulum | SolidQuadratic = _hinge(piece, tilt)
     else:
-        through = 0.0 if piece.rests else pick_sign(rng) * pick(rng, space.crossing) * speed
+        through = 0.0 if firm or piece.rests else pick_sign(rng) * pick(rng, space.crossing) * speed
         motion = _flight(piece, tilt, own, through)
     return Body(piece.role, piece.name, shape, motion)
 

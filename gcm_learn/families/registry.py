@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
@@ -41,6 +42,7 @@ def family_names() -> list[str]:
     return list(_FAMILIES)
 
 
+@functools.cache
 def get_family(name: str) -> Family:
     """A family with its default ranges; raises UnknownNameError with the known names."""
     return _class_of(name)()

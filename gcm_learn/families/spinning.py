@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.families.layout import Event, on_the_way, polar
+from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, pick_sign, span
@@ -41,7 +41,7 @@ class Spinning(EventFamily):
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
         """A bar that has some part of itself on the way when the limb is there."""
-        place, at = on_the_way(rng, arm, event, (0.2, 0.9))
+        place, at = self.aim(rng, arm, event)
         hand, size, angle = arm.max_hand_speed, self.sizes.bar(rng), pick_angle(rng)
         spin = self._turning(rng, hand)
         bar = Piece("obstacle", f"bar {k + 1}", size, place, at, angle=angle, spin=spin)
