@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arm.kinematics import SIDE, elbow_of
-from gcm_learn.families.kernels import limb_gap2
+from gcm_learn.arm.limb_gap import limb_gap2
 from gcm_learn.families.pieces import Piece, Vector
 from gcm_learn.families.ranges import Range, Ranges, pick, pick_angle, pick_sign, span
 from gcm_learn.situation import Arm

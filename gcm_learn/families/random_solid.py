@@ -8,7 +8,7 @@ import numpy as np
 
 from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.layout import polar
-from gcm_learn.families.ranges import Range, number, pick, pick_angle, pick_count, span
+from gcm_learn.families.ranges import Counts, Range, number, pick, pick_angle, pick_count, span
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -116,6 +116,26 @@ class RandomSolid(Family):
     def _three(rng: np.random.Generator, ends: Range, unit: float) -> np.ndarray:
         """Three components from a range (3,), times a unit."""
         return unit * np.array([pick(rng, ends) for _ in range(3)])
+
+
+def random_solid(
+    rng: np.random.Generator, obstacles: Counts = (1, 4), name: str = "random solid"
+) -> Situation:
+    """Draw a 3D situation once; the limb may touch an obstacle at t = 0.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    obstacles : (int, int)
+        Smallest and largest number of obstacles.
+    name : str
+        Of the situation; names must be unique in a file.
+
+    Returns
+    -------
+    Situation
+    """
+    return RandomSolid(obstacles=obstacles).sketch(rng, name)
 
 
 def random_rotation(rng: np.random.Generator) -> np.ndarray:

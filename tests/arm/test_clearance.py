@@ -13,6 +13,7 @@ from gcm_learn import seeding
 from gcm_learn.arm import Trajectory, clearance
 from gcm_learn.arm.clearance import RESOLUTION, limb_sweep
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_shape, random_solid
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -28,7 +29,6 @@ from gcm_learn.situation import (
     Sphere,
 )
 from tests import strategies
-from tests.random_solid import random_shape, random_solid
 from tests.referee import by_hand, elbow_of, limb_distances, nearest
 
 FLAT = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
@@ -221,7 +221,7 @@ def test_a_solid_bullet_through_the_plane_is_never_missed(seed):
         tuple(met - moment * velocity), tuple(velocity), (0.0,) * 3, spin=tuple(rng.normal(size=3))
     )
     away = SolidQuadratic((9.0, 9.0, 9.0), (0.0,) * 3, (0.0,) * 3)
-    bullet = Body("obstacle", "bullet", random_shape(rng, 1e-3, 1e-2), motion)
+    bullet = Body("obstacle", "bullet", random_shape(rng, (1e-3, 1e-2)), motion)
     bodies = (Body("target", "ball", Sphere(0.1), away), bullet)
     assert clearance(Situation("s", 1.0, arm, bodies, FLAT), path)[0] <= 0.0
 

@@ -10,10 +10,10 @@ from gcm_learn.arm import Lattice
 from gcm_learn.arm.lattice import hand_space
 from gcm_learn.arm.occupancy import blocked_cells, first_touch, met_targets
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import poses_at
-from tests.random_solid import random_solid
 from tests.referee import elbow_of, place, segment_distances
 
 SHORTEST = 1e-5  # [s]

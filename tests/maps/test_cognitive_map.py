@@ -15,10 +15,10 @@ from gcm_learn.arm.lattice import hand_space
 from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn.errors import FileFormatError
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.maps import CognitiveMap, Contact, build_map, layered_map, task_of
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams, march_layers
-from tests.random_solid import random_solid
 
 ENGINES = {"wave": WaveParams(), "marching": MarchingParams()}
 REST = (0.0, 0.0)

@@ -11,6 +11,7 @@ import pytest
 
 from gcm_learn import seeding, solve
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import (
     Arm,
@@ -23,7 +24,6 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
 )
-from tests.random_solid import random_solid
 from tests.referee import judge
 from tests.transforms import mirrored, turned
 

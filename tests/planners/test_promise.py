@@ -9,8 +9,8 @@ import pytest
 from gcm_learn import seeding, solve
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import planner_names
-from tests.random_solid import random_solid
 from tests.referee import judge
 
 PLANNERS = planner_names()

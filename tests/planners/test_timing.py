@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from gcm_learn import seeding
 from gcm_learn.arm import Trajectory, forward, joint_angles
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners.interception import (
     NOWHERE,
     first_catch,
@@ -23,7 +24,6 @@ from gcm_learn.planners.timing import keep_limits, refine, segment_times, straig
 from gcm_learn.situation import Arm
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import poses_at
-from tests.random_solid import random_solid
 from tests.referee import depths, place, point_distances, rates
 
 FAMILIES = {"planar": random_planar, "solid": random_solid}

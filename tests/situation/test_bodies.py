@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from gcm_learn import seeding
 from gcm_learn.errors import SituationError
+from gcm_learn.families.random_solid import random_rotation, random_solid
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -29,7 +30,6 @@ from gcm_learn.situation import (
 from gcm_learn.situation import kernels as k
 from gcm_learn.situation.bodies import pack, pose, rotation_of
 from tests import strategies
-from tests.random_solid import random_rotation, random_solid
 from tests.referee import place
 from tests.transforms import carried, quaternion_of
 

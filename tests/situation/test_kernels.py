@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from gcm_learn.families.random_solid import random_rotation
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -25,7 +26,6 @@ from gcm_learn.situation import (
 from gcm_learn.situation import kernels as k
 from gcm_learn.situation.bodies import pack
 from tests import strategies
-from tests.random_solid import random_rotation
 from tests.referee import _segment_polygon, point_distances
 from tests.transforms import quaternion_of
 

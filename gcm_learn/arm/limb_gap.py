@@ -1,4 +1,4 @@
-"""How near a bar's middle line is to the limb, compiled: it is asked many times a draw."""
+"""How near the limb is to a segment in its plane."""
 
 from __future__ import annotations
 
