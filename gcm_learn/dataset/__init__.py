@@ -13,7 +13,7 @@ except ImportError as _error:  # pragma: no cover - depends on what is installed
         "gcm_learn.dataset needs pyarrow and fsspec: pip install 'gcm_learn[data]'"
     ) from _error
 
-from gcm_learn.dataset.generate import generate
+from gcm_learn.dataset.generation import generate
 from gcm_learn.dataset.reader import Dataset
 from gcm_learn.dataset.reader import open_dataset as open
 from gcm_learn.dataset.record import Record
