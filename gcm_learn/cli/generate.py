@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -67,7 +68,21 @@ class Generate:
         except OSError as error:
             raise CommandFailure(f"--out {self.out}: {why(error)}") from None
         print(_sentence(self.out, manifest))
-        return 0
+        return self._check(manifest["records"]) if self.verify else 0
+
+    def _check(self, total: int) -> int:
+        """Verify what there is; the exit code is 1 if anything is wrong."""
+        from gcm_learn.dataset.verifying import verify_dataset
+
+        with Progress(total, "records verified") as progress:
+            report = verify_dataset(self.out, self.workers, progress=progress.advance)
+        for fault in report.quoted:
+            print(fault, file=sys.stderr)
+        print(
+            f"{self.out}: verified {report.records} records, {report.plans} catches, "
+            f"{report.remade} items made again, {report.faults} faults"
+        )
+        return 1 if report.faults else 0
 
 
 def _part(text: str | None) -> tuple[int, int]:

@@ -72,24 +72,31 @@ def generate(
     workers = workers or len(os.sched_getaffinity(0))
     hands = {"cluster": cluster} if cluster else {"workers": workers}
     began = told = time.monotonic()
+    fresh: set[int] = set()
     run: dict[str, Any] = {"records": 0, "seconds": 0.0, **hands}
     for info in _made(spec, folder.url, missing, workers, cluster):
         infos[info.shard] = info
+        fresh.add(info.shard)
         run["records"] += info.rows
         run["seconds"] = round(time.monotonic() - began, 1)
         progress(info.rows)
         if time.monotonic() - told > BETWEEN_MANIFESTS:
             told = time.monotonic()
-            write_manifest(folder, manifest_of(folder, spec, infos, [*runs, run]))
-    return _finish(folder, spec, infos, [*runs, run] if run["records"] else runs)
+            write_manifest(folder, manifest_of(folder, spec, infos, [*runs, run], fresh))
+            fresh.clear()
+    return _finish(folder, spec, infos, [*runs, run] if run["records"] else runs, fresh)
 
 
 def _finish(
-    folder: Folder, spec: DatasetSpec, infos: dict[int, ShardInfo], runs: list[dict[str, Any]]
+    folder: Folder,
+    spec: DatasetSpec,
+    infos: dict[int, ShardInfo],
+    runs: list[dict[str, Any]],
+    fresh: set[int],
 ) -> Manifest:
     if len(infos) < spec.shards:  # other parts may be under way, or ready by now
         infos = present(folder, spec, range(spec.shards))
-    manifest = manifest_of(folder, spec, infos, runs)
+    manifest = manifest_of(folder, spec, infos, runs, fresh)
     write_manifest(folder, manifest)
     if manifest["complete"]:
         folder.sweep()

@@ -5,12 +5,19 @@ from __future__ import annotations
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from gcm_learn.dataset.folder import MANIFEST, Folder
 from gcm_learn.dataset.schema import VERSION
-from gcm_learn.dataset.shards import MOST_ERRORS, ShardInfo, header_of, info_of, shard_name
+from gcm_learn.dataset.shards import (
+    MOST_ERRORS,
+    DamagedShardError,
+    ShardInfo,
+    header_of,
+    info_of,
+    shard_name,
+)
 from gcm_learn.dataset.spec import STRATA, DatasetSpec, spec_to_json
 from gcm_learn.dataset.spec_file import spec_from_json
 from gcm_learn.errors import DatasetError
@@ -22,7 +29,7 @@ Manifest = dict[str, Any]
 def present(folder: Folder, spec: DatasetSpec, shards: Iterable[int]) -> dict[int, ShardInfo]:
     """The shards that are there and whole.
 
-    One of a smaller dataset, which ended within it, is not whole; it is removed.
+    One that cannot be read, or that ends early because the dataset was smaller, is left out.
 
     Raises
     ------
@@ -35,7 +42,10 @@ def present(folder: Folder, spec: DatasetSpec, shards: Iterable[int]) -> dict[in
         name = shard_name(shard)
         if name not in names:
             continue
-        info = info_of(folder, name)
+        try:
+            info = info_of(folder, name)
+        except DamagedShardError:
+            continue
         if info.spec != spec.digest:
             reason = f"is of specification {info.spec}, not {spec.digest}"
             raise DatasetError(f"{folder.path(name)}: {reason}")
@@ -63,7 +73,11 @@ def write_manifest(folder: Folder, manifest: Manifest) -> None:
 
 
 def manifest_of(
-    folder: Folder, spec: DatasetSpec, infos: Mapping[int, ShardInfo], runs: list[dict[str, Any]]
+    folder: Folder,
+    spec: DatasetSpec,
+    infos: Mapping[int, ShardInfo],
+    runs: list[dict[str, Any]],
+    fresh: Collection[int] = (),
 ) -> Manifest:
     """What the shards that are there add up to.
 
@@ -75,8 +89,12 @@ def manifest_of(
         The shards that are there.
     runs : list of dict
         How long each run took, and with how many workers.
+    fresh : collection of int
+        Shards that were made since the last manifest. Of the others it holds what they should be,
+        which is not renewed.
     """
     known = {s["name"]: s for s in (read_manifest(folder) or {}).get("shards", ())}
+    known = {name: s for name, s in known.items() if name not in set(map(shard_name, fresh))}
     shards = [_entry(folder, infos[k], known) for k in sorted(infos)]
     together = hashlib.sha256("".join(s["sha256"] for s in shards).encode()).hexdigest()
     records = sum(info.rows - info.failures for info in infos.values())
@@ -100,13 +118,12 @@ def manifest_of(
     }
 
 
-def _entry(folder: Folder, info: ShardInfo, known: Mapping[str, Mapping[str, Any]]) -> Manifest:
-    """Name, size and hash of a shard; the hash is that of an earlier manifest if it has one."""
+def _entry(folder: Folder, info: ShardInfo, known: Mapping[str, Manifest]) -> Manifest:
+    """Name, size and hash of a shard."""
     name = shard_name(info.shard)
-    size = folder.size(name)
-    before = known.get(name)
-    same = before is not None and (before["rows"], before["bytes"]) == (info.rows, size)
-    digest = before["sha256"] if before is not None and same else folder.sha256(name)
+    if name in known and known[name]["rows"] == info.rows:
+        return known[name]
+    size, digest = folder.size(name), folder.sha256(name)
     return {"name": name, "rows": info.rows, "bytes": size, "sha256": digest}
 
 

@@ -181,8 +181,16 @@ def open_dataset(path: str | os.PathLike[str]) -> Dataset:
     if not names:
         raise DatasetError(f"{folder.url}: holds no shards yet")
     header_of(folder, names[0])  # refuses another version
-    shelf = _Shelf(folder, spec, names)
     manifest = read_manifest(folder) or {}
-    twins = np.isin(shelf.column("index"), manifest.get("twins", {}).get("removed", []))
+    return _opened(_Shelf(folder, spec, names), manifest.get("twins", {}).get("removed", []))
+
+
+def open_shard(folder: Folder, spec: DatasetSpec, name: str) -> Dataset:
+    """The records of one shard, twins included."""
+    return _opened(_Shelf(folder, spec, [name]), [])
+
+
+def _opened(shelf: _Shelf, removed: list[int]) -> Dataset:
+    twins = np.isin(shelf.column("index"), removed)
     good = np.array([error is None for error in shelf.column("error")])
     return Dataset(shelf, np.flatnonzero(good & ~twins))

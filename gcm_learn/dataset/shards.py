@@ -27,6 +27,10 @@ _WORDS = ("family", "stratum", "split", "structure", "oracle_stratum", "contact_
 _MADE_BY = (*compiled.FOLDERS, "families", "dataset")
 
 
+class DamagedShardError(DatasetError):
+    """A shard's file cannot be read."""
+
+
 @dataclass(frozen=True)
 class ShardInfo:
     """What is known of a shard without reading its records."""
@@ -146,7 +150,7 @@ def header_of(folder: Folder, name: str) -> dict[str, Any]:
             header = json.loads(metadata.get(KEY, b"{}"))
     except (OSError, pa.ArrowException, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DatasetError(f"{folder.path(name)}: not a shard ({reason})") from None
+        raise DamagedShardError(f"{folder.path(name)}: not a shard ({reason})") from None
     if header.get("format") != VERSION:
         is_ = header.get("format", "none")
         raise DatasetError(f"{folder.path(name)}: schema is {is_}, this version reads {VERSION}")

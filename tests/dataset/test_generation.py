@@ -71,6 +71,15 @@ def test_only_what_is_missing_is_made(small, tmp_path, here, small_folder):
     assert here.made == [0, 1, 2, 1]
 
 
+def test_a_shard_that_cannot_be_read_is_made_again(small, tmp_path, here):
+    generate(small, tmp_path)
+    before = hashes(tmp_path)
+    path = tmp_path / shard_name(0)
+    path.write_bytes(path.read_bytes()[:-100])
+    generate(small, tmp_path)
+    assert here.made == [0, 1, 2, 0] and hashes(tmp_path) == before
+
+
 def test_a_larger_count_goes_on_and_remakes_the_short_shard(small, tmp_path, here):
     generate(small, tmp_path)
     first = hashes(tmp_path)
