@@ -107,17 +107,13 @@ def _made(
     spec: DatasetSpec, url: str, shards: Iterable[int], workers: int, cluster: str | None
 ) -> Iterator[ShardInfo]:
     """Make shards; they come as they are ready."""
+    alone = partial(make_alone, spec, url=url)
     if cluster is not None:
         from gcm_learn.dataset.cluster import cluster_results
 
-        return cluster_results(spec, url, shards, cluster)
-    pool = LocalPool(
-        partial(make_shard, spec, url=url),
-        workers,
-        alone=partial(make_alone, spec, url=url),
-        prepare=partial(warm_up, spec),
-    )
-    return pool.results(shards)
+        return cluster_results(spec, url, shards, cluster, alone)
+    work = partial(make_shard, spec, url=url)
+    return LocalPool(work, workers, alone, prepare=partial(warm_up, spec)).results(shards)
 
 
 def make_alone(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:

@@ -5,24 +5,38 @@ from __future__ import annotations
 import os
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from gcm_learn.dataset.cache import MapCache, cached
+from gcm_learn.dataset.examples import Example
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.manifest import Manifest, read_manifest, spec_of
 from gcm_learn.dataset.record import Record, Row
 from gcm_learn.dataset.schema import LABELS
 from gcm_learn.dataset.shards import ROW_GROUP, header_of
 from gcm_learn.dataset.spec import DatasetSpec
+from gcm_learn.dataset.streaming import WINDOW, stream
 from gcm_learn.errors import DatasetError, UnknownNameError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 GROUPS_KEPT = 16  # row groups that stay decoded, for readers that stay near
+
+
+class Group(NamedTuple):
+    """Records that stand together in a shard."""
+
+    shard: int
+    """Position of the shard among the dataset's."""
+    group: int
+    """Row group within the shard."""
+    offsets: np.ndarray
+    """Positions of the records within the row group (m,)."""
 
 
 class _Shelf:
@@ -38,8 +52,13 @@ class _Shelf:
 
     def read(self, shard: int, columns: list[str] | None = None) -> pa.Table:
         """Columns of a shard."""
-        with self.folder.open(self.names[shard]) as stream:
-            return pq.read_table(stream, columns=columns)
+        with self.folder.open(self.names[shard]) as file:
+            return pq.read_table(file, columns=columns)
+
+    def read_group(self, shard: int, group: int, columns: list[str] | None = None) -> pa.Table:
+        """Columns of a row group of a shard."""
+        with self.folder.open(self.names[shard]) as file:
+            return pq.ParquetFile(file).read_row_group(group, columns)
 
     def column(self, name: str) -> np.ndarray:
         """A label column of all shards, failed items included (m,)."""
@@ -56,8 +75,7 @@ class _Shelf:
         group, offset = divmod(place - int(self.starts[shard]), ROW_GROUP)
         key = (shard, group)
         if key not in self._groups:
-            with self.folder.open(self.names[shard]) as stream:
-                table = pq.ParquetFile(stream).read_row_group(group)
+            table = self.read_group(shard, group)
             self._groups[key] = table.combine_chunks().to_batches()[0]
             if len(self._groups) > GROUPS_KEPT:
                 self._groups.popitem(last=False)
@@ -76,10 +94,14 @@ class Dataset(Sequence[Record]):
     neither reads a map.
     """
 
-    def __init__(self, shelf: _Shelf, places: np.ndarray) -> None:
+    def __init__(
+        self, shelf: _Shelf, places: np.ndarray, everything: np.ndarray | None = None
+    ) -> None:
         self._shelf = shelf
         self._places = places
         """Position of every record among all items of the shards (m,)."""
+        self._all = places if everything is None else everything
+        """The same of all records of the dataset of which this is a part."""
 
     @property
     def spec(self) -> DatasetSpec:
@@ -113,7 +135,7 @@ class Dataset(Sequence[Record]):
     def __getitem__(self, k: int | slice | np.ndarray) -> Record | Dataset:
         """Record k, or those of a slice or of an array of positions or of truth values."""
         if isinstance(k, slice | np.ndarray):
-            return Dataset(self._shelf, self._places[k])
+            return Dataset(self._shelf, self._places[k], self._all)
         return self._record(self._shelf.row(int(self._places[k])))
 
     def __iter__(self) -> Iterator[Record]:
@@ -146,6 +168,45 @@ class Dataset(Sequence[Record]):
             else:
                 keep &= column == wanted
         return self[keep]
+
+    def cache(
+        self, folder: str | os.PathLike[str] | None = None, labels: Sequence[str] = ()
+    ) -> MapCache:
+        """The maps for random access, from files that are written the first time.
+
+        Parameters
+        ----------
+        folder : path-like, optional
+            Where caches are kept; by default within the dataset's folder.
+        labels : sequence of str
+            Label columns that the examples carry.
+        """
+        whole = Dataset(self._shelf, self._all)
+        return cached(self, whole, folder, labels)
+
+    def stream(
+        self, seed: int = 0, epoch: int = 0, *, window: int = WINDOW, labels: Sequence[str] = ()
+    ) -> Iterator[Example]:
+        """All maps once, in a random order that seed and epoch decide; see `streaming.stream`."""
+        return stream(self, seed, epoch, window=window, labels=labels)
+
+    def groups(self) -> list[Group]:
+        """The row groups that hold its records, for readers that read whole ones."""
+        shelf = self._shelf
+        shards = np.searchsorted(shelf.starts, self._places, side="right") - 1
+        within = self._places - shelf.starts[shards]
+        keys = shards * (int(within.max(initial=0)) // ROW_GROUP + 1) + within // ROW_GROUP
+        cuts = np.flatnonzero(np.diff(keys)) + 1
+        parts = np.split(np.arange(len(keys)), cuts) if len(keys) else []
+        return [
+            Group(int(shards[p[0]]), int(within[p[0]]) // ROW_GROUP, within[p] % ROW_GROUP)
+            for p in parts
+        ]
+
+    def read_group(self, group: Group, columns: Sequence[str]) -> pa.Table:
+        """Columns of the records of a row group."""
+        names = list(dict.fromkeys(columns))
+        return self._shelf.read_group(group.shard, group.group, names).take(group.offsets)
 
     def table(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Columns of the records as an Arrow table; by default all, maps and plans included."""
