@@ -14,9 +14,9 @@ import numpy as np
 
 from gcm_learn.arm.lattice import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.dataset import checks
-from gcm_learn.dataset.sources import family_names, get_family
 from gcm_learn.dataset.splits import Holdout, Split
-from gcm_learn.errors import GcmError, SpecError
+from gcm_learn.errors import FamilyError, SpecError
+from gcm_learn.families import Family, family_from_dict, family_names
 from gcm_learn.planners import planner_names
 from gcm_learn.situation import Situation
 
@@ -44,23 +44,18 @@ class FamilyShare:
             raise SpecError("config", f"must be a table (got {self.config!r})")
         try:
             self.source  # noqa: B018  # made now, so that a wrong range is refused now
-        except GcmError as error:
-            raise SpecError(
-                f"config.{getattr(error, 'field', '')}".rstrip("."), _why(error)
-            ) from None
+        except FamilyError as error:
+            field = error.field.removeprefix(self.family).lstrip(".")
+            raise SpecError(f"config.{field}".rstrip("."), error.reason) from None
 
     @cached_property
-    def source(self) -> Any:
+    def source(self) -> Family:
         """The family with its ranges; ``source.draw(rng, name)`` gives a situation."""
-        return get_family(self.family, self.config)
+        return family_from_dict({**self.config, "family": self.family})
 
     def draw(self, rng: np.random.Generator, name: str) -> Situation:
         """Draw a situation."""
         return self.source.draw(rng, name)
-
-
-def _why(error: GcmError) -> str:
-    return getattr(error, "reason", str(error))
 
 
 @dataclass(frozen=True)
