@@ -7,6 +7,7 @@ Numba renews a cached function when its own file changes, but not when a functio
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 from numba import config
@@ -14,10 +15,10 @@ from numba import config
 FOLDERS = ("situation", "arm", "wave", "maps", "planners")  # where compiled functions are
 
 
-def sources_hash() -> str:
-    """Hash of everything that compiled functions can depend on."""
+def sources_hash(folders: Sequence[str] = FOLDERS) -> str:
+    """Hash of the sources in some folders; by default all that compiled functions depend on."""
     digest = hashlib.sha256()
-    for folder in FOLDERS:
+    for folder in folders:
         for path in sorted((Path(__file__).parent / folder).glob("*.py")):
             digest.update(path.name.encode())
             digest.update(path.read_bytes())

@@ -51,3 +51,24 @@ class FamilyError(GcmError, ValueError):
         super().__init__(f"{field}: {reason}")
         self.field = field
         self.reason = reason
+
+
+class SpecError(GcmError, ValueError):
+    """A dataset's specification asks for something that there is not.
+
+    Parameters
+    ----------
+    field : str
+        Path of the offending field, e.g. ``"families[1].share"``.
+    reason : str
+        What is wrong with it, with the value that was given.
+    """
+
+    def __init__(self, field: str, reason: str) -> None:
+        super().__init__(f"{field}: {reason}" if field else reason)
+        self.field = field
+        self.reason = reason
+
+
+class DatasetError(GcmError, RuntimeError):
+    """A folder is not the dataset it should be: no shards, another schema, changed bytes."""

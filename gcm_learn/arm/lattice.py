@@ -7,8 +7,9 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
-from gcm_learn.arm.kinematics import SIDE, elbow_position, joints_of
+from gcm_learn.arm.kinematics import SIDE, elbow_of
 from gcm_learn.errors import LatticeError
 
 SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320
@@ -73,30 +74,50 @@ class HandSpace(NamedTuple):
 @lru_cache(maxsize=16)
 def hand_space(lattice: Lattice) -> HandSpace:
     """Per-cell geometry of a lattice; computed once and shared, so treat it as read-only."""
-    x, y = np.meshgrid(lattice.centres, lattice.centres)
-    hand = np.stack([x, y], axis=-1)
-    elbow = elbow_position(hand, lattice.upper_arm, lattice.elbow)
-    radius = np.hypot(x, y)
-    inside = (radius <= lattice.upper_arm + 1.0) & (radius >= abs(lattice.upper_arm - 1.0))
-    # At the shoulder itself (rho = 1) the arm would spin at unbounded speed (erratum 5).
-    inside &= radius > 0.5 * lattice.spacing
-    half = 0.5 * lattice.spacing
-    stride = np.full(x.shape, half)
-    for dx, dy in ((half, 0.0), (-half, 0.0), (0.0, half), (0.0, -half)):
-        moved = elbow_position(hand + (dx, dy), lattice.upper_arm, lattice.elbow)
-        stride = np.maximum(stride, np.linalg.norm(moved - elbow, axis=-1))
-    limb = np.concatenate([hand, elbow], axis=-1).reshape(-1, 4)
+    limb, stride, inside = _geometry(lattice.centres, lattice.upper_arm, SIDE[lattice.elbow])
     for array in (limb, stride, inside):
         array.setflags(write=False)
-    return HandSpace(np.ascontiguousarray(limb), stride.ravel(), inside.ravel())
+    return HandSpace(limb, stride, inside)
 
 
 @lru_cache(maxsize=16)
 def cell_joints(lattice: Lattice) -> np.ndarray:
     """Joint angles (n * n, 2) of the arm with its hand in every cell [rad]; shared, read-only."""
-    hands = hand_space(lattice).limb[:, None, :2]  # paths of one point each: nothing to unwrap
-    joints = np.concatenate(
-        [joints_of(hand, lattice.upper_arm, SIDE[lattice.elbow]) for hand in hands]
-    )
+    x, y, ex, ey = hand_space(lattice).limb.T
+    fx, fy = x - ex, y - ey
+    bend = np.arctan2(ex * fy - ey * fx, ex * fx + ey * fy)
+    joints = np.stack([np.arctan2(ey, ex), bend], axis=-1)
     joints.setflags(write=False)
     return joints
+
+
+@njit(cache=True)
+def _geometry(centres, rho, side):
+    """Limb, stride and inside of `HandSpace`.
+
+    Every arm that was not met before needs them, so it is a quarter of the lattice that is
+    computed: turned by a right angle, hand and elbow are those of another cell.
+    """
+    n = centres.size
+    limb, stride = np.empty((n * n, 4)), np.empty(n * n)
+    inside = np.empty(n * n, dtype=np.bool_)
+    half = (rho + 1.0) / n
+    for i in range((n + 1) // 2):
+        for j in range((n + 1) // 2):  # an odd lattice has its middle row in two quarters
+            x, y = centres[j], centres[i]
+            ex, ey = elbow_of(x, y, rho, side)
+            longest = half
+            for dx, dy in ((half, 0.0), (-half, 0.0), (0.0, half), (0.0, -half)):
+                mx, my = elbow_of(x + dx, y + dy, rho, side)
+                longest = max(longest, np.sqrt((mx - ex) ** 2 + (my - ey) ** 2))
+            radius = np.sqrt(x * x + y * y)
+            # At the shoulder itself (rho = 1) the arm would spin at unbounded speed (erratum 5).
+            ring = abs(rho - 1.0) <= radius <= rho + 1.0 and radius > half
+            a, b = i, j
+            for _ in range(4):
+                cell = a * n + b
+                limb[cell, 0], limb[cell, 1] = centres[b], centres[a]
+                limb[cell, 2], limb[cell, 3] = ex, ey
+                stride[cell], inside[cell] = longest, ring
+                a, b, ex, ey = b, n - 1 - a, -ey, ex
+    return limb, stride, inside

@@ -16,6 +16,7 @@ from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.figure import Figure
+from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.solve import Solve
 
 DESCRIPTION = """\
@@ -29,6 +30,7 @@ examples:
   gcm-learn demo --out demo                            the paper's results as a web page
   gcm-learn figure fig4                                one figure of the paper
   gcm-learn animate scene.json --out scene.gif         the catch as a film
+  gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -45,6 +47,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "demo": Demo,
     "figure": Figure,
     "animate": Animate,
+    "generate": Generate,
 }
 
 

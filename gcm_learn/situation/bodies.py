@@ -39,7 +39,7 @@ def pack(situation: Situation) -> Bodies:
     Bodies
         Arrays indexed as ``situation.bodies``.
     """
-    frame, origin = _plane_frame(situation.plane)
+    frame, origin = plane_frame(situation.plane)
     rows = np.zeros((len(situation.bodies), k.COLUMNS))
     vertices: list[tuple[float, float]] = []
     swings: list[Pendulum] = []
@@ -105,7 +105,7 @@ def rotation_of(quaternion: Sequence[float]) -> np.ndarray:
     )
 
 
-def _plane_frame(plane: Plane | None) -> tuple[np.ndarray, np.ndarray]:
+def plane_frame(plane: Plane | None) -> tuple[np.ndarray, np.ndarray]:
     """Rotation world -> arm plane (rows x, y, normal) and the plane's origin."""
     if plane is None:
         return _IDENTITY, np.zeros(3)

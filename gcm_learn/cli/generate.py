@@ -1,0 +1,105 @@
+"""``gcm-learn generate``: a dataset from its specification."""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.extras import dataset_package
+from gcm_learn.cli.failures import CommandFailure, why
+from gcm_learn.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from gcm_learn.dataset.manifest import Manifest
+
+
+@dataclass(frozen=True)
+class Generate:
+    """Make the shards of a dataset that are not there yet.
+
+    Stopped by Ctrl-C or otherwise, it goes on from there when it is called again.
+    """
+
+    spec: Annotated[Positional[Path], arg(metavar="SPEC")]
+    """a .toml or .json file; data/README.md explains it"""
+
+    out: Annotated[str, arg(metavar="DIR")]
+    """folder for the dataset, or a URL that fsspec understands"""
+
+    workers: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")] = (
+        None
+    )
+    """processes on this machine"""
+
+    verify: bool = False
+    """then check everything: hashes, and every plan anew"""
+
+    cluster: Annotated[
+        str | None, arg(metavar="ADDRESS", help_behavior_hint="(default: this machine)")
+    ] = None
+    """a Dask scheduler whose workers are used, tcp://HOST:PORT"""
+
+    shards: Annotated[str | None, arg(metavar="I/N", help_behavior_hint="(default: all)")] = None
+    """make only part I of N, counted from 0, for job arrays"""
+
+    def run(self) -> int:
+        """Make what is missing and say what there is."""
+        part = _part(self.shards)
+        if self.workers is not None and self.workers < 1:
+            raise CommandFailure(f"--workers {self.workers}: must be at least 1")
+        dataset = dataset_package()
+        spec = dataset.read_spec(self.spec)
+        total = sum(len(spec.indices(k)) for k in range(part[0], spec.shards, part[1]))
+        try:
+            with Progress(total, "records") as progress:
+                manifest = dataset.generate(
+                    spec,
+                    self.out,
+                    self.workers,
+                    part=part,
+                    cluster=self.cluster,
+                    progress=progress.advance,
+                )
+        except OSError as error:
+            raise CommandFailure(f"--out {self.out}: {why(error)}") from None
+        print(_sentence(self.out, manifest))
+        return self._check(manifest["records"]) if self.verify else 0
+
+    def _check(self, total: int) -> int:
+        """Verify what there is; the exit code is 1 if anything is wrong."""
+        from gcm_learn.dataset.verifying import verify_dataset
+
+        with Progress(total, "records verified") as progress:
+            report = verify_dataset(self.out, self.workers, progress=progress.advance)
+        for fault in report.quoted:
+            print(fault, file=sys.stderr)
+        print(
+            f"{self.out}: verified {report.records} records, {report.plans} catches, "
+            f"{report.remade} items made again, {report.faults} faults"
+        )
+        return 1 if report.faults else 0
+
+
+def _part(text: str | None) -> tuple[int, int]:
+    """The part "i/n" that is to be made."""
+    if text is None:
+        return 0, 1
+    match = re.fullmatch(r"(\d+)/(\d+)", text)
+    if match is None or not int(match[1]) < int(match[2]):
+        raise CommandFailure(f"--shards {text}: must be I/N with 0 <= I < N, e.g. 0/4")
+    return int(match[1]), int(match[2])
+
+
+def _sentence(out: str, manifest: Manifest) -> str:
+    """What there is, in one line."""
+    strata = ", ".join(f"{share:.0%} {name}" for name, share in manifest["shares"].items())
+    size = manifest["bytes"] / 1e6
+    state = "" if manifest["complete"] else f" so far ({len(manifest['shards'])} shards)"
+    failed = f", {manifest['failed']} failed" if manifest["failed"] else ""
+    text = f"{out}: {manifest['records']} records{state}, {size:.1f} MB, {strata}{failed}"
+    return f"{text}, hash {manifest['hash'][:16]}"

@@ -1,0 +1,161 @@
+"""One situation and what planners say of it, each asked at most once and the cheap ones first."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal
+
+from gcm_learn.dataset.spec import DatasetSpec
+from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
+from gcm_learn.planners import FrontPlanner, Plan, Planner, gcm, get_planner, marching
+from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.fronts import Way
+from gcm_learn.planners.layered import layered
+from gcm_learn.planners.oracle import Bounds, bounds, stratum
+from gcm_learn.situation import Situation
+from gcm_learn.wave import MarchingParams, WaveParams, march_layers
+
+Verdict = Literal["L", "W", "Q", "U", "blocked", "other"]
+FRONTS = ("gcm", "marching", "layered")
+ENGINES = {"wave": "gcm", "marching": "marching", "layered": "layered"}
+"""The planner whose first map is the map of an engine."""
+
+
+@lru_cache(maxsize=64)
+def planner_of(name: str, n: int, rungs: int) -> Planner:
+    """A planner by name; those with fronts on lattices of n cells, on their first rungs only."""
+    if name not in FRONTS:
+        return get_planner(name)
+    made: FrontPlanner = (
+        gcm(WaveParams(n=n))
+        if name == "gcm"
+        else (marching if name == "marching" else layered)(MarchingParams(n=n))
+    )
+    return replace(made, rungs=made.rungs[:rungs])
+
+
+@dataclass(frozen=True)
+class OracleLabel:
+    """What the oracle says of a situation."""
+
+    stratum: str
+    lower: float
+    """No movement catches before [s]; infinite if none does."""
+    upper: float
+    """When the oracle's plan catches [s]; infinite if it does not."""
+
+    @property
+    def decided(self) -> bool:
+        """Whether a catch was found or ruled out."""
+        return math.isinf(self.lower) or not math.isinf(self.upper)
+
+
+class Case:
+    """A situation under examination."""
+
+    def __init__(self, situation: Situation, spec: DatasetSpec) -> None:
+        self.situation = situation
+        self.spec = spec
+        self.problem = Problem(situation, "case")
+        self._early = self.problem.early_answer()
+        self._plans: dict[str, Plan] = {}
+        self._first_maps: dict[str, CognitiveMap] = {}
+        self._bounds: Bounds | None = None
+
+    @property
+    def blocked(self) -> bool:
+        """Whether the limb touches an obstacle at t = 0."""
+        return self._early is not None and self._early.status == "start_blocked"
+
+    def verdict(self, wanted: str | None = None) -> Verdict:
+        """The stratum; "other" as soon as it is known that it is not the wanted one.
+
+        Straight line, first arrival and waiting are tried in this order until one catches. The
+        oracle decides what is left of them if it is to label, and U if no movement can catch.
+        """
+        if self.blocked:
+            return "blocked"
+        if self.plan("straight").caught:
+            return "L"
+        if wanted == "L":
+            return "other"
+        if self.plan("marching").caught:
+            return "W"
+        if self.spec.label == "oracle":
+            return stratum(self.situation, self.bounds())
+        if wanted == "W":
+            return "other"
+        found: Verdict = "Q" if self.plan("layered").caught else "U"
+        # A record must not hold a first-arrival catch and say that there is none.
+        first = wanted in (None, found) and "gcm" in self.spec.planners
+        return "W" if first and self.plan("gcm").caught else found
+
+    def plan(self, name: str) -> Plan:
+        """What a planner answers."""
+        if name not in self._plans:
+            self._plans[name] = self._planned(name)
+        return self._plans[name]
+
+    def _planned(self, name: str) -> Plan:
+        if self._early is not None:
+            return replace(self._early, planner=name)
+        if name == "oracle":
+            return self.bounds().plan
+        planner = planner_of(name, self.spec.n, self.spec.rungs)
+        if isinstance(planner, FrontPlanner):
+            if planner.direct and "straight" in self._plans:
+                # It begins with the straight line, which has been tried.
+                if self._plans["straight"].caught:
+                    return replace(self._plans["straight"], planner=name)
+                planner = replace(planner, direct=False)
+            planner = replace(planner, explore=_Witness(planner, self._first_maps))
+        return planner.plan(self.situation)
+
+    def map(self) -> CognitiveMap | None:
+        """The map of the specification's engine, with its default parameters and full margin."""
+        if self.spec.map == "none" or self.blocked:
+            return None
+        name = ENGINES[self.spec.map]
+        if name in self.spec.planners:
+            self.plan(name)
+        if name not in self._first_maps:
+            self._first_maps[name] = self._explored()
+        return self._first_maps[name]
+
+    def _explored(self) -> CognitiveMap:
+        """The map on its own, where no planner needed one."""
+        bodies = self.problem.bodies
+        if self.spec.map == "wave":
+            return build_map(self.situation, WaveParams(n=self.spec.n), bodies=bodies)
+        params = MarchingParams(n=self.spec.n)
+        if self.spec.map == "marching":
+            return build_map(self.situation, params, bodies=bodies)
+        task = task_of(self.situation, params, bodies)
+        return layered_map(self.situation, task, march_layers(task, params))
+
+    def bounds(self) -> Bounds:
+        """The oracle's bounds on the earliest catch."""
+        if self._bounds is None:
+            self._bounds = bounds(self.situation)
+        return self._bounds
+
+    def oracle(self) -> OracleLabel:
+        """The oracle's label."""
+        known = self.bounds()
+        return OracleLabel(stratum(self.situation, known), known.lower, known.upper)
+
+
+class _Witness:
+    """Explores for a front planner and keeps the first map, which is that of its first rung."""
+
+    def __init__(self, planner: FrontPlanner, maps: dict[str, CognitiveMap]) -> None:
+        self.name, self.explore, self.maps = planner.name, planner.explore, maps
+
+    def __call__(
+        self, problem: Problem, params: WaveParams | MarchingParams, ignore: float
+    ) -> tuple[CognitiveMap, Way | None]:
+        made = self.explore(problem, params, ignore)
+        self.maps.setdefault(self.name, made[0])
+        return made

@@ -1,0 +1,108 @@
+"""A dataset's folder, on this machine or wherever fsspec reaches."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import posixpath
+import uuid
+from typing import BinaryIO, cast
+
+import fsspec
+from fsspec.implementations.local import LocalFileSystem
+
+SHARDS = "shards"
+MANIFEST = "manifest.json"
+SPEC = "spec.json"
+CHUNK = 1 << 20  # bytes
+
+
+class Folder:
+    """Files in a folder; they appear whole or not at all.
+
+    Parameters
+    ----------
+    url : str
+        A path, or what fsspec understands: ``s3://bucket/folder``, ``memory://folder``.
+    """
+
+    def __init__(self, url: str | os.PathLike[str]) -> None:
+        self.url = os.fspath(url)
+        self._files, root = fsspec.core.url_to_fs(self.url)
+        self._root = root.rstrip("/") or "/"
+
+    @property
+    def local(self) -> str | None:
+        """Path of the folder if it is on this machine."""
+        return self._root if isinstance(self._files, LocalFileSystem) else None
+
+    def path(self, name: str) -> str:
+        """Full path of a file within the file system."""
+        return posixpath.join(self._root, name)
+
+    def make(self) -> None:
+        """Make the folder and that of its shards."""
+        self._files.makedirs(self.path(SHARDS), exist_ok=True)
+
+    def exists(self, name: str) -> bool:
+        """Whether there is such a file."""
+        return bool(self._files.exists(self.path(name)))
+
+    def names(self, name: str = "") -> list[str]:
+        """Names of the files in a folder below this one, in order; empty if there is none."""
+        try:
+            found = self._files.ls(self.path(name) if name else self._root, detail=False)
+        except FileNotFoundError:
+            return []
+        return sorted(posixpath.basename(path.rstrip("/")) for path in found)
+
+    def size(self, name: str) -> int:
+        """Size of a file [bytes]."""
+        return int(self._files.size(self.path(name)))
+
+    def open(self, name: str) -> BinaryIO:
+        """Open a file for reading."""
+        if self.local is not None:
+            return open(self.path(name), "rb")
+        return cast(BinaryIO, self._files.open(self.path(name), "rb"))
+
+    def read(self, name: str) -> bytes:
+        """Content of a file."""
+        with self.open(name) as stream:
+            return stream.read()
+
+    def write(self, name: str, content: bytes | memoryview) -> None:
+        """Write a file under a temporary name, then rename it.
+
+        Two processes that write the same file at once do no harm if they write the same.
+        """
+        target = self.path(name)
+        folder, base = posixpath.split(target)
+        temporary = posixpath.join(folder, f".{base}.{os.getpid()}-{uuid.uuid4().hex[:8]}.tmp")
+        try:
+            if self.local is not None:
+                with open(temporary, "wb") as stream:
+                    stream.write(content)
+                    stream.flush()
+                    os.fsync(stream.fileno())
+                os.replace(temporary, target)
+            else:
+                self._files.pipe_file(temporary, bytes(content))
+                self._files.mv(temporary, target)
+        finally:
+            if self._files.exists(temporary):
+                self._files.rm_file(temporary)
+
+    def sweep(self, name: str = SHARDS) -> None:
+        """Remove what writers that were killed have left behind."""
+        for left in self.names(name):
+            if left.startswith(".") and left.endswith(".tmp"):
+                self._files.rm_file(self.path(f"{name}/{left}"))
+
+    def sha256(self, name: str) -> str:
+        """Hash of a file's content."""
+        digest = hashlib.sha256()
+        with self.open(name) as stream:
+            while chunk := stream.read(CHUNK):
+                digest.update(chunk)
+        return digest.hexdigest()

@@ -1,0 +1,156 @@
+"""Making a dataset: only the shards that are missing, by whatever hands there are."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from multiprocessing import get_context
+from typing import Any
+
+from gcm_learn.dataset.folder import Folder
+from gcm_learn.dataset.item import Item, make_item
+from gcm_learn.dataset.manifest import (
+    Manifest,
+    manifest_of,
+    present,
+    read_manifest,
+    write_manifest,
+)
+from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
+from gcm_learn.dataset.spec import DatasetSpec
+from gcm_learn.dataset.warming import warm_up
+from gcm_learn.dataset.workers import LocalPool
+from gcm_learn.errors import DatasetError
+
+BETWEEN_MANIFESTS = 60.0  # [s]
+
+
+def generate(
+    spec: DatasetSpec,
+    out: str | os.PathLike[str],
+    workers: int | None = None,
+    *,
+    part: tuple[int, int] = (0, 1),
+    cluster: str | None = None,
+    progress: Callable[[int], None] = lambda records: None,
+) -> Manifest:
+    """Make the shards of a dataset that are not there yet.
+
+    Stopped at any time and by any means, it goes on from there when it is called again.
+
+    Parameters
+    ----------
+    spec : DatasetSpec
+    out : path-like
+        Folder, or a URL that fsspec understands.
+    workers : int, optional
+        Processes on this machine; by default one for each core that this one may use.
+    part : (int, int)
+        (i, n): make only every n-th shard, beginning with the i-th (job arrays).
+    cluster : str, optional
+        Address of a Dask scheduler, whose workers are used instead of local processes.
+    progress : callable
+        Told the number of records that are new.
+
+    Returns
+    -------
+    dict
+        The manifest, which is also written; ``manifest["complete"]`` tells whether every shard is
+        there.
+    """
+    folder = Folder(out)
+    folder.make()
+    mine = range(part[0], spec.shards, part[1])
+    infos = present(folder, spec, range(spec.shards))
+    runs: list[dict[str, Any]] = list((read_manifest(folder) or {}).get("runs", ()))
+    missing = (shard for shard in mine if shard not in infos)
+    progress(sum(infos[shard].rows for shard in mine if shard in infos))
+    workers = workers or len(os.sched_getaffinity(0))
+    hands = {"cluster": cluster} if cluster else {"workers": workers}
+    began = told = time.monotonic()
+    fresh: set[int] = set()
+    run: dict[str, Any] = {"records": 0, "seconds": 0.0, **hands}
+    for info in _made(spec, folder.url, missing, workers, cluster):
+        infos[info.shard] = info
+        fresh.add(info.shard)
+        run["records"] += info.rows
+        run["seconds"] = round(time.monotonic() - began, 1)
+        progress(info.rows)
+        if time.monotonic() - told > BETWEEN_MANIFESTS:
+            told = time.monotonic()
+            write_manifest(folder, manifest_of(folder, spec, infos, [*runs, run], fresh))
+            fresh.clear()
+    return _finish(folder, spec, infos, [*runs, run] if run["records"] else runs, fresh)
+
+
+def _finish(
+    folder: Folder,
+    spec: DatasetSpec,
+    infos: dict[int, ShardInfo],
+    runs: list[dict[str, Any]],
+    fresh: set[int],
+) -> Manifest:
+    if len(infos) < spec.shards:  # other parts may be under way, or ready by now
+        infos = present(folder, spec, range(spec.shards))
+    manifest = manifest_of(folder, spec, infos, runs, fresh)
+    write_manifest(folder, manifest)
+    if manifest["complete"]:
+        folder.sweep()
+    return manifest
+
+
+def _made(
+    spec: DatasetSpec, url: str, shards: Iterable[int], workers: int, cluster: str | None
+) -> Iterator[ShardInfo]:
+    """Make shards; they come as they are ready."""
+    alone = partial(make_alone, spec, url=url)
+    if cluster is not None:
+        from gcm_learn.dataset.cluster import cluster_results
+
+        return cluster_results(spec, url, shards, cluster, alone)
+    work = partial(make_shard, spec, url=url)
+    return LocalPool(work, workers, alone, prepare=partial(warm_up, spec)).results(shards)
+
+
+def make_alone(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
+    """Make a shard whose processes died, item by item: one that kills its process is recorded."""
+    items = []
+    with _Keeper(spec) as keeper:
+        for k in spec.indices(shard):
+            items.append(keeper.item(k))
+    return write_shard(spec, shard, items, url)
+
+
+class _Keeper:
+    """One process that makes items, replaced when it dies."""
+
+    def __init__(self, spec: DatasetSpec) -> None:
+        self.spec = spec
+
+    def __enter__(self) -> _Keeper:
+        self._start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def _start(self) -> None:
+        self._pool = ProcessPoolExecutor(1, get_context("spawn"))
+        try:
+            self._pool.submit(warm_up, self.spec).result()
+        except BrokenProcessPool:
+            raise DatasetError("processes die before they make anything (memory?)") from None
+
+    def item(self, k: int) -> Item:
+        """Make item k; if its process dies twice, so be it."""
+        for _ in range(2):
+            try:
+                return self._pool.submit(make_item, self.spec, k).result()
+            except BrokenProcessPool:
+                self._pool.shutdown()
+                self._start()
+        return Item(k, error="the process that made it died")

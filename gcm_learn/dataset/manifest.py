@@ -1,0 +1,182 @@
+"""What a dataset says of itself: made anew from its shards, whenever it is written."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any
+
+from gcm_learn.dataset.folder import MANIFEST, Folder
+from gcm_learn.dataset.schema import VERSION
+from gcm_learn.dataset.shards import (
+    MOST_ERRORS,
+    DamagedShardError,
+    ShardInfo,
+    header_of,
+    info_of,
+    shard_name,
+)
+from gcm_learn.dataset.spec import STRATA, DatasetSpec, spec_to_json
+from gcm_learn.dataset.spec_file import spec_from_json
+from gcm_learn.errors import DatasetError
+
+FORMAT = "gcm-learn/dataset@1"
+Manifest = dict[str, Any]
+
+
+def present(folder: Folder, spec: DatasetSpec, shards: Iterable[int]) -> dict[int, ShardInfo]:
+    """The shards that are there and whole.
+
+    One that cannot be read, or that ends early because the dataset was smaller, is left out.
+
+    Raises
+    ------
+    DatasetError
+        If one is of another specification.
+    """
+    names = {f"shards/{name}" for name in folder.names("shards")}
+    found = {}
+    for shard in shards:
+        name = shard_name(shard)
+        if name not in names:
+            continue
+        try:
+            info = info_of(folder, name)
+        except DamagedShardError:
+            continue
+        if info.spec != spec.digest:
+            reason = f"is of specification {info.spec}, not {spec.digest}"
+            raise DatasetError(f"{folder.path(name)}: {reason}")
+        if info.rows == len(spec.indices(shard)):
+            found[shard] = info
+    return found
+
+
+def read_manifest(folder: Folder) -> Manifest | None:
+    """The manifest, None if there is none."""
+    if not folder.exists(MANIFEST):
+        return None
+    try:
+        manifest = json.loads(folder.read(MANIFEST))
+        if manifest["format"] != FORMAT:
+            raise ValueError(f"format is {manifest['format']!r}, expected {FORMAT!r}")
+    except (ValueError, KeyError, TypeError) as error:
+        raise DatasetError(f"{folder.path(MANIFEST)}: not a manifest ({error})") from None
+    return dict(manifest)
+
+
+def write_manifest(folder: Folder, manifest: Manifest) -> None:
+    """Write the manifest."""
+    folder.write(MANIFEST, (json.dumps(manifest, indent=1) + "\n").encode())
+
+
+def manifest_of(
+    folder: Folder,
+    spec: DatasetSpec,
+    infos: Mapping[int, ShardInfo],
+    runs: list[dict[str, Any]],
+    fresh: Collection[int] = (),
+) -> Manifest:
+    """What the shards that are there add up to.
+
+    Parameters
+    ----------
+    folder : Folder
+    spec : DatasetSpec
+    infos : mapping of int to ShardInfo
+        The shards that are there.
+    runs : list of dict
+        How long each run took, and with how many workers.
+    fresh : collection of int
+        Shards that were made since the last manifest. Of the others it holds what they should be,
+        which is not renewed.
+    """
+    known = {s["name"]: s for s in (read_manifest(folder) or {}).get("shards", ())}
+    known = {name: s for name, s in known.items() if name not in set(map(shard_name, fresh))}
+    shards = [_entry(folder, infos[k], known) for k in sorted(infos)]
+    together = hashlib.sha256("".join(s["sha256"] for s in shards).encode()).hexdigest()
+    records = sum(info.rows - info.failures for info in infos.values())
+    size = sum(s["bytes"] for s in shards)
+    return {
+        "format": FORMAT,
+        "name": spec.name,
+        "complete": len(infos) == spec.shards,
+        "records": records,
+        "failed": sum(info.failures for info in infos.values()),
+        "hash": together,
+        "schema": VERSION,
+        "code": dict(Counter(info.code for info in infos.values())),
+        "spec_digest": spec.digest,
+        "bytes": size,
+        "bytes_per_record": round(size / max(records, 1), 1),
+        **_totals(list(infos.values())),
+        "runs": runs,
+        "spec": spec_to_json(spec),
+        "shards": shards,
+    }
+
+
+def _entry(folder: Folder, info: ShardInfo, known: Mapping[str, Manifest]) -> Manifest:
+    """Name, size and hash of a shard."""
+    name = shard_name(info.shard)
+    if name in known and known[name]["rows"] == info.rows:
+        return known[name]
+    size, digest = folder.size(name), folder.sha256(name)
+    return {"name": name, "rows": info.rows, "bytes": size, "sha256": digest}
+
+
+def _totals(infos: list[ShardInfo]) -> Manifest:
+    families: dict[str, Counter[str]] = {}
+    for info in infos:
+        for family, strata in info.strata.items():
+            families.setdefault(family, Counter()).update(strata)
+    strata = _sum(families.values())
+    total = max(sum(strata.values()), 1)
+    audited = _sum(info.audited for info in infos)
+    wrong = sum(n for pair, n in audited.items() if len(set(pair.split("/"))) > 1)
+    failed = [item for info in infos for item in info.failed.items()]
+    return {
+        "strata": {s: strata[s] for s in STRATA},
+        "shares": {s: round(strata[s] / total, 4) for s in STRATA},
+        "families": {f: dict(sorted(families[f].items())) for f in sorted(families)},
+        "splits": dict(sorted(_sum(info.splits for info in infos).items())),
+        "drawn": sum(info.attempts for info in infos),
+        "rejected": dict(sorted(_sum(info.rejected for info in infos).items())),
+        "caught": dict(_sum(info.caught for info in infos)),
+        "audit": {
+            "records": sum(audited.values()),
+            "undecided": sum(info.undecided for info in infos),
+            "disagreement": round(wrong / sum(audited.values()), 5) if audited else None,
+            "label/oracle": dict(sorted(audited.items())),
+        },
+        "errors": dict(failed[:MOST_ERRORS]),
+    }
+
+
+def _sum(counts: Iterable[Mapping[str, int]]) -> Counter[str]:
+    total: Counter[str] = Counter()
+    for count in counts:
+        total.update(count)
+    return total
+
+
+def spec_of(folder: Folder) -> DatasetSpec:
+    """The specification of a dataset: of its manifest, or else of any shard.
+
+    Raises
+    ------
+    DatasetError
+        If the folder holds no dataset.
+    """
+    manifest = read_manifest(folder)
+    if manifest is not None:
+        return spec_from_json(manifest["spec"])
+    names = [name for name in folder.names("shards") if name.endswith(".parquet")]
+    if not names:
+        raise DatasetError(f"{folder.url}: holds no dataset (neither manifest.json nor shards)")
+    content = header_of(folder, f"shards/{names[-1]}")["spec"]
+    last = int(names[-1].split("-")[1].split(".")[0])
+    rows = info_of(folder, f"shards/{names[-1]}").rows
+    return spec_from_json(content | {"count": last * content["shard_size"] + rows})

@@ -1,0 +1,127 @@
+"""A situation as numbers: for twins, distances and neighbours in the space of raw parameters.
+
+All numbers are lengths (velocities times the horizon, accelerations times half its square, angles
+and turns times the body's radius), so that one unit of distance means about the same everywhere.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+
+import numpy as np
+
+from gcm_learn.situation import Body, Disc, Pendulum, PlanarQuadratic, Polygon, Situation
+from gcm_learn.situation.bodies import rotation_of
+from gcm_learn.situation.motion import SolidQuadratic
+from gcm_learn.situation.shapes import Box, Capsule, Cylinder, Sphere
+
+DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]
+
+
+def structure_of(situation: Situation) -> str:
+    """What parameters of a situation mean: arm and kinds of bodies, e.g. ``arm|disc|polygon4``.
+
+    Only situations of the same structure can be compared number by number.
+    """
+    joints = "" if situation.arm.max_joint_speed is None else "+joints"
+    space = "solid" if situation.is_solid else "planar"
+    return "|".join([space + joints, *map(_kind, _in_order(situation))])
+
+
+def parameters_of(situation: Situation) -> np.ndarray:
+    """Numbers (m,) float32 of a canonical situation; what they mean is its structure.
+
+    Targets come first; the obstacles' order is that of their distance from the shoulder, so that it
+    does not matter in which they were listed.
+    """
+    arm, horizon = situation.arm, situation.horizon
+    joints = arm.max_joint_speed or ()
+    numbers = [arm.hand[0], arm.upper_arm, arm.max_hand_speed * horizon, arm.thickness, arm.grasp]
+    numbers += [limit * horizon for limit in joints]
+    for body in _in_order(situation):
+        numbers += _motion_numbers(body, horizon)
+        numbers += _shape_numbers(body)
+    return np.array(numbers, dtype=np.float32)
+
+
+def twin_key(structure: str, parameters: np.ndarray) -> int:
+    """Key (63 bits) that situations share when their parameters agree to DIGITS digits."""
+    rounded = np.round(parameters.astype(float), DIGITS) + 0.0  # no negative zeros
+    digest = hashlib.blake2b(structure.encode() + rounded.tobytes(), digest_size=8).digest()
+    return int.from_bytes(digest, "little") >> 1
+
+
+def _in_order(situation: Situation) -> list[Body]:
+    obstacles = sorted(situation.obstacles, key=lambda body: (_kind(body), _distance(body)))
+    return [*situation.targets, *obstacles]
+
+
+def _place(body: Body) -> tuple[float, ...]:
+    motion = body.motion
+    return motion.pivot if isinstance(motion, Pendulum) else motion.position
+
+
+def _distance(body: Body) -> float:
+    return math.hypot(*_place(body))
+
+
+def _kind(body: Body) -> str:
+    shape = body.shape
+    corners = len(shape.vertices) if isinstance(shape, Polygon) else ""
+    swing = "~" if isinstance(body.motion, Pendulum) else ""
+    return f"{shape.kind}{corners}{swing}"
+
+
+def _motion_numbers(body: Body, horizon: float) -> list[float]:
+    """Where it is, how far it gets, how it turns."""
+    motion, radius = body.motion, body.shape.bounding_radius
+    if isinstance(motion, Pendulum):
+        swing = [motion.angle, motion.rate * horizon, motion.damping * horizon]
+        fall = 0.5 * motion.gravity * horizon**2
+        lengths = [motion.length, motion.hang_distance, fall]
+        turns = [motion.length * s for s in swing]
+        return [*motion.pivot, *motion.axis, *motion.down, *lengths, *turns]
+    numbers = [*motion.position, *(v * horizon for v in motion.velocity)]
+    numbers += [0.5 * a * horizon**2 for a in motion.acceleration]
+    if isinstance(body.shape, Disc | Sphere):
+        return numbers  # nobody can see them turn
+    if isinstance(motion, PlanarQuadratic):
+        c, s = math.cos(motion.angle), math.sin(motion.angle)
+        return [*numbers, radius * c, radius * s, radius * motion.spin * horizon]
+    assert isinstance(motion, SolidQuadratic)
+    axes = rotation_of(motion.orientation)
+    seen = axes[:, 2] if isinstance(body.shape, Capsule | Cylinder) else axes[:, ::2].ravel()
+    turn = (radius * s * horizon for s in motion.spin)
+    return [*numbers, *(radius * seen).tolist(), *turn]
+
+
+def _shape_numbers(body: Body) -> list[float]:
+    shape = body.shape
+    if isinstance(shape, Polygon):
+        return [value for corner in shape.vertices for value in corner]
+    if isinstance(shape, Box):
+        return list(shape.half_extents)
+    if isinstance(shape, Capsule | Cylinder):
+        return [shape.radius, shape.half_length]
+    return [shape.radius]
+
+
+def quantities_of(situation: Situation, top_speed: float) -> dict[str, float]:
+    """What range splits ask about.
+
+    Parameters
+    ----------
+    situation : Situation
+    top_speed : float
+        Largest speed of any body within the horizon [forearm lengths / s].
+    """
+    obstacles = situation.obstacles
+    return {
+        "upper_arm": situation.arm.upper_arm,
+        "max_hand_speed": situation.arm.max_hand_speed,
+        "horizon": situation.horizon,
+        "obstacles": float(len(obstacles)),
+        "top_speed": top_speed / situation.arm.max_hand_speed,
+        "largest": max((body.shape.bounding_radius for body in obstacles), default=0.0),
+    }

@@ -1,0 +1,257 @@
+"""Datasets as they are read: by index, by label, as a table."""
+
+from __future__ import annotations
+
+import os
+from collections import OrderedDict
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from gcm_learn.dataset.cache import MapCache, cached
+from gcm_learn.dataset.examples import Example
+from gcm_learn.dataset.folder import SHARDS, Folder
+from gcm_learn.dataset.manifest import Manifest, read_manifest, spec_of
+from gcm_learn.dataset.record import Record, Row
+from gcm_learn.dataset.schema import LABELS
+from gcm_learn.dataset.shards import ROW_GROUP, header_of
+from gcm_learn.dataset.spec import DatasetSpec
+from gcm_learn.dataset.streaming import WINDOW, stream
+from gcm_learn.errors import DatasetError, UnknownNameError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+GROUPS_KEPT = 16  # row groups that stay decoded, for readers that stay near
+
+
+class Group(NamedTuple):
+    """Records that stand together in a shard."""
+
+    shard: int
+    """Position of the shard among the dataset's."""
+    group: int
+    """Row group within the shard."""
+    offsets: np.ndarray
+    """Positions of the records within the row group (m,)."""
+
+
+class _Shelf:
+    """The shards of a dataset, and what of them has been read."""
+
+    def __init__(self, folder: Folder, spec: DatasetSpec, names: list[str]) -> None:
+        self.folder, self.spec, self.names = folder, spec, names
+        self._labels: dict[str, np.ndarray] = {}
+        self._groups: OrderedDict[tuple[int, int], pa.RecordBatch] = OrderedDict()
+        rows = [len(self.read(shard, ["index"])) for shard in range(len(names))]
+        self.starts = np.concatenate([[0], np.cumsum(rows)])
+        """Place of the first item of every shard, and of the end."""
+
+    def read(self, shard: int, columns: list[str] | None = None) -> pa.Table:
+        """Columns of a shard."""
+        with self.folder.open(self.names[shard]) as file:
+            return pq.read_table(file, columns=columns)
+
+    def read_group(self, shard: int, group: int, columns: list[str] | None = None) -> pa.Table:
+        """Columns of a row group of a shard."""
+        with self.folder.open(self.names[shard]) as file:
+            return pq.ParquetFile(file).read_row_group(group, columns)
+
+    def column(self, name: str) -> np.ndarray:
+        """A label column of all shards, failed items included (m,)."""
+        if name not in LABELS:
+            raise UnknownNameError(f"column: {name!r} is not one of {', '.join(LABELS)}")
+        if name not in self._labels:
+            parts = [self.read(shard, [name]) for shard in range(len(self.names))]
+            self._labels[name] = pa.concat_tables(parts)[name].to_numpy()
+        return self._labels[name]
+
+    def row(self, place: int) -> Row:
+        """The item at a place, counted over all shards."""
+        shard = int(np.searchsorted(self.starts, place, side="right")) - 1
+        group, offset = divmod(place - int(self.starts[shard]), ROW_GROUP)
+        key = (shard, group)
+        if key not in self._groups:
+            table = self.read_group(shard, group)
+            self._groups[key] = table.combine_chunks().to_batches()[0]
+            if len(self._groups) > GROUPS_KEPT:
+                self._groups.popitem(last=False)
+        self._groups.move_to_end(key)
+        return Row(self._groups[key], offset)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is decoded stays in its process."""
+        return self.__dict__ | {"_groups": OrderedDict()}
+
+
+class Dataset(Sequence[Record]):
+    """Records that can be counted, indexed, sliced and filtered.
+
+    Items that failed and twins are left out. Slices and `where` give datasets over the same files;
+    neither reads a map.
+    """
+
+    def __init__(
+        self, shelf: _Shelf, places: np.ndarray, everything: np.ndarray | None = None
+    ) -> None:
+        self._shelf = shelf
+        self._places = places
+        """Position of every record among all items of the shards (m,)."""
+        self._all = places if everything is None else everything
+        """The same of all records of the dataset of which this is a part."""
+
+    @property
+    def spec(self) -> DatasetSpec:
+        """What it was made from."""
+        return self._shelf.spec
+
+    @property
+    def manifest(self) -> Manifest | None:
+        """What it says of itself; None for one that is not finished."""
+        return read_manifest(self._shelf.folder)
+
+    @property
+    def folder(self) -> Folder:
+        """Where it is."""
+        return self._shelf.folder
+
+    @property
+    def files(self) -> list[str]:
+        """Paths of its shards, which other libraries can read."""
+        return [self._shelf.folder.path(name) for name in self._shelf.names]
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    @overload
+    def __getitem__(self, k: int) -> Record: ...
+
+    @overload
+    def __getitem__(self, k: slice | np.ndarray) -> Dataset: ...
+
+    def __getitem__(self, k: int | slice | np.ndarray) -> Record | Dataset:
+        """Record k, or those of a slice or of an array of positions or of truth values."""
+        if isinstance(k, slice | np.ndarray):
+            return Dataset(self._shelf, self._places[k], self._all)
+        return self._record(self._shelf.row(int(self._places[k])))
+
+    def __iter__(self) -> Iterator[Record]:
+        return (self[k] for k in range(len(self)))
+
+    def _record(self, row: Row) -> Record:
+        spec = self.spec
+        return Record(row, spec.n, spec.map, spec.planners)
+
+    def column(self, name: str) -> np.ndarray:
+        """A label of every record (m,), without reading anything else."""
+        return self._shelf.column(name)[self._places]
+
+    def where(self, **labels: object) -> Dataset:  # the one place where names are the message
+        """The records with these labels: ``where(stratum="Q", family=("gate", "pendulum"))``.
+
+        Parameters
+        ----------
+        **labels
+            A column's value, several of which any will do, or a function of the column (m,) that
+            returns truth values (m,).
+        """
+        keep = np.ones(len(self), dtype=bool)
+        for name, wanted in labels.items():
+            column = self.column(name)
+            if callable(wanted):
+                keep &= np.asarray(wanted(column), dtype=bool)
+            elif isinstance(wanted, tuple | list | set | frozenset):
+                keep &= np.isin(column, list(wanted))
+            else:
+                keep &= column == wanted
+        return self[keep]
+
+    def cache(
+        self, folder: str | os.PathLike[str] | None = None, labels: Sequence[str] = ()
+    ) -> MapCache:
+        """The maps for random access, from files that are written the first time.
+
+        Parameters
+        ----------
+        folder : path-like, optional
+            Where caches are kept; by default within the dataset's folder.
+        labels : sequence of str
+            Label columns that the examples carry.
+        """
+        whole = Dataset(self._shelf, self._all)
+        return cached(self, whole, folder, labels)
+
+    def stream(
+        self, seed: int = 0, epoch: int = 0, *, window: int = WINDOW, labels: Sequence[str] = ()
+    ) -> Iterator[Example]:
+        """All maps once, in a random order that seed and epoch decide; see `streaming.stream`."""
+        return stream(self, seed, epoch, window=window, labels=labels)
+
+    def groups(self) -> list[Group]:
+        """The row groups that hold its records, for readers that read whole ones."""
+        shelf = self._shelf
+        shards = np.searchsorted(shelf.starts, self._places, side="right") - 1
+        within = self._places - shelf.starts[shards]
+        keys = shards * (int(within.max(initial=0)) // ROW_GROUP + 1) + within // ROW_GROUP
+        cuts = np.flatnonzero(np.diff(keys)) + 1
+        parts = np.split(np.arange(len(keys)), cuts) if len(keys) else []
+        return [
+            Group(int(shards[p[0]]), int(within[p[0]]) // ROW_GROUP, within[p] % ROW_GROUP)
+            for p in parts
+        ]
+
+    def read_group(self, group: Group, columns: Sequence[str]) -> pa.Table:
+        """Columns of the records of a row group."""
+        names = list(dict.fromkeys(columns))
+        return self._shelf.read_group(group.shard, group.group, names).take(group.offsets)
+
+    def table(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """Columns of the records as an Arrow table; by default all, maps and plans included."""
+        names = None if columns is None else list(columns)
+        shelf, parts = self._shelf, []
+        shards = np.searchsorted(shelf.starts, self._places, side="right") - 1
+        for shard in np.unique(shards):
+            within = self._places[shards == shard] - shelf.starts[shard]
+            parts.append(shelf.read(int(shard), names).take(within))
+        return pa.concat_tables(parts) if parts else shelf.read(0, names).slice(0, 0)
+
+    def to_pandas(self, columns: Sequence[str] | None = None) -> DataFrame:
+        """Columns of the records as a data frame; by default the labels."""
+        return self.table(LABELS if columns is None else columns).to_pandas()
+
+
+def open_dataset(path: str | os.PathLike[str]) -> Dataset:
+    """Open a dataset for reading.
+
+    Parameters
+    ----------
+    path : path-like
+        Its folder, or a URL that fsspec understands. It may be unfinished.
+
+    Raises
+    ------
+    DatasetError
+        If there is none, or it is of another version of the schema.
+    """
+    folder = Folder(path)
+    spec = spec_of(folder)
+    names = [f"{SHARDS}/{n}" for n in folder.names(SHARDS) if n.endswith(".parquet")]
+    if not names:
+        raise DatasetError(f"{folder.url}: holds no shards yet")
+    header_of(folder, names[0])  # refuses another version
+    manifest = read_manifest(folder) or {}
+    return _opened(_Shelf(folder, spec, names), manifest.get("twins", {}).get("removed", []))
+
+
+def open_shard(folder: Folder, spec: DatasetSpec, name: str) -> Dataset:
+    """The records of one shard, twins included."""
+    return _opened(_Shelf(folder, spec, [name]), [])
+
+
+def _opened(shelf: _Shelf, removed: list[int]) -> Dataset:
+    twins = np.isin(shelf.column("index"), removed)
+    good = np.array([error is None for error in shelf.column("error")])
+    return Dataset(shelf, np.flatnonzero(good & ~twins))

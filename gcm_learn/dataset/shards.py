@@ -1,0 +1,164 @@
+"""Shards: files of records that are made whole, once, and never changed."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from gcm_learn import __version__, compiled
+from gcm_learn.dataset.folder import SHARDS, Folder
+from gcm_learn.dataset.item import Item, make_item
+from gcm_learn.dataset.schema import LABELS, PLAN, VERSION, plan_column, rows_of
+from gcm_learn.dataset.spec import DatasetSpec, spec_to_json
+from gcm_learn.errors import DatasetError
+
+KEY = b"gcm-learn"
+ROW_GROUP = 100  # records that are read together
+MOST_ERRORS = 20  # that a summary quotes
+_WORDS = ("family", "stratum", "split", "structure", "oracle_stratum", "contact_body")
+_MADE_BY = (*compiled.FOLDERS, "families", "dataset")
+
+
+class DamagedShardError(DatasetError):
+    """A shard's file cannot be read."""
+
+
+@dataclass(frozen=True)
+class ShardInfo:
+    """What is known of a shard without reading its records."""
+
+    shard: int
+    rows: int
+    spec: str
+    """Digest of the specification."""
+    code: str
+    """Version of the code that made it."""
+    strata: dict[str, dict[str, int]] = field(default_factory=dict)
+    """Records by family and stratum."""
+    splits: dict[str, int] = field(default_factory=dict)
+    attempts: int = 0
+    """Situations drawn."""
+    rejected: dict[str, int] = field(default_factory=dict)
+    caught: dict[str, int] = field(default_factory=dict)
+    """Catches by planner."""
+    audited: dict[str, int] = field(default_factory=dict)
+    """Records with an oracle's label, by "stratum/oracle's stratum"."""
+    undecided: int = 0
+    """Of them, those in which the oracle neither found a catch nor ruled it out."""
+    failed: dict[str, str] = field(default_factory=dict)
+    """Errors by index, the first few."""
+    failures: int = 0
+
+
+def shard_name(shard: int) -> str:
+    """Name of a shard's file within the dataset's folder."""
+    return f"{SHARDS}/shard-{shard:06d}.parquet"
+
+
+@lru_cache(maxsize=1)
+def code_version() -> str:
+    """Version of the package and of the sources that decide a record's bytes."""
+    return f"{__version__}+{compiled.sources_hash(_MADE_BY)}"
+
+
+def make_shard(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
+    """Make a shard and write it."""
+    return write_shard(spec, shard, [make_item(spec, k) for k in spec.indices(shard)], url)
+
+
+def write_shard(spec: DatasetSpec, shard: int, items: Sequence[Item], url: str) -> ShardInfo:
+    """Write the items of a shard to its file."""
+    info = _summary(spec, shard, items)
+    content = spec_to_json(spec)
+    del content["count"]  # a larger dataset has the same shards
+    header = {"format": VERSION, "info": asdict(info), "spec": content}
+    metadata = {KEY: json.dumps(header, sort_keys=True).encode()}
+    table = rows_of(spec, items).replace_schema_metadata(metadata)
+    sink = io.BytesIO()
+    pq.write_table(
+        table,
+        sink,
+        compression="zstd",
+        row_group_size=ROW_GROUP,
+        use_dictionary=[*(c for c in _WORDS if c in table.column_names), *_plan_words(spec)],
+        column_encoding=_encodings(spec),
+        write_statistics=list(LABELS),
+    )
+    Folder(url).write(shard_name(shard), sink.getbuffer())
+    return info
+
+
+def _plan_words(spec: DatasetSpec) -> list[str]:
+    """Columns of plans that hold few different words."""
+    fields = ("status", "message", "catch_body")
+    return [f"{plan_column(name)}.{word}" for name in spec.planners for word in fields]
+
+
+def _encodings(spec: DatasetSpec) -> dict[str, str]:
+    """Numbers of paths are stored byte by byte: the high bytes of neighbours are alike."""
+    lists = [PLAN.field(k).name for k in range(PLAN.num_fields) if pa.types.is_list(PLAN[k].type)]
+    columns = [f"{plan_column(name)}.{part}" for name in spec.planners for part in lists]
+    return {f"{column}.list.element": "BYTE_STREAM_SPLIT" for column in columns}
+
+
+def _summary(spec: DatasetSpec, shard: int, items: Sequence[Item]) -> ShardInfo:
+    found = [item.found for item in items if item.found is not None]
+    failed = {str(item.index): item.error or "" for item in items if item.found is None}
+    rejected: Counter[str] = sum((item.rejected for item in items), Counter())
+    strata: dict[str, Counter[str]] = {}
+    for one in found:
+        strata.setdefault(one.family, Counter())[one.stratum] += 1
+    audited = [(one.stratum, one.oracle) for one in found if one.oracle is not None]
+    caught = Counter(n for one in found for n, plan in one.plans.items() if plan.caught)
+    return ShardInfo(
+        shard=shard,
+        rows=len(items),
+        spec=spec.digest,
+        code=code_version(),
+        strata={family: dict(sorted(strata[family].items())) for family in sorted(strata)},
+        splits=dict(sorted(Counter(one.split for one in found).items())),
+        attempts=sum(item.attempts for item in items),
+        rejected=dict(sorted(rejected.items())),
+        caught={name: caught[name] for name in spec.planners},
+        audited=dict(sorted(Counter(f"{s}/{o.stratum}" for s, o in audited).items())),
+        undecided=sum(not o.decided for _, o in audited),
+        failed=dict(list(failed.items())[:MOST_ERRORS]),
+        failures=len(failed),
+    )
+
+
+def header_of(folder: Folder, name: str) -> dict[str, Any]:
+    """What a shard's file says of itself.
+
+    Raises
+    ------
+    DatasetError
+        If it is no shard, or one of another version of the schema.
+    """
+    try:
+        with folder.open(name) as stream:
+            file = pq.ParquetFile(stream)
+            metadata, rows = file.schema_arrow.metadata or {}, file.metadata.num_rows
+            header = json.loads(metadata.get(KEY, b"{}"))
+    except (OSError, pa.ArrowException, ValueError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DamagedShardError(f"{folder.path(name)}: not a shard ({reason})") from None
+    if header.get("format") != VERSION:
+        is_ = header.get("format", "none")
+        raise DatasetError(f"{folder.path(name)}: schema is {is_}, this version reads {VERSION}")
+    if header["info"]["rows"] != rows:
+        raise DatasetError(f"{folder.path(name)}: {rows} rows, not {header['info']['rows']}")
+    return header
+
+
+def info_of(folder: Folder, name: str) -> ShardInfo:
+    """What is known of a shard that is there."""
+    return ShardInfo(**header_of(folder, name)["info"])

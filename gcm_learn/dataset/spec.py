@@ -1,0 +1,170 @@
+"""What a dataset is made from: a small file of which every record is a pure function."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from gcm_learn.arm.lattice import LARGEST_LATTICE, SMALLEST_LATTICE
+from gcm_learn.dataset import checks
+from gcm_learn.dataset.splits import Holdout, Split
+from gcm_learn.errors import FamilyError, SpecError
+from gcm_learn.families import Family, family_from_dict, family_names
+from gcm_learn.planners import planner_names
+from gcm_learn.situation import Situation
+
+FORMAT = "gcm-learn/dataset-spec@1"
+STRATA = ("L", "W", "Q", "U")
+GOLDEN = (5**0.5 - 1) / 2  # multiples of it fill (0, 1) evenly, whatever their number
+
+
+@dataclass(frozen=True)
+class FamilyShare:
+    """A family of situations and how often it is drawn from."""
+
+    family: str
+    share: float = 1.0
+    """Relative to the other families."""
+    config: Mapping[str, Any] = field(default_factory=dict)
+    """Ranges that differ from the family's own."""
+
+    title: ClassVar[str] = "families"
+
+    def __post_init__(self) -> None:
+        checks.choice(self.family, "family", family_names())
+        checks.positive(self.share, "share")
+        if not isinstance(self.config, Mapping):
+            raise SpecError("config", f"must be a table (got {self.config!r})")
+        try:
+            self.source  # noqa: B018  # made now, so that a wrong range is refused now
+        except FamilyError as error:
+            field = error.field.removeprefix(self.family).lstrip(".")
+            raise SpecError(f"config.{field}".rstrip("."), error.reason) from None
+
+    @cached_property
+    def source(self) -> Family:
+        """The family with its ranges; ``source.draw(rng, name)`` gives a situation."""
+        return family_from_dict({**self.config, "family": self.family})
+
+    def draw(self, rng: np.random.Generator, name: str) -> Situation:
+        """Draw a situation."""
+        return self.source.draw(rng, name)
+
+
+@dataclass(frozen=True)
+class DatasetSpec:
+    """Everything that decides what the records are.
+
+    `count` decides only how many there are: a larger one continues the same dataset.
+    """
+
+    name: str
+    seed: int
+    count: int
+    families: tuple[FamilyShare, ...]
+    planners: tuple[str, ...] = ("gcm", "layered")
+    """Whose plans a record holds."""
+    rungs: int = 4
+    """Of the ladder of ever more careful maps that front planners climb: 2 stay on lattices of n
+    cells, 4 end on twice as many. Also how hard the labels' planners try."""
+    map: Literal["wave", "marching", "layered", "none"] = "wave"
+    """Engine of the map that a record holds."""
+    n: int = 80
+    """Cells along a side of the map."""
+    label: Literal["fast", "oracle"] = "fast"
+    """Who decides the stratum: the planners straight, marching and layered, or the oracle."""
+    audit: float = 0.0
+    """Share of the items that the oracle labels as well."""
+    strata: Mapping[str, float] | None = None
+    """Shares of the strata, filled by rejection; as drawn when absent."""
+    attempts: int = 2000
+    """Draws for one item; after that many it is recorded as failed."""
+    shard_size: int = 1000
+    split: Split = field(default_factory=Split)
+    holdouts: tuple[Holdout, ...] = ()
+    """Splits of their own, the first that fits; what fits none is split by `split`."""
+
+    def __post_init__(self) -> None:
+        checks.name(self.name, "name")
+        checks.integer(self.seed, "seed", 0, 2**63 - 1)
+        checks.integer(self.count, "count", 1, 10**9)
+        if not self.families:
+            raise SpecError("families", "must name at least one family")
+        checks.distinct(self.planners, "planners", planner_names())
+        checks.integer(self.rungs, "rungs", 1, 4)
+        checks.choice(self.map, "map", ("wave", "marching", "layered", "none"))
+        checks.integer(self.n, "n", SMALLEST_LATTICE, LARGEST_LATTICE)
+        checks.choice(self.label, "label", ("fast", "oracle"))
+        checks.share(self.audit, "audit")
+        if self.strata is not None:
+            checks.shares(self.strata, "strata", STRATA)
+        checks.integer(self.attempts, "attempts", 1, 10**6)
+        checks.integer(self.shard_size, "shard_size", 1, 10**6)
+
+    @property
+    def shards(self) -> int:
+        """Number of files that the records fill."""
+        return -(-self.count // self.shard_size)
+
+    def indices(self, shard: int) -> range:
+        """Indices of the items of a shard."""
+        first = shard * self.shard_size
+        return range(first, min(first + self.shard_size, self.count))
+
+    def wanted(self, k: int) -> str | None:
+        """Stratum that item k should have, None if any will do.
+
+        Multiples of the golden ratio fill the unit interval evenly from the start, so the shares
+        hold for every part of the dataset, and for one that grows.
+        """
+        if self.strata is None:
+            return None
+        place = (k + 0.5) * GOLDEN % 1.0 * sum(self.strata.values())
+        for stratum in STRATA:
+            place -= self.strata.get(stratum, 0.0)
+            if place < 0.0:
+                return stratum
+        return next(s for s in reversed(STRATA) if self.strata.get(s, 0.0) > 0.0)
+
+    def choose(self, rng: np.random.Generator) -> FamilyShare:
+        """Draw a family by its share."""
+        place = rng.random() * sum(f.share for f in self.families)
+        for family in self.families:
+            place -= family.share
+            if place < 0.0:
+                return family
+        return self.families[-1]
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of what decides the records; `count` is no part of it."""
+        content = spec_to_json(self)
+        del content["count"]
+        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def spec_to_json(spec: DatasetSpec) -> dict[str, Any]:
+    """The specification as JSON values; `spec_from_json` gives back an equal one."""
+    out: dict[str, Any] = {"format": FORMAT}
+    for f in dataclasses.fields(spec):
+        value = getattr(spec, f.name)
+        if value is not None:
+            out[f.name] = _plain(value)
+    return out
+
+
+def _plain(value: object) -> object:
+    """JSON values of records, tuples and mappings."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        members = ((f.name, getattr(value, f.name)) for f in dataclasses.fields(value))
+        return {name: _plain(member) for name, member in members if member is not None}
+    if isinstance(value, Mapping):
+        return {str(name): _plain(member) for name, member in value.items()}
+    return [_plain(v) for v in value] if isinstance(value, tuple | list) else value

@@ -1,0 +1,158 @@
+"""Does a dataset keep its promises?  Bytes, plans and items are checked anew."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
+from gcm_learn.dataset.folder import Folder
+from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.manifest import read_manifest, spec_of
+from gcm_learn.dataset.reader import Dataset, open_shard
+from gcm_learn.dataset.record import Record
+from gcm_learn.dataset.schema import rows_of
+from gcm_learn.dataset.shards import code_version, info_of, shard_name
+from gcm_learn.dataset.spec import DatasetSpec
+from gcm_learn.dataset.splits import lot_of
+from gcm_learn.dataset.warming import warm_up
+from gcm_learn.dataset.workers import LocalPool
+from gcm_learn.errors import DatasetError, GcmError
+from gcm_learn.planners.verification import verify
+from gcm_learn.situation.bodies import pack
+
+MOST_FAULTS = 20  # that a report quotes
+REMAKE = 2  # salt of the lot that decides which item of a shard is made again
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a check of a dataset or of a part of it found."""
+
+    records: int = 0
+    plans: int = 0
+    """Catches whose whole path was verified anew."""
+    remade: int = 0
+    """Items that were made again and compared."""
+    faults: int = 0
+    quoted: tuple[str, ...] = ()
+    """The first few faults, one line each."""
+
+    def __add__(self, other: Report) -> Report:
+        return Report(
+            self.records + other.records,
+            self.plans + other.plans,
+            self.remade + other.remade,
+            self.faults + other.faults,
+            (self.quoted + other.quoted)[:MOST_FAULTS],
+        )
+
+
+def verify_dataset(
+    path: str | os.PathLike[str],
+    workers: int | None = None,
+    *,
+    progress: Callable[[int], None] = lambda records: None,
+) -> Report:
+    """Check a dataset against its manifest, and its plans against the world.
+
+    Parameters
+    ----------
+    path : path-like
+        Folder or URL.
+    workers : int, optional
+        Processes; by default one for each core that this one may use.
+    progress : callable
+        Told the number of records that have been checked.
+
+    Returns
+    -------
+    Report
+        Faults: a shard that is missing or whose bytes changed, a catch that does not hold, an item
+        that is not made again as it is stored (one of each shard that this code has made).
+    """
+    folder = Folder(path)
+    manifest = read_manifest(folder)
+    if manifest is None:
+        raise DatasetError(f"{folder.url}: has no manifest to check it against")
+    spec = spec_of(folder)
+    work = partial(verify_shard, spec, url=folder.url)
+    pool = LocalPool(work, workers or len(os.sched_getaffinity(0)), work, partial(warm_up, spec))
+    expected = {entry["name"]: entry["sha256"] for entry in manifest["shards"]}
+    shards = [k for k in range(spec.shards) if shard_name(k) in expected]
+    report = Report()
+    for part, sha256, shard in pool.results(shards):
+        if part.records and sha256 != expected[shard_name(shard)]:
+            part += _fault(f"{shard_name(shard)}: its bytes are not those of the manifest")
+        report += part
+        progress(part.records)
+    if len(expected) < spec.shards:
+        report += _fault(f"{spec.shards - len(expected)} of {spec.shards} shards are missing")
+    return report
+
+
+def verify_shard(spec: DatasetSpec, shard: int, url: str) -> tuple[Report, str, int]:
+    """Check the records of a shard; also gives the hash of its file and its number."""
+    folder, name = Folder(url), shard_name(shard)
+    try:
+        sha256, info = folder.sha256(name), info_of(folder, name)
+        records = open_shard(folder, spec, name)
+    except (GcmError, OSError) as error:
+        return _fault(f"{name}: {error}"), "", shard
+    report = Report(records=len(records))
+    if info.spec != spec.digest:
+        report += _fault(f"{name}: is of another specification")
+    for record in records:
+        report += _checked(record, name)
+    if info.code == code_version():
+        report += _remade(spec, shard, records, name)
+    return report, sha256, shard
+
+
+def _checked(record: Record, name: str) -> Report:
+    """Verify the catches of a record."""
+    where = f"{name}: item {record.index}"
+    try:
+        faults = list(_broken_plans(record))
+        caught = sum(plan.caught for plan in record.plans.values())
+    except (GcmError, ValueError, KeyError, TypeError) as error:
+        return _fault(f"{where}: cannot be read ({error})")
+    report = Report(plans=caught)
+    for fault in faults:
+        report += _fault(f"{where}: {fault}")
+    return report
+
+
+def _broken_plans(record: Record) -> Iterator[str]:
+    situation = record.situation
+    bodies, names = pack(situation), [body.name for body in situation.bodies]
+    for name, plan in record.plans.items():
+        if not plan.caught:
+            continue
+        if plan.trajectory is None or plan.catch_body not in names:
+            yield f"the plan of {name} is not whole"
+            continue
+        verdict = verify(situation, bodies, plan.trajectory, names.index(plan.catch_body))
+        if not verdict.good:
+            yield f"the plan of {name} does not hold: {verdict.reason}"
+        elif plan.catch_time != plan.trajectory.duration:
+            yield f"the plan of {name} does not end at its catch time"
+    first = any(record.plans[n].caught for n in ("gcm", "marching") if n in record.plans)
+    if first and record.stratum in ("Q", "U"):
+        yield f"the stratum is {record.stratum}, but there is a first-arrival catch"
+
+
+def _remade(spec: DatasetSpec, shard: int, records: Dataset, name: str) -> Report:
+    """Make one item of a shard again."""
+    indices = spec.indices(shard)
+    k = indices[int(lot_of(spec.seed, shard, REMAKE) * len(indices))]
+    fresh = rows_of(spec, [make_item(spec, k)])
+    stored = records[records.column("index") == k].table(fresh.column_names)
+    same = not len(stored) or stored.replace_schema_metadata(None).equals(fresh)
+    report = Report(remade=1)
+    return report if same else report + _fault(f"{name}: item {k} is made differently now")
+
+
+def _fault(text: str) -> Report:
+    return Report(faults=1, quoted=(text,))

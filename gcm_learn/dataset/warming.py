@@ -1,0 +1,87 @@
+"""Compiled code made ready before many processes ask for it at once."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import IO
+
+from llvmlite import binding
+from numba import config
+
+from gcm_learn.compiled import sources_hash
+from gcm_learn.dataset.case import Case
+from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.spec import DatasetSpec
+from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+
+DRAWS = 2  # items of each family
+
+
+def warm_up(spec: DatasetSpec) -> None:
+    """Load, and compile where need be, all code that the items of a specification run.
+
+    Where none of this machine's kind has compiled before, one process after another does so:
+    numba's cache on disk is not made for many that compile at once.
+    """
+    done = _folder() / f"warm-{sources_hash()}-{binding.get_host_cpu_name()}"
+    if done.exists():
+        _run(spec)
+        return
+    with _turn():
+        _run(spec)
+        with contextlib.suppress(OSError):
+            done.touch()
+
+
+def _run(spec: DatasetSpec) -> None:
+    """Make a few items, and climb all rungs of all planners in a situation without a way."""
+    small = replace(spec, strata=None, count=DRAWS * len(spec.families))
+    for k in range(small.count):
+        family = spec.families[k // DRAWS]
+        make_item(replace(small, families=(family,)), k)
+    for situation in _scenes():
+        case = Case(situation, small)
+        for name in ("straight", "marching", "layered", *spec.planners):
+            case.plan(name)
+        case.map()
+        if spec.audit > 0.0 or spec.label == "oracle":
+            case.oracle()
+
+
+def _scenes() -> tuple[Situation, Situation]:
+    """A target that is free and one that is covered."""
+    still = PlanarQuadratic((0.4, 1.4), (0.0, 0.0), (0.0, 0.0))
+    ball = Body("target", "ball", Disc(0.08), still)
+    lid = Body("obstacle", "lid", Disc(0.4), still)
+    arm = Arm((1.3, 0.0), 3.0)
+    return Situation("free", 1.0, arm, (ball,)), Situation("covered", 1.0, arm, (ball, lid))
+
+
+def _folder() -> Path:
+    """Where compiled code is kept, if that may be written to."""
+    folder = Path(config.CACHE_DIR or tempfile.gettempdir())
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return Path(tempfile.gettempdir())
+    return folder
+
+
+@contextlib.contextmanager
+def _turn() -> Iterator[None]:
+    """Wait until no other process is in here."""
+    with _lock() as stream:
+        fcntl.flock(stream, fcntl.LOCK_EX)
+        yield
+
+
+def _lock() -> IO[str]:
+    try:
+        return open(_folder() / "warming.lock", "a")
+    except OSError:
+        return open(Path(tempfile.gettempdir()) / "gcm-learn-warming.lock", "a")

@@ -1,0 +1,150 @@
+"""Processes that make shards on this machine, and what is done when they die."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import Connection
+from typing import Generic, TypeVar
+
+AHEAD = 2  # tasks that wait for each worker, so that none is idle and the queue stays short
+STRIKES = 3  # times that a task may be under way when a process dies, before it is done alone
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+Result = TypeVar("Result")
+
+
+class LocalPool(Generic[Result]):
+    """Does tasks in processes of their own, in a short queue, in any order.
+
+    A process that dies (killed, out of memory, a fault in compiled code) takes the whole pool with
+    it: a new one is started and what was under way is done again.  A task that was under way
+    `STRIKES` times is done by `alone`, which has to get by without the pool.
+
+    Parameters
+    ----------
+    work : callable
+        ``work(task)``, at the top level of a module, so that another process finds it.
+    workers : int
+    alone : callable
+        ``alone(task)``, run in this process for tasks that kill theirs.
+    prepare : callable, optional
+        Run first in each process.
+    """
+
+    def __init__(
+        self,
+        work: Callable[[int], Result],
+        workers: int,
+        alone: Callable[[int], Result],
+        prepare: Callable[[], None] | None = None,
+    ) -> None:
+        self.work, self.workers, self.alone, self.prepare = work, workers, alone, prepare
+        self.rebuilt = 0
+        """How often processes had to be replaced."""
+
+    def results(self, tasks: Iterable[int]) -> Iterator[Result]:
+        """Do the tasks; results come as they are ready.
+
+        Leaving the iteration early, e.g. by Ctrl-C, ends the processes at once.
+        """
+        coming, again = iter(tasks), deque[int]()
+        strikes: Counter[int] = Counter()
+        while True:
+            first = again.popleft() if again else next(coming, None)
+            if first is None:
+                return
+            if strikes[first] >= STRIKES:
+                yield self.alone(first)
+                continue
+            again.appendleft(first)
+            with self._pool() as pool:
+                running: dict[Future[Result], int] = {}
+                broken = False
+                while not broken:
+                    broken = self._fill(pool, running, coming, again, strikes)
+                    if not running:
+                        break
+                    done, _ = wait(running, return_when=FIRST_COMPLETED)
+                    for future in done:
+                        task = running.pop(future)
+                        try:
+                            result = future.result()
+                        except BrokenProcessPool:
+                            broken = True
+                            again.append(task)
+                            strikes[task] += 1
+                        else:
+                            yield result
+            if not broken:
+                continue
+            self.rebuilt += 1
+            # Which of the tasks was to blame is not known.
+            again.extend(running.values())
+            strikes.update(running.values())
+
+    def _fill(
+        self,
+        pool: ProcessPoolExecutor,
+        running: dict[Future[Result], int],
+        coming: Iterator[int],
+        again: deque[int],
+        strikes: Counter[int],
+    ) -> bool:
+        """Keep the queue filled; tells whether the pool is broken."""
+        while len(running) < AHEAD * self.workers:
+            if again and strikes[again[0]] >= STRIKES:
+                return False  # to be done alone, once the queue is empty
+            task = again.popleft() if again else next(coming, None)
+            if task is None:
+                return False
+            try:
+                running[pool.submit(self.work, task)] = task
+            except BrokenProcessPool:
+                again.appendleft(task)
+                return True
+        return False
+
+    @contextlib.contextmanager
+    def _pool(self) -> Iterator[ProcessPoolExecutor]:
+        """A pool whose processes end when the block does, or when this process does."""
+        context = multiprocessing.get_context("spawn")
+        listening, speaking = context.Pipe(duplex=False)
+        kept = {name: os.environ.get(name) for name in THREADS}
+        os.environ.update(dict.fromkeys(THREADS, "1"))  # read when a process imports numpy
+        pool = ProcessPoolExecutor(
+            self.workers, context, initializer=_begin, initargs=(listening, self.prepare)
+        )
+        try:
+            yield pool
+            pool.shutdown()
+        finally:
+            speaking.close()  # what still runs ends now
+            pool.shutdown(wait=False, cancel_futures=True)
+            listening.close()
+            for name, value in kept.items():
+                if value is None:
+                    del os.environ[name]
+                else:
+                    os.environ[name] = value
+
+
+def _begin(line: Connection, prepare: Callable[[], None] | None) -> None:
+    """Start a process: Ctrl-C is for the parent, whose end is noticed on the line."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with_parent, args=(line,), daemon=True).start()
+    if prepare is not None:
+        prepare()
+
+
+def _leave_with_parent(line: Connection) -> None:
+    """Wait until the other end of the line is closed, by will or by death, and go."""
+    with contextlib.suppress(EOFError, OSError):
+        line.recv_bytes()
+    os._exit(1)

@@ -1,0 +1,82 @@
+"""A real Dask scheduler with two worker processes, one of which is killed on the way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("distributed")
+
+from gcm_learn.dataset import generate
+from gcm_learn.dataset.folder import Folder
+from gcm_learn.errors import DatasetError
+from tests.dataset.conftest import make_here
+
+ROOT = Path(__file__).parents[2]
+
+
+def start(*arguments: str) -> subprocess.Popen:
+    """Start a part of a cluster."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "distributed.cli." + arguments[0], *arguments[1:]]
+    return subprocess.Popen(
+        command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def cluster():
+    """Return the scheduler's address and the two workers."""
+    port = free_port()
+    address = f"tcp://127.0.0.1:{port}"
+    parts = [start("dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")]
+    time.sleep(1.0)
+    for _ in range(2):
+        parts.append(start("dask_worker", address, "--nthreads", "1", "--no-nanny"))
+    yield address, parts[1:]
+    for part in reversed(parts):
+        part.kill()
+        part.wait()
+
+
+@pytest.mark.slow
+def test_a_killed_worker_of_a_cluster_costs_nothing_but_time(small, tmp_path, cluster):
+    address, workers = cluster
+    spec = replace(small, count=1200)
+    make_here(spec, str(tmp_path / "here"))
+    made = []
+
+    def progress(records):
+        made.append(records)
+        if sum(made) >= 200 and workers[0].poll() is None:
+            workers[0].send_signal(signal.SIGKILL)
+
+    manifest = generate(spec, tmp_path / "cluster", cluster=address, progress=progress)
+    assert workers[0].poll() == -signal.SIGKILL and workers[1].poll() is None
+    assert manifest["complete"] and manifest["records"] == 1200
+    for name in Folder(tmp_path / "here").names("shards"):
+        here, there = (Folder(tmp_path / f).sha256(f"shards/{name}") for f in ("here", "cluster"))
+        assert here == there
+    assert manifest["runs"][0]["cluster"] == address
+
+
+def test_no_scheduler_is_said_in_one_line(small, tmp_path, monkeypatch):
+    monkeypatch.setattr("gcm_learn.dataset.cluster.CONNECT", 1)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    with pytest.raises(DatasetError, match="no scheduler answers") as caught:
+        generate(small, tmp_path, cluster=address)
+    assert "\n" not in str(caught.value)

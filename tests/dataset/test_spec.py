@@ -1,0 +1,135 @@
+"""Specifications: read strictly, and what they say of item k before it is made."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from collections import Counter
+from dataclasses import replace
+
+import pytest
+
+from gcm_learn.dataset import Holdout, Split, read_spec, spec_from_json, spec_to_json
+from gcm_learn.dataset.splits import lot_of, split_of
+from gcm_learn.errors import FileFormatError, SpecError
+
+TOML = """
+format = "gcm-learn/dataset-spec@1"
+name = "mine"
+seed = 7
+count = 100
+planners = ["gcm"]
+strata = {W = 1, Q = 3}
+
+[[families]]
+family = "random-planar"
+share = 2.5
+
+[split]
+test = 0.2
+
+[[holdouts]]
+split = "test-fast"
+quantity = "top_speed"
+above = 1.0
+"""
+
+
+def test_toml_and_json_say_the_same(tmp_path):
+    (tmp_path / "a.toml").write_text(TOML)
+    spec = read_spec(tmp_path / "a.toml")
+    assert spec.planners == ("gcm",) and spec.split == Split(test=0.2)
+    assert spec.holdouts == (Holdout("test-fast", quantity="top_speed", above=1.0),)
+    (tmp_path / "a.json").write_text(json.dumps(spec_to_json(spec)))
+    again = read_spec(tmp_path / "a.json")
+    assert again == spec and again.digest == spec.digest
+    assert pickle.loads(pickle.dumps(spec)) == spec
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("seed = 7", "seed = -1"), "seed: must be at least 0 (got -1)"),
+        (("seed = 7", "seed = true"), "seed: must be a whole number (got True)"),
+        (("count = 100", ""), "count: is missing"),
+        (("count = 100", "cuont = 100"), "cuont: is not a known field"),
+        (("share = 2.5", "share = 0"), "families[0].share: must be positive (got 0)"),
+        (('family = "random-planar"', 'family = "x"'), "families[0].family: 'x' is not one of"),
+        (("share = 2.5", "config = {colour = 1}"), "families[0].config.colour"),
+        (('["gcm"]', '["gcm", "gcm"]'), "planners[1]: 'gcm' is given twice"),
+        (('["gcm"]', '["gmc"]'), "planners[0]: 'gmc' is not one of"),
+        (("Q = 3", "X = 3"), "strata.X: is not one of L, W, Q, U"),
+        (("{W = 1, Q = 3}", "{W = 0}"), "strata: must have a share above zero"),
+        (("test = 0.2", "test = 1.5"), "split.test: must be a share"),
+        (("test = 0.2", "test = 0.99"), "split.test: the shares of validation and test exceed 1"),
+        (("above = 1.0", ""), "holdouts[0].above: is missing"),
+        (('"top_speed"', '"mass"'), "holdouts[0].quantity: 'mass' is not one of"),
+        (("spec@1", "spec@2"), "format: must be 'gcm-learn/dataset-spec@1'"),
+        (('name = "mine"', 'name = "a/b"'), "name: must be a word"),
+        (("seed = 7", "seed = "), "line 4"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(change, said, tmp_path):
+    assert change[0] in TOML
+    path = tmp_path / "a.toml"
+    path.write_text(TOML.replace(*change))
+    with pytest.raises(FileFormatError) as caught:
+        read_spec(path)
+    assert said in str(caught.value) and "\n" not in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+def test_a_missing_file_and_a_strange_one(tmp_path):
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        read_spec(tmp_path / "no.toml")
+    with pytest.raises(FileFormatError, match=r"toml or \.json"):
+        read_spec(tmp_path / "spec.yaml")
+    with pytest.raises(SpecError, match="must be a table"):
+        spec_from_json([])
+
+
+def test_shares_of_strata_hold_in_every_part(small):
+    spec = replace(small, strata={"L": 1, "W": 2, "Q": 1, "U": 0})
+    for first, count in ((0, 400), (13_000, 1000), (999, 57)):
+        found = Counter(spec.wanted(k) for k in range(first, first + count))
+        for stratum, share in (("L", 0.25), ("W", 0.5), ("Q", 0.25)):
+            assert abs(found[stratum] - share * count) <= 3
+        assert found["U"] == 0
+    assert small.wanted(5) is None
+
+
+def test_count_continues_a_dataset_and_nothing_else_does(small):
+    assert replace(small, count=10**6).digest == small.digest
+    for change in ({"seed": 4}, {"n": 80}, {"rungs": 1}, {"strata": {"W": 1}}, {"audit": 0.5}):
+        assert replace(small, **change).digest != small.digest
+    assert small.shards == 3 and list(small.indices(2)) == list(range(40, 50))
+
+
+def test_lots_are_even_and_independent_of_seed_and_purpose():
+    count = 20_000
+    for seed, salt in ((0, 0), (1, 0), (2**62, 1)):
+        lots = [lot_of(seed, k, salt) for k in range(count)]
+        assert 0.0 <= min(lots) and max(lots) < 1.0
+        tenths = Counter(int(10 * x) for x in lots)
+        assert max(abs(n - count / 10) for n in tenths.values()) < 5 * (count * 0.09) ** 0.5
+    pairs = [lot_of(1, k) < 0.5 and lot_of(1, k, 1) < 0.5 for k in range(count)]
+    assert abs(sum(pairs) - count / 4) < 5 * (count * 3 / 16) ** 0.5
+
+
+def test_splits_hold_out_what_they_say():
+    rules = (
+        Holdout("test-gate", family="gate"),
+        Holdout("test-long", quantity="upper_arm", above=1.1),
+        Holdout("test-few", quantity="obstacles", below=2.0),
+    )
+    quantities = {"upper_arm": 1.0, "obstacles": 3.0}
+
+    def split(k, family="swarm", **changes):
+        return split_of(Split(0.1, 0.2), rules, 5, k, family, quantities | changes)
+
+    assert split(0, "gate", upper_arm=1.2) == "test-gate"
+    assert split(0, upper_arm=1.2) == "test-long"
+    assert split(0, obstacles=1.0) == "test-few"
+    found = Counter(split(k) for k in range(5000))
+    assert set(found) == {"train", "validation", "test"}
+    assert abs(found["test"] - 1000) < 150 and abs(found["validation"] - 500) < 110

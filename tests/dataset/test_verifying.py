@@ -1,0 +1,145 @@
+"""The check finds what is wrong with a dataset, and nothing where nothing is."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from gcm_learn.cli import main
+from gcm_learn.dataset import spec_to_json
+from gcm_learn.dataset.folder import Folder
+from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.schema import rows_of
+from gcm_learn.dataset.shards import KEY, shard_name, write_shard
+from gcm_learn.dataset.verifying import verify_dataset
+from tests.dataset.conftest import SMALL
+
+
+class Here:
+    """A pool that works in this process."""
+
+    def __init__(self, work, workers, alone, prepare=None):
+        self.work = work
+
+    def results(self, tasks):
+        """Do the tasks at once."""
+        return map(self.work, tasks)
+
+
+@pytest.fixture(autouse=True)
+def _here(monkeypatch):
+    monkeypatch.setattr("gcm_learn.dataset.verifying.LocalPool", Here)
+    monkeypatch.setattr("gcm_learn.dataset.generation.LocalPool", Here)
+
+
+@pytest.fixture
+def folder(small_folder, tmp_path):
+    """Return a copy of the small dataset, to be spoiled."""
+    return Path(shutil.copytree(small_folder, tmp_path / "copy"))
+
+
+def test_a_good_one_is_good(small_folder):
+    report = verify_dataset(small_folder)
+    assert (report.faults, report.records, report.remade) == (0, 50, 3)
+    assert report.plans > 30
+
+
+def test_a_changed_byte_is_found(folder):
+    path = folder / shard_name(1)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 3] ^= 1
+    path.write_bytes(content)
+    report = verify_dataset(folder)
+    assert report.faults >= 1 and shard_name(1) in report.quoted[0]
+
+
+def test_missing_shards_are_found(folder):
+    (folder / shard_name(2)).unlink()
+    assert "shard-000002" in verify_dataset(folder).quoted[0]
+
+
+def spoiled(spec, shard, folder, change):
+    """Write a shard whose items have been changed, and say so in the manifest."""
+    items = [make_item(spec, k) for k in spec.indices(shard)]
+    for k, item in enumerate(items):
+        items[k] = replace(item, found=change(item.found))
+    write_shard(spec, shard, items, str(folder))
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["shards"][shard]["sha256"] = Folder(folder).sha256(shard_name(shard))
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda way: replace(way, hand=way.hand + 1e-6 * (way.time[:, None] > 0)), None),
+        (lambda way: replace(way, hand=way.hand * 0.9), "does not start at the hand"),
+        (lambda way: replace(way, time=way.time * 0.999), "faster than max_hand_speed"),
+        (lambda way: replace(way, hand=np.vstack([way.hand[:-1], way.hand[:1]])), "hold"),
+    ],
+)
+def test_plans_that_do_not_hold_are_found(folder, spoil, said):
+    spec = replace(SMALL, audit=0.1)
+
+    def change(found):
+        plan = found.plans["layered"]
+        if not plan.caught or plan.catch_time < 0.05:
+            return found
+        worse = replace(plan, trajectory=spoil(plan.trajectory))
+        return replace(found, plans=found.plans | {"layered": worse})
+
+    spoiled(spec, 0, folder, change)
+    report = verify_dataset(folder)
+    assert report.faults > 3 or said is None
+    if said is not None:
+        assert any(said in fault for fault in report.quoted)
+
+
+def test_an_item_that_would_be_made_differently_is_found(folder):
+    spec = replace(SMALL, audit=0.1)
+    spoiled(spec, 0, folder, lambda found: replace(found, stratum="L"))
+    assert any("made differently" in fault for fault in verify_dataset(folder).quoted)
+
+
+def test_the_command_makes_checks_and_tells(tmp_path, capsys):
+    spec = tmp_path / "spec.json"
+    spec.write_text(json.dumps(spec_to_json(SMALL)))
+    out = str(tmp_path / "out")
+    assert main(["generate", str(spec), "--out", out, "--verify", "--workers", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "50 records" in said and "verified 50 records" in said and "0 faults" in said
+    path = Path(out) / shard_name(0)
+    table = pq.read_table(path)
+    pq.write_table(table, path)
+    assert table.schema.metadata[KEY]
+    assert main(["generate", str(spec), "--out", out, "--verify", "--workers", "1"]) == 1
+    assert "bytes are not those" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--workers", "0"], "--workers 0"),
+        (["--shards", "4/4"], "--shards 4/4"),
+        (["--shards", "x"], "--shards x"),
+    ],
+)
+def test_the_command_refuses(options, said, tmp_path, capsys):
+    spec = tmp_path / "spec.json"
+    spec.write_text(json.dumps(spec_to_json(SMALL)))
+    assert main(["generate", str(spec), "--out", str(tmp_path / "out"), *options]) == 2
+    assert said in capsys.readouterr().err and not (tmp_path / "out").exists()
+    spec.write_text("{}")
+    assert main(["generate", str(spec), "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_rows_do_not_depend_on_their_neighbours(small):
+    one, both = make_item(small, 5), [make_item(small, k) for k in (4, 5)]
+    assert rows_of(small, [one]).equals(rows_of(small, both).slice(1))
