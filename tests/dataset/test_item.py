@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.random_solid import random_solid
 
 from gcm_learn import dataset
 from gcm_learn.dataset import item as items
@@ -20,7 +21,6 @@ from gcm_learn.planners import get_planner
 from gcm_learn.seeding import rng
 from gcm_learn.situation.canonical import canonical
 from tests.dataset.conftest import make_here
-from tests.random_solid import random_solid
 from tests.transforms import mirrored, turned
 
 

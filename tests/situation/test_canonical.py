@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.random_solid import random_rotation, random_solid
 
 from gcm_learn import rng as generator
 from gcm_learn import solve
@@ -18,7 +19,6 @@ from gcm_learn.planners.verification import verify
 from gcm_learn.situation import situation_to_json
 from gcm_learn.situation.bodies import pack, pose, rotation_of
 from gcm_learn.situation.canonical import Frame, canonical, quaternion_of
-from tests.random_solid import random_rotation, random_solid
 from tests.strategies import unit_vectors
 from tests.transforms import carried, mirrored, turned
 
