@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.random_solid import random_solid
 
 from gcm_learn import dataset
 from gcm_learn.dataset import item as items
@@ -17,6 +16,7 @@ from gcm_learn.dataset.parameters import parameters_of, structure_of, twin_key
 from gcm_learn.dataset.shards import make_shard, shard_name
 from gcm_learn.errors import SituationError
 from gcm_learn.families import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import get_planner
 from gcm_learn.seeding import rng
 from gcm_learn.situation.canonical import canonical

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.random_solid import random_rotation, random_solid
 
 from gcm_learn import rng as generator
 from gcm_learn import solve
 from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.families import random_planar
+from gcm_learn.families.random_solid import random_rotation, random_solid
 from gcm_learn.planners.verification import verify
 from gcm_learn.situation import situation_to_json
 from gcm_learn.situation.bodies import pack, pose, rotation_of
