@@ -2,6 +2,18 @@
 
 F. Grothe, V. N. Hartmann, A. Orthey, M. Toussaint, ST-RRT*: asymptotically-optimal bidirectional
 motion planning through space-time, ICRA 2022.
+
+OMPL's planner knows goals that stand still: it has a goal's place drawn and draws its time itself.
+Here an interception is drawn, place and time at once, and its time is put in place of OMPL's when
+OMPL next asks whether that state is valid (`st_rrt_star_search`).  Refusing places on which no
+target is at the time that OMPL drew found as many catches, but later ones (within 10 ms 1.14 times
+as late as `layered`, against 1.07).  A search for each of many instants was not tried: what it
+learns for one would be lost for the next.
+
+All settings are OMPL's own.  On 100 random situations that no straight line solves, ranges down to
+0.25 found fewer catches within 10 ms and as many within 100; without rewiring there were a few more
+within 10 ms (67 against 59 to 63), but they improved less (1.04 times as late as `layered` after
+100 ms, against 1.00).  Four fifths of the time are spent inside OMPL, not in our checks.
 """
 
 from __future__ import annotations
@@ -92,7 +104,7 @@ class STRRTStarPlanner:
         plans = []
         for budget in budgets_ms:
             began, thought = clock.perf_counter(), min(budget, used)
-            plan = _best(problem, [path for when, path in found if when <= budget], thought)
+            plan = _best(problem, [path for when, path in found if when <= budget])
             after = 1e3 * (clock.perf_counter() - began)
             plans.append(replace(plan, planning_ms=before + thought + after))
         return plans
@@ -149,9 +161,9 @@ def _search(task: Task) -> tuple[list[Improvement], float]:
     return found, things[-1][0] if things else 0.0
 
 
-def _best(problem: Problem, paths: list[np.ndarray], thought: float) -> Plan:
+def _best(problem: Problem, paths: list[np.ndarray]) -> Plan:
     """The last path that holds, as a plan."""
-    reason = f"no path was found in {thought:.0f} ms"
+    reason = "the trees do not meet in the time that they have"
     for path in reversed(paths):
         attempt = finish(problem, *_sampled(path))
         if attempt is None:
