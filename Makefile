@@ -74,5 +74,5 @@ $(VENV)/.dev: $(VENV)/.created pyproject.toml constraints.txt
 peers: $(VENV)/.dev
 	@$(BIN)/python -c 'import skfmm' 2>/dev/null || { \
 	  echo "Building scikit-fmm for the comparison ..."; \
-	  $(PIP) --quiet --editable ".[peers]" || \
+	  $(PIP) --quiet scikit-fmm || \
 	  echo "scikit-fmm could not be built: its comparison is left out." >&2; }

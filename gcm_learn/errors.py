@@ -72,3 +72,19 @@ class SpecError(GcmError, ValueError):
 
 class DatasetError(GcmError, RuntimeError):
     """A folder is not the dataset it should be: no shards, another schema, changed bytes."""
+
+
+class MissingExtraError(GcmError, ImportError):
+    """Something needs a library that is installed on request only.
+
+    Parameters
+    ----------
+    what : str
+        Who needs it.
+    library : str
+    extra : str
+        Name of the group of libraries that it belongs to.
+    """
+
+    def __init__(self, what: str, library: str, extra: str) -> None:
+        super().__init__(f"{what} needs {library}: pip install 'gcm_learn[{extra}]'")

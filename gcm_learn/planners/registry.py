@@ -10,6 +10,7 @@ from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle import OraclePlanner
 from gcm_learn.planners.plan import Plan, Planner
 from gcm_learn.planners.potential import PotentialPlanner
+from gcm_learn.planners.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.straight import StraightPlanner
 from gcm_learn.planners.straight_wait import StraightWaitPlanner
 from gcm_learn.situation import Situation
@@ -20,6 +21,7 @@ _PLANNERS: dict[str, Callable[[], Planner]] = {
     "marching": marching,
     "oracle": OraclePlanner,
     "potential": PotentialPlanner,
+    "st-rrt-star": STRRTStarPlanner,
     "straight": StraightPlanner,
     "straight-wait": StraightWaitPlanner,
 }
@@ -31,7 +33,15 @@ def planner_names() -> list[str]:
 
 
 def get_planner(name: str) -> Planner:
-    """A planner with its default settings; raises UnknownNameError with the known names."""
+    """A planner with its default settings.
+
+    Raises
+    ------
+    UnknownNameError
+        With the known names.
+    MissingExtraError
+        If the planner needs a library that is not installed.
+    """
     if name not in _PLANNERS:
         raise UnknownNameError(f"planner: {name!r} is not one of {', '.join(planner_names())}")
     return _PLANNERS[name]()

@@ -13,6 +13,7 @@ import pytest
 
 from gcm_learn.cli import main
 from gcm_learn.planners.registry import planner_names
+from tests.extras import planner_params
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,7 +42,7 @@ def test_json_file_and_standard_input_say_the_same(scene_file, scene, planner, c
     assert capsys.readouterr().out == from_file != ""
 
 
-@pytest.mark.parametrize("name", planner_names())
+@pytest.mark.parametrize("name", planner_params())
 def test_same_input_same_bytes(name, scene_file, scene, capsys):
     path = str(scene_file(scene("a"), scene("b", horizon=0.4)))
     runs = []

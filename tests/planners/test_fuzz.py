@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from gcm_learn import solve
 from gcm_learn.errors import SituationError
-from gcm_learn.planners import plan_to_json, planner_names
+from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -30,12 +30,13 @@ from gcm_learn.situation import (
     Sphere,
 )
 from tests import strategies
+from tests.extras import INSTALLED
 from tests.referee import judge
 
 LONGEST = 60.0  # [s] of processor time for one plan; the usual ones take milliseconds
-SLOW = {"layered", "oracle"}
-planners = st.sampled_from([name for name in planner_names() if name != "oracle"])
-quick = st.sampled_from([name for name in planner_names() if name not in SLOW])
+SLOW = {"layered", "oracle", "st-rrt-star"}
+planners = st.sampled_from([name for name in INSTALLED if name != "oracle"])
+quick = st.sampled_from([name for name in INSTALLED if name not in SLOW])
 
 
 def answered(situation, planner):
@@ -69,7 +70,7 @@ def _compiled():
     rest = ((0.0, 0.0), (0.0, 0.0))
     goal = Body("target", "goal", Disc(0.1), PlanarQuadratic((-1.0, 0.5), *rest))
     post = Body("obstacle", "post", Disc(0.3), PlanarQuadratic((0.3, 1.2), *rest))
-    for planner in planner_names():
+    for planner in INSTALLED:
         solve(Situation("warm", 2.0, Arm((1.2, 0.5), 3.0), (goal, post)), planner)
 
 

@@ -1,0 +1,230 @@
+"""ST-RRT* through OMPL: what it is asked, what it answers, and what is said without OMPL."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from gcm_learn import seeding
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.oracle import bounds
+from gcm_learn.planners.st_rrt_star import STRRTStarPlanner, _limits
+from gcm_learn.planners.st_rrt_star_moves import draw_goal, leg_holds
+from gcm_learn.planners.straight import StraightPlanner
+from gcm_learn.situation import Arm, Body, Disc, Situation
+from tests.extras import INSTALLED
+from tests.planners.test_baselines import FREE, GATE, OPENS, TRAP, body, goal, scene
+from tests.referee import judge
+
+needs_ompl = pytest.mark.skipif(
+    "st-rrt-star" not in INSTALLED, reason="st-rrt-star needs ompl (extra `peers`)"
+)
+SECOND = Body("target", "second", Disc(0.05), FREE.bodies[0].motion)
+
+
+# --- legs and goals, which need no OMPL ------------------------------------------------------
+
+BULLET = body("obstacle", Disc(0.05), (1.2, -5.0), (0.0, 10.0))  # crosses y = 0 at t = 0.5
+
+
+def ask(situation, *leg):
+    problem = Problem(situation, "test")
+    return leg_holds(problem.bodies, _limits(problem), *leg)
+
+
+def test_a_leg_keeps_the_speed_limit_and_goes_forward_in_time():
+    empty = scene(goal(1.5, 0.9))
+    assert ask(empty, 1.0, 0.0, 0.2, 1.33, 0.0, 0.3001)
+    assert not ask(empty, 1.0, 0.0, 0.2, 1.33, 0.0, 0.2999)
+    assert not ask(empty, 1.0, 0.0, 0.3, 1.1, 0.0, 0.2)
+    assert not ask(empty, 1.0, 0.0, 0.3, 1.0, 0.0, 0.3)
+
+
+def test_a_leg_stays_in_the_ring():
+    arm = Arm((1.0, 0.0), 3.0, upper_arm=1.5)
+    ring = Situation("ring", 9.0, arm, (goal(1.5, 0.9),))
+    assert ask(ring, 1.0, 0.0, 0.0, 2.49, 0.0, 1.0)
+    assert not ask(ring, 1.0, 0.0, 0.0, 2.51, 0.0, 1.0)
+    assert ask(ring, 0.6, -0.6, 0.0, 0.6, 0.6, 1.0)
+    assert not ask(ring, 0.4, -0.6, 0.0, 0.4, 0.6, 1.0)  # through the hole of radius 0.5
+
+
+def test_a_leg_between_whose_ends_an_obstacle_passes_does_not_hold():
+    """The limb lies along y = 0 from (1.2, 0) on when the bullet is there, for a moment."""
+    crossed = scene(goal(1.5, 0.9), BULLET, hand=(1.99, 0.0))
+    assert ask(crossed, 1.99, 0.0, 0.0, 1.99, 0.05, 0.45)
+    assert not ask(crossed, 1.99, 0.0, 0.0, 1.99, 0.05, 1.0)
+    assert ask(crossed, 1.99, 0.0, 0.55, 1.99, 0.05, 1.0)
+
+
+def test_a_leg_keeps_joint_limits():
+    """Half way out along a short arc the shoulder turns by the angle, so the limit is its rate."""
+    angle = 0.02
+    ends = (1.2, 0.0), (1.2 * math.cos(angle), 1.2 * math.sin(angle))
+    for rate, holds in ((0.95, False), (1.1, True)):
+        arm = Arm((1.2, 0.0), 30.0, max_joint_speed=(rate, 30.0))
+        turning = Situation("turn", 9.0, arm, (goal(1.5, 0.9),))
+        assert ask(turning, *ends[0], 0.0, *ends[1], angle) == holds
+
+
+def test_goals_are_interceptions_in_time():
+    mover = body("target", Disc(0.05), (1.5, -0.9), (-0.5, 1.5))
+    situation = scene(mover, body("obstacle", Disc(0.3), (1.7, 0.0)), hand=(0.9, 0.3))
+    problem = Problem(situation, "test")
+    limits, rng = _limits(problem), seeding.rng(7)
+    drawn = np.array(
+        [
+            draw_goal(problem.bodies, limits, 0.9, 0.3, 0.1, 1.1, rng.random((16, 4)))
+            for _ in range(400)
+        ]
+    )
+    time, hand = drawn[drawn[:, 0] >= 0.0, 0], drawn[drawn[:, 0] >= 0.0, 1:]
+    assert len(time) > 300 and 0.1 <= time.min() and time.max() <= 1.1
+    target = np.array([1.5, -0.9]) + time[:, None] * (-0.5, 1.5)
+    off = np.hypot(*(hand - target).T)
+    assert off.max() <= 0.1 and off.max() > 0.09 and off.min() < 0.02  # all over the grasp
+    assert (np.hypot(*(hand - (0.9, 0.3)).T) <= 3.3 * time).all()
+    assert (np.hypot(*(hand - (1.7, 0.0)).T) > 0.3).all()  # the hand at least is clear of it
+
+
+def test_no_goal_is_drawn_where_there_is_none():
+    problem = Problem(scene(goal(0.7, 1.2)), "test")
+    chances = seeding.rng(8).random((64, 4))
+    too_early = draw_goal(problem.bodies, _limits(problem), 0.9, 0.0, 0.0, 0.1, chances)
+    assert too_early[0] == -1.0
+
+
+# --- answers ---------------------------------------------------------------------------------
+
+
+@needs_ompl
+def test_it_waits_for_a_gate():
+    plan = STRRTStarPlanner().plan(GATE)
+    assert plan.caught and judge(GATE, plan).complaints == []
+    assert OPENS <= plan.catch_time <= 1.1 * OPENS
+
+
+@needs_ompl
+def test_it_goes_round_a_bar_that_holds_a_field_up():
+    plan = STRRTStarPlanner().plan(TRAP)
+    assert plan.caught and judge(TRAP, plan).complaints == []
+    assert plan.trajectory.length > 2.8  # the straight way is 2.4 less radius and grasp
+
+
+@needs_ompl
+@pytest.mark.parametrize(
+    "situation",
+    [
+        FREE,
+        scene(body("target", Disc(0.05), (1.5, -0.9), (0.0, 1.5)), hand=(0.9, 0.3)),
+        scene(goal(-1.2, 0.3), SECOND),
+    ],
+)
+def test_in_free_space_it_is_nearly_as_fast_as_a_straight_line(situation):
+    plan, straight = STRRTStarPlanner().plan(situation), StraightPlanner().plan(situation)
+    assert straight.catch_time <= plan.catch_time <= 1.02 * straight.catch_time
+    assert plan.catch_body == straight.catch_body
+
+
+@needs_ompl
+def test_no_catch_comes_before_the_oracles_lower_bound():
+    caught = 0
+    for k in range(30):
+        situation = random_planar(seeding.rng(92, k))
+        plan = STRRTStarPlanner(iterations=300).plan(situation)
+        if plan.caught:
+            caught += 1
+            assert plan.catch_time >= bounds(situation, sizes=(60,)).lower
+    assert caught > 10
+
+
+@needs_ompl
+def test_the_same_seed_gives_the_same_answer_and_another_another():
+    first, again, other = (STRRTStarPlanner(seed=seed).plan(GATE) for seed in (3, 3, 4))
+    assert first.trajectory.hand.tolist() == again.trajectory.hand.tolist()
+    assert first.catch_time == again.catch_time != other.catch_time
+
+
+@needs_ompl
+def test_more_time_is_never_worse():
+    caught = 0
+    for situation in (GATE, TRAP, FREE):
+        plans = STRRTStarPlanner().plan_anytime(situation, (5.0, 20.0, 80.0))
+        times = [math.inf if plan.catch_time is None else plan.catch_time for plan in plans]
+        assert times == sorted(times, reverse=True)
+        assert [p.planning_ms for p in plans] == sorted(p.planning_ms for p in plans)
+        caught += plans[-1].caught
+        assert all(judge(situation, plan).complaints == [] for plan in plans if plan.caught)
+    assert caught
+
+
+@needs_ompl
+def test_one_budget_is_a_run_of_its_own():
+    plan = STRRTStarPlanner(budget_ms=200.0).plan(FREE)
+    assert plan.caught and plan.planner == "st-rrt-star"
+
+
+@needs_ompl
+def test_it_ends_when_nothing_better_is_to_be_expected():
+    from gcm_learn.planners import st_rrt_star_search as library
+
+    searches = []
+    for situation in (FREE, GATE):
+        task = STRRTStarPlanner()._task(Problem(situation, "test"), 1e4, 4000)
+        searches.append(library.Search(task, lambda *_: None))
+        searches[-1].run()
+    free, gate = searches
+    assert free.looks < 4000 < gate.looks
+    assert free.best <= 1.001 * StraightPlanner().plan(FREE).catch_time
+
+
+@needs_ompl
+def test_what_was_found_before_a_crash_counts(monkeypatch):
+    from gcm_learn.planners import st_rrt_star_search as library
+
+    improved = library.Search._improved
+
+    def crash_at_second(self, *arguments):
+        if self.best < self.task.horizon:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        improved(self, *arguments)
+
+    monkeypatch.setattr(library.Search, "_improved", crash_at_second)
+    plan = STRRTStarPlanner().plan(GATE)
+    assert plan.caught and judge(GATE, plan).complaints == []
+
+
+# --- without OMPL ----------------------------------------------------------------------------
+
+
+def without_ompl(code):
+    """Run code in a process that cannot import ompl."""
+    hidden = f"import sys; sys.modules['ompl'] = None\n{code}"
+    return subprocess.run(
+        [sys.executable, "-c", hidden], capture_output=True, text=True, check=False
+    )
+
+
+def test_without_ompl_the_planner_is_listed_and_names_the_extra():
+    done = without_ompl(
+        "import gcm_learn\n"
+        "assert 'st-rrt-star' in gcm_learn.planner_names()\n"
+        "try:\n    gcm_learn.get_planner('st-rrt-star')\n"
+        "except gcm_learn.errors.MissingExtraError as error:\n    print(error)\n"
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "st-rrt-star needs ompl 1.7: pip install 'gcm_learn[peers]'\n"
+
+
+def test_without_ompl_the_command_line_says_so_in_one_line(tmp_path):
+    command = f"main(['solve', {str(tmp_path / 'any.json')!r}, '--planner', 'st-rrt-star'])"
+    done = without_ompl(f"from gcm_learn.cli import main\nsys.exit({command})")
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr.count("\n") == 1 and "pip install 'gcm_learn[peers]'" in done.stderr
