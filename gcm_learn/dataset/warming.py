@@ -13,7 +13,7 @@ from typing import IO
 from llvmlite import binding
 from numba import config
 
-from gcm_learn.compiled import sources_hash
+from gcm_learn.compiled import compiled_hash
 from gcm_learn.dataset.case import Case
 from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.spec import DatasetSpec
@@ -28,7 +28,7 @@ def warm_up(spec: DatasetSpec) -> None:
     Where none of this machine's kind has compiled before, one process after another does so:
     numba's cache on disk is not made for many that compile at once.
     """
-    done = _folder() / f"warm-{sources_hash()}-{binding.get_host_cpu_name()}"
+    done = _folder() / f"warm-{compiled_hash()}-{binding.get_host_cpu_name()}"
     if done.exists():
         _run(spec)
         return
