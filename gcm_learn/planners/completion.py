@@ -12,7 +12,7 @@ from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners.interception import first_catch, first_interception, may_be_reached
 from gcm_learn.planners.plan import Plan, Status
 from gcm_learn.planners.timing import keep_limits, refine, segment_times, straight_way
-from gcm_learn.planners.verification import CATCH_SAFETY, start_clearance, verify
+from gcm_learn.planners.verification import CATCH_SAFETY, HOLE_MARGIN, start_clearance, verify
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import HAND, PART, TOP_SPEED, Bodies
@@ -20,7 +20,7 @@ from gcm_learn.situation.situation import Arm
 
 _INSTANT = 5e-4  # resolution of interceptions: the way of hand and target in it [forearm lengths]
 _MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
-HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
+
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 

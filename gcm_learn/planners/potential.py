@@ -16,9 +16,10 @@ import numpy as np
 from numba import njit
 
 from gcm_learn.arm.kinematics import SIDE, elbow_of
-from gcm_learn.planners.completion import HOLE_MARGIN, Problem, checked, finish
+from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.interception import first_interception, target_distance
 from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.verification import HOLE_MARGIN
 from gcm_learn.situation import Situation
 from gcm_learn.situation.kernels import HAND, PART, arm_distance, poses_at
 

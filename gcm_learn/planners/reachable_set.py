@@ -13,10 +13,10 @@ from gcm_learn.arm.kinematics import SIDE, elbow_position, joint_angles
 from gcm_learn.arm.lattice import SMALLEST_LATTICE, Lattice
 from gcm_learn.arm.occupancy import first_touch
 from gcm_learn.planners import oracle_kernels as kernels
-from gcm_learn.planners.completion import HOLE_MARGIN, Problem
+from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle_kernels import Desk, Front, Grid, Rules
 from gcm_learn.planners.oracle_moves import MOVES, PAST, RIM, STRETCH
-from gcm_learn.planners.verification import SAFETY, start_clearance
+from gcm_learn.planners.verification import HOLE_MARGIN, SAFETY, start_clearance
 from gcm_learn.situation.kernels import LIMB, PART
 from gcm_learn.situation.situation import Arm
 

@@ -30,13 +30,13 @@ import numpy as np
 
 from gcm_learn.arm.kinematics import SIDE
 from gcm_learn.errors import MissingExtraError
-from gcm_learn.planners.completion import HOLE_MARGIN, Problem, checked, finish
+from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.interception import first_interception
 from gcm_learn.planners.isolation import Tell, told
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.st_rrt_star_moves import Limits, Task
 from gcm_learn.planners.timing import straight_way
-from gcm_learn.planners.verification import SAFETY, start_clearance
+from gcm_learn.planners.verification import HOLE_MARGIN, SAFETY, start_clearance
 from gcm_learn.situation import Situation
 
 ITERATIONS = 1000

@@ -19,6 +19,7 @@ CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm 
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured
 LARGEST_TURN = 0.5  # of a joint between two samples: more is a jump, e.g. at the shoulder [rad]
+HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
 _RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
 
 
