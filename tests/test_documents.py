@@ -13,6 +13,7 @@ import pytest
 from gcm_learn import planner_names, solve
 from gcm_learn.cli import main
 from gcm_learn.cli.arguments import COMMANDS
+from gcm_learn.families import family_names
 from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import situation_from_json
 
@@ -101,6 +102,25 @@ def test_readme_lists_the_planners_and_commands():
     assert sorted(first_column(README, "Planners")) == sorted(planner_names())
     commands = [row.split()[1] for row in first_column(README, "On the command line")]
     assert commands == list(COMMANDS)
+
+
+def test_families_are_told_and_their_example_runs():
+    path = ROOT / "docs" / "families.md"
+    section = path.read_text("utf-8").split("## Families\n")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| (`.*`) \|", section, re.M)
+    told = [name for row in rows for name in re.findall(r"`([^`]+)`", row)]
+    assert sorted(told) == sorted(family_names())
+    (example,) = blocks(path, "python")
+    *lines, last = example.splitlines()
+    scope: dict = {}
+    exec(compile("\n".join(lines), str(path), "exec"), scope)
+    assert eval(last, scope) is True and scope["situation"].name == "gate-0000042"
+
+
+def test_measured_families_are_those_of_the_experiment():
+    table = (ROOT / "experiments" / "03_families" / "table.md").read_text("utf-8")
+    assert table in (ROOT / "docs" / "families.md").read_text("utf-8")
+    assert re.findall(r"^\| ([a-z]+-[a-z-]+|[a-z]+) \| \d", table, re.M) == family_names()
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda p: str(p.relative_to(ROOT)))

@@ -14,7 +14,9 @@ import tyro
 from gcm_learn import __version__
 from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.demo import Demo
+from gcm_learn.cli.draw import Draw
 from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.families import Families
 from gcm_learn.cli.figure import Figure
 from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.solve import Solve
@@ -30,6 +32,8 @@ examples:
   gcm-learn demo --out demo                            the paper's results as a web page
   gcm-learn figure fig4                                one figure of the paper
   gcm-learn animate scene.json --out scene.gif         the catch as a film
+  gcm-learn families                                   what can be drawn at random
+  gcm-learn draw gate --count 20 --out gates.jsonl     situations of a family
   gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
@@ -47,6 +51,8 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "demo": Demo,
     "figure": Figure,
     "animate": Animate,
+    "families": Families,
+    "draw": Draw,
     "generate": Generate,
 }
 

@@ -7,8 +7,10 @@ import os
 import re
 import secrets
 import stat
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TextIO
 
 from gcm_learn.cli.failures import CommandFailure, why
 
@@ -46,6 +48,18 @@ def staged(target: Path, *, option: str = "--out") -> Iterator[Path]:
         with contextlib.suppress(OSError):
             place.unlink()
         raise
+
+
+@contextlib.contextmanager
+def output(out: Path | None) -> Iterator[TextIO]:
+    """Give a stream to `out`, which appears whole or not at all, or to standard output (``-``)."""
+    if out is None or str(out) == "-":
+        if sys.stdout is None:
+            raise CommandFailure("standard output is closed")
+        yield sys.stdout
+        return
+    with staged(out) as place, open(place, "w", encoding="utf-8") as stream:
+        yield stream
 
 
 def _mode_of(target: Path) -> int | None:

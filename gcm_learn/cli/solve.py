@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, place_of
-from gcm_learn.cli.files import FileNames, made_folder, staged
+from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ class Solve:
         situations = read(self.file)
         _refuse_to_overwrite_input(self.file, self.out)
         draw = None if self.plot is None else _pictures(made_folder(self.plot, option="--plot"))
-        with _output(self.out) as stream:
+        with output(self.out) as stream:
             _solve_all(situations, planner, self.file, stream, draw)
         return 0
 
@@ -106,17 +105,6 @@ def _line(plan: Plan, situation: Situation, file: str) -> str:
     except ValueError as error:
         message = f"{file}: situation {situation.name!r}: the solution is not JSON: {error}"
         raise CommandFailure(message, exit_code=1) from error
-
-
-@contextlib.contextmanager
-def _output(out: Path | None) -> Iterator[TextIO]:
-    if out is None or str(out) == "-":
-        if sys.stdout is None:
-            raise CommandFailure("standard output is closed")
-        yield sys.stdout
-        return
-    with staged(out) as place, open(place, "w", encoding="utf-8") as stream:
-        yield stream
 
 
 def _refuse_to_overwrite_input(file: str, out: Path | None) -> None:

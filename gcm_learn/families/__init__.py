@@ -7,10 +7,12 @@
 
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.families.family import ArmRanges, Family
+from gcm_learn.families.layout import WayRanges
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.families.piece_family import Sizes
 from gcm_learn.families.pieces import SpaceRanges
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.families.registry import (
     draw,
     family_from_dict,
@@ -18,6 +20,7 @@ from gcm_learn.families.registry import (
     family_to_dict,
     get_family,
     item_name,
+    read_family,
 )
 from gcm_learn.situation import Situation
 
@@ -27,6 +30,7 @@ __all__ = [
     "Family",
     "Sizes",
     "SpaceRanges",
+    "WayRanges",
     "draw",
     "family_from_dict",
     "family_names",
@@ -35,6 +39,8 @@ __all__ = [
     "item_name",
     "paper_scene",
     "random_planar",
+    "random_solid",
+    "read_family",
 ]
 
 

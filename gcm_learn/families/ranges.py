@@ -6,20 +6,21 @@ import dataclasses
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any, TypeVar
 
 import numpy as np
 
-from gcm_learn.errors import FamilyError
+from gcm_learn.errors import FamilyError, SituationError
+from gcm_learn.situation import checks
 
 Range = tuple[float, float]
 Counts = tuple[int, int]
+LARGEST = 1000  # bound of numbers that have no tighter one: what is squared stays finite
 _Item = TypeVar("_Item")
 _Check = Callable[[object, str], object]
 
 
-def span(low: float, high: float, least: float = 0.0, most: float = math.inf) -> Any:
+def span(low: float, high: float, least: float = 0.0, most: float = LARGEST) -> Any:
     """A field for a range (low, high) of numbers, both between `least` and `most`."""
     return dataclasses.field(
         default=(low, high), metadata={"check": lambda v, f: _pair(v, f, least, most)}
@@ -56,8 +57,15 @@ class Ranges:
             value = getattr(self, field.name)
             if check is not None:
                 object.__setattr__(self, field.name, check(value, field.name))
-            elif not isinstance(value, Ranges):
-                raise FamilyError(field.name, f"must be a record of ranges (got {value!r})")
+            elif not isinstance(value, kind := type(_default(field))):
+                reason = f"must be {kind.__name__} (got {checks.show(value)})"
+                raise FamilyError(field.name, reason)
+
+
+def _default(field: dataclasses.Field[Any]) -> object:
+    """What a nested record is when nothing else is given."""
+    made_by = field.default_factory
+    return field.default if made_by is dataclasses.MISSING else made_by()
 
 
 def pick(rng: np.random.Generator, ends: Range) -> float:
@@ -87,17 +95,19 @@ def choose(rng: np.random.Generator, items: Sequence[_Item]) -> _Item:
 
 
 def _number(value: object, field: str, least: float, most: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise FamilyError(field, f"must be a finite number (got {value!r})")
-    if not least <= value <= most:
-        bound = f"at least {least:g}" if value < least else f"at most {most:g}"
-        raise FamilyError(field, f"must be {bound} (got {value!r})")
-    return float(value)
+    try:
+        result = checks.number(value, field)
+    except SituationError as error:
+        raise FamilyError(error.field, error.reason) from None
+    if not least <= result <= most:
+        bound = f"at least {least:g}" if result < least else f"at most {most:g}"
+        raise FamilyError(field, f"must be {bound} (got {result!r})")
+    return result
 
 
 def _two(value: object, field: str) -> Sequence[object]:
     if not isinstance(value, tuple | list) or len(value) != 2:
-        raise FamilyError(field, f"must be a range [low, high] (got {value!r})")
+        raise FamilyError(field, f"must be a range [low, high] (got {checks.show(value)})")
     return value
 
 
@@ -115,14 +125,15 @@ def _pair(value: object, field: str, least: float, most: float) -> Range:
 def _count_pair(value: object, field: str, least: int) -> Counts:
     ends = _two(value, field)
     for end in ends:
-        if isinstance(end, bool) or not isinstance(end, Integral):
-            raise FamilyError(field, f"must be whole numbers (got {end!r})")
-        if end < least:
-            raise FamilyError(field, f"must be at least {least} (got {end!r})")
+        if isinstance(end, bool) or not isinstance(end, int):
+            raise FamilyError(field, f"must be whole numbers (got {checks.show(end)})")
+        if not least <= end <= LARGEST:
+            bound = f"at least {least}" if end < least else f"at most {LARGEST}"
+            raise FamilyError(field, f"must be {bound} (got {checks.show(end)})")
     return _ordered(int(ends[0]), int(ends[1]), field)  # type: ignore[call-overload]
 
 
 def _options(value: object, field: str) -> tuple[float, ...]:
     if not isinstance(value, tuple | list) or not value:
-        raise FamilyError(field, f"must be a list of numbers (got {value!r})")
-    return tuple(_number(v, field, 0.0, math.inf) for v in value)
+        raise FamilyError(field, f"must be a list of numbers (got {checks.show(value)})")
+    return tuple(_number(v, field, 0.0, LARGEST) for v in value)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 from gcm_learn import seeding
-from gcm_learn.errors import FamilyError, UnknownNameError
+from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError
 from gcm_learn.families.behind_mover import BehindMover, BehindMoverSolid
 from gcm_learn.families.crossing_swarm import CrossingSwarm, CrossingSwarmSolid
 from gcm_learn.families.falling import Falling, FallingSolid
@@ -23,6 +24,8 @@ from gcm_learn.families.ranges import Ranges
 from gcm_learn.families.spinning import Spinning, SpinningSolid
 from gcm_learn.families.static_clutter import StaticClutter, StaticClutterSolid
 from gcm_learn.situation import Situation
+from gcm_learn.situation.checks import show
+from gcm_learn.situation.json_text import JsonTextError, RepeatedField, line_of, parse
 
 _Record = TypeVar("_Record", bound=Ranges)
 
@@ -83,24 +86,52 @@ def family_to_dict(family: Family) -> dict[str, Any]:
     return {"family": family.name, **_plain(family)}
 
 
-def family_from_dict(values: Mapping[str, object]) -> Family:
+def family_from_dict(values: object) -> Family:
     """The configuration of a dictionary; what is left out keeps its default.
 
     Parameters
     ----------
     values : mapping
-        ``{"family": "gate", "opening": [0.5, 0.8], "arm": {"right": 1.0}}``
+        As from JSON or TOML: ``{"family": "gate", "opening": [0.5, 0.8], "arm": {"right": 1.0}}``
 
     Raises
     ------
     FamilyError
         One line, with the path of the field that is unknown or out of its range.
     """
+    if not isinstance(values, Mapping):
+        raise FamilyError("family", f"must be an object (got {show(values)})")
     if "family" not in values:
         raise FamilyError("family", f"is missing (known: {', '.join(family_names())})")
     record = _class_of(values["family"])
+    if isinstance(values, RepeatedField):
+        raise FamilyError(f"{record.name}.{values.key}", "is given twice")
     given = {key: value for key, value in values.items() if key != "family"}
     return _made(record(), given, record.name)
+
+
+def read_family(path: str | Path) -> Family:
+    """The configuration in a JSON file.
+
+    Raises
+    ------
+    FileFormatError
+        One line: ``gate.json:3: gate.opening: low 0.8 is above high 0.3``.
+    """
+    text = ""
+    try:
+        text = Path(path).read_text("utf-8")
+        return family_from_dict(parse(text))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "is not UTF-8 text"
+        raise FileFormatError(f"{path}:1: cannot be read ({reason})") from None
+    except JsonTextError as error:
+        raise FileFormatError(f"{path}:{error.line}: not valid JSON: {error.reason}") from None
+    except UnknownNameError as error:
+        raise FileFormatError(f"{path}:{line_of(text, 'family')}: {error}") from None
+    except FamilyError as error:
+        line = line_of(text, error.field.partition(".")[2])  # the first part is the family's name
+        raise FileFormatError(f"{path}:{line}: {error}") from None
 
 
 def _class_of(name: object) -> type[Family]:
@@ -124,7 +155,9 @@ def _plain(record: Ranges) -> dict[str, Any]:
 def _made(record: _Record, values: object, path: str) -> _Record:
     """A record with some fields replaced, nested ones too."""
     if not isinstance(values, Mapping):
-        raise FamilyError(path, f"must be an object (got {values!r})")
+        raise FamilyError(path, f"must be an object (got {show(values)})")
+    if isinstance(values, RepeatedField):
+        raise FamilyError(f"{path}.{values.key}", "is given twice")
     known = {field.name for field in dataclasses.fields(record)}
     changes: dict[str, Any] = {}
     for key, value in values.items():

@@ -1,0 +1,95 @@
+"""What the families hold: strata, thrown-away draws and cost; writes table.md.
+
+python experiments/03_families/run.py              300 situations a family: half an hour on one core
+python experiments/03_families/run.py --count 30   a quick look
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import process_time
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parents[1])]
+
+from gcm_learn import seeding  # noqa: E402
+from gcm_learn.families import draw, family_names, get_family  # noqa: E402
+from gcm_learn.planners import get_planner  # noqa: E402
+from gcm_learn.planners.verification import start_clearance  # noqa: E402
+from gcm_learn.situation import Situation  # noqa: E402
+from gcm_learn.situation.bodies import pack  # noqa: E402
+
+SEED = 20
+PLANNERS = {"straight": "L", "marching": "W", "layered": "Q"}
+BATCH = 25  # draws that are timed together; the fastest batch is the least disturbed one
+HEAD = (
+    "| family | L | W | Q | U | thrown away | draw [µs] | straight | marching | layered | 95 % |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|\n"
+)
+
+
+def blocked(situation: Situation) -> bool:
+    """Whether the limb touches something at t = 0."""
+    return start_clearance(situation, pack(situation)) <= 0.0
+
+
+def timed(work: Callable[[], object]) -> tuple[object, float]:
+    """What some work gives, and its processor time [ms]."""
+    before = process_time()
+    result = work()
+    return result, 1e3 * (process_time() - before)
+
+
+def row(name: str, count: int) -> str:
+    """Measure one family."""
+    family = get_family(name)
+    sketches = (family.sketch(seeding.rng(SEED + 1, k), "x") for k in range(count))
+    thrown = sum(map(blocked, sketches)) / count
+    situations: list[Situation] = []
+    batches = []
+    for first in range(0, count, BATCH):
+        last = min(first + BATCH, count)
+        drawn, ms = timed(lambda a=first, b=last: [draw(family, SEED, k) for k in range(a, b)])
+        situations += drawn
+        batches.append(1e3 * ms / (last - first))
+    strata = dict.fromkeys("LWQU", 0)
+    spent: dict[str, list[float]] = {planner: [] for planner in PLANNERS}
+    for situation in situations:
+        found = "U"
+        for planner, stratum in PLANNERS.items():
+            plan, ms = timed(lambda p=planner, s=situation: get_planner(p).plan(s))
+            spent[planner].append(ms)
+            if found == "U" and plan.caught:
+                found = stratum
+        strata[found] += 1
+    shares = [f"{100 * strata[s] / count:.0f}" for s in strata]
+    means = [f"{sum(ms) / count:.1f}" for ms in spent.values()]
+    slow = f"{sorted(spent['layered'])[int(0.95 * count)]:.0f}"
+    return " | ".join(
+        [f"| {name}", *shares, f"{100 * thrown:.0f}", f"{min(batches):.0f}", *means, f"{slow} |\n"]
+    )
+
+
+def main() -> None:
+    """Measure all families and write table.md."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=300, help="situations of each family")
+    count = parser.parse_args().count
+    for planner in PLANNERS:  # compiled code is loaded before anything is timed
+        for name in ("gate", "pendulum"):
+            get_planner(planner).plan(draw(name, SEED, count))
+    text = HEAD
+    for name in family_names():
+        text += row(name, count)
+        print(text.splitlines()[-1], flush=True)
+    note = (
+        f"\n{count} situations each, seed {SEED}. Shares in %, planners in ms of processor time.\n"
+    )
+    (HERE / "table.md").write_text(text + note, "utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""``gcm-learn families`` and ``gcm-learn draw``: what can be drawn, drawn and written."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from gcm_learn import families, read_situations
+from gcm_learn.cli import main
+
+
+def test_families_are_listed_one_a_line(capsys):
+    assert main(["families"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == families.family_names()
+    assert all(len(line.split()) > 4 for line in lines)
+
+
+def test_drawing_is_the_same_from_the_name_and_from_the_printed_ranges(tmp_path, capsys):
+    assert main(["families", "gate-solid"]) == 0
+    ranges = tmp_path / "ranges.json"
+    ranges.write_text(capsys.readouterr().out)
+    drawn = []
+    for family in ("gate-solid", str(ranges)):
+        assert main(["draw", family, "--count", "3", "--seed", "5"]) == 0
+        drawn.append(capsys.readouterr().out)
+    assert drawn[0] == drawn[1] and len(drawn[0].splitlines()) == 3
+
+
+def test_changed_ranges_are_drawn_from(tmp_path, capsys):
+    ranges = tmp_path / "ranges.json"
+    ranges.write_text('{"family": "moving-point", "obstacles": [7, 7]}')
+    assert main(["draw", str(ranges)]) == 0
+    assert len(json.loads(capsys.readouterr().out)["bodies"]) == 8
+
+
+def test_an_item_is_the_same_whatever_the_count(tmp_path, capsys):
+    out = tmp_path / "gates.jsonl"
+    assert main(["draw", "gate", "--count", "4", "--out", str(out)]) == 0
+    assert capsys.readouterr().out == ""
+    assert read_situations(out) == [families.draw("gate", 0, k) for k in range(4)]
+    assert main(["draw", "gate"]) == 0
+    assert capsys.readouterr().out == out.read_text().splitlines(keepends=True)[0]
+
+
+BAD = [
+    (["hoop"], "family: 'hoop' is not one of static-clutter"),
+    (["gate", "--count", "0"], "--count 0: must be at least 1"),
+    (["gate", "--seed", "-1"], "--seed -1: must be at least 0"),
+    (["none.json"], "none.json:1: cannot be read"),
+    (["gate", "--count", "many"], "--count"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD)
+def test_bad_arguments_are_refused_in_one_line(arguments, message, tmp_path, capsys):
+    out = tmp_path / "out.jsonl"
+    assert main(["draw", *arguments, "--out", str(out)]) == 2
+    stdout, stderr = capsys.readouterr()
+    assert stdout == "" and stderr.count("\n") == 1 and message in stderr
+    assert not out.exists()
+
+
+def test_an_unknown_family_has_no_ranges_to_show(capsys):
+    assert main(["families", "hoop"]) == 2
+    assert "family: 'hoop' is not one of" in capsys.readouterr().err
