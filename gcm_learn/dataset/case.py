@@ -87,10 +87,12 @@ class Case:
             return stratum(self.situation, self.bounds())
         if wanted == "W":
             return "other"
-        found: Verdict = "Q" if self.plan("layered").caught else "U"
-        # A record must not hold a first-arrival catch and say that there is none.
-        first = wanted in (None, found) and "gcm" in self.spec.planners
-        return "W" if first and self.plan("gcm").caught else found
+        if self.plan("layered").caught:
+            return "Q"
+        if wanted not in (None, "U"):
+            return "U"
+        # A record must not hold a catch and say that there is none.
+        return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
 
     def plan(self, name: str) -> Plan:
         """What a planner answers."""

@@ -20,6 +20,7 @@ from gcm_learn.dataset.manifest import (
     read_manifest,
     write_manifest,
 )
+from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.warming import warm_up
@@ -97,9 +98,17 @@ def _finish(
     if len(infos) < spec.shards:  # other parts may be under way, or ready by now
         infos = present(folder, spec, range(spec.shards))
     manifest = manifest_of(folder, spec, infos, runs, fresh)
-    write_manifest(folder, manifest)
     if manifest["complete"]:
         folder.sweep()
+        before = read_manifest(folder)
+        if before is not None and before["hash"] == manifest["hash"] and "distance" in before:
+            manifest |= {name: before[name] for name in ("twins", "distance")}
+        else:
+            names = [shard["name"] for shard in manifest["shards"]]
+            twins = twins_of(folder, names)
+            manifest["twins"] = {"removed": twins}
+            manifest["distance"] = distance_of(folder, spec, names, twins)
+    write_manifest(folder, manifest)
     return manifest
 
 

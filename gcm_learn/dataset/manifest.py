@@ -68,7 +68,9 @@ def read_manifest(folder: Folder) -> Manifest | None:
 
 
 def write_manifest(folder: Folder, manifest: Manifest) -> None:
-    """Write the manifest."""
+    """Write the manifest, what is long at its end."""
+    last = {name: manifest[name] for name in ("spec", "shards")}
+    manifest = {name: value for name, value in manifest.items() if name not in last} | last
     folder.write(MANIFEST, (json.dumps(manifest, indent=1) + "\n").encode())
 
 

@@ -138,9 +138,8 @@ def _broken_plans(record: Record) -> Iterator[str]:
             yield f"the plan of {name} does not hold: {verdict.reason}"
         elif plan.catch_time != plan.trajectory.duration:
             yield f"the plan of {name} does not end at its catch time"
-    first = any(record.plans[n].caught for n in ("gcm", "marching") if n in record.plans)
-    if first and record.stratum in ("Q", "U"):
-        yield f"the stratum is {record.stratum}, but there is a first-arrival catch"
+    if record.stratum == "U" and any(plan.caught for plan in record.plans.values()):
+        yield "the stratum is U, but there is a catch"
 
 
 def _remade(spec: DatasetSpec, shard: int, records: Dataset, name: str) -> Report:
