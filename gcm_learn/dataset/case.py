@@ -10,7 +10,7 @@ from typing import Literal
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
 from gcm_learn.planners import FrontPlanner, Plan, Planner, gcm, get_planner, marching
-from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.completion import Problem, straight_plan
 from gcm_learn.planners.fronts import Way
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle import Bounds, bounds, stratum
@@ -101,19 +101,21 @@ class Case:
         return self._plans[name]
 
     def _planned(self, name: str) -> Plan:
+        """Answer as the planner does, sharing what all of them need."""
         if self._early is not None:
             return replace(self._early, planner=name)
         if name == "oracle":
             return self.bounds().plan
+        problem = Problem(self.situation, name, self.problem.bodies)
+        if name == "straight":
+            plan, reason = straight_plan(problem)
+            return plan if plan is not None else problem.answer("unreachable", reason)
         planner = planner_of(name, self.spec.n, self.spec.rungs)
-        if isinstance(planner, FrontPlanner):
-            if planner.direct and "straight" in self._plans:
-                # It begins with the straight line, which has been tried.
-                if self._plans["straight"].caught:
-                    return replace(self._plans["straight"], planner=name)
-                planner = replace(planner, direct=False)
-            planner = replace(planner, explore=_Witness(planner, self._first_maps))
-        return planner.plan(self.situation)
+        if not isinstance(planner, FrontPlanner):
+            return planner.plan(self.situation)
+        if planner.direct and self.plan("straight").caught:
+            return replace(self.plan("straight"), planner=name)
+        return replace(planner, explore=_Witness(planner, self._first_maps)).climb(problem)
 
     def map(self) -> CognitiveMap | None:
         """The map of the specification's engine, with its default parameters and full margin."""

@@ -27,11 +27,11 @@ _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 class Problem:
     """A situation on its way to a plan: its bodies packed, the clock running."""
 
-    def __init__(self, situation: Situation, planner: str) -> None:
+    def __init__(self, situation: Situation, planner: str, bodies: Bodies | None = None) -> None:
         self.started = clock.perf_counter()
         self.situation = situation
         self.planner = planner
-        self.bodies: Bodies = pack(situation)
+        self.bodies: Bodies = pack(situation) if bodies is None else bodies
 
     @property
     def reach(self) -> float:

@@ -45,8 +45,10 @@ class FrontPlanner(Generic[Params]):
         answer = problem.early_answer()
         if answer is None and self.direct:
             answer = straight_plan(problem)[0]
-        if answer is not None:
-            return answer
+        return self.climb(problem) if answer is None else answer
+
+    def climb(self, problem: Problem) -> Plan:
+        """Answer by maps, after what can be said without one has been said."""
         first: CognitiveMap | None = None
         reason = ""
         for params in self.rungs:
@@ -65,7 +67,7 @@ class FrontPlanner(Generic[Params]):
                     if plan is not None:
                         return plan
                 # Contacts that fail come in rows: skip ever more of them.
-                crossing = cognitive_map.lattice.spacing / situation.arm.max_hand_speed
+                crossing = cognitive_map.lattice.spacing / problem.situation.arm.max_hand_speed
                 ignore = cognitive_map.contact.time + 2**attempts * crossing
         return problem.answer("unreachable", reason, first)
 

@@ -93,6 +93,12 @@ def sequence(value: object, field: str, content: str) -> Sequence[object]:
 
 def vector(value: object, field: str, size: int) -> tuple[float, ...]:
     """Return `value` as a tuple of `size` floats."""
+    if type(value) is tuple and len(value) == size:
+        for item in value:
+            if type(item) is not float or not -LARGEST <= item <= LARGEST:
+                break
+        else:  # most are as they should be: spare the slow questions
+            return value
     items = sequence(value, field, f"{size} numbers")
     if len(items) != size:
         raise SituationError(field, f"must be a list of {size} numbers (got {len(items)})")

@@ -245,7 +245,7 @@ def _closed_rim(lattice: Lattice) -> np.ndarray:
     status[1:-1, 1:-1][hand_space(lattice).inside.reshape(n, n)] = marching.UNKNOWN
     # The disc of the reach is convex: a ray between two of its cells never leaves it.
     x = (np.arange(n + 2) - 0.5) * lattice.spacing - (lattice.upper_arm + 1.0)
-    status[np.hypot(x, x[:, None]) > lattice.upper_arm + 1.0] = marching.BEYOND
+    status[x**2 + x[:, None] ** 2 > (lattice.upper_arm + 1.0) ** 2] = marching.BEYOND
     return status.ravel()
 
 
