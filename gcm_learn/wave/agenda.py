@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from gcm_learn.wave.intervals import NEVER, next_free
+from gcm_learn.wave.intervals import NEVER, last_use, next_free
 from gcm_learn.wave.marching import (
     BUCKETS,
     PER_CELL,
@@ -73,12 +73,34 @@ def way_in(k, time, n, turns, circle, latest, states, spans):
 
 
 @njit(cache=True)
-def keep_free(count, room, blocked, places, cells, start, origins):
+def keep_useful(
+    count, ways, end, explore, speed, kappa, limb, places, cells, start, origins, limits
+):
+    """Drop those of `count` cells from which no target can be met any more; returns the rest.
+
+    `limits` (n * n,) is filled with how long the rest are of use [s].
+    """
+    useful = 0
+    for i in range(count):
+        last = end
+        if not explore:
+            last = last_use(ways, end, speed, limb[cells[i], 0], limb[cells[i], 1])
+        if start[i] * kappa <= last:
+            places[useful], cells[useful], start[useful] = places[i], cells[i], start[i]
+            origins[useful, 0], origins[useful, 1] = origins[i, 0], origins[i, 1]
+            limits[useful] = last
+            useful += 1
+    return useful
+
+
+@njit(cache=True)
+def keep_free(count, room, blocked, places, cells, start, origins, limits):
     """Drop the blocked ones of `count` cells, and what there is no `room` for; returns the rest."""
     free = 0
     for i in range(count):
         if not blocked[i] and free < room:
             places[free], cells[free], start[free] = places[i], cells[i], start[i]
+            limits[free] = limits[i]
             origins[free, 0], origins[free, 1] = origins[i, 0], origins[i, 1]
             free += 1
     return free
@@ -151,11 +173,14 @@ def pop(
 
 @njit(cache=True)
 def come_back(
-    k, m, time, bodies, limb, gap, kappa, end, lookback, bucket, status, again, queue, counts,
+    k, m, time, bodies, limb, gap, kappa, limit, lookback, bucket, status, again, queue, counts,
     scratch,
 ):  # fmt: skip
-    """Make a note to look at a cell again when it is free (time in crossings)."""
-    t = next_free(bodies, limb, m, gap[m], time * kappa, end * kappa, 0.25 * kappa, scratch)
+    """Make a note to look at a cell again when it is free, before `limit` [s].
+
+    Times are in crossings else.
+    """
+    t = next_free(bodies, limb, m, gap[m], time * kappa, limit, 0.25 * kappa, scratch)
     if t >= NEVER:
         status[k] = SETTLED  # not to be entered any more
         return

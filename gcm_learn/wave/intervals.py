@@ -17,12 +17,14 @@ from gcm_learn.situation.kernels import (
     SWING,
     TOP_SPEED,
     arm_room,
+    drift,
     pose_at,
     segment_point2,
     segments_cross,
 )
 
 NEVER = 1e300
+INSTANTS = 24  # at which targets are looked at to tell how long a place is of use
 
 
 @njit(cache=True)
@@ -82,6 +84,48 @@ def way_of(bodies, b, t0, t1, scratch, chord):
 
 
 @njit(cache=True)
+def target_ways(bodies, gap, end):
+    """Where targets are at INSTANTS over [0, end], for `last_use`.
+
+    Returns
+    -------
+    (INSTANTS + 1, targets, 4) ndarray
+        Centre, and from what distance of it a hand meets the target around that instant.
+    """
+    count = bodies.rows.shape[0]
+    ways = np.empty((INSTANTS + 1, count, 4))
+    poses = np.zeros((count, 12))
+    step, targets = end / INSTANTS, 0
+    for b in range(count):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        for i in range(INSTANTS + 1):
+            pose_at(bodies, b, step * i, poses)
+            early, late = step * max(i - 1, 0), step * min(i + 1, INSTANTS)
+            for a in range(3):
+                ways[i, targets, a] = poses[b, a]
+            ways[i, targets, 3] = gap + bodies.rows[b, REACH] + drift(bodies, b, early, late)
+        targets += 1
+    return ways[:, :targets]
+
+
+@njit(cache=True)
+def last_use(ways, end, speed, x, y):
+    """Last moment at which a hand at (x, y) may still meet a target before `end` [s].
+
+    -1 if it cannot at all; never too early.
+    """
+    last, step = -1.0, end / INSTANTS
+    for i in range(ways.shape[0]):
+        late = min(step * (i + 1), end)
+        for b in range(ways.shape[1]):
+            dx, dy, dz = x - ways[i, b, 0], y - ways[i, b, 1], ways[i, b, 2]
+            away = np.sqrt(dx * dx + dy * dy + dz * dz) - ways[i, b, 3]
+            last = max(last, late - max(away, 0.0) / speed)
+    return last
+
+
+@njit(cache=True)
 def safe_until(bodies, limb, gap, cells, since, until, count, end, shortest, scratch):
     """Find when each of the cells that are free at `since` is touched next; `end` if never.
 
@@ -93,6 +137,15 @@ def safe_until(bodies, limb, gap, cells, since, until, count, end, shortest, scr
         Filled [s].
     """
     until[:count] = end
+    shorten(bodies, limb, gap, cells, since, until, count, end, shortest, scratch)
+
+
+@njit(cache=True)
+def shorten(bodies, limb, gap, cells, since, until, count, end, shortest, scratch):
+    """Lower `until` where one of the cells that are free at `since` is touched before; see above.
+
+    No `until` is later than `end`.
+    """
     if count == 0:
         return
     chord = np.empty(4)

@@ -32,11 +32,12 @@ from gcm_learn.wave.agenda import (
     VIA,
     come_back,
     keep_free,
+    keep_useful,
     pop,
     push,
     seed,
 )
-from gcm_learn.wave.intervals import NEVER, meet, safe_until
+from gcm_learn.wave.intervals import NEVER, meet, shorten, target_ways
 from gcm_learn.wave.kernels import GRASP, KAPPA, SHORTEST
 from gcm_learn.wave.marching import (
     BEYOND,
@@ -181,8 +182,8 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 @njit(cache=True)
 def march_layers(
-    n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, end, ignore, states,
-    spans, refused,
+    n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, explore, speed, end,
+    ignore, states, spans, refused,
 ):  # fmt: skip
     """March over cells and sheets until a target is met.
 
@@ -200,6 +201,10 @@ def march_layers(
         As for marching.
     lookback : float
         How long a cell must have been free before it is entered [crossings].
+    explore : bool
+        Reach also what is of no use any more for meeting a target.
+    speed : float
+        Of the front [forearm lengths / s].
     end, ignore : float
         Horizon; meetings before `ignore` do not count [crossings].
     states : (m, 3) int32 ndarray
@@ -230,6 +235,8 @@ def march_layers(
     cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
     since, until, start = np.empty(n * n), np.empty(n * n), np.empty(n * n)
     origins = np.empty((n * n, 2), dtype=np.int32)
+    limits = np.empty(n * n)
+    ways = target_ways(bodies, c[GRASP], end * kappa)
     blocked, turn_of = np.empty(n * n, dtype=np.bool_), np.zeros(W * W, dtype=np.int32)
     poses = np.zeros((bodies.rows.shape[0], 12))
     scratch = np.zeros_like(poses)
@@ -251,7 +258,12 @@ def march_layers(
             if count > 0 and not posed:
                 poses_at(bodies, now * kappa, poses)
                 posed = True
+            count = keep_useful(
+                count, ways, end * kappa, explore, speed, kappa, limb, places, cells, start,
+                origins, limits,
+            )  # fmt: skip
             for i in range(count):
+                limits[i] = limits[i] if explore else min(limits[i], when)
                 since[i] = max(start[i] - lookback, 0.0) * kappa
             blocked_cells(
                 bodies, poses, limb, gap, cells, since, count, now * kappa, shortest, blocked,
@@ -262,13 +274,14 @@ def march_layers(
                     refused[cells[i]] = True
                     # Surely in a later bucket, or a cell could be refused here for ever.
                     come_back(
-                        places[i], cells[i], now + 1e-6, bodies, limb, gap, kappa, end, lookback,
-                        bucket, status, again, queue, counts, scratch,
+                        places[i], cells[i], now + 1e-6, bodies, limb, gap, kappa, limits[i],
+                        lookback, bucket, status, again, queue, counts, scratch,
                     )  # fmt: skip
-            free = keep_free(count, states.shape[0] - total, blocked, places, cells, start, origins)
+            room = states.shape[0] - total
+            free = keep_free(count, room, blocked, places, cells, start, origins, limits)
             for i in range(free):
-                since[i] = start[i] * kappa
-            safe_until(bodies, limb, gap, cells, since, until, free, end * kappa, coarse, scratch)
+                since[i], until[i] = start[i] * kappa, limits[i]
+            shorten(bodies, limb, gap, cells, since, until, free, end * kappa, coarse, scratch)
             for i in range(free):
                 since[i] = max(since[i], ignore * kappa)
             index, target, t = meet(
@@ -280,11 +293,13 @@ def march_layers(
                 s, k = total + i, places[i]
                 states[s, CELL], states[s, SOURCE] = k, origins[i, 0]
                 states[s, VIA], latest[k] = origins[i, 1], s
-                spans[s, ARRIVAL], spans[s, END] = start[i], until[i] / kappa
-                status[k] = SETTLED if until[i] >= end * kappa else PASSING
+                # Untouched for as long as it is of use is as good as for ever.
+                lasts = until[i] >= limits[i]
+                spans[s, ARRIVAL], spans[s, END] = start[i], end if lasts else until[i] / kappa
+                status[k] = SETTLED if lasts else PASSING
                 if status[k] == PASSING:
                     come_back(
-                        k, cells[i], spans[s, END], bodies, limb, gap, kappa, end, lookback,
+                        k, cells[i], spans[s, END], bodies, limb, gap, kappa, limits[i], lookback,
                         bucket, status, again, queue, counts, scratch,
                     )  # fmt: skip
             expand(

@@ -180,7 +180,8 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
     task : Task
         Its lattice must have ``params.n`` cells a side.
     params : MarchingParams
-        `until` has no meaning here.
+        Until contact only states from which a target may still be met are kept, and nothing after
+        the contact; until the horizon all are.
 
     Returns
     -------
@@ -203,6 +204,8 @@ def march_layers(task: Task, params: MarchingParams) -> LayeredFront:
         task.bodies,
         _marching_constants(task, params),
         params.lookback,
+        params.until == "horizon",
+        task.fastest,
         task.horizon / crossing,
         task.ignore / crossing,
         states,
