@@ -1,0 +1,26 @@
+"""The picture of the families: a panel each, of a situation worth showing."""
+
+from __future__ import annotations
+
+from gcm_learn.families import family_names
+from gcm_learn.planners import solve
+from gcm_learn.plots import style
+from gcm_learn.plots.families import draw_case, families_figure, first_case, shown_families
+
+
+def test_every_family_has_a_panel_or_a_sibling_with_one():
+    shown = shown_families()
+    assert {name.removesuffix("-solid") for name in family_names()} == {
+        name.removesuffix("-solid") for name in shown
+    }
+    titles = [ax.get_title() for ax in families_figure().axes]
+    assert [title for title in titles if title] == shown
+
+
+def test_a_shown_case_needs_more_than_a_straight_line():
+    situation, plan = first_case("gate", 5)
+    assert plan.caught and plan.name == situation.name
+    assert not solve(situation, "straight").caught
+    ax = draw_case(style.new_figure(2.0, 2.0).subplots(), situation, plan)
+    bodies = len(situation.bodies)
+    assert len(ax.patches) >= 4 * bodies  # at four instants
