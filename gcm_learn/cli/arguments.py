@@ -18,7 +18,9 @@ from gcm_learn.cli.draw import Draw
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.families import Families
 from gcm_learn.cli.figure import Figure
+from gcm_learn.cli.gallery import Gallery
 from gcm_learn.cli.generate import Generate
+from gcm_learn.cli.inspect import Inspect
 from gcm_learn.cli.solve import Solve
 
 DESCRIPTION = """\
@@ -35,6 +37,8 @@ examples:
   gcm-learn families                                   what can be drawn at random
   gcm-learn draw gate --count 20 --out gates.jsonl     situations of a family
   gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
+  gcm-learn inspect data/mine                          what is in it, in numbers
+  gcm-learn gallery data/mine                          and in pictures
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -54,6 +58,8 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "families": Families,
     "draw": Draw,
     "generate": Generate,
+    "inspect": Inspect,
+    "gallery": Gallery,
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
@@ -162,6 +163,17 @@ def _sum(counts: Iterable[Mapping[str, int]]) -> Counter[str]:
     for count in counts:
         total.update(count)
     return total
+
+
+def survey(path: str | os.PathLike[str]) -> Manifest:
+    """The manifest of a dataset, or what it would be now if it is not finished."""
+    folder = Folder(path)
+    manifest = read_manifest(folder)
+    if manifest is not None and manifest["complete"]:
+        return manifest
+    spec = spec_of(folder)
+    runs = [] if manifest is None else manifest["runs"]
+    return manifest_of(folder, spec, present(folder, spec, range(spec.shards)), runs)
 
 
 def spec_of(folder: Folder) -> DatasetSpec:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from gcm_learn.dataset.cache import MapCache, cached
 from gcm_learn.dataset.examples import Example
@@ -17,7 +16,7 @@ from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.manifest import Manifest, read_manifest, spec_of
 from gcm_learn.dataset.record import Record, Row
 from gcm_learn.dataset.schema import LABELS
-from gcm_learn.dataset.shards import ROW_GROUP, header_of
+from gcm_learn.dataset.shards import ROW_GROUP, header_of, read_columns
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.streaming import WINDOW, stream
 from gcm_learn.errors import DatasetError, UnknownNameError
@@ -52,13 +51,11 @@ class _Shelf:
 
     def read(self, shard: int, columns: list[str] | None = None) -> pa.Table:
         """Columns of a shard."""
-        with self.folder.open(self.names[shard]) as file:
-            return pq.read_table(file, columns=columns)
+        return read_columns(self.folder, self.names[shard], columns)
 
     def read_group(self, shard: int, group: int, columns: list[str] | None = None) -> pa.Table:
         """Columns of a row group of a shard."""
-        with self.folder.open(self.names[shard]) as file:
-            return pq.ParquetFile(file).read_row_group(group, columns)
+        return read_columns(self.folder, self.names[shard], columns, group)
 
     def column(self, name: str) -> np.ndarray:
         """A label column of all shards, failed items included (m,)."""

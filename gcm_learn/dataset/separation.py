@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from gcm_learn.dataset.folder import Folder
+from gcm_learn.dataset.shards import read_columns
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of
 
@@ -140,6 +140,5 @@ def _groups(
 def _tables(folder: Folder, names: Sequence[str], columns: list[str]) -> Iterator[pa.Table]:
     """Columns of one shard after the other, without failed items."""
     for name in names:
-        with folder.open(name) as stream:
-            table = pq.read_table(stream, columns=[*columns, "error"])
+        table = read_columns(folder, name, [*columns, "error"])
         yield table.filter(table["error"].is_null()).select(columns)

@@ -135,6 +135,22 @@ def _summary(spec: DatasetSpec, shard: int, items: Sequence[Item]) -> ShardInfo:
     )
 
 
+def read_columns(
+    folder: Folder, name: str, columns: Sequence[str] | None = None, group: int | None = None
+) -> pa.Table:
+    """Columns of a shard, or of one of its row groups; by default all.
+
+    Without Arrow's threads: training reads in many processes as it is, and a short process may end
+    while such threads are still being started, which aborts it.
+    """
+    names = None if columns is None else list(columns)
+    with folder.open(name) as stream:
+        file = pq.ParquetFile(stream, pre_buffer=False)
+        if group is None:
+            return file.read(names, use_threads=False)
+        return file.read_row_group(group, names, use_threads=False)
+
+
 def header_of(folder: Folder, name: str) -> dict[str, Any]:
     """What a shard's file says of itself.
 
@@ -145,7 +161,7 @@ def header_of(folder: Folder, name: str) -> dict[str, Any]:
     """
     try:
         with folder.open(name) as stream:
-            file = pq.ParquetFile(stream)
+            file = pq.ParquetFile(stream, pre_buffer=False)
             metadata, rows = file.schema_arrow.metadata or {}, file.metadata.num_rows
             header = json.loads(metadata.get(KEY, b"{}"))
     except (OSError, pa.ArrowException, ValueError) as error:

@@ -1,0 +1,46 @@
+"""``gcm-learn gallery``: a page that shows what is in a dataset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.extras import dataset_package
+from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.files import made_folder
+
+
+@dataclass(frozen=True)
+class Gallery:
+    """Draw situations of every stratum with their maps, and a page that shows them."""
+
+    folder: Annotated[Positional[str], arg(metavar="DIR")]
+    """a dataset"""
+
+    out: Annotated[Path, arg(metavar="DIR")] = Path("gallery")
+    """folder for the page index.html and its pictures"""
+
+    each: int = 8
+    """situations of every stratum"""
+
+    split: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="(default: all)")] = None
+    """only of one split"""
+
+    def run(self) -> int:
+        """Build the page and say where it is."""
+        if self.each < 1:
+            raise CommandFailure(f"--each {self.each}: must be at least 1")
+        records = dataset_package().open(self.folder)
+        if self.split is not None:
+            records = records.where(split=self.split)
+        if len(records) == 0:
+            raise CommandFailure(f"{self.folder}: has no such records")
+        folder = made_folder(self.out, option="--out")
+        from gcm_learn.plots.dataset_page import write_dataset_page
+
+        page = write_dataset_page(records, folder, self.each)
+        print(f"Open {page.resolve().as_uri()} in a browser.")
+        return 0

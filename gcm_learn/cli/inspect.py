@@ -1,0 +1,82 @@
+"""``gcm-learn inspect``: what is in a dataset, in numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.extras import dataset_package
+
+
+@dataclass(frozen=True)
+class Inspect:
+    """Print what a dataset holds: strata, catches, splits, rates; also of one under way."""
+
+    folder: Annotated[Positional[str], arg(metavar="DIR")]
+    """a dataset"""
+
+    def run(self) -> int:
+        """Print it."""
+        dataset_package()
+        from gcm_learn.dataset.manifest import survey
+
+        print("\n".join(report(survey(self.folder))))
+        return 0
+
+
+def report(manifest: Mapping[str, Any]) -> Iterator[str]:
+    """The lines that tell what a manifest says."""
+    spec, records = manifest["spec"], max(manifest["records"], 1)
+    state = "complete" if manifest["complete"] else f"{manifest['records']} of {spec['count']}"
+    yield f"{manifest['name']}: {manifest['records']} records, {state}"
+    size = f"{spec['n']} x {spec['n']}"
+    yield f"  seed {spec['seed']}, map {spec['map']} {size}, rungs {spec['rungs']}"
+    yield f"  {manifest['bytes'] / 1e6:.1f} MB, {manifest['bytes_per_record']:.0f} bytes a record"
+    yield f"  hash {manifest['hash']}"
+    yield f"  code {', '.join(f'{c} ({n} shards)' for c, n in manifest['code'].items())}"
+    for run in manifest["runs"]:
+        hands = run.get("cluster") or f"{run['workers']} workers"
+        rate = run["records"] / max(run["seconds"], 1e-9)
+        yield f"  made {run['records']} in {run['seconds']:.0f} s by {hands}: {rate:.0f}/s"
+    yield ""
+    yield from _families(manifest)
+    yield ""
+    for name, count in manifest["caught"].items():
+        yield f"{name} catches {count / records:.1%}"
+    rejected = ", ".join(f"{n} {kind}" for kind, n in manifest["rejected"].items()) or "none"
+    yield f"drawn {manifest['drawn']}, rejected: {rejected}"
+    yield "splits: " + ", ".join(f"{name} {n}" for name, n in manifest["splits"].items())
+    yield from _checks(manifest)
+
+
+def _families(manifest: Mapping[str, Any]) -> Iterator[str]:
+    width = max(len(name) for name in (*manifest["families"], "family"))
+    yield f"{'family':{width}}  records" + "".join(f"{s:>7}" for s in manifest["shares"])
+    rows = {**manifest["families"], "all": manifest["strata"]}
+    for name, strata in rows.items():
+        total = sum(strata.values())
+        shares = (strata.get(s, 0) / max(total, 1) for s in manifest["shares"])
+        yield f"{name:{width}} {total:8}" + "".join(f"{share:7.1%}" for share in shares)
+
+
+def _checks(manifest: Mapping[str, Any]) -> Iterator[str]:
+    audit = manifest["audit"]
+    if audit["records"]:
+        yield (
+            f"audit: the oracle labels {audit['disagreement']:.1%} of {audit['records']} otherwise"
+            f" ({audit['undecided']} undecided)"
+        )
+    if "distance" in manifest:
+        distance = manifest["distance"]
+        yield f"twins left out: {len(manifest['twins']['removed'])}"
+        if distance["smallest"] is not None:
+            yield (
+                f"nearest test and training records: {distance['smallest']:.4f} apart, items "
+                f"{distance['pair'][0]} and {distance['pair'][1]} ({distance['comparable']} of "
+                f"{distance['test_records']} test records measured)"
+            )
+    for index, error in manifest["errors"].items():
+        yield f"failed: item {index}: {error}"
