@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 
 from gcm_learn.arm.kinematics import SIDE
-from gcm_learn.memory import kernels
-from gcm_learn.memory.kernels import KNOTS, Query
+from gcm_learn.memory import kernels, trial
+from gcm_learn.memory.kernels import Query
 from gcm_learn.memory.traces import Trace, ring_share
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
 from gcm_learn.planners.interception import first_interception
@@ -87,16 +87,13 @@ def adapt(problem: Problem, trace: Trace, how: Adaptation = Adaptation()) -> Att
         Not verified.
     """
     query = query_of(problem)
-    bodies = len(problem.situation.bodies)
+    desk = kernels.desk_for(query)
     for style, tempo in how.ways:
-        time, hand = np.empty(KNOTS + 1), np.empty((KNOTS + 1, 2))
         count, body = kernels.adapt(
-            trace.knots[None], trace.goal[None], 0, query, style, tempo,
-            np.empty(KNOTS), np.zeros((bodies, 12)), np.empty(KNOTS + 1), np.empty((KNOTS + 1, 2)),
-            time, hand,
-        )  # fmt: skip
+            trace.knots[None], trace.goal[None], 0, query, style, tempo, desk
+        )
         if count:
-            return attempt_at(problem, time[:count], hand[:count], body)
+            return attempt_at(problem, desk.best_time[:count], desk.best_hand[:count], body)
     return None
 
 
@@ -135,5 +132,5 @@ def transfer(
     out = np.full(len(rows), -1.0)
     for style, tempo in how.ways:
         left = np.flatnonzero(out < 0.0)
-        out[left] = kernels.transfer(traces, goals, rows[left], query, style, tempo)
+        out[left] = trial.transfer(traces, goals, rows[left], query, style, tempo)
     return out

@@ -1,4 +1,4 @@
-"""Remembered paths bent to a new situation, timed and checked: compiled, without Python between.
+"""Remembered paths bent to a new situation, and timed.
 
 A trace is a path in polar coordinates about the shoulder, in the frame in which the hand starts in
 direction 0 and the elbow is on the right: `KNOTS` rows (angle, share of the ring, time, earliest).
@@ -12,16 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from gcm_learn.arm.clearance import least_distance
-from gcm_learn.arm.kinematics import elbow_of
-from gcm_learn.planners.interception import approach, first_catch
-from gcm_learn.planners.verification import PARTS, joint_turns, nearest_to_shoulder
+from gcm_learn.planners.interception import approach, target_distance
+from gcm_learn.planners.verification import PARTS, joint_turns
 from gcm_learn.situation.kernels import (
     HAND,
     PART,
+    REACH,
     TOP_SPEED,
     Bodies,
-    arm_distance,
     pose_at,
 )
 
@@ -29,16 +27,15 @@ KNOTS = 24  # of a trace, see `gcm_learn.memory.traces`
 ANGLE, RING, TIME, EARLIEST = range(4)  # columns of a knot
 POLAR, CARTESIAN = 0, 1  # in which coordinates paths are bent
 HURRY, KEEP = 0, 1  # waits are kept and the rest is hurried, or all times are kept
-HOLDS, LATE, TOUCHES, SINGULAR = range(4)  # what becomes of a trace
 
 _TURNS = 60  # instants of interception that are tried at most
+_LONGEST = 60.0  # times the lateness that a step may be long
 _STRIDE = 48.0  # steps in a horizon while there is no target to be met
 _CLOSE = 1e-3  # share of the horizon within which the instant is found
 _SLACK = 1.0 + 2e-9  # against rounding of the speed limits
 _JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured
 _HOLE = 2e-3  # distance that paths keep from the hole of the ring [forearm lengths]
-_HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [forearm lengths]
-_ORDER = (2, 0, 1, 3)  # of the instants at which touches are looked for: far ones first
+HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [forearm lengths]
 
 
 class Query(NamedTuple):
@@ -62,6 +59,18 @@ class Query(NamedTuple):
     floor: float  # distance at which the limb touches
     instant: float  # resolution of interceptions [s]
     soonest: float  # no movement can catch before [s]
+
+
+class Desk(NamedTuple):
+    """Room for one adaptation after the other."""
+
+    share: np.ndarray  # (KNOTS,)
+    base: np.ndarray  # (KNOTS, 2)
+    poses: np.ndarray  # (n, 12)
+    time: np.ndarray  # (KNOTS + 1,)
+    hand: np.ndarray  # (KNOTS + 1, 2)
+    best_time: np.ndarray  # (KNOTS + 1,)
+    best_hand: np.ndarray  # (KNOTS + 1, 2)
 
 
 @njit(cache=True)
@@ -108,51 +117,96 @@ def shares(traces, m, near, far, out):
 
 
 @njit(cache=True)
-def bend(traces, goals, m, query, goal_x, goal_y, style, share, hand):
-    """Bend trace m so that it starts at the hand and ends at a target that is at the goal.
+def _lay(traces, m, query, style, share, base):
+    """Trace m with its start moved to the hand: (angle, share) or, bent in x and y, (x, y)."""
+    n = traces.shape[1]
+    width = query.far - query.near
+    first = query.ring - traces[m, 0, RING]
+    for k in range(n):
+        a, u = np.float64(traces[m, k, ANGLE]), np.float64(traces[m, k, RING])
+        left = (1.0 - share[k]) * first
+        if style == POLAR:
+            base[k, 0], base[k, 1] = a, u + left
+        else:
+            r = query.near + u * width
+            base[k, 0], base[k, 1] = r * np.cos(a) + left * width, r * np.sin(a)
+
+
+@njit(cache=True)
+def _ends_by(goals, m, query, goal_x, goal_y, style):
+    """By how much the end of memory m has to be moved when the target is at the goal."""
+    width = query.far - query.near
+    r = np.sqrt(goal_x * goal_x + goal_y * goal_y)
+    a = query.side * (np.arctan2(goal_y, goal_x) - query.angle)
+    if style == POLAR:
+        return _wrapped(a - goals[m, 0]), (r - query.near) / width - goals[m, 1]
+    old = query.near + goals[m, 1] * width
+    return (
+        r * np.cos(a) - old * np.cos(np.float64(goals[m, 0])),
+        r * np.sin(a) - old * np.sin(np.float64(goals[m, 0])),
+    )
+
+
+@njit(cache=True)
+def _lowest(query):
+    """Share of the ring below which no path is bent."""
+    low = max(_HOLE, HUB - query.near) / (query.far - query.near)
+    return min(low, query.ring)
+
+
+@njit(cache=True)
+def bend(base, query, style, share, end, hand):
+    """Write a path that starts at the hand and whose end is moved.
 
     The path of the memory is moved by the difference of the two hands at its start and by that of
     the two targets at its end, in between by as much of each as is left of the way.
 
     Parameters
     ----------
-    traces, goals : (n, KNOTS, 4), (n, 2) ndarray
-    goal_x, goal_y : float
-        Centre of the target when it is to be caught.
+    base : (KNOTS, 2) ndarray
+        Of `_lay`.
     style : int
         POLAR or CARTESIAN.
     share : (KNOTS,) ndarray
         Of `shares`.
+    end : (float, float)
+        Of `_ends_by`.
     hand : (KNOTS + 1, 2) ndarray
-        Where the knots are written.
+        Where the knots are written, in the situation's coordinates.
     """
-    n = traces.shape[1]
     near, width = query.near, query.far - query.near
-    low = max(_HOLE, _HUB - near) / width
-    low = min(low, query.ring)
+    low = _lowest(query)
     hand[0, 0], hand[0, 1] = query.x, query.y
-    goal_r = np.sqrt(goal_x * goal_x + goal_y * goal_y)
-    goal_a = query.side * (np.arctan2(goal_y, goal_x) - query.angle)
-    first = query.ring - traces[m, 0, RING]
-    around = _wrapped(goal_a - goals[m, 0])
-    outward = (goal_r - near) / width - goals[m, 1]
-    r_old = near + goals[m, 1] * width
-    dx = goal_r * np.cos(goal_a) - r_old * np.cos(goals[m, 0])
-    dy = goal_r * np.sin(goal_a) - r_old * np.sin(goals[m, 0])
-    for k in range(1, n):
-        w = share[k]
-        a, u = np.float64(traces[m, k, ANGLE]), np.float64(traces[m, k, RING])
-        if style == POLAR:
-            a += w * around
-            u += (1.0 - w) * first + w * outward
-        else:
-            r = near + u * width
-            x = r * np.cos(a) + (1.0 - w) * first * width + w * dx
-            y = r * np.sin(a) + w * dy
-            a, u = np.arctan2(y, x), (np.sqrt(x * x + y * y) - near) / width
+    for k in range(1, base.shape[0]):
+        a, u = base[k, 0] + share[k] * end[0], base[k, 1] + share[k] * end[1]
+        if style != POLAR:
+            a, u = np.arctan2(u, a), (np.sqrt(a * a + u * u) - near) / width
         r = near + min(max(u, low), 1.0 - 1e-9) * width
         a = query.angle + query.side * a
         hand[k, 0], hand[k, 1] = r * np.cos(a), r * np.sin(a)
+
+
+@njit(cache=True)
+def _soonest_end(traces, m, query, tempo, style, base, share, end):
+    """When a path whose end is so moved can be at its end: nearly, and without trigonometry."""
+    column = EARLIEST if tempo == HURRY else TIME
+    near, width = query.near, query.far - query.near
+    low = _lowest(query)
+    slowness = 1.0 / query.speed
+    a0, r0, t = base[0, 0], base[0, 1], 0.0
+    if style == POLAR:
+        r0 = near + r0 * width
+    for k in range(1, base.shape[0]):
+        a, r = base[k, 0] + share[k] * end[0], base[k, 1] + share[k] * end[1]
+        if style == POLAR:
+            r = near + min(max(r, low), 1.0) * width
+            turn2 = (a - a0) ** 2  # the law of cosines, the cosine by its series
+            way2 = (r - r0) ** 2 + r * r0 * turn2 * (1.0 - turn2 / 12.0)
+        else:
+            way2 = (a - a0) ** 2 + (r - r0) ** 2
+        t = max(t + np.sqrt(max(way2, 0.0)) * slowness, np.float64(traces[m, k, column]))
+        a0, r0 = a, r
+    return t
 
 
 @njit(cache=True)
@@ -174,46 +228,86 @@ def _pace(traces, m, query, tempo, hand, time):
 
 
 @njit(cache=True)
-def _meet(traces, goals, m, query, b, style, tempo, share, poses, time, hand):
+def _away(query, b, poses, t):
+    """How long target b surely stays out of reach, of the ring or of a straight hand [s]."""
+    size = query.bodies.rows[b, REACH] + query.reach
+    x, y = poses[b, 0], poses[b, 1]
+    top = query.bodies.rows[b, TOP_SPEED]
+    ring = np.sqrt(x * x + y * y) - size - query.far
+    way = np.sqrt((x - query.x) ** 2 + (y - query.y) ** 2) - size - query.speed * t
+    wait = way / (query.speed + top)
+    if ring > 0.0:
+        wait = max(wait, ring / top if top > 0.0 else 1e300)
+    return wait
+
+
+@njit(cache=True)
+def _meet(traces, goals, m, query, b, style, tempo, desk):
     """Bend trace m to where target b can be met and time it: the instant, or -1.
 
     The sooner the instant, the better; it is found by conservative advancement: a hand that comes
     late by some time needs at least that part of it in which hand and target can close the gap.
-    The path's last knot is where the hand catches.
+    Most of the advance is made on lengths alone. The path's last knot is where the hand catches.
     """
     n = traces.shape[1]
     bodies = query.bodies
     closing = query.speed / (query.speed + bodies.rows[b, TOP_SPEED])
-    t = query.soonest
+    close = _CLOSE * query.horizon
+    t, rough = query.soonest, True
+    before, late_before = -1.0, 0.0
     for _ in range(_TURNS):
         if t > query.horizon:
             return -1.0
-        pose_at(bodies, b, t, poses)
-        bend(traces, goals, m, query, poses[b, 0], poses[b, 1], style, share, hand)
-        x, y, found = approach(
-            bodies, poses, b, hand[n - 1, 0], hand[n - 1, 1], query.reach, query.far
-        )
-        if not found or x * x + y * y < query.near * query.near:
-            t += query.horizon / _STRIDE
+        pose_at(bodies, b, t, desk.poses)
+        away = _away(query, b, desk.poses, t)
+        if away > close:
+            t, before = t + away, -1.0
             continue
-        hand[n - 1, 0], hand[n - 1, 1] = x, y
-        late = _pace(traces, m, query, tempo, hand, time) - t
-        if late <= 0.0:
-            return t
-        t += late if late < _CLOSE * query.horizon else max(late * closing, query.instant)
+        end = _ends_by(goals, m, query, desk.poses[b, 0], desk.poses[b, 1], style)
+        if rough:
+            late = _soonest_end(traces, m, query, tempo, style, desk.base, desk.share, end) - t
+            rough = late > close
+        if not rough:
+            bend(desk.base, query, style, desk.share, end, desk.hand)
+            x, y, found = approach(
+                bodies, desk.poses, b, desk.hand[n - 1, 0], desk.hand[n - 1, 1], query.reach,
+                query.far,
+            )  # fmt: skip
+            if not found or x * x + y * y < query.near * query.near:
+                t, before, rough = t + query.horizon / _STRIDE, -1.0, True
+                continue
+            desk.hand[n - 1, 0], desk.hand[n - 1, 1] = x, y
+            late = _pace(traces, m, query, tempo, desk.hand, desk.time) - t
+            if late <= 0.0:
+                return t
+        step = late * closing
+        if before >= 0.0 and late < late_before:  # the secant, where hand gains on target
+            step = max(step, late * min((t - before) / (late_before - late), _LONGEST))
+        before, late_before = t, late
+        t += max(step, query.instant)
     return -1.0
 
 
 @njit(cache=True)
-def adapt(traces, goals, m, query, style, tempo, share, poses, time, hand, best_time, best_hand):
+def desk_for(query):
+    """Room for adaptations to a situation."""
+    return Desk(
+        np.empty(KNOTS),
+        np.empty((KNOTS, 2)),
+        np.zeros((query.bodies.rows.shape[0], 12)),
+        np.empty(KNOTS + 1),
+        np.empty((KNOTS + 1, 2)),
+        np.empty(KNOTS + 1),
+        np.empty((KNOTS + 1, 2)),
+    )
+
+
+@njit(cache=True)
+def adapt(traces, goals, m, query, style, tempo, desk):
     """Bend trace m to the target that it can catch first.
 
-    Parameters
-    ----------
-    share, poses, time, hand : ndarray
-        Room for (KNOTS,), (bodies, 12), (KNOTS + 1,) and (KNOTS + 1, 2) numbers.
-    best_time, best_hand : (KNOTS + 1,), (KNOTS + 1, 2) ndarray
-        Where the path is written, cut where the hand comes within reach of any target.
+    The path is written into `desk.best_time` and `desk.best_hand`, and ends at the first knot at
+    which the hand is within reach of any target.
 
     Returns
     -------
@@ -222,197 +316,40 @@ def adapt(traces, goals, m, query, style, tempo, share, poses, time, hand, best_
     body : int
     """
     n = traces.shape[1]
-    shares(traces, m, query.near, query.far, share)
-    best, bodies = -1.0, query.bodies
+    shares(traces, m, query.near, query.far, desk.share)
+    _lay(traces, m, query, style, desk.share, desk.base)
+    best, body, bodies = -1.0, -1, query.bodies
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
-        t = _meet(traces, goals, m, query, b, style, tempo, share, poses, time, hand)
+        t = _meet(traces, goals, m, query, b, style, tempo, desk)
         if t < 0.0 or 0.0 <= best <= t:
             continue
-        best = t
+        best, body = t, b
         for k in range(n):
-            best_time[k], best_hand[k, 0], best_hand[k, 1] = time[k], hand[k, 0], hand[k, 1]
-        best_time[n], best_hand[n, 0], best_hand[n, 1] = t, hand[n - 1, 0], hand[n - 1, 1]
+            desk.best_time[k] = desk.time[k]
+            desk.best_hand[k, 0], desk.best_hand[k, 1] = desk.hand[k, 0], desk.hand[k, 1]
+        desk.best_time[n] = t
+        desk.best_hand[n, 0], desk.best_hand[n, 1] = desk.hand[n - 1, 0], desk.hand[n - 1, 1]
     if best < 0.0:
         return 0, -1
-    t, body = first_catch(bodies, best_time, best_hand, query.reach, 0.25 * query.instant)
-    if body < 0:
-        return 0, -1
-    return _cut(best_time, best_hand, t), body
+    return _first_knot_at_a_target(query, desk, body)
 
 
 @njit(cache=True)
-def _cut(time, hand, t):
-    """End a path at an instant within it; the number of samples that are left."""
-    k = 0
-    while k < time.size - 1 and time[k] < t:
-        k += 1
-    if k > 0 and time[k] > t:
-        s = (t - time[k - 1]) / (time[k] - time[k - 1])
-        hand[k, 0] = hand[k - 1, 0] + s * (hand[k, 0] - hand[k - 1, 0])
-        hand[k, 1] = hand[k - 1, 1] + s * (hand[k, 1] - hand[k - 1, 1])
-        time[k] = t
-    return k + 1
-
-
-@njit(cache=True)
-def _touches_at_a_look(query, time, hand, count):
-    """Whether the limb touches an obstacle at one of the instants of the table.
-
-    Necessary for a path to hold, and cheap: the bodies' poses are known.
-    """
-    instants, n = query.table.shape[0], query.bodies.rows.shape[0]
-    step = query.horizon / (instants - 1)
-    last = int(time[count - 1] / step)
-    for phase in _ORDER:
-        k = 0
-        for g in range(phase, last + 1, 4):
-            t = g * step
-            while k < count - 2 and time[k + 1] < t:
-                k += 1
-            x, y = hand[k, 0], hand[k, 1]
-            if count > 1 and time[k + 1] > time[k]:
-                s = min((t - time[k]) / (time[k + 1] - time[k]), 1.0)
-                x += s * (hand[k + 1, 0] - x)
-                y += s * (hand[k + 1, 1] - y)
-            ex, ey = elbow_of(x, y, query.rho, query.side)
-            poses = query.table[g]
-            for b in range(n):
-                if query.bodies.rows[b, PART] == HAND:
-                    continue
-                if arm_distance(query.bodies, poses, b, x, y, ex, ey) <= query.floor:
-                    return True
-    return False
-
-
-@njit(cache=True)
-def check(query, time, hand, count):
-    """What becomes of a path (its first `count` samples): HOLDS, TOUCHES or SINGULAR.
-
-    The same test of the limb as that of every plan, after a coarse one that spares most of it.
-    """
-    if count > 1 and nearest_to_shoulder(hand[:count]) < max(query.near, 0.5 * _HUB):
-        return SINGULAR
-    if _touches_at_a_look(query, time, hand, count):
-        return TOUCHES
-    # With this resolution nothing is bisected that is sure to stay above the floor.
-    distance, _ = least_distance(
-        query.bodies, time[:count], hand[:count], query.rho, query.side, query.floor, 1e300
-    )
-    return HOLDS if distance > query.floor else TOUCHES
-
-
-@njit(cache=True)
-def transfer(traces, goals, chosen, query, style, tempo):
-    """When memories, bent to a situation, catch in it.
-
-    Parameters
-    ----------
-    traces, goals : (n, KNOTS, 4), (n, 2) ndarray of float32
-        All memories.
-    chosen : (m,) ndarray of int64
-        Which of them to try.
-    query : Query
-    style, tempo : int
-
-    Returns
-    -------
-    (m,) ndarray
-        Catch times [s], negative where the bent path does not hold.
-    """
-    n, count = traces.shape[1], query.bodies.rows.shape[0]
-    share, poses = np.empty(n), np.zeros((count, 12))
-    time, hand = np.empty(n + 1), np.empty((n + 1, 2))
-    best_time, best_hand = np.empty(n + 1), np.empty((n + 1, 2))
-    out = np.full(chosen.size, -1.0)
-    for i in range(chosen.size):
-        samples, _ = adapt(
-            traces, goals, chosen[i], query, style, tempo, share, poses, time, hand,
-            best_time, best_hand,
-        )  # fmt: skip
-        if samples > 0 and check(query, best_time, best_hand, samples) == HOLDS:
-            out[i] = best_time[samples - 1]
-    return out
-
-
-@njit(cache=True)
-def first_that_holds(traces, goals, chosen, query, styles, tries, novelty):
-    """Try memories in order until one holds.
-
-    Parameters
-    ----------
-    traces, goals, chosen, query :
-        As of `transfer`, the most promising first.
-    styles : (s, 2) ndarray of int64
-        Styles and tempos that each is tried in.
-    tries : int
-        Paths that are checked at most.
-    novelty : float
-        A path that stays this near to one that has failed is not checked [forearm lengths].
-
-    Returns
-    -------
-    place : int
-        Position in `chosen`, -1 if none holds.
-    body : int
-        The target that is caught.
-    checked : int
-        Paths that were checked.
-    time, hand : (m,), (m, 2) ndarray
-        The path that holds.
-    """
-    n, count = traces.shape[1], query.bodies.rows.shape[0]
-    share, poses = np.empty(n), np.zeros((count, 12))
-    time, hand = np.empty(n + 1), np.empty((n + 1, 2))
-    best_time, best_hand = np.empty(n + 1), np.empty((n + 1, 2))
-    failed = np.empty((tries, n + 1, 3))
-    checked, kept = 0, 0
-    for i in range(chosen.size):
-        for s in range(styles.shape[0]):
-            if checked >= tries:
-                return -1, -1, checked, best_time[:0], best_hand[:0]
-            samples, body = adapt(
-                traces, goals, chosen[i], query, styles[s, 0], styles[s, 1], share, poses, time,
-                hand, best_time, best_hand,
-            )  # fmt: skip
-            if samples == 0:
-                if novelty <= 0.0:
-                    checked += 1
+def _first_knot_at_a_target(query, desk, body):
+    """Samples of the best path until a target is within reach, and that target."""
+    bodies, count = query.bodies, desk.best_time.size
+    for k in range(count - 1):
+        x, y = desk.best_hand[k, 0], desk.best_hand[k, 1]
+        for b in range(bodies.rows.shape[0]):
+            if bodies.rows[b, PART] != HAND:
                 continue
-            if novelty > 0.0 and _known(failed, kept, query, best_time, best_hand, samples, novelty):
+            pose_at(bodies, b, desk.best_time[k], desk.poses)
+            dx, dy = x - desk.poses[b, 0], y - desk.poses[b, 1]
+            limit = query.reach + bodies.rows[b, REACH]
+            if dx * dx + dy * dy > limit * limit:
                 continue
-            checked += 1
-            if check(query, best_time, best_hand, samples) == HOLDS:
-                return i, body, checked, best_time[:samples], best_hand[:samples]
-            _keep(failed, kept, query, best_time, best_hand, samples)
-            kept += 1
-    return -1, -1, checked, best_time[:0], best_hand[:0]
-
-
-@njit(cache=True)
-def _keep(failed, row, query, time, hand, count):
-    """Note a path; samples that it does not have are its last one."""
-    for k in range(failed.shape[1]):
-        j = min(k, count - 1)
-        failed[row, k, 0], failed[row, k, 1] = hand[j, 0], hand[j, 1]
-        failed[row, k, 2] = query.speed * time[j]
-
-
-@njit(cache=True)
-def _known(failed, rows, query, time, hand, count, novelty):
-    """Whether one of the noted paths is everywhere as near as `novelty`, time included."""
-    limit = novelty * novelty
-    for row in range(rows):
-        apart = 0.0
-        for k in range(failed.shape[1]):
-            j = min(k, count - 1)
-            d2 = (failed[row, k, 0] - hand[j, 0]) ** 2 + (failed[row, k, 1] - hand[j, 1]) ** 2
-            apart = max(apart, d2 + (failed[row, k, 2] - query.speed * time[j]) ** 2)
-            if apart > limit:
-                break
-        if apart <= limit:
-            return True
-    return False
-
-
+            if target_distance(bodies, desk.poses, b, x, y) <= query.reach:
+                return k + 1, b
+    return count, body
