@@ -67,6 +67,10 @@ class Index(Protocol):
     def load(cls, folder: Path) -> Self:
         """Read it from a folder."""
 
+    @classmethod
+    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> Self:
+        """One for memories of situations like these, if it takes no training of its own."""
+
 
 def index_class(name: str) -> type[Index]:
     """The class of a registered index; raises UnknownNameError with the known names."""
