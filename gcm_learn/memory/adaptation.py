@@ -2,8 +2,8 @@
 
 Retrieved paths are repaired rather than replayed in Lightning and Thunder (Berenson, Abbeel and
 Goldberg, ICRA 2012; Coleman, Sucan, Moll, Okada and Correll, ICRA 2015). Here the repair is a bend
-without search, as of dynamic movement primitives that get new ends, because it has to cost less than
-planning anew; what it breaks is found by the verification that every plan goes through.
+without search, as of dynamic movement primitives that get new ends, because it has to cost less
+than planning anew; what it breaks is found by the verification that every plan goes through.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from gcm_learn.memory.kernels import Query
 from gcm_learn.memory.traces import Trace, ring_share
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
 from gcm_learn.planners.interception import first_interception
-from gcm_learn.planners.timing import refine
+from gcm_learn.planners.timing import SPACING, refine
 from gcm_learn.planners.verification import SAFETY, start_clearance
 from gcm_learn.situation import Situation
 
@@ -43,6 +43,9 @@ class Adaptation:
         """Codes (s, 2) of the styles and tempos in which each memory is tried, in order."""
         tempos = ("hurry", "keep") if self.tempo == "both" else (self.tempo,)
         return np.array([[STYLES[self.style], TEMPOS[tempo]] for tempo in tempos])
+
+
+DEFAULT = Adaptation()
 
 
 def query_of(problem: Problem) -> Query:
@@ -78,7 +81,7 @@ def query_of(problem: Problem) -> Query:
     )
 
 
-def adapt(problem: Problem, trace: Trace, how: Adaptation = Adaptation()) -> Attempt | None:  # noqa: B008
+def adapt(problem: Problem, trace: Trace, how: Adaptation = DEFAULT) -> Attempt | None:
     """Bend one memory to a situation, in the first of its styles that meets a target in time.
 
     Returns
@@ -99,8 +102,13 @@ def adapt(problem: Problem, trace: Trace, how: Adaptation = Adaptation()) -> Att
 
 def attempt_at(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
     """A bent path (m,), (m, 2) as an attempt, with samples near enough for joints, too."""
-    keep = np.concatenate([[True], np.diff(time) > 0.0])
-    time, hand = refine(problem.situation.arm, time[keep], hand[keep])
+    steps = np.hypot(*np.diff(hand, axis=0).T)
+    pieces = np.maximum(np.ceil(steps / SPACING), np.diff(time) > 0.0).astype(int)
+    ends = np.concatenate([[0], np.cumsum(pieces)])
+    at = np.interp(np.arange(ends[-1] + 1), ends, np.arange(len(ends)))
+    knots = np.arange(len(time))
+    time, x, y = (np.interp(at, knots, column) for column in (time, *hand.T))
+    time, hand = refine(problem.situation.arm, time, np.stack([x, y], axis=-1))
     return attempt_of(problem, time, hand, int(body))
 
 
@@ -109,7 +117,7 @@ def transfer(
     traces: np.ndarray,
     goals: np.ndarray,
     chosen: np.ndarray | None = None,
-    how: Adaptation = Adaptation(),  # noqa: B008
+    how: Adaptation = DEFAULT,
 ) -> np.ndarray:
     """When memories, bent to a situation, catch in it: labels for learning.
 

@@ -82,7 +82,7 @@ def _body_features(bodies, x, y, angle, side, horizon, out):
     _places(bodies, target, c, s, side, horizon, poses, out, ARM)
     out[ARM + 9] = bodies.rows[target, REACH]
     for slot in range(SLOTS):
-        b = np.argmin(gap)
+        b = int(np.argmin(gap))
         if gap[b] >= 1e300:
             break
         gap[b] = 1e300
@@ -127,7 +127,9 @@ def _long_axis(bodies, b, poses):
         for j in range(1, 3):
             if bodies.rows[b, SIZE + j] > bodies.rows[b, SIZE + k]:
                 k = j
-        return poses[b, 3 + k] * bodies.rows[b, SIZE + k], poses[b, 6 + k] * bodies.rows[b, SIZE + k]
+        return poses[b, 3 + k] * bodies.rows[b, SIZE + k], poses[b, 6 + k] * bodies.rows[
+            b, SIZE + k
+        ]
     if kind != POLYGON:
         return 0.0, 0.0
     first, last = int(bodies.rows[b, FIRST]), int(bodies.rows[b, LAST])

@@ -1,4 +1,4 @@
-"""Whether a bent path holds: the verdict of the verification of plans, at a fraction of its cost."""
+"""Whether a bent path holds: what the verification of plans would say, at less cost."""
 
 from __future__ import annotations
 

@@ -57,7 +57,9 @@ class Index(Protocol):
     def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:
         """Embedding (dim,) float32 of a memory, of which everything may be known."""
 
-    def embed_memories(self, situations: Sequence[Situation], traces: Sequence[Trace]) -> np.ndarray:
+    def embed_memories(
+        self, situations: Sequence[Situation], traces: Sequence[Trace]
+    ) -> np.ndarray:
         """Embeddings (n, dim) float32 of many memories."""
 
     def save(self, folder: Path) -> None:
@@ -183,7 +185,9 @@ class RawIndex:
         """Embedding of a memory: that of its situation."""
         return self.embed_memories([situation], [trace])[0]
 
-    def embed_memories(self, situations: Sequence[Situation], traces: Sequence[Trace]) -> np.ndarray:
+    def embed_memories(
+        self, situations: Sequence[Situation], traces: Sequence[Trace]
+    ) -> np.ndarray:
         """Embeddings of memories."""
         features = np.array([raw_features(s) for s in situations]).reshape(-1, COUNT)
         return nearest_rows(self.scale(features))
@@ -227,7 +231,9 @@ class RandomIndex:
         """A direction that depends on the memory's numbers only."""
         return self._direction(trace.knots, 1)
 
-    def embed_memories(self, situations: Sequence[Situation], traces: Sequence[Trace]) -> np.ndarray:
+    def embed_memories(
+        self, situations: Sequence[Situation], traces: Sequence[Trace]
+    ) -> np.ndarray:
         """Directions of memories."""
         rows = [self.embed_memory(s, t) for s, t in zip(situations, traces, strict=True)]
         return np.array(rows, dtype=np.float32).reshape(-1, self.dim)

@@ -34,7 +34,9 @@ _STRIDE = 48.0  # steps in a horizon while there is no target to be met
 _CLOSE = 1e-3  # share of the horizon within which the instant is found
 _SLACK = 1.0 + 2e-9  # against rounding of the speed limits
 _JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured
+_PARTS = 4 * PARTS  # of a piece between knots, which plans cut finer
 _HOLE = 2e-3  # distance that paths keep from the hole of the ring [forearm lengths]
+_RIM = 4e-3  # share of the ring that joints with limits keep from the outer rim, where they race
 HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [forearm lengths]
 
 
@@ -155,6 +157,13 @@ def _lowest(query):
 
 
 @njit(cache=True)
+def _highest(query):
+    """Share of the ring above which no path is bent."""
+    high = 1.0 - _RIM if query.shoulder > 0.0 else 1.0 - 1e-9
+    return max(high, query.ring)
+
+
+@njit(cache=True)
 def bend(base, query, style, share, end, hand):
     """Write a path that starts at the hand and whose end is moved.
 
@@ -175,13 +184,13 @@ def bend(base, query, style, share, end, hand):
         Where the knots are written, in the situation's coordinates.
     """
     near, width = query.near, query.far - query.near
-    low = _lowest(query)
+    low, high = _lowest(query), _highest(query)
     hand[0, 0], hand[0, 1] = query.x, query.y
     for k in range(1, base.shape[0]):
         a, u = base[k, 0] + share[k] * end[0], base[k, 1] + share[k] * end[1]
         if style != POLAR:
             a, u = np.arctan2(u, a), (np.sqrt(a * a + u * u) - near) / width
-        r = near + min(max(u, low), 1.0 - 1e-9) * width
+        r = near + min(max(u, low), high) * width
         a = query.angle + query.side * a
         hand[k, 0], hand[k, 1] = r * np.cos(a), r * np.sin(a)
 
@@ -216,7 +225,7 @@ def _pace(traces, m, query, tempo, hand, time):
     column = EARLIEST if tempo == HURRY else TIME
     time[0] = 0.0
     if query.shoulder > 0.0:
-        turns = joint_turns(hand[:n], query.rho, query.side, PARTS)
+        turns = joint_turns(hand[:n], query.rho, query.side, _PARTS)
     for k in range(1, n):
         dx, dy = hand[k, 0] - hand[k - 1, 0], hand[k, 1] - hand[k - 1, 1]
         least = np.sqrt(dx * dx + dy * dy) / query.speed
@@ -253,6 +262,7 @@ def _meet(traces, goals, m, query, b, style, tempo, desk):
     bodies = query.bodies
     closing = query.speed / (query.speed + bodies.rows[b, TOP_SPEED])
     close = _CLOSE * query.horizon
+    rim = query.near + min(_highest(query), 1.0) * (query.far - query.near)
     t, rough = query.soonest, True
     before, late_before = -1.0, 0.0
     for _ in range(_TURNS):
@@ -271,7 +281,7 @@ def _meet(traces, goals, m, query, b, style, tempo, desk):
             bend(desk.base, query, style, desk.share, end, desk.hand)
             x, y, found = approach(
                 bodies, desk.poses, b, desk.hand[n - 1, 0], desk.hand[n - 1, 1], query.reach,
-                query.far,
+                rim,
             )  # fmt: skip
             if not found or x * x + y * y < query.near * query.near:
                 t, before, rough = t + query.horizon / _STRIDE, -1.0, True

@@ -103,7 +103,9 @@ class PcaIndex:
         """Where the map of a memory lies."""
         return self.embed_memories([situation], [trace])[0]
 
-    def embed_memories(self, situations: Sequence[Situation], traces: Sequence[Trace]) -> np.ndarray:
+    def embed_memories(
+        self, situations: Sequence[Situation], traces: Sequence[Trace]
+    ) -> np.ndarray:
         """Where the maps of memories lie."""
         rows = [self.components @ (map_picture(s) - self.centre) for s in situations]
         return nearest_rows(np.array(rows).reshape(-1, len(self.components)))

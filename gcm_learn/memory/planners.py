@@ -1,14 +1,14 @@
-"""Planners that recall: a situation asks, memories are bent to it, the first that holds is the plan."""
+"""Planners that recall: memories are bent to a situation, the first that holds is the plan."""
 
 from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
-from gcm_learn.memory.adaptation import Adaptation, adapt, attempt_at, query_of
+from gcm_learn.memory.adaptation import DEFAULT, Adaptation, adapt, attempt_at, query_of
 from gcm_learn.memory.features import raw_features
 from gcm_learn.memory.shipped import shipped_memory
 from gcm_learn.memory.splines import random_traces
@@ -21,7 +21,9 @@ from gcm_learn.planners.registry import get_planner, register
 from gcm_learn.situation import Situation
 
 CANDIDATES = 20
-POOL = 4  # memories that are recalled for each that is checked, so that twins of failures are left out
+POOL = (
+    4  # memories that are recalled for each that is checked, so that twins of failures are left out
+)
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
 
 
@@ -60,7 +62,9 @@ class RecallPlanner:
         problem = Problem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None or len(self.memory) == 0:
-            return Recollection(answer or problem.answer("unreachable", "nothing is known"), None, 0)
+            return Recollection(
+                answer or problem.answer("unreachable", "nothing is known"), None, 0
+            )
         place = self.memory.index.embed_query(situation, problem.bodies)
         pool = self.candidates * (POOL if self.novelty > 0.0 else 1)
         chosen = self.memory.recall(place, pool)
@@ -148,7 +152,9 @@ class Rollout:
 
 
 def unverified(
-    memory: Memory, situation: Situation, how: Adaptation = Adaptation()  # noqa: B008
+    memory: Memory,
+    situation: Situation,
+    how: Adaptation = DEFAULT,
 ) -> Rollout:
     """What comes of the first memory that is recalled, if it is not verified before acting."""
     problem = Problem(situation, "recall-1")
@@ -165,13 +171,20 @@ def _memory(name: str) -> Memory:
     return shipped_memory(name)
 
 
-def register_planners() -> None:
-    """Put the planners that recall beside the others."""
-    for name in ("recall", "recall-raw", "recall-pca", "recall-random"):
-        register(name, lambda name=name: RecallPlanner(_memory(name), name=name))
-    register("recall-1", lambda: RecallPlanner(_memory("recall"), 1, "recall-1", novelty=0.0))
-    register("hybrid", lambda: HybridPlanner(RecallPlanner(_memory("recall"), name="hybrid")))
-    register("splines-random", SplinesPlanner)
+def _recalling(name: str) -> RecallPlanner:
+    return RecallPlanner(_memory(name), name=name)
 
 
-register_planners()
+def _first_choice() -> RecallPlanner:
+    return RecallPlanner(_memory("recall"), 1, "recall-1", novelty=0.0)
+
+
+def _hybrid() -> HybridPlanner:
+    return HybridPlanner(RecallPlanner(_memory("recall"), name="hybrid"))
+
+
+for _name in ("recall", "recall-raw", "recall-pca", "recall-random"):
+    register(_name, partial(_recalling, _name))
+register("recall-1", _first_choice)
+register("hybrid", _hybrid)
+register("splines-random", SplinesPlanner)

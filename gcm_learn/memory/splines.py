@@ -1,10 +1,10 @@
 """Random movements in place of memories: what does verification catch on its own?
 
-A spline's hand starts where the query's does, and its direction, its share of the ring and the time
-that it takes are drawn: three control points, the last of which is the end, each within HALF_TURN of
-the first direction and anywhere in the ring, joined by a quadratic Bezier curve with the start. One
-in WAITERS waits at its middle. Ends are bent to the target like those of memories, so what is random
-is the way there.
+A spline's hand starts where the query's does. Its direction and its share of the ring follow
+quadratic Bezier curves from there, whose middle control point and end are drawn: directions evenly
+within HALF_TURN of the first, shares within RIMS, the time of the end within TIMES; one in WAITERS
+waits half way until half of that time. Ends are then bent to the target like those of memories, so
+what is random is the way there.
 """
 
 from __future__ import annotations

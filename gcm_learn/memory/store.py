@@ -60,7 +60,7 @@ class Memory:
         self.index = index
         self.search = search
         self._size = 0
-        self._columns = {
+        self._columns: dict[str, np.ndarray] = {
             "embeddings": np.zeros((0, index.dim), np.float32),
             "traces": np.zeros((0, KNOTS, 4), np.float32),
             "goals": np.zeros((0, 2), np.float32),
@@ -180,7 +180,7 @@ class Memory:
         """Forget memories by position or by truth value (n,)."""
         keep = np.ones(self._size, dtype=bool)
         keep[np.asarray(which)] = False
-        texts = [self._text(k) for k in np.flatnonzero(keep)]
+        texts = [self._text(k) for k in np.flatnonzero(keep).tolist()]
         self._columns = {name: self._columns[name][: self._size][keep] for name in _COLUMNS}
         self._size, self._texts = int(keep.sum()), texts
         self._old_texts, self._old_starts = np.zeros(0, np.uint8), np.zeros(1, np.int64)

@@ -28,8 +28,8 @@ _PLANNERS: dict[str, Callable[[], Planner]] = {
 }
 
 
-# Planners of folders above this one: the module that registers them, imported when one is asked for.
-# A name is all that this folder knows of them.
+# Planners of folders above this one, by the module that registers them. It is imported when one of
+# them is asked for; its name is all that is known of it here.
 _ABOVE = dict.fromkeys(
     ("hybrid", "recall", "recall-1", "recall-pca", "recall-random", "recall-raw", "splines-random"),
     "gcm_learn.memory.planners",
