@@ -12,7 +12,7 @@ from typing import ClassVar, Protocol, Self
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.errors import RecallError, UnknownNameError
+from gcm_learn.errors import MissingExtraError, RecallError, UnknownNameError
 from gcm_learn.memory.features import ARM, COUNT, OBSTACLE, SLOTS, TARGET, raw_features
 from gcm_learn.memory.traces import Trace
 from gcm_learn.situation import Situation
@@ -82,10 +82,7 @@ def index_class(name: str) -> type[Index]:
     try:
         found: type[Index] = getattr(importlib.import_module(module), attribute)
     except ImportError as error:
-        raise RecallError(
-            f"index {name!r} needs what is not installed ({error.name}): "
-            "pip install 'gcm_learn[learn]'"
-        ) from None
+        raise MissingExtraError(f"index {name!r}", str(error.name), "learn") from None
     return found
 
 

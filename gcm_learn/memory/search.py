@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from gcm_learn.errors import RecallError
+from gcm_learn.errors import MissingExtraError, RecallError
 
 MANY = 100_000  # rows from which faiss is used if it is installed
 SEARCHES = ("auto", "exact", "faiss")
@@ -52,7 +52,7 @@ class Searcher:
         if how not in SEARCHES:
             raise RecallError(f"search: {how!r} is not one of {', '.join(SEARCHES)}")
         if how == "faiss" and not has_faiss():
-            raise RecallError("search 'faiss' needs faiss-cpu: pip install 'gcm_learn[index]'")
+            raise MissingExtraError("search 'faiss'", "faiss-cpu", "index")
         self.rows = rows
         wanted = how == "faiss" or (how == "auto" and len(rows) >= MANY and has_faiss())
         self._faiss = _flat(rows) if wanted else None

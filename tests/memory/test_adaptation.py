@@ -10,6 +10,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.memory import Adaptation, adapt, path_of, trace_of, transfer
 from gcm_learn.memory.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.memory.splines import random_traces
@@ -18,7 +19,6 @@ from gcm_learn.planners.interception import target_distance
 from gcm_learn.planners.layered import layered
 from gcm_learn.situation.canonical import canonical
 from gcm_learn.situation.kernels import pose_at
-from tests.random_solid import random_solid
 from tests.transforms import mirrored, turned
 
 EVERY = [

@@ -10,6 +10,7 @@ import pytest
 from gcm_learn import get_planner, seeding, solve
 from gcm_learn.errors import RecallError
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
 from gcm_learn.memory import (
     Adaptation,
     Coverage,
@@ -23,7 +24,6 @@ from gcm_learn.memory import (
     unverified,
 )
 from gcm_learn.planners.layered import layered
-from tests.random_solid import random_solid
 from tests.referee import judge
 from tests.transforms import turned
 
