@@ -88,3 +88,7 @@ class MissingExtraError(GcmError, ImportError):
 
     def __init__(self, what: str, library: str, extra: str) -> None:
         super().__init__(f"{what} needs {library}: pip install 'gcm_learn[{extra}]'")
+
+
+class RecallError(GcmError, RuntimeError):
+    """A memory is missing, damaged, or was made with another index than the one that asks it."""

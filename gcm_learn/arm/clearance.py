@@ -106,7 +106,7 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
         if bodies.rows[b, PART] == HAND:
             continue
         for k in range(time.size - 1):
-            best, when, looks = _least_in_segment(
+            best, when, looks = least_in_segment(
                 bodies, b, time, hand, k, at_sample[b, k], at_sample[b, k + 1],
                 rho, side, floor, resolution, best, when, looks, poses, stack,
             )  # fmt: skip
@@ -116,7 +116,7 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
 
 
 @njit(cache=True)
-def _least_in_segment(
+def least_in_segment(
     bodies, b, time, hand, k, d0, d1, rho, side, floor, resolution, best, when, looks, poses, stack
 ):
     """`least_distance` to body b between samples k and k + 1, whose distances are d0 and d1."""

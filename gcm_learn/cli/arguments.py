@@ -21,6 +21,7 @@ from gcm_learn.cli.figure import Figure
 from gcm_learn.cli.gallery import Gallery
 from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.inspect import Inspect
+from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
 
 DESCRIPTION = """\
@@ -39,6 +40,7 @@ examples:
   gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
   gcm-learn inspect data/mine                          what is in it, in numbers
   gcm-learn gallery data/mine                          and in pictures
+  gcm-learn remember data/mine --out models/recall     a memory of its catches
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -60,6 +62,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "generate": Generate,
     "inspect": Inspect,
     "gallery": Gallery,
+    "remember": Remember,
 }
 
 

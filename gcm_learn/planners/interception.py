@@ -100,7 +100,7 @@ def first_catch(bodies, time, hand, reach, shortest):
 
 
 @njit(cache=True)
-def _approach(bodies, poses, b, x, y, reach, far):
+def approach(bodies, poses, b, x, y, reach, far):
     """Point within `reach` of the target nearest to (x, y): (px, py, found)."""
     d = target_distance(bodies, poses, b, x, y)
     if d >= NOWHERE:
@@ -160,7 +160,7 @@ def first_interception(bodies, x, y, start, since, end, speed, reach, near, far,
             room = segment_distance(bodies, poses, b, x, y, x, y) - max(reach, 0.0)
             room -= speed * (t - start)
             if room <= 0.0:
-                px, py, found = _approach(bodies, poses, b, x, y, reach, far)
+                px, py, found = approach(bodies, poses, b, x, y, reach, far)
                 away = np.sqrt((px - x) ** 2 + (py - y) ** 2)
                 inside = px * px + py * py >= near * near
                 if found and inside and away <= speed * (t - start) + 1e-12:

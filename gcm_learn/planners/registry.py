@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 
 from gcm_learn.errors import UnknownNameError
@@ -27,9 +28,30 @@ _PLANNERS: dict[str, Callable[[], Planner]] = {
 }
 
 
+# Planners of folders above this one, by the module that registers them. It is imported when one of
+# them is asked for; its name is all that is known of it here.
+_ABOVE = dict.fromkeys(
+    ("hybrid", "recall", "recall-1", "recall-pca", "recall-random", "recall-raw", "splines-random"),
+    "gcm_learn.memory.planners",
+)
+
+
+def register(name: str, factory: Callable[[], Planner]) -> None:
+    """Make a planner known by name.
+
+    Parameters
+    ----------
+    name : str
+        A name that is taken already gets the new planner.
+    factory : callable
+        Makes the planner with its default settings.
+    """
+    _PLANNERS[name] = factory
+
+
 def planner_names() -> list[str]:
-    """Names of the registered planners."""
-    return sorted(_PLANNERS)
+    """Names of the planners that need nothing but a situation."""
+    return sorted(set(_PLANNERS) - set(_ABOVE))
 
 
 def get_planner(name: str) -> Planner:
@@ -42,8 +64,11 @@ def get_planner(name: str) -> Planner:
     MissingExtraError
         If the planner needs a library that is not installed.
     """
+    if name not in _PLANNERS and name in _ABOVE:
+        importlib.import_module(_ABOVE[name])
     if name not in _PLANNERS:
-        raise UnknownNameError(f"planner: {name!r} is not one of {', '.join(planner_names())}")
+        known = f"{', '.join(planner_names())}; with a memory: {', '.join(sorted(_ABOVE))}"
+        raise UnknownNameError(f"planner: {name!r} is not one of {known}")
     return _PLANNERS[name]()
 
 

@@ -181,6 +181,22 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 
 @njit(cache=True)
+def write_down(
+    total, free, kappa, end, places, start, until, limits, origins, states, spans, latest, status
+):
+    """Make states of the cells that were found free: `free` of them, after the first `total`."""
+    for i in range(free):
+        s, k = total + i, places[i]
+        states[s, CELL], states[s, SOURCE] = k, origins[i, 0]
+        states[s, VIA], latest[k] = origins[i, 1], s
+        # Untouched for as long as it is of use is as good as for ever.
+        lasts = until[i] >= limits[i]
+        spans[s, ARRIVAL] = start[i]
+        spans[s, END] = end if lasts else until[i] / kappa
+        status[k] = SETTLED if lasts else PASSING
+
+
+@njit(cache=True)
 def march_layers(
     n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, explore, speed, end,
     ignore, states, spans, refused,
@@ -289,18 +305,15 @@ def march_layers(
             )
             if index >= 0:
                 met, body, when = total + index, target, t
+            write_down(
+                total, free, kappa, end, places, start, until, limits, origins, states, spans,
+                latest, status,
+            )  # fmt: skip
             for i in range(free):
-                s, k = total + i, places[i]
-                states[s, CELL], states[s, SOURCE] = k, origins[i, 0]
-                states[s, VIA], latest[k] = origins[i, 1], s
-                # Untouched for as long as it is of use is as good as for ever.
-                lasts = until[i] >= limits[i]
-                spans[s, ARRIVAL], spans[s, END] = start[i], end if lasts else until[i] / kappa
-                status[k] = SETTLED if lasts else PASSING
-                if status[k] == PASSING:
+                if status[places[i]] == PASSING:
                     come_back(
-                        k, cells[i], spans[s, END], bodies, limb, gap, kappa, limits[i], lookback,
-                        bucket, status, again, queue, counts, scratch,
+                        places[i], cells[i], spans[total + i, END], bodies, limb, gap, kappa,
+                        limits[i], lookback, bucket, status, again, queue, counts, scratch,
                     )  # fmt: skip
             expand(
                 total, total + free, n, hand_i, hand_j, turns, circle, states, spans, latest,

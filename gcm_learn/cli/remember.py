@@ -1,0 +1,75 @@
+"""``gcm-learn remember``: a memory from a dataset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.extras import dataset_package
+from gcm_learn.cli.failures import CommandFailure, why
+from gcm_learn.cli.progress import Progress
+
+
+@dataclass(frozen=True)
+class Remember:
+    """Make a memory of the catches of a dataset, for the planners that recall."""
+
+    dataset: Annotated[Positional[str], arg(metavar="DATASET")]
+    """folder of a dataset, see gcm-learn generate"""
+
+    out: Annotated[Path, arg(metavar="DIR")]
+    """folder for the memory; one that is there is replaced once the new one is complete"""
+
+    index: Annotated[str, arg(metavar="NAME")] = "raw"
+    """how memories are found again: raw, pca or random"""
+
+    planner: Annotated[
+        str | None, arg(metavar="NAME", help_behavior_hint="(default: the earliest of all)")
+    ] = None
+    """whose catches are remembered"""
+
+    split: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="(default: train)")] = None
+    """which records: a split's name, or all"""
+
+    most: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all)")] = None
+    """records that are read at most"""
+
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """of what is drawn"""
+
+    def run(self) -> int:
+        """Make the memory and say what is in it."""
+        if self.most is not None and self.most < 1:
+            raise CommandFailure(f"--most {self.most}: must be at least 1")
+        if self.seed < 0:
+            raise CommandFailure(f"--seed {self.seed}: must not be negative")
+        records = dataset_package().open(self.dataset)
+        split = self.split or "train"
+        if split != "all":
+            records = records.where(split=split)
+        from gcm_learn.memory.remember import remember
+
+        total = len(records) if self.most is None else min(self.most, len(records))
+        with Progress(total, "records") as progress:
+            memory = remember(
+                records,
+                self.index,
+                self.planner or "",
+                seed=self.seed,
+                most=self.most,
+                progress=progress.advance,
+            )
+        if len(memory) == 0:
+            raise CommandFailure(f"{self.dataset}: no catches among {total} records")
+        try:
+            memory.save(self.out)
+        except OSError as error:
+            raise CommandFailure(f"--out {self.out}: {why(error)}") from None
+        print(
+            f"{self.out}: {len(memory)} memories of {total} records, index {self.index} "
+            f"({memory.index.dim} numbers, key {memory.index.key})"
+        )
+        return 0

@@ -1,0 +1,110 @@
+"""Memories on disk: whole or not at all, and not read before they are needed.
+
+A folder holds a manifest and the folder of data that it names. Saving writes new data beside the
+old, then replaces the manifest by renaming, then removes the old data: whoever reads or crashes in
+between has the one or the other.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import uuid
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.errors import RecallError
+
+FORMAT = "gcm-learn/memory@1"
+MANIFEST = "manifest.json"
+DATA = "data-"
+
+
+def write_memory(
+    folder: Path,
+    arrays: Mapping[str, np.ndarray],
+    about: Mapping[str, Any],
+    extra: Callable[[Path], None] | None = None,
+) -> None:
+    """Write a memory.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if there is none; a memory in it is replaced.
+    arrays : mapping
+        Columns by name.
+    about : mapping
+        What the manifest says, as JSON values.
+    extra : callable, optional
+        Writes more files into the folder of data that it is given.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    data = folder / f"{DATA}{uuid.uuid4().hex[:12]}"
+    data.mkdir()
+    try:
+        for name, array in arrays.items():
+            np.save(data / f"{name}.npy", array)
+        if extra is not None:
+            extra(data)
+        sizes = {path.name: path.stat().st_size for path in sorted(data.iterdir())}
+        for path in data.iterdir():
+            _to_disk(path)
+        manifest = {"format": FORMAT, **about, "data": data.name, "bytes": sizes}
+        _replace(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n")
+    except BaseException:
+        shutil.rmtree(data, ignore_errors=True)
+        raise
+    for old in folder.glob(f"{DATA}*"):
+        if old != data:
+            shutil.rmtree(old, ignore_errors=True)
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """What a memory says of itself, checked against the files that there are."""
+    path = folder / MANIFEST
+    try:
+        manifest = json.loads(path.read_text("utf-8"))
+        if manifest["format"] != FORMAT:
+            raise RecallError(f"{path}: format is {manifest['format']!r}, expected {FORMAT!r}")
+        for name, size in manifest["bytes"].items():
+            found = (folder / manifest["data"] / name).stat().st_size
+            if found != size:
+                raise RecallError(f"{path}: {name} has {found} bytes, expected {size}")
+    except FileNotFoundError as error:
+        missing = Path(error.filename).name
+        raise RecallError(f"{folder}: no memory there ({missing} is missing)") from None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise RecallError(f"{path}: not a memory's manifest ({error})") from None
+    return dict(manifest)
+
+
+def read_arrays(folder: Path, manifest: Mapping[str, Any], mmap: bool) -> dict[str, np.ndarray]:
+    """Columns of a memory, left on disk until they are read if `mmap`."""
+    data = folder / str(manifest["data"])
+    return {
+        path.stem: np.load(path, mmap_mode="r" if mmap else None)
+        for path in sorted(data.glob("*.npy"))
+    }
+
+
+def _to_disk(path: Path) -> None:
+    with open(path, "rb") as stream:
+        os.fsync(stream.fileno())
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a text file under another name, then rename it."""
+    fresh = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.tmp")
+    try:
+        with open(fresh, "w", encoding="utf-8") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(fresh, path)
+    finally:
+        fresh.unlink(missing_ok=True)
