@@ -49,7 +49,9 @@ class Task:
         """
         if self.joint_speed is None:
             return np.empty((0, 2)), 1.0
+        unit = np.array(self.joint_speed) * self.lattice.spacing / self.fastest
+        if unit.min() >= 2.0 * np.pi:  # no turn takes longer than the hand to the next cell
+            return np.empty((0, 2)), 1.0
         arm = self.lattice.upper_arm, self.lattice.elbow
         joints = np.vstack([cell_joints(self.lattice), joint_angles(self.hand, *arm)])
-        unit = np.array(self.joint_speed) * self.lattice.spacing / self.fastest
         return joints / unit, float(2.0 * np.pi / unit[0])
