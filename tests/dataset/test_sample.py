@@ -1,0 +1,73 @@
+"""The sample in git is a dataset that this version reads, and what data/README.md says."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcm_learn import dataset
+from gcm_learn.dataset import read_spec
+from gcm_learn.dataset.schema import schema_of
+from gcm_learn.dataset.verifying import verify_shard
+
+DATA = Path(__file__).parents[2] / "data"
+README = (DATA / "README.md").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def sample():
+    return dataset.open(DATA / "sample")
+
+
+def test_it_is_what_its_specification_says_and_light(sample):
+    spec = read_spec(DATA / "sample" / "spec.toml")
+    assert spec.digest == sample.spec.digest and len(sample) == spec.count == 500
+    assert sample.manifest["complete"] and sample.manifest["failed"] == 0
+    files = [path for path in (DATA / "sample").rglob("*") if path.is_file()]
+    assert sum(path.stat().st_size for path in files) < 5_000_000
+    assert {family.family for family in spec.families} == set(sample.column("family"))
+    shares = np.array([list(sample.column("stratum")).count(s) for s in "LWQU"]) / 500
+    assert np.abs(shares - 0.25).max() < 0.01
+
+
+def test_its_catches_hold(sample):
+    report, sha256, _ = verify_shard(sample.spec, 0, str(DATA / "sample"))
+    assert report.faults == 0, report.quoted
+    assert report.plans > 200 and sha256 == sample.manifest["shards"][0]["sha256"]
+
+
+def test_the_list_of_datasets_has_it(sample):
+    listed = json.loads((DATA / "manifest.json").read_text())["datasets"]
+    (entry,) = [one for one in listed if one["name"] == "sample"]
+    for name in ("hash", "records", "bytes"):
+        assert entry[name] == sample.manifest[name]
+    for one in listed:
+        assert read_spec(DATA.parent / one["spec"]).digest == one["spec_digest"]
+
+
+def test_the_readme_explains_every_column_and_field():
+    spec = read_spec(DATA / "sample" / "spec.toml")
+    tables = README.split("## Record")[1]
+    told = set(re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (.*?) \|", tables, re.M))))
+    columns = {name for name in schema_of(spec).names if not name.startswith("plan_")}
+    assert columns | {"plan_NAME"} == told
+    fields = README.split("## Specification")[1].split("## Record")[0]
+    told = set(re.findall(r"^\| `(\w+)`", fields, re.M))
+    assert told == {*dataset.DatasetSpec.__dataclass_fields__, "format"}
+
+
+@pytest.mark.parametrize("path", sorted(DATA.glob("*/*.toml")), ids=lambda p: p.stem)
+def test_specifications_can_be_read(path):
+    assert read_spec(path).count > 0
+
+
+def test_the_readmes_example_runs(monkeypatch, tmp_path):
+    (example,) = re.findall(r"^```python\n(.*?)^```", README, re.M | re.S)
+    monkeypatch.chdir(DATA.parent)
+    cached = example.replace("hard.cache(", f"hard.cache({str(tmp_path)!r}, ")
+    assert cached != example
+    exec(compile(cached, "README.md", "exec"), {"__name__": "example"})
