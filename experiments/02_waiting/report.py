@@ -91,9 +91,14 @@ def _row(name: str, c: dict[str, np.ndarray]) -> str:
     return f"| `{name}` | {' | '.join(cells)} |"
 
 
+def _hard(columns: dict[str, np.ndarray]) -> float:
+    """Share that is caught where a straight line does not do."""
+    return float(columns["caught"][np.isin(columns["stratum"], ("W", "Q"))].mean())
+
+
 def write_figure(file: Path, cases: list[Case], answers: dict[str, list[Answer]]) -> None:
     """Catch rate by stratum and planner, with intervals."""
-    names = sorted(answers, key=lambda name: _columns(cases, answers[name])["caught"].mean())
+    names = sorted(answers, key=lambda name: _hard(_columns(cases, answers[name])))
     figure, axes = plt.subplots(1, 3, figsize=(11, 0.42 * len(names) + 1.6), sharey=True)
     for ax, stratum in zip(axes, REACHABLE, strict=True):
         for row, name in enumerate(names):
@@ -104,7 +109,9 @@ def write_figure(file: Path, cases: list[Case], answers: dict[str, list[Answer]]
             colour = "tab:red" if name.startswith("layered") else "0.55"
             ax.barh(row, share, color=colour, alpha=0.85, height=0.7)
             ax.plot([100 * low, 100 * high], [row, row], color="black", lw=1.2)
-            ax.text(2, row, f"{share:.0f}", va="center", color="white", fontsize=8)
+            inside = share >= 10
+            place, colour = (2, "white") if inside else (share + 2, "black")
+            ax.text(place, row, f"{share:.0f}", va="center", color=colour, fontsize=8)
         ax.set(title=WORDS[stratum], xlim=(0, 101), xlabel="caught [% of reachable]")
         for side in ("top", "right"):
             ax.spines[side].set_visible(False)
