@@ -8,22 +8,21 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space
-from gcm_learn.wave import inhibition, kernels, stencil
+from gcm_learn.wave import excitation, inhibition, kernels, stencil
 from gcm_learn.wave.params import REST, WaveParams
 from gcm_learn.wave.solver import (
     CONTACT_RADIUS,
     QUIET,
     STATES_PER_CELL,
     LayeredFront,
-    Task,
-    _no_bodies,
     front_speed,
     hand_cell,
     kappa_of,
+    no_bodies,
     propagate,
+    rates_of,
 )
-
-TIMED = True
+from gcm_learn.wave.task import Task
 
 
 def propagate_layers(task: Task, params: WaveParams) -> LayeredFront:
@@ -45,7 +44,7 @@ def propagate_layers(task: Task, params: WaveParams) -> LayeredFront:
     """
     space, n = hand_space(task.lattice), task.lattice.n
     ground, book = _ground(task, params, space), _book(n)
-    state, body, time = inhibition.propagate_layers(
+    state, body, time = excitation.propagate_layers(
         *start_disc(task, params),
         ground,
         _world(task, params, space),
@@ -61,10 +60,10 @@ def propagate_layers(task: Task, params: WaveParams) -> LayeredFront:
     # Cells reached between the same two looks stand in the order of the lattice.
     order = np.argsort(arrival, kind="stable")
     rank = np.append(np.argsort(order), -1)  # the last entry is that of "none", -1
-    cells = book.states[order, inhibition.CELL]
+    cells = book.states[order, excitation.CELL]
     return LayeredFront(
         cells=np.stack([cells // n, cells % n], axis=-1).astype(np.int64),
-        via=rank[book.states[order, inhibition.VIA]],
+        via=rank[book.states[order, excitation.VIA]],
         arrival=arrival[order],
         end=book.spans[order, inhibition.END],
         met_state=int(rank[state]),
@@ -95,10 +94,12 @@ def free_clock(params: WaveParams) -> np.ndarray:
 
     A wave that starts small is slow (erratum 9), by 26 tau for a single neuron; the hand is not.
     """
-    free = replace(params, n=160, until="horizon", margin=0.0)
+    free = replace(params, n=160, until="horizon", margin=0.0, slack=0.0)
+    if params != free:
+        return free_clock(free)
     lattice = Lattice(n=free.n)
     hand = (0.5 * lattice.spacing, 0.5 * lattice.spacing)
-    task = Task(_no_bodies(), lattice, hand, speed=1.0, horizon=70 * lattice.spacing)
+    task = Task(no_bodies(), lattice, hand, speed=1.0, horizon=70 * lattice.spacing)
     front = propagate(task, free)
     tau = front.arrival / kappa_of(task, free)
     x, y = np.meshgrid(lattice.centres, lattice.centres)
@@ -112,9 +113,17 @@ def free_clock(params: WaveParams) -> np.ndarray:
 def _ground(task: Task, params: WaveParams, space: HandSpace) -> inhibition.Ground:
     n, shape = task.lattice.n, stencil.layout(task.lattice.n)
     buffer = np.empty(shape.length, dtype=np.float32)
-    rest = REST if params.start == "rest" else (0.0, 0.0)
+    rate, rest = rates_of(task), REST if params.start == "rest" else (0.0, 0.0)
     kernels.prepare(
-        buffer, n, shape.width, shape.plane, params.laplacian, space.inside, params.step, *rest
+        buffer,
+        n,
+        shape.width,
+        shape.plane,
+        params.laplacian,
+        space.inside,
+        rate,
+        params.step,
+        *rest,
     )
     slowness = 1.0 / front_speed(params).fastest
     return inhibition.Ground(
@@ -122,6 +131,7 @@ def _ground(task: Task, params: WaveParams, space: HandSpace) -> inhibition.Grou
         n=n,
         W=shape.width,
         plane=shape.plane,
+        rate=rate,
         active=np.ones((n + 2, shape.blocks), dtype=np.bool_),
         points=params.laplacian,
         held=params.frozen == "held",
@@ -142,7 +152,7 @@ def _world(task: Task, params: WaveParams, space: HandSpace) -> inhibition.World
         gap=task.thickness + params.margin * space.stride,
         poses=poses,
         scratch=np.zeros_like(poses),
-        clock=free_clock(params) * (h / task.speed) if TIMED else kappa * inhibition.TICK * np.arange(4.0),
+        clock=free_clock(params) * (h / task.fastest),
         kappa=kappa,
         shortest=kappa * params.step,
         grasp=max(task.grasp + params.slack * h, CONTACT_RADIUS * h),
