@@ -1,4 +1,4 @@
-"""Planning with waits by the wave of Eq. 10: obstacles inhibit, and the excited region flows back."""
+"""Planning with waits by the wave of Eq. 10: what obstacles have left is excited again."""
 
 from __future__ import annotations
 
@@ -12,15 +12,18 @@ from gcm_learn.maps import CognitiveMap, layered_map, task_of
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.fronts import HALF_DIAGONAL, FrontPlanner, Way, finer
 from gcm_learn.planners.layered import way_to
-from gcm_learn.wave import LayeredFront, Task, WaveParams
-from gcm_learn.wave.waiting import propagate_layers
+from gcm_learn.wave import LayeredFront, Task, WaveParams, propagate_layers
 
-EARLY = 0.75  # a point of a cell may be passed so long before the front is at its centre [crossings]
+EARLY = 0.75  # a cell may be passed so long before the front is at its centre [crossings]
 CLOSE = 0.5  # distance of the points at which a straight piece is asked [cells]
 
 
 def layered_wave(params: WaveParams | None = None) -> FrontPlanner[WaveParams]:
-    """The paper's wave in which the hand may wait; the straight line first, as in `layered`."""
+    """The paper's wave when the hand may wait; the straight line first, as in `layered`.
+
+    The Laplacian is the one of nine points: of the two that the paper may mean the one whose front
+    is less early along the diagonals (erratum 9), which costs catches when it is late elsewhere.
+    """
     params = WaveParams(laplacian=9) if params is None else params
     bare = replace(params, margin=0.0, slack=HALF_DIAGONAL)
     rungs = (params, bare, finer(params), finer(bare))
@@ -33,8 +36,10 @@ def _explore(
     """Layered map and the way back through its states."""
     task = task_of(problem.situation, params, problem.bodies, ignore)
     front = propagate_layers(task, params)
-    way = way_to(straightened(front, task), task, problem.situation.arm) if front.met_state >= 0 else None
-    return layered_map(problem.situation, task, front), way
+    found = layered_map(problem.situation, task, front)
+    if front.met_state < 0:
+        return found, None
+    return found, way_to(straightened(front, task), task, problem.situation.arm)
 
 
 def straightened(front: LayeredFront, task: Task) -> LayeredFront:
@@ -86,9 +91,7 @@ def _under_way(way, limits, rho, side):
 
 
 @njit(cache=True)
-def _is_straight(
-    a, b, cells, arrival, end, last, before, hand, limits, centres, rho, side
-):
+def _is_straight(a, b, cells, arrival, end, last, before, hand, limits, centres, rho, side):
     """Tell whether the hand can go straight from state a (-1: from where it starts) to state b.
 
     It leaves as late as it can, at full speed, and must be in reached cells while they are safe.

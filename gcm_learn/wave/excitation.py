@@ -194,7 +194,7 @@ def settle(count, ground, world, book, batch, best):
     for i in range(count):
         m, s = batch.cells[i], total + i
         arrival = seconds(batch.when[i], world)
-        if batch.via[i] < 0:  # the hand is there, and has to have time to leave
+        if s == 0:  # the hand is there, and has to have time to leave
             batch.until[i] = max(batch.until[i], ground.slowness * world.kappa)
         book.states[s, CELL], book.states[s, VIA] = m, batch.via[i]
         book.spans[s, ARRIVAL], book.spans[s, END] = arrival, batch.until[i]
@@ -280,14 +280,14 @@ def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, expl
         When [s]; the horizon if none is.
     """
     n, W, blocks = ground.n, ground.W, ground.active.shape[1]
-    pairs = int(round(0.5 * ground.lag / ground.step))
+    pairs = int(0.5 * ground.lag / ground.step + 0.5)
     looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the runs
     lo = np.zeros(n * blocks, dtype=np.uint64)
     hi, watch = np.zeros_like(lo), np.zeros_like(lo)
     runs, watched = every_block(n, W, blocks, lo, hi, watch)
     count = set_out(disc, away, ground, world, book, batch)
     met, body, time = settle(count, ground, world, book, batch, world.end)
-    tau, released = ground.start, False
+    tau = ground.start
     while seconds(tau, world) < (world.end if explore else time):
         if runs == 0:
             if book.tally[PENDING] == 0:
@@ -305,9 +305,7 @@ def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, expl
                 met, body, time = state, target, t
         feel(watch, watched, tau, ground, world, book, batch)
         woken = turn_page(tau, ground, world, book)
-        released |= woken
-        if released:
-            hold_up(runs, lo, hi, ground)
+        hold_up(runs, lo, hi, ground)
         if woken or book.tally[LOOK] % looks == 0:
             # At a threshold of 0 every active block with a cell to be reached is watched.
             runs, watched = find_runs(

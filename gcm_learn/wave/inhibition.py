@@ -149,9 +149,7 @@ def inhibit(m, t, ground, world, book):
     B[k + 5 * plane] = UNFELT
     book.latest[m] = -1
     look = ground.lag * world.kappa  # shorter spans of freedom are of no use
-    free = next_free(
-        world.bodies, world.limb, m, world.gap[m], t, world.end, look, world.scratch
-    )
+    free = next_free(world.bodies, world.limb, m, world.gap[m], t, world.end, look, world.scratch)
     if free < NEVER:
         # An excited neighbour needs half a crossing to excite a cell at rest, the hand a whole one.
         make_date(m, mental(free, world) + 0.5 * ground.slowness, ground, book)

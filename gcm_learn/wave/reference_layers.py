@@ -295,7 +295,7 @@ class _Wave:
         return np.linspace(self.seen, self.now, max(2, *(len(times) for times in spans)))
 
     def _near(self, b: int, cells: np.ndarray, times: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Whether body b is within a gap (c,) of the limbs of cells (c, 2) at times (m,): (c, m)."""
+        """Whether body b is within a gap (c,) of limbs, for cells (c, 2) and times (m,): (c, m)."""
         bodies, limbs = self.task.bodies, self.limb[cells[:, 0], cells[:, 1]]
         row = bodies.rows[b]
         if row[k.KIND] != k.DISC:
