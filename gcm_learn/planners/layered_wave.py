@@ -15,6 +15,7 @@ from gcm_learn.planners.layered import way_to
 from gcm_learn.wave import LayeredFront, Task, WaveParams, propagate_layers
 
 EARLY = 0.75  # a cell may be passed so long before the front is at its centre [crossings]
+OUTRUN = 0.05  # share of a way's time by which a front may outrun the hand (concave ones do)
 CLOSE = 0.5  # distance of the points at which a straight piece is asked [cells]
 
 
@@ -109,7 +110,7 @@ def _is_straight(a, b, cells, arrival, end, last, before, hand, limits, centres,
         way[p] = start + share * (goal - start)
     time = _under_way(way, limits, rho, side)
     leave = arrival[b] - time[-1]
-    if leave < since - 1e-9 or leave > until:
+    if leave < since - OUTRUN * time[-1] - 1e-9 or leave > until:
         return False
     for p in range(1, way.shape[0] - 1):
         i = int((way[p, 1] - centres[0]) / h + 0.5)

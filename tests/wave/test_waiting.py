@@ -1,7 +1,8 @@
-"""The wave that may wait: against its plain version, the published wave, marching, and the world."""
+"""The wave that may wait: against its plain version, the published wave, marching, the world."""
 
 from __future__ import annotations
 
+import itertools
 import threading
 
 import numpy as np
@@ -29,6 +30,7 @@ from tests.wave.scenes import SPEED, STILL, away, disc, scene, task_of, three_di
 
 EXPLORE = "horizon"
 NINE = WaveParams(n=80, laplacian=9, until=EXPLORE)
+MARCH = MarchingParams(until=EXPLORE)
 SPECK = 1e-4  # radius of bodies that are walls in hand-space and nothing else [forearm lengths]
 
 
@@ -211,7 +213,7 @@ def test_no_two_states_share_an_interval():
         task = task_of(random_planar(seeding.rng(64, k), (3, 6)), 48)
         front = propagate_layers(task, WaveParams(n=48, laplacian=9, until=EXPLORE))
         for spans in by_cell(front).values():
-            assert all(a[1] < b[0] for a, b in zip(spans, spans[1:], strict=False))
+            assert all(a[1] < b[0] for a, b in itertools.pairwise(spans))
             several += len(spans) > 1
     assert several > 50
 
@@ -242,7 +244,7 @@ def test_a_target_that_comes_in_behind_the_front_is_met():
 def test_the_excited_region_shrinks_to_a_pocket_and_flows_back():
     """Where the hand can be: a wedge that closes to a handful of cells and opens again."""
     task = task_of(closing_specks())
-    wave, marched = propagate_layers(task, NINE), march_layers(task, MarchingParams())
+    wave, marched = propagate_layers(task, NINE), march_layers(task, MARCH)
     for t, few, many in ((0.1, 20, 200), (0.35, 1, 20), (0.5, 40, 120), (1.5, 3800, 5000)):
         ours, theirs = (np.count_nonzero(excited(front, t)) for front in (wave, marched))
         assert few <= ours <= many and few <= theirs <= many
@@ -259,7 +261,7 @@ def test_a_front_that_returns_is_as_fast_as_the_first():
     motion = PlanarQuadratic(tuple(place), tuple(20.0 * across), STILL)
     sweep = Body("obstacle", "sweep", Disc(0.1), motion)
     task = task_of(scene(sweep, hand=hand, horizon=1.6))
-    wave, marched = propagate_layers(task, NINE), march_layers(task, MarchingParams())
+    wave, marched = propagate_layers(task, NINE), march_layers(task, MARCH)
     again = [
         {cell: spans[1][0] for cell, spans in by_cell(front).items() if len(spans) == 2}
         for front in (wave, marched)
@@ -274,7 +276,7 @@ def test_a_front_that_returns_is_as_fast_as_the_first():
 def test_excitation_survives_in_a_single_cell(start, rate):
     """The hand's neuron is inhibited before there is a wave; the hand itself has stepped aside."""
     task = task_of(turning_speck(start, rate))
-    wave, marched = propagate_layers(task, NINE), march_layers(task, MarchingParams())
+    wave, marched = propagate_layers(task, NINE), march_layers(task, MARCH)
     assert wave.end[0] < 0.03 and np.count_nonzero(excited(wave, 0.05)) < 25
     ours, theirs = (np.count_nonzero(excited(front, 0.9)) for front in (wave, marched))
     assert 0.5 * theirs < ours < 1.05 * theirs
@@ -284,7 +286,7 @@ def test_excitation_survives_in_a_single_cell(start, rate):
 def test_among_things_at_rest_it_agrees_with_marching(place):
     walls = [] if place is None else [disc("obstacle", "wall", place)]
     task = task_of(scene(*walls, horizon=3.0))
-    wave, marched = propagate_layers(task, NINE), march_layers(task, MarchingParams())
+    wave, marched = propagate_layers(task, NINE), march_layers(task, MARCH)
     assert len(wave.cells) == np.isfinite(earliest(wave, 80)).sum() > 4000  # one sheet
     # A curved front is slow (behind obstacles), a flat or concave one fast (along the rim).
     late = lateness(wave, marched, lambda _: away(task) < 45.0)
