@@ -21,7 +21,7 @@ from gcm_learn.arm.lattice import Lattice, hand_space
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import Bodies
-from gcm_learn.wave import Front, Task, WaveParams, front_speed, kappa_of
+from gcm_learn.wave import Front, LayeredFront, Task, WaveParams, front_speed, kappa_of
 from gcm_learn.wave.kernels import FREE
 
 PARTS = {"upper arm": (1.0, 0.5), "forearm": (0.4, 0.5)}  # rho and distance s from the shoulder
@@ -213,3 +213,16 @@ def leaked_cells(walls: Walls, front: Front) -> int:
     low, high = (wall.at(t) for wall in walls.pair)
     inside = np.mod(walls.direction - low, 2.0 * np.pi) < high - low
     return int(np.count_nonzero((front.state == FREE) & (t > walls.out) & ~inside))
+
+
+def leaked_states(walls: Walls, front: LayeredFront) -> int:
+    """Count the states of a front that waits that are on the far side of a wall.
+
+    The hand may stay in a state from its arrival to its end, so both count.
+    """
+    direction, leaked = walls.direction[tuple(front.cells.T)], front.arrival > walls.out
+    outside = np.zeros(len(direction), dtype=bool)
+    for t in (front.arrival, front.end):
+        low, high = (wall.at(t) for wall in walls.pair)
+        outside |= np.mod(direction - low, 2.0 * np.pi) >= high - low
+    return int(np.count_nonzero(leaked & outside))

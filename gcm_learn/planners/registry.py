@@ -8,6 +8,7 @@ from collections.abc import Callable
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.layered import layered
+from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle import OraclePlanner
 from gcm_learn.planners.plan import Plan, Planner
 from gcm_learn.planners.potential import PotentialPlanner
@@ -19,6 +20,7 @@ from gcm_learn.situation import Situation
 _PLANNERS: dict[str, Callable[[], Planner]] = {
     "gcm": gcm,
     "layered": layered,
+    "layered-wave": layered_wave,
     "marching": marching,
     "oracle": OraclePlanner,
     "potential": PotentialPlanner,

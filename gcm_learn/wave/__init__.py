@@ -13,6 +13,7 @@ from gcm_learn.wave.solver import (
     propagate,
 )
 from gcm_learn.wave.task import Task
+from gcm_learn.wave.waiting import propagate_layers
 
 __all__ = [
     "Front",
@@ -26,4 +27,5 @@ __all__ = [
     "march",
     "march_layers",
     "propagate",
+    "propagate_layers",
 ]

@@ -367,10 +367,12 @@ def front_speed(params: WaveParams) -> FrontSpeed:
 
     Slopes are taken between radii of 25 and 70 cells, where curvature has faded (erratum 9).
     """
-    free = replace(params, n=160, start_radius=0.0, until="horizon", margin=0.0)
+    free = replace(params, n=160, start_radius=0.0, until="horizon", margin=0.0, slack=0.0)
+    if params != free:
+        return front_speed(free)
     lattice, mid = Lattice(n=free.n), free.n // 2
     hand = (0.5 * lattice.spacing, 0.5 * lattice.spacing)
-    task = Task(_no_bodies(), lattice, hand, speed=1.0, horizon=70 / 0.03)
+    task = Task(no_bodies(), lattice, hand, speed=1.0, horizon=70 / 0.03)
     front = _propagate(task, free, kappa=1.0)
     arrival = np.where(front.arrival > 0, front.arrival, np.nan)
     near, far = 25.0, 70.0
@@ -390,6 +392,6 @@ def front_speed(params: WaveParams) -> FrontSpeed:
     return FrontSpeed(axis=float(speeds[0]), diagonal=float(speeds[-1]), fastest=float(max(speeds)))
 
 
-def _no_bodies() -> Bodies:
+def no_bodies() -> Bodies:
     """An empty world."""
     return Bodies(np.zeros((0, COLUMNS)), np.zeros((0, 2)), np.zeros((0, 2, 2)), 1.0)

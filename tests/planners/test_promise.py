@@ -14,9 +14,11 @@ from tests.extras import planner_params
 from tests.referee import judge
 
 PLANNERS = planner_params()
-MAIN = ["gcm", "layered", "marching"]  # planners that have to solve the paper's scenes
+# Planners that have to solve the paper's scenes.
+MAIN = ["gcm", "layered", "layered-wave", "marching"]
 # What takes its time gets fewer situations.
-LESS = {"layered": 4, "potential": 4, "straight-wait": 4, "st-rrt-star": 10, "oracle": 20}
+LESS = {"layered": 4, "layered-wave": 3, "potential": 4, "straight-wait": 4}
+LESS |= {"st-rrt-star": 10, "oracle": 20}
 
 
 def limited(rng):

@@ -1,0 +1,314 @@
+"""The wave of Eq. 10 that may wait: the excited region is where the hand can be, at every moment.
+
+A state is a cell in one of its safe intervals, as in `wave.layered`; a cell that is excited again
+after an obstacle has gone is another state.  What obstacles do to cells is in `wave.inhibition`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.arm.occupancy import blocked_cells
+from gcm_learn.situation.kernels import poses_at
+from gcm_learn.wave.inhibition import (
+    ARRIVAL,
+    END,
+    HELD_UP,
+    LOOK,
+    PENDING,
+    REST_R,
+    REST_Z,
+    STEP_I,
+    STEP_J,
+    TOTAL,
+    UNFELT,
+    entry_of,
+    hold_up,
+    inhibit,
+    leap,
+    make_date,
+    mental,
+    seconds,
+    turn_page,
+)
+from gcm_learn.wave.intervals import meet, safe_until
+from gcm_learn.wave.kernels import crossed, every_block, find_runs, next_door
+from gcm_learn.wave.params import EXCITED
+from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
+
+CELL, VIA = 0, 1  # columns of a state
+FELT = np.float32(0.05)  # potential at which a cell feels the front coming
+AHEAD = np.float32(-0.5)  # instead of the arrival of a cell that feels it
+UP_R, UP_Z = (np.float32(v) for v in EXCITED)
+ROOT2 = float(np.sqrt(2.0))
+
+
+@njit(cache=True)
+def way_back(k, m, when, ground, book):
+    """State from which the front came to a cell: where its arrivals fall off most steeply.
+
+    Among neighbours that have been waiting it is the one that was reached first, which has most
+    room to wait.  Corner neighbours count if the front can also get there through edges.
+    """
+    B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
+    best, steepest = -1, -1.0
+    for d in range(8):
+        di, dj = STEP_I[d], STEP_J[d]
+        e = k + di * W + dj
+        arrival = np.float64(B[e + 5 * plane])
+        if B[e] <= 0.0 or arrival < 0.0 or arrival > when:
+            continue
+        length = 1.0
+        if d > 3:
+            a, b = k + di * W, k + dj
+            through = (B[a] > 0.0 and B[a + 5 * plane] >= 0.0) or (
+                B[b] > 0.0 and B[b + 5 * plane] >= 0.0
+            )
+            if not through:
+                continue
+            length = ROOT2
+        fall = (when - arrival) / length
+        if fall > steepest:
+            best, steepest = book.latest[m + di * n + dj], fall
+    return best
+
+
+@njit(cache=True, forceinline=True)
+def stirs(B, start, plane):
+    """Tell whether any cell of a block feels the front for the first time."""
+    count, a = np.int32(0), np.uint64(5 * plane)
+    for k in range(start, start + np.uint64(BLOCK)):
+        count += np.int32((B[k] >= FELT) & (B[k + a] == UNFELT))
+    return count > 0
+
+
+@njit(cache=True)
+def feel(watch, watched, tau, ground, world, book, batch):
+    """Inhibit cells in which an obstacle is when the front comes near.
+
+    Otherwise they would draw from the front, at rest, until they are reached: fronts would lag
+    along walls and go out in gaps.
+    """
+    B, n, W, plane, count = ground.B, ground.n, ground.W, ground.plane, 0
+    now = min(seconds(tau, world), world.end)
+    for w in range(watched):
+        if not stirs(B, watch[w], plane):
+            continue
+        first = np.int64(watch[w])
+        corner = (first // W - 1) * n + first % W - LEFT - first
+        for k in range(first, first + BLOCK):
+            if B[k] >= FELT and B[k + 5 * plane] == UNFELT:
+                B[k + 5 * plane] = AHEAD
+                batch.cells[count], batch.since[count] = corner + k, now
+                count += 1
+    if count == 0:
+        return
+    poses_at(world.bodies, now, world.poses)
+    blocked_cells(
+        world.bodies, world.poses, world.limb, world.gap, batch.cells, batch.since, count, now,
+        world.shortest, batch.blocked, world.scratch,
+    )  # fmt: skip
+    for i in range(count):
+        if batch.blocked[i]:
+            book.refused[batch.cells[i]] = True
+            inhibit(batch.cells[i], now, ground, world, book)
+
+
+@njit(cache=True)
+def reached(watch, watched, tau, ground, book, batch):
+    """Find the cells that crossed the threshold since the last look; returns how many.
+
+    Crossing counts only next to a cell that has been reached and is excited.  Without one a cell
+    that goes on rising is put back to rest: it had been charged by cells that are inhibited now.
+    """
+    B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
+    threshold, count = np.float32(ground.threshold), 0
+    risen = np.float32(0.5) * (threshold + UP_R)
+    for w in range(watched):
+        if not crossed(B, watch[w], plane, threshold):
+            continue
+        first = np.int64(watch[w])
+        corner = (first // W - 1) * n + first % W - LEFT - first
+        for k in range(first, first + BLOCK):
+            if B[k] < threshold or B[k + 5 * plane] >= 0.0:
+                continue
+            before = np.float64(next_door(B, k, W, plane))
+            if before < 0.0:
+                if B[k] > risen:
+                    B[k], B[k + 2 * plane] = REST_R, REST_Z
+                continue
+            m = corner + k
+            before = max(before, book.opened[m])
+            rise = B[k] - B[k + plane]
+            back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
+            when = max(tau - min(back, ground.lag), before)
+            batch.cells[count], batch.since[count], batch.when[count] = m, before, when
+            batch.via[count] = way_back(k, m, when, ground, book)
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def admit(count, tau, ground, world, book, batch):
+    """Inhibit those of the cells just reached that an obstacle came to; returns how many are left.
+
+    A cell must have been free since the front was next door, or since it was released.
+    """
+    now = min(seconds(tau, world), world.end)
+    room = book.states.shape[0] - book.tally[TOTAL]
+    for i in range(count):
+        batch.since[i] = seconds(batch.since[i], world)
+    poses_at(world.bodies, now, world.poses)
+    blocked_cells(
+        world.bodies, world.poses, world.limb, world.gap, batch.cells, batch.since, count, now,
+        world.shortest, batch.blocked, world.scratch,
+    )  # fmt: skip
+    free = 0
+    for i in range(count):
+        m = batch.cells[i]
+        if seconds(batch.when[i], world) > world.end:
+            continue
+        if batch.blocked[i] or free >= room:
+            book.refused[m] |= batch.blocked[i]
+            inhibit(m, now, ground, world, book)
+            continue
+        batch.cells[free], batch.via[free], batch.when[free] = m, batch.via[i], batch.when[i]
+        batch.since[free] = now
+        free += 1
+    return free
+
+
+@njit(cache=True)
+def settle(count, ground, world, book, batch, best):
+    """Make states of cells that are reached; returns the first meeting (state or -1, body, time).
+
+    `since` has the times [s] at which they are known to be free, `best` [s] bounds what meetings
+    are of interest.
+    """
+    total = book.tally[TOTAL]
+    safe_until(
+        world.bodies, world.limb, world.gap, batch.cells, batch.since, batch.until, count,
+        world.end, world.shortest, world.scratch,
+    )  # fmt: skip
+    for i in range(count):
+        m, s = batch.cells[i], total + i
+        arrival = seconds(batch.when[i], world)
+        if s == 0:  # the hand is there, and has to have time to leave
+            batch.until[i] = max(batch.until[i], ground.slowness * world.kappa)
+        book.states[s, CELL], book.states[s, VIA] = m, batch.via[i]
+        book.spans[s, ARRIVAL], book.spans[s, END] = arrival, batch.until[i]
+        book.latest[m] = s
+        ground.B[entry_of(m, ground.n, ground.W) + 5 * ground.plane] = batch.when[i]
+        if batch.until[i] < world.end:
+            make_date(m, mental(batch.until[i], world), ground, book)
+        batch.since[i] = max(arrival, world.ignore)
+    book.tally[TOTAL] = total + count
+    index, body, time = meet(
+        world.bodies, world.limb, world.grasp, batch.cells, batch.since, batch.until, count,
+        world.shortest, best, world.scratch,
+    )  # fmt: skip
+    return (total + index if index >= 0 else -1), body, time
+
+
+@njit(cache=True)
+def set_out(disc, away, ground, world, book, batch):
+    """Excite the hand's cell and, as far as it is free, the disc around it.
+
+    Parameters
+    ----------
+    disc : (m,) ndarray
+        Cells, the hand's first, then by distance.
+    away : (m,) ndarray
+        Their distances from the hand [cells].
+
+    Returns
+    -------
+    int
+        How many cells there are in the batch.
+    """
+    B, W, plane, count = ground.B, ground.W, ground.plane, 0
+    since, blocked = np.zeros(1), np.zeros(1, dtype=np.bool_)
+    for i in range(disc.size):
+        m, when = disc[i], away[i] * ground.slowness
+        k, via = entry_of(m, ground.n, W), -1
+        if i > 0:
+            before = np.float64(next_door(B, k, W, plane))
+            if before < 0.0:
+                continue  # behind cells that are not free
+            since[0], now = seconds(before, world), seconds(when, world)
+            poses_at(world.bodies, now, world.poses)
+            blocked_cells(
+                world.bodies, world.poses, world.limb, world.gap, disc[i : i + 1], since, 1,
+                now, world.shortest, blocked, world.scratch,
+            )  # fmt: skip
+            if blocked[0]:
+                book.refused[m] = True
+                inhibit(m, now, ground, world, book)
+                continue
+            via = way_back(k, m, when, ground, book)
+        B[k] = B[k + plane] = UP_R if i > 0 else HELD_UP
+        B[k + 2 * plane], B[k + 5 * plane] = UP_Z, when
+        batch.cells[count], batch.via[count], batch.when[count] = m, via, when
+        batch.since[count] = seconds(when, world)
+        book.latest[m] = count  # the number of the state that it is going to be
+        count += 1
+    B[entry_of(disc[0], ground.n, W) + 3 * plane] = 0.0
+    return count
+
+
+@njit(cache=True)
+def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, explore):
+    """Run the wave until a target is met or the horizon; the buffer must be prepared.
+
+    Parameters
+    ----------
+    disc, away : (m,) ndarray
+        Cells that are excited at the start, see `set_out`.
+    ground, world, book, batch : Ground, World, Book, Batch
+        The book is filled.
+    d, eps, quiet : float32
+        Diffusion constant; recovery rate and change of a settled potential, times the step.
+    explore : bool
+        Go on after a target is met.
+
+    Returns
+    -------
+    state, body : int
+        Where a target is met first, -1 if none is.
+    time : float
+        When [s]; the horizon if none is.
+    """
+    n, W, blocks = ground.n, ground.W, ground.active.shape[1]
+    pairs = int(0.5 * ground.lag / ground.step + 0.5)
+    looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the runs
+    lo = np.zeros(n * blocks, dtype=np.uint64)
+    hi, watch = np.zeros_like(lo), np.zeros_like(lo)
+    runs, watched = every_block(n, W, blocks, lo, hi, watch)
+    count = set_out(disc, away, ground, world, book, batch)
+    met, body, time = settle(count, ground, world, book, batch, world.end)
+    tau = ground.start
+    while seconds(tau, world) < (world.end if explore else time):
+        if runs == 0:
+            if book.tally[PENDING] == 0:
+                break
+            book.tally[LOOK] += leap(ground, world, book)
+        for _ in range(pairs):
+            two_steps(ground.B, lo, hi, runs, d, eps, W, ground.points)
+        book.tally[LOOK] += 1
+        tau = ground.start + book.tally[LOOK] * ground.lag
+        count = reached(watch, watched, tau, ground, book, batch)
+        if count > 0:
+            count = admit(count, tau, ground, world, book, batch)
+            state, target, t = settle(count, ground, world, book, batch, time)
+            if state >= 0:
+                met, body, time = state, target, t
+        feel(watch, watched, tau, ground, world, book, batch)
+        woken = turn_page(tau, ground, world, book)
+        hold_up(runs, lo, hi, ground)
+        if woken or book.tally[LOOK] % looks == 0:
+            # At a threshold of 0 every active block with a cell to be reached is watched.
+            runs, watched = find_runs(
+                ground.B, W, ground.plane, ground.active, quiet, np.float32(0.0), lo, hi, watch
+            )
+    return met, body, time
