@@ -13,6 +13,7 @@ from pathlib import Path
 from numba import config
 
 FOLDERS = ("situation", "arm", "wave", "maps", "planners")  # whose functions make maps and plans
+CONSTANTS = "params.py"  # what holds numbers for compiled functions and none of these itself
 ABOVE = ("memory",)  # whose compiled functions call them
 
 
@@ -27,15 +28,15 @@ def sources_hash(folders: Sequence[str] = FOLDERS) -> str:
 
 
 def compiled_hash() -> str:
-    """Hash of the sources that hold compiled functions.
+    """Hash of the sources that hold compiled functions, or constants that they take from elsewhere.
 
-    These take nothing from other sources: tests hold the constants that they import to that.
+    Tests hold the constants that they import to that.
     """
     digest = hashlib.sha256()
     for folder in FOLDERS + ABOVE:
         for path in sorted((Path(__file__).parent / folder).glob("*.py")):
             source = path.read_bytes()
-            if b"njit" in source:
+            if b"njit" in source or path.name == CONSTANTS:
                 digest.update(path.name.encode())
                 digest.update(source)
     return digest.hexdigest()[:16]
