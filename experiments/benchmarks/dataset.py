@@ -54,7 +54,8 @@ def making(folder: Path, count: int) -> None:
         shares = ", ".join(f"{share:.0%} {name}" for name, share in manifest["shares"].items())
         print(
             f"{engine:9} {rates[1]:6.0f}/s by 1 process, {rates[2]:6.0f}/s by 2 "
-            f"({rates[2] / rates[1]:.2f} x), {manifest['bytes_per_record']:.0f} bytes each; {shares}"
+            f"({rates[2] / rates[1]:.2f} x), {manifest['bytes_per_record']:.0f} bytes each; "
+            f"{shares}"
         )
 
 
