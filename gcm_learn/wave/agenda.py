@@ -74,11 +74,13 @@ def way_in(k, time, n, turns, circle, latest, states, spans):
 
 @njit(cache=True)
 def keep_useful(
-    count, ways, end, explore, speed, kappa, limb, places, cells, start, origins, limits
-):
+    count, ways, end, when, explore, speed, kappa, lookback, limb, places, cells, start, origins,
+    limits, since,
+):  # fmt: skip
     """Drop those of `count` cells from which no target can be met any more; returns the rest.
 
-    `limits` (n * n,) is filled with how long the rest are of use [s].
+    `limits` (n * n,) is filled with how long the rest are of use, given that a target can be met at
+    `when`, and `since` with from when on they have to be free [s].
     """
     useful = 0
     for i in range(count):
@@ -88,7 +90,8 @@ def keep_useful(
         if start[i] * kappa <= last:
             places[useful], cells[useful], start[useful] = places[i], cells[i], start[i]
             origins[useful, 0], origins[useful, 1] = origins[i, 0], origins[i, 1]
-            limits[useful] = last
+            limits[useful] = last if explore else min(last, when)
+            since[useful] = max(start[i] - lookback, 0.0) * kappa
             useful += 1
     return useful
 
@@ -169,6 +172,20 @@ def pop(
         places[a], start[a], origins[a, 0], origins[a, 1] = k, due, source, via
         cells[a] = bare(k, n)
     return count
+
+
+@njit(cache=True)
+def put_off(
+    count, which, moments, places, cells, bodies, limb, gap, kappa, limits, lookback, bucket,
+    status, again, queue, counts, scratch,
+):  # fmt: skip
+    """Make notes to look again, after their `moments` [s], at `which` of `count` cells."""
+    for i in range(count):
+        if which[i]:
+            come_back(
+                places[i], cells[i], moments[i] / kappa, bodies, limb, gap, kappa, limits[i],
+                lookback, bucket, status, again, queue, counts, scratch,
+            )  # fmt: skip
 
 
 @njit(cache=True)

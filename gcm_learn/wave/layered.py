@@ -30,11 +30,11 @@ from gcm_learn.wave.agenda import (
     SETTLED,
     SOURCE,
     VIA,
-    come_back,
     keep_free,
     keep_useful,
     pop,
     push,
+    put_off,
     seed,
 )
 from gcm_learn.wave.intervals import NEVER, meet, shorten, target_ways
@@ -182,8 +182,9 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 @njit(cache=True)
 def write_down(
-    total, free, kappa, end, places, start, until, limits, origins, states, spans, latest, status
-):
+    total, free, kappa, end, places, start, until, limits, origins, states, spans, latest, status,
+    passing,
+):  # fmt: skip
     """Make states of the cells that were found free: `free` of them, after the first `total`."""
     for i in range(free):
         s, k = total + i, places[i]
@@ -194,6 +195,7 @@ def write_down(
         spans[s, ARRIVAL] = start[i]
         spans[s, END] = end if lasts else until[i] / kappa
         status[k] = SETTLED if lasts else PASSING
+        passing[i] = not lasts
 
 
 @njit(cache=True)
@@ -249,17 +251,15 @@ def march_layers(
     counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
     counts[0] = 0
     cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
-    since, until, start = np.empty(n * n), np.empty(n * n), np.empty(n * n)
+    since, until, start, limits = np.empty((4, n * n))
     origins = np.empty((n * n, 2), dtype=np.int32)
-    limits = np.empty(n * n)
     ways = target_ways(bodies, c[GRASP], end * kappa)
     blocked, turn_of = np.empty(n * n, dtype=np.bool_), np.zeros(W * W, dtype=np.int32)
     poses = np.zeros((bodies.rows.shape[0], 12))
     scratch = np.zeros_like(poses)
     hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
     seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queue, counts)
-    total, met, body, when = 0, -1, -1, end * kappa
-    bucket, idle = 0, 0
+    total, met, body, when, bucket, idle = 0, -1, -1, end * kappa, 0, 0
     while idle < BUCKETS and bucket <= end * PER_CELL and bucket <= when / kappa * PER_CELL:
         slot = 1 + bucket % BUCKETS
         idle += 1
@@ -275,24 +275,21 @@ def march_layers(
                 poses_at(bodies, now * kappa, poses)
                 posed = True
             count = keep_useful(
-                count, ways, end * kappa, explore, speed, kappa, limb, places, cells, start,
-                origins, limits,
+                count, ways, end * kappa, when, explore, speed, kappa, lookback, limb, places,
+                cells, start, origins, limits, since,
             )  # fmt: skip
-            for i in range(count):
-                limits[i] = limits[i] if explore else min(limits[i], when)
-                since[i] = max(start[i] - lookback, 0.0) * kappa
             blocked_cells(
                 bodies, poses, limb, gap, cells, since, count, now * kappa, shortest, blocked,
                 scratch,
             )  # fmt: skip
+            # Surely in a later bucket, or a cell could be refused here for ever.
+            until[:count] = (now + 1e-6) * kappa
+            put_off(
+                count, blocked, until, places, cells, bodies, limb, gap, kappa, limits, lookback,
+                bucket, status, again, queue, counts, scratch,
+            )  # fmt: skip
             for i in range(count):
-                if blocked[i]:
-                    refused[cells[i]] = True
-                    # Surely in a later bucket, or a cell could be refused here for ever.
-                    come_back(
-                        places[i], cells[i], now + 1e-6, bodies, limb, gap, kappa, limits[i],
-                        lookback, bucket, status, again, queue, counts, scratch,
-                    )  # fmt: skip
+                refused[cells[i]] |= blocked[i]
             room = states.shape[0] - total
             free = keep_free(count, room, blocked, places, cells, start, origins, limits)
             for i in range(free):
@@ -307,14 +304,12 @@ def march_layers(
                 met, body, when = total + index, target, t
             write_down(
                 total, free, kappa, end, places, start, until, limits, origins, states, spans,
-                latest, status,
+                latest, status, blocked,
             )  # fmt: skip
-            for i in range(free):
-                if status[places[i]] == PASSING:
-                    come_back(
-                        places[i], cells[i], spans[total + i, END], bodies, limb, gap, kappa,
-                        limits[i], lookback, bucket, status, again, queue, counts, scratch,
-                    )  # fmt: skip
+            put_off(
+                free, blocked, until, places, cells, bodies, limb, gap, kappa, limits, lookback,
+                bucket, status, again, queue, counts, scratch,
+            )  # fmt: skip
             expand(
                 total, total + free, n, hand_i, hand_j, turns, circle, states, spans, latest,
                 status, tent, again, source_of, via_of, queue, counts, bucket,
