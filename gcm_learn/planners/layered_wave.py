@@ -9,8 +9,9 @@ from numba import njit
 
 from gcm_learn.arm.kinematics import SIDE, joints_of
 from gcm_learn.maps import CognitiveMap, layered_map, task_of
+from gcm_learn.planners import fronts
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.fronts import HALF_DIAGONAL, FrontPlanner, Way, finer
+from gcm_learn.planners.fronts import FrontPlanner, Way, finer
 from gcm_learn.planners.layered import way_to
 from gcm_learn.wave import LayeredFront, Task, WaveParams, propagate_layers
 
@@ -26,7 +27,7 @@ def layered_wave(params: WaveParams | None = None) -> FrontPlanner[WaveParams]:
     is less early along the diagonals (erratum 9), which costs catches when it is late elsewhere.
     """
     params = WaveParams(laplacian=9) if params is None else params
-    bare = replace(params, margin=0.0, slack=HALF_DIAGONAL)
+    bare = replace(params, margin=0.0, slack=fronts.HALF_DIAGONAL)
     rungs = (params, bare, finer(params), finer(bare))
     return FrontPlanner("layered-wave", rungs, _explore, direct=True)
 
