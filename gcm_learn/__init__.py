@@ -11,6 +11,7 @@ from gcm_learn import compiled
 compiled.keep_apart()  # before the first kernel is made
 
 from gcm_learn.arm import Lattice, Trajectory
+from gcm_learn.envs import registration
 from gcm_learn.errors import GcmError, SituationError
 from gcm_learn.families import paper_scene
 from gcm_learn.maps import CognitiveMap, build_map
@@ -29,6 +30,8 @@ from gcm_learn.situation import (
 from gcm_learn.wave import MarchingParams, WaveParams
 
 __version__ = "0.1.0"
+
+registration.announce()  # so that gymnasium.make("gcm_learn:CatchArm-v0") finds it
 
 __all__ = [
     "Arm",

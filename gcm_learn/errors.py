@@ -92,3 +92,7 @@ class MissingExtraError(GcmError, ImportError):
 
 class RecallError(GcmError, RuntimeError):
     """A memory is missing, damaged, or was made with another index than the one that asks it."""
+
+
+class ArenaError(GcmError, ValueError):
+    """The arena is asked for something that it does not have; the message names the argument."""

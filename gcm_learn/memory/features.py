@@ -90,7 +90,7 @@ def _body_features(bodies, x, y, angle, side, horizon, out):
         out[at] = 1.0
         _places(bodies, b, c, s, side, horizon, poses, out, at + 1)
         out[at + 10] = bodies.rows[b, REACH]
-        dx, dy = _long_axis(bodies, b, poses)
+        dx, dy = long_axis(bodies, b, poses)
         dx, dy = c * dx + s * dy, side * (c * dy - s * dx)
         length = np.sqrt(dx * dx + dy * dy)
         if length > 0.0:  # twice the angle: an axis has no head
@@ -117,7 +117,7 @@ def _places(bodies, b, c, s, side, horizon, poses, out, at):
 
 
 @njit(cache=True)
-def _long_axis(bodies, b, poses):
+def long_axis(bodies, b, poses):
     """In-plane part of a body's longest axis, as long as the body is longer than wide."""
     kind = bodies.rows[b, KIND]
     if kind == CAPSULE or kind == CYLINDER:

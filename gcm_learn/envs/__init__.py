@@ -1,0 +1,45 @@
+"""The arena: the arm as a Gymnasium environment, single and in batches.
+
+>>> import gymnasium
+>>> env = gymnasium.make("gcm_learn:CatchArm-v0", situations="random-planar")
+>>> observation, info = env.reset(seed=0)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gcm_learn.envs.arena import Arena
+    from gcm_learn.envs.catch_arm import CatchArm
+    from gcm_learn.envs.pool import Pool
+    from gcm_learn.envs.settings import Settings, Weights
+    from gcm_learn.envs.vector import CatchArms
+
+__all__ = ["Arena", "CatchArm", "CatchArms", "Pool", "Settings", "Weights"]
+
+_HOMES = {
+    "Arena": "arena",
+    "CatchArm": "catch_arm",
+    "CatchArms": "vector",
+    "Pool": "pool",
+    "Settings": "settings",
+    "Weights": "settings",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Names of this folder, loaded when they are asked for: `gcm_learn` itself imports it."""
+    import importlib
+
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from gcm_learn.errors import MissingExtraError
+
+    try:
+        module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
+    except ModuleNotFoundError as error:
+        if error.name != "gymnasium":
+            raise
+        raise MissingExtraError(f"gcm_learn.envs.{name}", "gymnasium", "rl") from None
+    return getattr(module, name)

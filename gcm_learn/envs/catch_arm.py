@@ -1,0 +1,273 @@
+"""The arm as a Gymnasium environment: one arm, one situation an episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.envs import kernels as k
+from gcm_learn.envs.arena import Arena
+from gcm_learn.envs.guidance import fields_of
+from gcm_learn.envs.pool import Pool
+from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings
+from gcm_learn.envs.sources import Source, pool_of
+from gcm_learn.errors import ArenaError
+from gcm_learn.situation import Situation
+from gcm_learn.situation.canonical import Frame
+
+POOL = 256  # situations that an environment draws from a family, by default
+
+
+def box(width: int) -> spaces.Box:
+    """The space of observations."""
+    return spaces.Box(-10.0, 10.0, (width,), np.float32)
+
+
+class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
+    """A two-joint arm that catches a moving target among moving obstacles.
+
+    An episode is one situation (`gcm_learn.Situation`), its bodies moving by their laws whatever the
+    arm does. ``gymnasium.make("gcm_learn:CatchArm-v0")`` makes it; arguments of the constructor go
+    to `make`. Importing `gcm_learn` registers it.
+
+    **Action**, ``Box(-1, 1, (2,))``: velocity for the next `dt` seconds.
+
+    ======= ==================================================== ==========================
+    control first, second number                                 1 means
+    ======= ==================================================== ==========================
+    hand    away from the shoulder, across (counter-clockwise)   the hand's greatest speed
+    joint   shoulder, elbow                                      the joint's greatest speed
+    ======= ==================================================== ==========================
+
+    Actions longer than 1 are shortened to 1 (hand) or clipped (joint); the hand goes straight, and
+    keeps the limits that planners keep, of the hand's speed and, if the situation has them, of the
+    joints' speeds. What would leave the ring or lead through its hole is shortened. Where the
+    elbow is on the left, all is mirrored.
+
+    **Observation**, ``Box(-10, 10, (27 + 20 slots,))``, 107 numbers by default. Lengths in forearms,
+    velocities in hand speeds, times as the way that the hand can make in them; vectors in the frame
+    in which the hand is now on the x axis and the elbow on the right.
+
+    ===== ==============================================================================
+    from  the arm
+    ===== ==============================================================================
+    0     distance of the hand from the shoulder
+    1     length of the upper arm
+    2-3   elbow
+    4-5   thickness, grasp
+    6-7   time left, time of a step
+    8-9   slowness of shoulder and elbow, 0 without limits
+    10    the target that can be met first: place relative to the hand (2), height above the plane
+    13    its velocity (2), vertical speed, acceleration (2)
+    18    radius of its ball, distance that is missing
+    20    whether a straight line meets it in time, time until then
+    22    where, relative to the hand (2), direction of that (2), distance from the shoulder
+    27    `slots` obstacles, those that come nearest on the straight way first, 20 numbers each:
+    +0    there is one (else all are 0)
+    +1    place relative to the hand (2), height above the plane
+    +4    velocity (2), vertical speed, acceleration (2)
+    +9    radius of its ball
+    +10   long axis as length and twice its angle (2), turning speed of its end
+    +13   distance to the limb now, least distance on the straight way, when (0 to 1), touches then
+    +17   distance to the limb if that rests, after 0.3 and 0.6 forearms' time
+    +19   its distance from the shoulder then
+    end   with ``fan=True``, for 16 directions and for resting: how far the hand can go before the
+          limb touches (at most 0.9), and how near it comes (at most 0.5)
+    ===== ==============================================================================
+
+    **End.** A catch or a touch terminates the episode, the horizon truncates it. Both are
+    found by the functions that verify plans, between steps too: a catch that is reported here is
+    one that `gcm_learn.planners` would report.
+
+    **Reward**, the sum of ``info["reward_terms"]``:
+
+    ===== ================================================================================
+    catch `weights.catch` at a catch
+    touch minus `weights.touch` at a touch
+    haste minus `weights.haste` for each horizon's time
+    guide `weights.guide` times how much nearer the step brought the hand, by a map's time to go
+          (potential-based; needs maps, so making or resetting takes a few ms a situation)
+    ===== ================================================================================
+
+    **Info**: `reward_terms`; `time` [s]; `hand` (2), in the situation's own coordinates; `outcome`
+    (running, caught, touched or late); at the end `is_success`.
+
+    **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts in
+    that situation, ``options={"index": k}`` in the pool's k-th.
+
+    Parameters
+    ----------
+    situations : str, Path, Family, Situation or sequence of Situation
+        A family's name, a dataset's folder, a file, or situations.
+    render_mode : {"rgb_array", "human"}, optional
+    pool : int
+        How many situations are drawn or read.
+    pool_seed : int
+        Of what is drawn.
+    settings : Settings or mapping, optional
+        Fields of `Settings`, and of `Weights` under "weights".
+    control : {"hand", "joint"}
+    fan : bool
+        These two for short.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
+
+    def __init__(
+        self,
+        situations: Source | Pool = "random-planar",
+        render_mode: str | None = None,
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        settings: Settings | Mapping[str, Any] | None = None,
+        control: str | None = None,
+        fan: bool | None = None,
+    ) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")
+        self.settings = settings_of(settings, control, fan)
+        made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
+        self.pool = with_fields(made, self.settings)
+        self.arena = Arena(self.pool, 1, self.settings)
+        self.render_mode = render_mode
+        self.observation_space = box(self.settings.width)
+        self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        self._path: list[tuple[float, float, float]] = []
+        self._turn = [[1.0, 0.0], [0.0, 1.0]]
+        self._viewer: Any = None
+        self._actions = np.zeros((1, 2))
+        self._everyone = np.zeros(1, dtype=np.int64)
+
+    @property
+    def situation(self) -> Situation:
+        """The present one, in its canonical form."""
+        return self.arena.pool.situations[int(self.arena.state.place[0])]
+
+    @property
+    def frame(self) -> Frame:
+        """How the present situation was drawn."""
+        return self.arena.pool.frames[int(self.arena.state.place[0])]
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The hand's way so far, in canonical coordinates."""
+        path = np.array(self._path)
+        return Trajectory.of_hand(path[:, 0], path[:, 1:], self.situation.arm.upper_arm)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode; see the class for the options."""
+        super().reset(seed=seed)
+        wanted = dict(options or {})
+        situation, index = wanted.pop("situation", None), wanted.pop("index", None)
+        if wanted:
+            raise ArenaError(f"options: {sorted(wanted)[0]!r} is not one of situation, index")
+        self.arena.pool = self.pool
+        if situation is not None:
+            if not isinstance(situation, Situation):
+                raise ArenaError(f"options.situation: must be a situation (got {situation!r})")
+            self.arena.pool, index = with_fields(Pool.of([situation]), self.settings), 0
+        elif index is None:
+            index = int(self.np_random.integers(len(self.pool)))
+        elif not 0 <= index < len(self.pool):
+            raise ArenaError(f"options.index: must be from 0 to {len(self.pool) - 1} (got {index})")
+        self.arena.put(self._everyone, np.array([index]))
+        self._path = [self._where()]
+        self._turn = self.frame.original(np.eye(2)).T.tolist()
+        if self.render_mode == "human":
+            self.render()
+        return self.arena.observations[0].copy(), self._info(k.RUNNING)
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Move for `dt` seconds."""
+        if not self._path:
+            raise ArenaError("step: reset comes first")
+        self._actions[0] = action
+        outcome = int(self.arena.move(self._actions)[0])
+        observation = self.arena.observations[0].copy()
+        self._path.append(self._where())
+        info = self._info(outcome)
+        terms = self.arena.terms[0].tolist()
+        info["reward_terms"] = dict(zip(TERMS, terms, strict=True))
+        if outcome != k.RUNNING:
+            info["is_success"] = outcome == k.CAUGHT
+        if self.render_mode == "human":
+            self.render()
+        ended = outcome in (k.CAUGHT, k.TOUCHED)
+        return observation, sum(terms), ended, outcome == k.LATE, info
+
+    def _where(self) -> tuple[float, float, float]:
+        state = self.arena.state
+        return float(state.time[0]), float(state.hand[0, 0]), float(state.hand[0, 1])
+
+    def _info(self, outcome: int) -> dict[str, Any]:
+        time, x, y = self._path[-1]
+        (a, b), (c, d) = self._turn
+        hand = np.array((a * x + b * y, c * x + d * y))
+        return {"time": time, "hand": hand, "outcome": OUTCOMES[outcome]}
+
+    def render(self) -> np.ndarray | None:  # type: ignore[override]
+        """A picture (480, 480, 3) uint8 of the moment, or a window that shows it."""
+        if self.render_mode is None:
+            return None
+        if self._viewer is None:
+            from gcm_learn.envs.viewer import Viewer
+
+            self._viewer = Viewer(self.render_mode == "human")
+        time, path = self._path[-1][0], np.array(self._path)[:, 1:]
+        return self._viewer.show(self.situation, time, path)
+
+    def close(self) -> None:
+        """Close the window."""
+        if self._viewer is not None:
+            self._viewer.close()
+            self._viewer = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the window."""
+        return {**self.__dict__, "_viewer": None}
+
+
+def settings_of(
+    settings: Settings | Mapping[str, Any] | None,
+    control: str | None = None,
+    fan: bool | None = None,
+) -> Settings:
+    """Settings from their fields.
+
+    Raises
+    ------
+    ArenaError
+        With the field that is not known or out of its range.
+    """
+    from gcm_learn.envs.settings import Weights
+
+    if settings is None or isinstance(settings, Mapping):
+        values = dict(settings or {})
+        unknown = sorted(set(values) - set(Settings.__dataclass_fields__))
+        if unknown:
+            raise ArenaError(f"settings: {unknown[0]!r} is not a known field")
+        weights = values.get("weights")
+        if isinstance(weights, Mapping):
+            strange = sorted(set(weights) - set(TERMS))
+            if strange:
+                raise ArenaError(f"settings.weights: {strange[0]!r} is not one of {TERMS}")
+            values["weights"] = Weights(**weights)
+        settings = Settings(**values)
+    given = {"control": control, "fan": fan}
+    return replace(settings, **{name: v for name, v in given.items() if v is not None})
+
+
+def with_fields(pool: Pool, settings: Settings) -> Pool:
+    """The pool with maps' times to go if the reward wants them."""
+    if settings.weights.guide == 0.0 or len(pool.world.fields):
+        return pool
+    return pool.guided(fields_of(pool.situations))

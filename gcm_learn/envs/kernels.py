@@ -1,0 +1,217 @@
+"""One step of the arena: where the hand gets, what it meets on the way, what it is rewarded.
+
+Whether a target is caught or the limb touched between the beginning and the end of a step is
+decided by the functions that verify plans (`least_distance`, `first_catch`), on the same segment.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.arm.clearance import least_distance
+from gcm_learn.arm.kinematics import elbow_of
+from gcm_learn.planners.interception import first_catch
+from gcm_learn.planners.verification import PARTS, joint_turns, nearest_to_shoulder
+from gcm_learn.situation.kernels import Bodies
+
+HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # what an action is
+RUNNING, CAUGHT, TOUCHED, LATE = range(4)  # how an episode stands
+CATCH, TOUCH, HASTE, GUIDE = range(4)  # terms of the reward
+TERMS = 4
+
+# Columns of an arm's row.
+RHO, SPEED, THICKNESS, FLOOR, GRASP, HORIZON, NEAR, FAR, TURN_1, TURN_2, START, INSTANT = range(12)
+ARM_COLUMNS = 12
+
+_SLACK = 1.0 - 2e-9  # against rounding of the speed limits
+_JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured
+_HALVINGS = 12  # of a step that the arm cannot make
+_ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
+
+
+class World(NamedTuple):
+    """Many situations in their canonical form, one after the other."""
+
+    rows: np.ndarray  # (m, COLUMNS): all bodies
+    vertices: np.ndarray  # (v, 2): of all bodies
+    angles: np.ndarray  # (p, g, 2): of all pendulums, the shorter tables filled up
+    angle_steps: np.ndarray  # (s,): of each situation [s]
+    first: np.ndarray  # (s + 1,) int64: rows of situation k are first[k]:first[k + 1]
+    arms: np.ndarray  # (s, ARM_COLUMNS)
+    fields: np.ndarray  # (s or 0, n, n) float32: time to go as share of the horizon, see `guidance`
+
+
+class State(NamedTuple):
+    """Where many arms are, each in a situation of the world."""
+
+    place: np.ndarray  # (e,) int64: situation
+    hand: np.ndarray  # (e, 2), canonical coordinates of t = 0 [forearm lengths]
+    time: np.ndarray  # (e,) [s]
+
+
+@njit(cache=True)
+def bodies_of(world, s):
+    """The bodies of situation s, as all kernels of situations want them."""
+    rows = world.rows[world.first[s] : world.first[s + 1]]
+    return Bodies(rows, world.vertices, world.angles, world.angle_steps[s])
+
+
+@njit(cache=True)
+def _wish(arms, s, x, y, span, first, second, control, joint_rate):
+    """Where the hand would be after `span` seconds, whatever the limits."""
+    if control == HAND_VELOCITY:
+        size = max(np.sqrt(first * first + second * second), 1.0)
+        step = arms[s, SPEED] * _SLACK * span / size
+        r = np.sqrt(x * x + y * y)
+        ux, uy = (x / r, y / r) if r > 1e-12 else (1.0, 0.0)
+        return x + step * (first * ux - second * uy), y + step * (first * uy + second * ux)
+    rho = arms[s, RHO]
+    ex, ey = elbow_of(x, y, rho, 1.0)
+    shoulder = np.arctan2(ey, ex)
+    elbow = np.arctan2(ex * (y - ey) - ey * (x - ex), ex * (x - ex) + ey * (y - ey))
+    rate_1 = arms[s, TURN_1] if arms[s, TURN_1] > 0.0 else joint_rate * arms[s, SPEED]
+    rate_2 = arms[s, TURN_2] if arms[s, TURN_2] > 0.0 else joint_rate * arms[s, SPEED]
+    shoulder += min(max(first, -1.0), 1.0) * rate_1 * span
+    elbow = min(max(elbow + min(max(second, -1.0), 1.0) * rate_2 * span, 0.0), np.pi)
+    both = shoulder + elbow
+    return rho * np.cos(shoulder) + np.cos(both), rho * np.sin(shoulder) + np.sin(both)
+
+
+@njit(cache=True)
+def _too_fast(arms, s, span, way):
+    """How many times too fast a joint would have to be; at most 1 is allowed."""
+    if arms[s, TURN_1] <= 0.0:
+        return 0.0
+    turns = joint_turns(way, arms[s, RHO], 1.0, PARTS)
+    first = turns[0, 0] * _JOINT_SLACK / (arms[s, TURN_1] * span)
+    return max(first, turns[0, 1] * _JOINT_SLACK / (arms[s, TURN_2] * span))
+
+
+@njit(cache=True)
+def reach_out(arms, s, x, y, span, first, second, control, joint_rate, way):
+    """Write into `way` (2, 2) how far the hand gets from (x, y) within the limits.
+
+    A wish outside the ring ends on its rim; a step that is too long, turns a joint too fast or
+    leads through the ring's hole is shortened, keeping its direction.
+    """
+    nx, ny = _wish(arms, s, x, y, span, first, second, control, joint_rate)
+    r = np.sqrt(nx * nx + ny * ny)
+    if r > arms[s, FAR]:
+        nx, ny = nx * arms[s, FAR] / r, ny * arms[s, FAR] / r
+    longest = arms[s, SPEED] * _SLACK * span
+    length = np.sqrt((nx - x) ** 2 + (ny - y) ** 2)
+    share = min(longest / length, 1.0) if length > 0.0 else 0.0
+    near = min(arms[s, NEAR], np.sqrt(x * x + y * y) * (1.0 - 1e-10))
+    way[0, 0], way[0, 1] = x, y
+    for _ in range(_HALVINGS):
+        way[1, 0], way[1, 1] = x + share * (nx - x), y + share * (ny - y)
+        if nearest_to_shoulder(way) < near:
+            share *= 0.5
+            continue
+        excess = _too_fast(arms, s, span, way)
+        if excess <= 1.0:
+            return
+        share *= 0.999 / excess
+    way[1, 0], way[1, 1] = x, y
+
+
+@njit(cache=True)
+def advance(world, state, e, first, second, control, joint_rate, dt, time, way):
+    """Move arm e on by a step and judge it.
+
+    Parameters
+    ----------
+    first, second : float
+        The action.
+    time, way : (2,), (2, 2) ndarray
+        Room for the segment; afterwards when and where the hand moved.
+
+    Returns
+    -------
+    int
+        RUNNING, CAUGHT, TOUCHED or LATE; the state is that at the end of the step, or at the
+        catch or touch.
+    """
+    s, arms = state.place[e], world.arms
+    x, y, t = state.hand[e, 0], state.hand[e, 1], state.time[e]
+    end = t + dt
+    if end > arms[s, HORIZON] - 1e-9:
+        end = arms[s, HORIZON]
+    reach_out(arms, s, x, y, end - t, first, second, control, joint_rate, way)
+    time[0], time[1] = t, end
+    bodies = bodies_of(world, s)
+    met, _ = first_catch(bodies, time, way, arms[s, GRASP], arms[s, INSTANT])
+    if met >= 0.0:
+        _shorten(time, way, met)
+    floor = arms[s, FLOOR]
+    distance, when = least_distance(bodies, time, way, arms[s, RHO], 1.0, floor, _ANY)
+    outcome = CAUGHT if met >= 0.0 else RUNNING
+    if distance <= floor:
+        outcome = TOUCHED
+        _shorten(time, way, when)
+    elif outcome == RUNNING and end >= arms[s, HORIZON]:
+        outcome = LATE
+    state.hand[e, 0], state.hand[e, 1], state.time[e] = way[1, 0], way[1, 1], time[1]
+    return outcome
+
+
+@njit(cache=True)
+def _shorten(time, way, end):
+    """End a segment earlier."""
+    share = (end - time[0]) / (time[1] - time[0]) if time[1] > time[0] else 0.0
+    for k in range(2):
+        way[1, k] = way[0, k] + share * (way[1, k] - way[0, k])
+    time[1] = end
+
+
+@njit(cache=True)
+def time_to_go(world, s, x, y):
+    """Time to go as a share of the horizon, from the situation's field; 1 where it is not known."""
+    n = world.fields.shape[1]
+    pitch = 0.5 * n / world.arms[s, FAR]  # the field's lattice reaches from rim to rim
+    fx, fy = x * pitch + 0.5 * n - 0.5, y * pitch + 0.5 * n - 0.5
+    fx, fy = min(max(fx, 0.0), n - 1.001), min(max(fy, 0.0), n - 1.001)
+    ix, iy = int(fx), int(fy)
+    fx -= ix
+    fy -= iy
+    low = (1.0 - fx) * world.fields[s, iy, ix] + fx * world.fields[s, iy, ix + 1]
+    high = (1.0 - fx) * world.fields[s, iy + 1, ix] + fx * world.fields[s, iy + 1, ix + 1]
+    return (1.0 - fy) * low + fy * high
+
+
+@njit(cache=True)
+def step_all(world, state, actions, control, joint_rate, dt, weights, discount, outcomes, rewards):
+    """One step of every arm.
+
+    Parameters
+    ----------
+    actions : (e, 2) ndarray
+    weights : (TERMS,) ndarray
+        Of the terms of the reward.
+    discount : float
+        Of the guide's potential, that of the learner.
+    outcomes, rewards : (e,) int64, (e, TERMS) ndarray
+        Written.
+    """
+    time, way = np.empty(2), np.empty((2, 2))
+    for e in range(state.place.size):
+        s = state.place[e]
+        guided = world.fields.shape[0] > 0 and weights[GUIDE] != 0.0
+        before = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1]) if guided else 0.0
+        since = state.time[e]
+        first, second = float(actions[e, 0]), float(actions[e, 1])
+        outcome = advance(world, state, e, first, second, control, joint_rate, dt, time, way)
+        outcomes[e] = outcome
+        rewards[e, CATCH] = weights[CATCH] if outcome == CAUGHT else 0.0
+        rewards[e, TOUCH] = -weights[TOUCH] if outcome == TOUCHED else 0.0
+        share = (state.time[e] - since) / world.arms[s, HORIZON]
+        rewards[e, HASTE] = -weights[HASTE] * share
+        rewards[e, GUIDE] = 0.0
+        if guided:  # the potential of what comes after the end is 0, or the optimum would change
+            after = 0.0
+            if outcome == RUNNING:
+                after = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1])
+            rewards[e, GUIDE] = weights[GUIDE] * (before - discount * after)

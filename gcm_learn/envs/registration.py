@@ -1,0 +1,74 @@
+"""Tells Gymnasium of the arena, now or as soon as Gymnasium is there.
+
+Importing `gcm_learn` must not load Gymnasium, and ``gymnasium.make("gcm_learn:CatchArm-v0")`` must
+work whichever of the two was imported first. So where Gymnasium is not loaded yet, a finder waits
+for it, finds nothing itself, and is gone once it has come.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+ID = "CatchArm-v0"
+LIBRARY = "gymnasium"
+
+
+def announce() -> None:
+    """Register the environments, now or when Gymnasium is imported."""
+    if LIBRARY in sys.modules:
+        register()
+    elif not any(isinstance(finder, _Waiter) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Waiter())
+
+
+def register() -> None:
+    """Register the environments, if they are not yet."""
+    import gymnasium
+
+    if ID not in gymnasium.registry:
+        gymnasium.register(
+            ID,
+            entry_point="gcm_learn.envs.catch_arm:CatchArm",
+            vector_entry_point="gcm_learn.envs.vector:CatchArms",
+        )
+
+
+class _Waiter(MetaPathFinder):
+    """Sees Gymnasium coming."""
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """The library's own specification, with a loader that registers afterwards."""
+        if name != LIBRARY:
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.util.find_spec(name)
+        if spec is not None and spec.loader is not None:
+            spec.loader = _ThenRegister(spec.loader)
+        return spec
+
+
+class _ThenRegister(Loader):
+    """Loads as another loader does, then registers."""
+
+    def __init__(self, loader: Loader) -> None:
+        self.loader = loader
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """As the other loader does."""
+        return self.loader.create_module(spec)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """As the other loader does; then register."""
+        self.loader.exec_module(module)
+        register()
+
+    def __getattr__(self, name: str) -> object:
+        """What else the other loader can do, e.g. find resources."""
+        return getattr(self.loader, name)

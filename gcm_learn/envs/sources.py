@@ -1,0 +1,76 @@
+"""Where the situations of episodes come from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from gcm_learn import seeding
+from gcm_learn.envs.pool import Pool
+from gcm_learn.errors import ArenaError
+from gcm_learn.families import Family, draw, get_family
+from gcm_learn.families.registry import family_names
+from gcm_learn.planners.verification import start_clearance
+from gcm_learn.situation import Situation, read_situations
+from gcm_learn.situation.bodies import pack
+
+Source = str | Path | Family | Situation | Sequence[Situation]
+SALT = 77  # of the draws for pools, so that item k of a family is not in all of them
+
+
+def situations_of(source: Source, count: int, seed: int) -> list[Situation]:
+    """Situations to begin episodes in.
+
+    Parameters
+    ----------
+    source : str, Path, Family, Situation or sequence of Situation
+        A family's name or configuration, from which `count` are drawn; a file of situations
+        (``.json``, ``.jsonl``) or the folder of a dataset, of which the first `count` training
+        records are taken; or situations.
+    count : int
+    seed : int
+        Of the draws.
+
+    Raises
+    ------
+    ArenaError
+        If it is none of these, or holds nothing.
+    """
+    if isinstance(source, Situation):
+        return [source]
+    if isinstance(source, Family):
+        return _drawn(source, count, seed)
+    if isinstance(source, str) and source in family_names():
+        return _drawn(get_family(source), count, seed)
+    if isinstance(source, str | Path):
+        return _read(Path(source), count)
+    found = list(source)
+    if not found or not all(isinstance(s, Situation) for s in found):
+        raise ArenaError("situations: must be situations, at least one")
+    return found
+
+
+def pool_of(source: Source, count: int, seed: int) -> Pool:
+    """A pool of situations; those of families and files in which the limb does not start free are
+    left out."""
+    found = situations_of(source, count, seed)
+    if not isinstance(source, Situation):
+        found = [s for s in found if start_clearance(s, pack(s)) > 0.0]
+    return Pool.of(found)
+
+
+def _drawn(family: Family, count: int, seed: int) -> list[Situation]:
+    root = int(seeding.rng(seed, SALT).integers(2**62))
+    return [draw(family, root, k) for k in range(count)]
+
+
+def _read(path: Path, count: int) -> list[Situation]:
+    if path.is_dir():
+        from gcm_learn import dataset  # needs pyarrow
+
+        records = dataset.open(path).where(split="train")
+        return [records[k].situation for k in range(min(count, len(records)))]
+    if not path.exists():
+        known = ", ".join(family_names())
+        raise ArenaError(f"situations: {str(path)!r} is no file, folder or family ({known})")
+    return read_situations(path)[:count]

@@ -1,0 +1,114 @@
+"""Many arms as one Gymnasium vector environment; ended episodes begin anew within the step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from gcm_learn.envs import kernels as k
+from gcm_learn.envs.arena import Arena
+from gcm_learn.envs.catch_arm import POOL, box, settings_of, with_fields
+from gcm_learn.envs.pool import Pool
+from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings
+from gcm_learn.envs.sources import Source, pool_of
+from gcm_learn.errors import ArenaError
+
+
+class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
+    """Many `CatchArm`s in compiled code, step by step equal to single ones.
+
+    ``gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=64,
+    vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards and ends are
+    those of `CatchArm`.
+
+    An arm whose episode ends begins another one within the same step (`AutoresetMode.SAME_STEP`):
+    the observation is the new episode's first, the old one's last is in ``info["final_obs"]``, and
+    ``info["final_info"]`` holds `time`, `outcome` and `is_success` of those that ended.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": AutoresetMode.SAME_STEP}
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        situations: Source | Pool = "random-planar",
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        settings: Settings | Mapping[str, Any] | None = None,
+        control: str | None = None,
+        fan: bool | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        if num_envs < 1:
+            raise ArenaError(f"num_envs: must be at least 1 (got {num_envs})")
+        if render_mode is not None:
+            raise ArenaError("render_mode: many arms are not drawn; use CatchArm")
+        self.num_envs, self.render_mode = num_envs, None
+        self.settings = settings_of(settings, control, fan)
+        made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
+        self.pool = with_fields(made, self.settings)
+        self.arena = Arena(self.pool, num_envs, self.settings)
+        self.single_observation_space = box(self.settings.width)
+        self.single_action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._everyone = np.arange(num_envs)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin all episodes; ``options={"index": (num_envs,)}`` says in which situations."""
+        if seed is not None:
+            self._np_random, self._np_random_seed = _generator(seed)
+        index = (options or {}).get("index")
+        places = self._drawn(self.num_envs) if index is None else np.asarray(index, np.int64)
+        if places.shape != (self.num_envs,) or np.any((places < 0) | (places >= len(self.pool))):
+            raise ArenaError(f"options.index: must be {self.num_envs} numbers of situations")
+        self.arena.put(self._everyone, places)
+        return self.arena.observations.copy(), {}
+
+    def _drawn(self, count: int) -> np.ndarray:
+        return self.np_random.integers(len(self.pool), size=count)
+
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Move all arms for a step."""
+        arena, info = self.arena, dict[str, Any]()
+        outcomes = arena.move(np.asarray(actions, float))
+        rewards = arena.terms.sum(axis=1)
+        info["reward_terms"] = dict(zip(TERMS, arena.terms.T.copy(), strict=True))
+        ended, late = (outcomes == k.CAUGHT) | (outcomes == k.TOUCHED), outcomes == k.LATE
+        over = ended | late
+        if over.any():
+            self._begin_anew(np.flatnonzero(over), over, info)
+        return arena.observations.copy(), rewards, ended, late, info
+
+    def _begin_anew(self, arms: np.ndarray, over: np.ndarray, info: dict[str, Any]) -> None:
+        """Note how episodes ended, and begin others."""
+        arena = self.arena
+        last, names = np.empty(self.num_envs, object), np.full(self.num_envs, "", object)
+        for e in arms:
+            last[e] = arena.observations[e].copy()
+            names[e] = OUTCOMES[arena.outcomes[e]]
+        info["final_obs"], info["_final_obs"] = last, over
+        info["final_info"] = {
+            "time": arena.state.time.copy(),
+            "outcome": names,
+            "is_success": arena.outcomes == k.CAUGHT,
+            "index": arena.state.place.copy(),
+        }
+        info["_final_info"] = over
+        arena.put(arms, self._drawn(len(arms)))
+
+
+def _generator(seed: int) -> tuple[np.random.Generator, int]:
+    from gymnasium.utils import seeding
+
+    return seeding.np_random(seed)

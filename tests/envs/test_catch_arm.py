@@ -1,0 +1,242 @@
+"""The single environment: physics, promises, Gymnasium's rules."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import planners
+from gcm_learn.arm.clearance import clearance
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.errors import ArenaError
+from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.timing import refine
+from gcm_learn.planners.verification import verify
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.canonical import canonical
+from tests.transforms import mirrored, turned
+
+gymnasium = pytest.importorskip("gymnasium")
+from gcm_learn.envs.catch_arm import CatchArm  # noqa: E402
+from gcm_learn.envs.observation import ARM  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def env(scenes):
+    """Return an environment over the shared scenes."""
+    return CatchArm(scenes)
+
+
+def play(env, index, act, **options):
+    """Play an episode; the observations, rewards and the last info."""
+    observation, info = env.reset(options={"index": index, **options})
+    seen, rewards = [observation], []
+    for _ in range(1000):
+        observation, reward, ended, late, info = env.step(act(observation, info))
+        seen.append(observation)
+        rewards.append(reward)
+        if ended or late:
+            return np.array(seen), np.array(rewards), info
+    raise AssertionError("the horizon did not end the episode")
+
+
+def to_target(observation, info):
+    """Go straight to where the target can be met."""
+    return observation[ARM + 14 : ARM + 16]
+
+
+def fine(env):
+    """Return the hand's way with as many samples as plans have."""
+    way, arm = env.trajectory, env.situation.arm
+    time, hand = refine(arm, way.time, way.hand)
+    return Trajectory.of_hand(time, hand, arm.upper_arm)
+
+
+@pytest.mark.parametrize("control", ["hand", "joint"])
+def test_what_it_reports_is_what_the_verification_says(scenes, rng, control):
+    """A catch is a verified plan, a touch touches where it ends and not before, else it is free."""
+    env, outcomes = CatchArm(scenes, control=control), []
+    for index in range(len(scenes)):
+        for act in (to_target, lambda o, i: rng.uniform(-1, 1, 2)):
+            _, _, info = play(env, index, act)
+            way, situation = fine(env), env.situation
+            bodies = pack(situation)
+            targets = [i for i, b in enumerate(situation.bodies) if b.role == "target"]
+            outcomes.append(info["outcome"])
+            if info["outcome"] == "caught":
+                assert any(verify(situation, bodies, way, b).good for b in targets)
+            else:
+                free, when = clearance(situation, way)
+                touched = free <= 1.01e-4  # what plans keep beyond "does not touch"
+                assert touched == (info["outcome"] == "touched")
+                if touched:
+                    assert way.duration - env.settings.dt - 1e-9 <= when <= way.duration
+                else:
+                    assert way.duration == situation.horizon
+    assert set(outcomes) == {"caught", "touched", "late"}
+
+
+def test_straight_plans_are_caught_in_the_arena(env, scenes):
+    """Following a straight plan catches when and where the plan does."""
+    followed = 0
+    for index, drawn in enumerate(scenes):
+        situation, frame = canonical(drawn)
+        plan = planners.solve(situation, "straight")
+        if not plan.caught:
+            continue
+        speed, dt = situation.arm.max_hand_speed, env.settings.dt
+
+        def act(observation, info, plan=plan, frame=frame, speed=speed, dt=dt):
+            hand = frame.canonical(info["hand"])
+            end = min(info["time"] + dt, plan.catch_time)  # the last step goes on beyond it
+            move = (plan.trajectory.hand_at(end) - hand) / (speed * (end - info["time"]))
+            c, s = hand / np.hypot(*hand)
+            return np.array([c * move[0] + s * move[1], c * move[1] - s * move[0]])
+
+        _, _, info = play(env, index, act)
+        assert info["outcome"] == "caught"
+        assert info["time"] == pytest.approx(plan.catch_time, abs=2e-3)
+        followed += 1
+    assert followed >= 5
+
+
+@pytest.mark.parametrize("control", ["hand", "joint"])
+def test_limits_hold_whatever_is_asked_for(scenes, rng, control):
+    """Hand, joints and ring, with actions that are far too large."""
+    env = CatchArm(scenes, control=control)
+    for index in range(len(scenes)):
+        play(env, index, lambda o, i: rng.normal(size=2) * 5.0)
+        situation, way = env.situation, fine(env)
+        free = replace(situation, bodies=situation.targets)
+        problem = Problem(free, "limits")
+        reason = verify(free, problem.bodies, way, 0).reason
+        assert reason in ("", "the hand misses the target")
+
+
+def test_turned_and_mirrored_situations_look_the_same(scenes, rng):
+    actions = rng.uniform(-1, 1, (200, 2))
+    for scene in scenes[:8]:
+        seen = []
+        for situation in (scene, turned(scene, 1.1), mirrored(scene)):
+            env, step = CatchArm(situation), iter(actions)
+            observations, rewards, info = play(env, 0, lambda o, i, s=step: next(s))
+            seen.append((observations, rewards, info["outcome"]))
+        for other in seen[1:]:
+            assert other[2] == seen[0][2]
+            np.testing.assert_allclose(other[0], seen[0][0], atol=2e-4)
+            np.testing.assert_allclose(other[1], seen[0][1], atol=1e-6)
+
+
+def test_the_guide_adds_up_to_the_first_potential(scenes, rng):
+    """Potential-based: whatever the arm does, the discounted sum is the potential of the start."""
+    settings = {"weights": {"guide": 2.0}, "discount": 0.97}
+    env = CatchArm(scenes[:6], settings=settings)
+    for index in range(6):
+        env.reset(options={"index": index})
+        total, factor, over = 0.0, 1.0, False
+        field = env.pool.world.fields[index]
+        assert 0.0 <= field.min() < 0.1 or np.all(field == 1.0)  # 1 where no target is met
+        while not over:
+            _, _, ended, late, info = env.step(rng.uniform(-1, 1, 2))
+            total += factor * info["reward_terms"]["guide"]
+            factor, over = 0.97 * factor, ended or late
+        again = CatchArm(scenes[:6], settings=settings)
+        again.reset(options={"index": index})
+        from gcm_learn.envs.kernels import time_to_go
+
+        first = time_to_go(env.pool.world, index, env.situation.arm.hand[0], 0.0)
+        assert total == pytest.approx(2.0 * first, abs=1e-9)
+
+
+def test_time_to_go_leads_to_the_target_in_an_empty_world():
+    """Without obstacles it is the way to the contact at the hand's speed."""
+    from gcm_learn.envs.guidance import field_of
+    from gcm_learn.families import paper_scene
+
+    scene = paper_scene("fig4")
+    bare, _ = canonical(replace(scene, bodies=scene.targets))
+    field = field_of(bare) * bare.horizon * bare.arm.max_hand_speed
+    n = len(field)
+    pitch = 2.0 * bare.arm.reach / n
+    iy, ix = np.unravel_index(np.argmin(field), field.shape)
+    cells = np.arange(n)
+    away = pitch * np.hypot(*np.meshgrid(cells - ix, cells - iy))
+    known = (field < 0.9 * bare.horizon * bare.arm.max_hand_speed) & (away > 3 * pitch)
+    radius = pitch * np.hypot(*np.meshgrid(cells - n / 2 + 0.5, cells - n / 2 + 0.5))
+    known &= radius < bare.arm.reach - 2 * pitch
+    assert known.sum() > 200
+    assert np.median(np.abs(field[known] / away[known] - 1.0)) < 0.1
+
+
+def test_gymnasium_and_stable_baselines_accept_it(scenes):
+    from gymnasium.utils.env_checker import check_env
+
+    check_env(CatchArm(scenes, render_mode="rgb_array"))
+    check = pytest.importorskip("stable_baselines3.common.env_checker")
+    check.check_env(CatchArm(scenes, fan=True))
+
+
+@pytest.mark.parametrize("first", ["gcm_learn", "gymnasium"])
+def test_it_is_registered_whoever_comes_first(first):
+    import subprocess
+    import sys
+
+    second = "gymnasium" if first == "gcm_learn" else "gcm_learn"
+    code = f"import {first}, {second}, gymnasium as g; print(g.spec('CatchArm-v0').entry_point)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "gcm_learn.envs.catch_arm:CatchArm"
+
+
+def test_seeds_and_pickles_give_the_same_episode(scenes):
+    env = CatchArm(scenes)
+    copy = pickle.loads(pickle.dumps(env))
+    first, info = env.reset(seed=3)
+    second, _ = copy.reset(seed=3)
+    np.testing.assert_array_equal(first, second)
+    assert info["outcome"] == "running"
+    halfway = pickle.loads(pickle.dumps(env))
+    np.testing.assert_array_equal(env.step([0.3, 0.4])[0], halfway.step([0.3, 0.4])[0])
+    others = [env.reset(seed=k)[0] for k in range(8)]
+    assert len({o.tobytes() for o in others}) > 3
+
+
+def test_pictures_show_the_moment(scenes):
+    env = CatchArm(scenes, render_mode="rgb_array")
+    env.reset(seed=0)
+    first = env.render()
+    for _ in range(5):
+        env.step([1.0, 0.5])
+    second = env.render()
+    assert first.shape == (480, 480, 3) and first.dtype == np.uint8
+    assert 100 < (first != second).any(axis=2).sum() < 100_000
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"situations": "nowhere"}, "situations: 'nowhere' is no file, folder or family"),
+        ({"control": "mind"}, "control: 'mind' is not one of hand, joint"),
+        ({"settings": {"dt": 0.0}}, "dt: must be from 0.0001 to 1 s (got 0.0)"),
+        ({"settings": {"speed": 1}}, "settings: 'speed' is not a known field"),
+        ({"settings": {"weights": {"joy": 1}}}, "settings.weights: 'joy'"),
+        ({"render_mode": "ascii"}, "render_mode: 'ascii'"),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_line(arguments, message):
+    with pytest.raises(ArenaError) as caught:
+        CatchArm(**{"pool": 2, **arguments})
+    assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_situation_can_be_given(scenes):
+    env = CatchArm(scenes[:2])
+    _, info = env.reset(options={"situation": scenes[7]})
+    np.testing.assert_allclose(info["hand"], scenes[7].arm.hand, atol=1e-12)
+    with pytest.raises(ArenaError, match=r"options.situation: must be a situation"):
+        env.reset(options={"situation": 3})
+    with pytest.raises(ArenaError, match=r"options: 'speed' is not one of"):
+        env.reset(options={"speed": 3})
