@@ -6,12 +6,11 @@
 'caught'
 """
 
-from gcm_learn import compiled
+from gcm_learn import compiled, registration
 
 compiled.keep_apart()  # before the first kernel is made
 
 from gcm_learn.arm import Lattice, Trajectory
-from gcm_learn.envs import registration
 from gcm_learn.errors import GcmError, SituationError
 from gcm_learn.families import paper_scene
 from gcm_learn.maps import CognitiveMap, build_map

@@ -96,3 +96,7 @@ class RecallError(GcmError, RuntimeError):
 
 class ArenaError(GcmError, ValueError):
     """The arena is asked for something that it does not have; the message names the argument."""
+
+
+class PolicyError(GcmError, RuntimeError):
+    """A policy is missing or damaged, or its training is asked for something that there is not."""

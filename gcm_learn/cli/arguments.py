@@ -23,6 +23,7 @@ from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.inspect import Inspect
 from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
+from gcm_learn.cli.train_policy import TrainPolicy
 
 DESCRIPTION = """\
 Catching among moving obstacles with generalized cognitive maps.
@@ -41,6 +42,7 @@ examples:
   gcm-learn inspect data/mine                          what is in it, in numbers
   gcm-learn gallery data/mine                          and in pictures
   gcm-learn remember data/mine --out models/recall     a memory of its catches
+  gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -63,6 +65,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "inspect": Inspect,
     "gallery": Gallery,
     "remember": Remember,
+    "train-policy": TrainPolicy,
 }
 
 

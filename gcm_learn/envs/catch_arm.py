@@ -15,7 +15,7 @@ from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.guidance import fields_of
 from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings
+from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings, Weights
 from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.situation import Situation
@@ -32,9 +32,9 @@ def box(width: int) -> spaces.Box:
 class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     """A two-joint arm that catches a moving target among moving obstacles.
 
-    An episode is one situation (`gcm_learn.Situation`), its bodies moving by their laws whatever the
-    arm does. ``gymnasium.make("gcm_learn:CatchArm-v0")`` makes it; arguments of the constructor go
-    to `make`. Importing `gcm_learn` registers it.
+    An episode is one situation (`gcm_learn.Situation`), its bodies moving by their laws whatever
+    the arm does. ``gymnasium.make("gcm_learn:CatchArm-v0")`` makes it; arguments of the constructor
+    go to `make`. Importing `gcm_learn` registers it.
 
     **Action**, ``Box(-1, 1, (2,))``: velocity for the next `dt` seconds.
 
@@ -50,9 +50,9 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     joints' speeds. What would leave the ring or lead through its hole is shortened. Where the
     elbow is on the left, all is mirrored.
 
-    **Observation**, ``Box(-10, 10, (27 + 20 slots,))``, 107 numbers by default. Lengths in forearms,
-    velocities in hand speeds, times as the way that the hand can make in them; vectors in the frame
-    in which the hand is now on the x axis and the elbow on the right.
+    **Observation**, ``Box(-10, 10, (27 + 20 slots,))``, 107 numbers by default. Lengths in
+    forearms, velocities in hand speeds, times as the way that the hand can make in them; vectors in
+    the frame in which the hand is now on the x axis and the elbow on the right.
 
     ===== ==============================================================================
     from  the arm
@@ -77,8 +77,9 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     +13   distance to the limb now, least distance on the straight way, when (0 to 1), touches then
     +17   distance to the limb if that rests, after 0.3 and 0.6 forearms' time
     +19   its distance from the shoulder then
-    end   with ``fan=True``, for 16 directions and for resting: how far the hand can go before the
-          limb touches (at most 0.9), and how near it comes (at most 0.5)
+    end   with ``fan=True``, for 24 directions, the first straight to the meeting, the others
+          counter-clockwise, and for resting: how far the hand can go before the limb touches (at
+          most 0.9), and how near it comes until then (at most 0.5)
     ===== ==============================================================================
 
     **End.** A catch or a touch terminates the episode, the horizon truncates it. Both are
@@ -98,8 +99,8 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     **Info**: `reward_terms`; `time` [s]; `hand` (2), in the situation's own coordinates; `outcome`
     (running, caught, touched or late); at the end `is_success`.
 
-    **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts in
-    that situation, ``options={"index": k}`` in the pool's k-th.
+    **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts
+    in that situation, ``options={"index": k}`` in the pool's k-th.
 
     Parameters
     ----------
@@ -248,8 +249,6 @@ def settings_of(
     ArenaError
         With the field that is not known or out of its range.
     """
-    from gcm_learn.envs.settings import Weights
-
     if settings is None or isinstance(settings, Mapping):
         values = dict(settings or {})
         unknown = sorted(set(values) - set(Settings.__dataclass_fields__))
@@ -262,7 +261,7 @@ def settings_of(
                 raise ArenaError(f"settings.weights: {strange[0]!r} is not one of {TERMS}")
             values["weights"] = Weights(**weights)
         settings = Settings(**values)
-    given = {"control": control, "fan": fan}
+    given: dict[str, Any] = {"control": control, "fan": fan}
     return replace(settings, **{name: v for name, v in given.items() if v is not None})
 
 

@@ -1,8 +1,8 @@
 """A cognitive map as a guide: how long it takes from anywhere to where the front met the target.
 
-The map makes the situation static: its effective obstacles stand where and when the hand would meet
-the moving ones. In that static picture the way to go is the shortest one around them, so the time to
-go solves the eikonal equation, here by fast sweeping (Zhao, Math. Comp. 74, 2005).
+The map makes the situation static: its effective obstacles stand where and when the hand would
+meet the moving ones. In that static picture the way to go is the shortest one around them, so the
+time to go solves the eikonal equation, here by fast sweeping (Zhao, Math. Comp. 74, 2005).
 """
 
 from __future__ import annotations

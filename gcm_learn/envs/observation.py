@@ -1,9 +1,9 @@
 """What an arm is told at every step: compiled code, and the table of its numbers.
 
 All numbers are dimensionless: lengths in forearms, velocities in hand speeds, times as the way that
-the hand can make in them. Vectors are in the frame of the moment, in which the hand is on the x axis
-and the elbow on the right, so situations that are turned, mirrored or slowed down look the same.
-Everything follows from the situation at t = 0 and the laws of motion.
+the hand can make in them. Vectors are in the frame of the moment, in which the hand is on the x
+axis and the elbow on the right, so situations that are turned, mirrored or slowed down look the
+same. Everything follows from the situation at t = 0 and the laws of motion.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from gcm_learn.situation.kernels import (
 )
 
 ARM, TARGET, OBSTACLE, RAY = 10, 17, 20, 2  # numbers of the arm, the target, an obstacle, a ray
-RAYS = 17  # directions of a fan, the last is to stay
+RAYS = 25  # of a fan: directions, the first to the meeting with the target, and last to rest
 REACHES = np.array([0.06, 0.12, 0.2, 0.3, 0.45, 0.65, 0.9])  # ways along a ray [forearm lengths]
 _LOOKS = 5  # instants on the straight way to the target
 _INSTANTS = 16  # at which an interception is looked for
@@ -147,7 +147,7 @@ def observe(world, state, e, slots, fan, dt, out):
     s, arms = state.place[e], world.arms
     x, y, t = state.hand[e, 0], state.hand[e, 1], state.time[e]
     bodies = bodies_of(world, s)
-    n, speed = bodies.rows.shape[0], arms[s, SPEED]
+    n = bodies.rows.shape[0]
     poses = np.zeros((n, 12))
     r = np.sqrt(x * x + y * y)
     c, sn = (x / r, y / r) if r > 1e-12 else (1.0, 0.0)
@@ -174,7 +174,11 @@ def observe(world, state, e, slots, fan, dt, out):
                        out)  # fmt: skip
         gap[b] = 1e300
     if fan:
-        _tell_fan(bodies, arms, s, e, t, x, y, c, sn, ARM + TARGET + slots * OBSTACLE, poses, out)
+        dx, dy = gx - x, gy - y
+        length = np.sqrt(dx * dx + dy * dy)
+        dx, dy = (dx / length, dy / length) if length > 1e-9 else (c, sn)
+        at = ARM + TARGET + slots * OBSTACLE
+        _tell_fan(bodies, arms, s, e, t, x, y, dx, dy, at, poses, out)
 
 
 @njit(cache=True)
@@ -195,7 +199,7 @@ def _tell_arm(arms, s, e, x, y, t, c, sn, dt, out):
 
 @njit(cache=True)
 def _motion(bodies, b, t, speed, c, sn, poses, out, e, at):
-    """Write velocity (3) and acceleration (2) of body b in hand speeds, by differences if it swings."""
+    """Write velocity (3) and acceleration (2) of body b, by differences if it swings."""
     body = bodies.rows
     if body[b, SWING] < 0.0:
         vx = (body[b, VELOCITY] + body[b, ACCELERATION] * t) / speed
@@ -291,7 +295,10 @@ def _tell_obstacle(bodies, b, arms, s, e, at, t, x, y, c, sn, gap, late, now, po
 
 @njit(cache=True)
 def _tell_fan(bodies, arms, s, e, t, x, y, c, sn, at, poses, out):
-    """For every ray how far the hand can go before the limb touches, and how near it comes."""
+    """For every ray how far the hand can go before the limb touches, and how near it comes.
+
+    The first ray is in direction (c, sn), the others follow counter-clockwise.
+    """
     n, reaches = bodies.rows.shape[0], REACHES.size
     speed, floor, rho, horizon = arms[s, SPEED], arms[s, FLOOR], arms[s, RHO], arms[s, HORIZON]
     table = np.zeros((reaches * n, 12))  # poses of all bodies, instant by instant

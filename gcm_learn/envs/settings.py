@@ -53,9 +53,9 @@ class Settings:
     slots: int = 4
     """Obstacles that are told, those that come nearest on the straight way first."""
     fan: bool = False
-    """Whether the observation ends with how far the hand can go in each of 16 directions."""
+    """Whether the observation ends with how far the hand can go in each of 24 directions."""
     joint_rate: float = 2.0
-    """Fastest joint under joint control, where the situation has no limit [hand speeds / forearm]."""
+    """Fastest joint under joint control, if the situation has no limit [hand speeds / forearm]."""
     discount: float = 0.99
     """Of the learner, for the shaping."""
     weights: Weights = field(default_factory=Weights)

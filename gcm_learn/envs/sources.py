@@ -51,8 +51,7 @@ def situations_of(source: Source, count: int, seed: int) -> list[Situation]:
 
 
 def pool_of(source: Source, count: int, seed: int) -> Pool:
-    """A pool of situations; those of families and files in which the limb does not start free are
-    left out."""
+    """A pool of situations, without those of several in which the limb does not start free."""
     found = situations_of(source, count, seed)
     if not isinstance(source, Situation):
         found = [s for s in found if start_clearance(s, pack(s)) > 0.0]

@@ -9,9 +9,9 @@ from matplotlib.patches import Polygon as Patch
 
 from gcm_learn.arm.kinematics import elbow_position
 from gcm_learn.plots import style
-from gcm_learn.situation.outlines import outline
 from gcm_learn.situation import Arm, Body, Situation
 from gcm_learn.situation.bodies import pose
+from gcm_learn.situation.outlines import outline
 
 
 def draw_workspace(

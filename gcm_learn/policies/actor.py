@@ -1,0 +1,121 @@
+"""A trained policy as plain arrays: acts without torch, for one arm or for many."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from gcm_learn.envs.settings import Settings
+from gcm_learn.errors import PolicyError
+from gcm_learn.policies.directions import velocities
+
+FORMAT = "gcm-learn/actor@1"
+FILE = "actor.npz"
+CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
+
+
+@dataclass(frozen=True)
+class Actor:
+    """A multilayer perceptron, with what it takes to feed it."""
+
+    layers: tuple[tuple[np.ndarray, np.ndarray], ...]
+    """Weights (out, in) and biases (out,) of each layer, float32."""
+    mean: np.ndarray
+    """Of observations (width,)."""
+    deviation: np.ndarray
+    """Of observations (width,)."""
+    head: Literal["choice", "velocity"]
+    """Whether the last layer scores choices, or is the action."""
+    activation: Literal["relu", "tanh"]
+    squash: bool
+    """Whether the action is the tanh of the last layer."""
+    spread: np.ndarray
+    """Logarithm of the deviations of sampled actions (2,); of no use to choices."""
+    settings: Settings
+    """Of the arena in which it was trained."""
+
+    def scores(self, observations: np.ndarray) -> np.ndarray:
+        """Last layer (n, out) for observations (n, width)."""
+        x = np.clip((observations - self.mean) / self.deviation, -CLIP, CLIP).astype(np.float32)
+        for weights, bias in self.layers[:-1]:
+            x = x @ weights.T + bias
+            x = np.maximum(x, 0.0) if self.activation == "relu" else np.tanh(x)
+        weights, bias = self.layers[-1]
+        return x @ weights.T + bias
+
+    def act(self, observations: np.ndarray, rng: np.random.Generator | None = None) -> np.ndarray:
+        """Actions (n, 2): the most likely ones, or drawn if there is a generator."""
+        scores = self.scores(observations)
+        if self.head == "choice":
+            if rng is not None:  # Gumbel's trick draws from the softmax
+                scores = scores - np.log(-np.log(rng.random(scores.shape)))
+            return velocities(observations, scores.argmax(axis=1))
+        if rng is not None:
+            scores = scores + np.exp(self.spread) * rng.standard_normal(scores.shape)
+        return np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)
+
+    def save(self, folder: Path) -> Path:
+        """Write it into a folder as arrays; returns the file."""
+        header = {
+            "format": FORMAT,
+            "head": self.head,
+            "activation": self.activation,
+            "squash": self.squash,
+            "settings": settings_to_json(self.settings),
+        }
+        arrays: dict[str, Any] = {f"w{k}": w for k, (w, _) in enumerate(self.layers)}
+        arrays |= {f"b{k}": b for k, (_, b) in enumerate(self.layers)}
+        temporary = folder / f"{FILE}.tmp"
+        with open(temporary, "wb") as stream:
+            np.savez_compressed(
+                stream, header=np.array(json.dumps(header)), mean=self.mean,
+                deviation=self.deviation, spread=self.spread, **arrays,
+            )  # fmt: skip
+        return temporary.replace(folder / FILE)
+
+    @classmethod
+    def load(cls, folder: Path) -> Actor:
+        """Read it.
+
+        Raises
+        ------
+        PolicyError
+            One line, if there is none.
+        """
+        path = folder / FILE
+        if not path.exists():
+            raise PolicyError(f"{path}: there is no trained policy")
+        with np.load(path, allow_pickle=False) as file:
+            header = json.loads(str(file["header"]))
+            if header.get("format") != FORMAT:
+                raise PolicyError(f"{path}: is not {FORMAT} but {header.get('format')!r}")
+            count = sum(name.startswith("w") for name in file.files)
+            return cls(
+                layers=tuple((file[f"w{k}"], file[f"b{k}"]) for k in range(count)),
+                mean=file["mean"],
+                deviation=file["deviation"],
+                head=header["head"],
+                activation=header["activation"],
+                squash=header["squash"],
+                spread=file["spread"],
+                settings=settings_from_json(header["settings"]),
+            )
+
+
+def settings_to_json(settings: Settings) -> dict[str, Any]:
+    """Settings as JSON values."""
+    from dataclasses import asdict
+
+    return asdict(settings)
+
+
+def settings_from_json(values: Mapping[str, Any]) -> Settings:
+    """Settings from JSON values."""
+    from gcm_learn.envs.catch_arm import settings_of
+
+    return settings_of(values)

@@ -1,0 +1,74 @@
+"""The card of a trained policy: what it was made of and how good it is."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from gcm_learn.policies.actor import FILE
+from gcm_learn.policies.plan import TrainingPlan
+
+CARD = "card.md"
+
+
+def write_card(
+    folder: Path,
+    plan: TrainingPlan,
+    steps: int,
+    scores: Mapping[str, float],
+    sizes: Mapping[str, int],
+) -> Path:
+    """Write the card; returns its path."""
+    digest = hashlib.sha256((folder / FILE).read_bytes()).hexdigest()[:16]
+    sources = "; ".join(_told(share) for share in plan.situations)
+    judged = "; ".join(_told(share) for share in plan.validation)
+    lines = [
+        f"# {folder.name}",
+        "",
+        f"- made by: `gcm-learn train-policy CONFIG --out {folder.name}`, configuration in "
+        "`config.json`",
+        f"- algorithm: {plan.algo}, actions: {plan.actions}, seed {plan.seed}",
+        f"- steps: {steps} (of {plan.n_timesteps}; the best on the validation situations is kept)",
+        f"- trained on: {sources}",
+        f"- begun with: {plan.start or 'nothing'}",
+        f"- `{FILE}`: sha256 {digest}...",
+        "",
+        f"Validation situations ({judged}), most likely actions, 95 % intervals (Wilson):",
+        "",
+        "| group | situations | caught | touched |",
+        "|---|---|---|---|",
+    ]
+    total = sum(sizes.values())
+    for group, n in [("all", total), *sizes.items()]:
+        tail = "" if group == "all" else f" {group}"
+        caught, touched = scores[f"caught{tail}"], scores[f"touched{tail}"]
+        lines.append(f"| {group} | {n} | {_interval(caught, n)} | {_interval(touched, n)} |")
+    lines += [
+        "",
+        "The validation situations chose the checkpoint, so these figures flatter a little. Known",
+        "limits: bodies are told exactly; at most four obstacles are told; steps of 0.02 s.",
+    ]
+    path = folder / CARD
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+    return path
+
+
+def _told(share: object) -> str:
+    values = {name: v for name, v in vars(share).items() if v not in ("", (), None)}
+    source = values.pop("source")
+    return f"{source} ({', '.join(f'{k} {_plain(v)}' for k, v in values.items())})"
+
+
+def _plain(value: object) -> str:
+    return "+".join(value) if isinstance(value, tuple) else str(value)
+
+
+def _interval(share: float, n: int) -> str:
+    """Share with Wilson's interval, in per cent."""
+    z = 1.96
+    middle = (share + z * z / (2 * n)) / (1 + z * z / n)
+    half = z / (1 + z * z / n) * np.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
+    return f"{share:.1%} ({middle - half:.1%} to {middle + half:.1%})"

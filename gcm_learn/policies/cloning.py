@@ -1,0 +1,111 @@
+"""Behaviour cloning: a network learns which choice the demonstrations make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from torch import nn
+
+from gcm_learn.envs.observation import RAYS
+from gcm_learn.envs.settings import Settings
+from gcm_learn.policies.actor import Actor
+from gcm_learn.policies.demonstrations import Demonstrations
+from gcm_learn.policies.directions import choices_of
+from gcm_learn.seeding import rng
+
+LEAST_DEVIATION = 1e-3  # numbers that hardly vary are not blown up
+Report = Callable[[dict[str, float]], Any]
+
+
+@dataclass(frozen=True)
+class Cloning:
+    """How a clone is trained."""
+
+    layers: tuple[int, ...] = (256, 256)
+    epochs: int = 10
+    batch: int = 2048
+    rate: float = 1e-3
+    """Of learning at the start; it falls to 0 as a cosine does."""
+    decay: float = 1e-5
+    """Of weights."""
+    held_out: float = 0.02
+    """Share of the demonstrations that only measure."""
+
+
+def clone(
+    demonstrations: Demonstrations,
+    settings: Settings,
+    how: Cloning,
+    seed: int,
+    report: Report | None = None,
+) -> Actor:
+    """Train a clone.
+
+    Parameters
+    ----------
+    report : callable, optional
+        Called after every epoch with its losses and accuracy.
+    """
+    told = demonstrations.observations
+    choices = choices_of(told, demonstrations.actions)
+    mean, deviation = told.mean(axis=0), np.maximum(told.std(axis=0), LEAST_DEVIATION)
+    source = rng(seed)
+    order = source.permutation(len(told))
+    held = order[: max(int(how.held_out * len(told)), 1)]
+    rest = order[len(held) :]
+    torch.manual_seed(seed)
+    network = perceptron(told.shape[1], how.layers, RAYS)
+    optimiser = torch.optim.AdamW(network.parameters(), how.rate, weight_decay=how.decay)
+    steps = how.epochs * -(-len(rest) // how.batch)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
+
+    def batch_of(rows: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
+        scaled = np.clip((told[rows] - mean) / deviation, -10.0, 10.0).astype(np.float32)
+        return torch.from_numpy(scaled), torch.from_numpy(choices[rows])
+
+    for epoch in range(how.epochs):
+        source.shuffle(rest)
+        total = 0.0
+        for at in range(0, len(rest), how.batch):
+            inputs, wanted = batch_of(rest[at : at + how.batch])
+            loss = nn.functional.cross_entropy(network(inputs), wanted)
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+            schedule.step()
+            total += float(loss.detach()) * len(inputs)
+        if report is not None:
+            with torch.no_grad():
+                inputs, wanted = batch_of(held)
+                scores = network(inputs)
+                lost = float(nn.functional.cross_entropy(scores, wanted))
+                right = float((scores.argmax(dim=1) == wanted).float().mean())
+            report({"epoch": epoch + 1, "loss": total / len(rest), "held_out_loss": lost,
+                    "accuracy": right})  # fmt: skip
+    return Actor(
+        layers=layers_of(network), mean=mean, deviation=deviation, head="choice",
+        activation="relu", squash=False, spread=np.zeros(2), settings=settings,
+    )  # fmt: skip
+
+
+def perceptron(width: int, layers: tuple[int, ...], outputs: int) -> nn.Sequential:
+    """A multilayer perceptron with rectifiers."""
+    parts: list[nn.Module] = []
+    for size in layers:
+        parts += [nn.Linear(width, size), nn.ReLU()]
+        width = size
+    return nn.Sequential(*parts, nn.Linear(width, outputs))
+
+
+def layers_of(network: nn.Module) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Weights and biases of the linear layers, in order."""
+    linear = [m for m in network.modules() if isinstance(m, nn.Linear)]
+    return tuple((_array(m.weight), _array(m.bias)) for m in linear)
+
+
+def _array(tensor: torch.Tensor) -> np.ndarray:
+    return tensor.detach().cpu().numpy().astype(np.float32)

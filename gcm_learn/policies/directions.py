@@ -1,0 +1,38 @@
+"""Actions as a choice: one of 24 directions at full speed, or to rest.
+
+The first direction leads straight to where the target can be met, the others follow
+counter-clockwise: they are the rays of the observation's fan, so what is told of a ray is told of a
+choice. A choice can have several good answers, left and right of an obstacle; a mean of them would
+lead into it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.envs.observation import ARM, RAYS
+
+REST = RAYS - 1
+MEETING = ARM + 14  # the direction of the meeting in an observation
+_SLOW = 0.25  # hands slower than this rest [hand speeds]
+
+
+def velocities(observations: np.ndarray, choices: np.ndarray) -> np.ndarray:
+    """Actions (n, 2) of choices (n,) under observations (n, width)."""
+    angle = _straight(observations) + choices * (2.0 * np.pi / REST)
+    out = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    out[choices == REST] = 0.0
+    return out
+
+
+def choices_of(observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
+    """The choices (n,) nearest to actions (n, 2)."""
+    angle = np.arctan2(actions[:, 1], actions[:, 0]) - _straight(observations)
+    nearest = np.round(angle * (REST / (2.0 * np.pi))).astype(np.int64) % REST
+    return np.where(np.hypot(*actions.T) < _SLOW, REST, nearest)
+
+
+def _straight(observations: np.ndarray) -> np.ndarray:
+    """Direction (n,) in which the target can be met [rad]."""
+    x, y = observations[:, MEETING].astype(float), observations[:, MEETING + 1].astype(float)
+    return np.arctan2(y, x)

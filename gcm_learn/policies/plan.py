@@ -1,0 +1,146 @@
+"""What a training run is: a hyperparameter file in the form of rl_zoo3, checked.
+
+One entry, named after the environment. What rl_zoo3 knows means what it means there; ours are
+`algo` (rl_zoo3 takes it from the file's name), `actions`, `situations`, `validation`, `settings`,
+`start`, `clone` and `seed`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from gcm_learn.envs.catch_arm import settings_of
+from gcm_learn.envs.settings import Settings
+from gcm_learn.errors import FileFormatError, GcmError, MissingExtraError, PolicyError
+
+ENVIRONMENT = "CatchArm-v0"
+ALGORITHMS = ("clone", "ppo", "sac", "tqc")
+
+
+@dataclass(frozen=True)
+class Share:
+    """Situations of one kind, of several that training is drawn from."""
+
+    source: str
+    """A family's name, a dataset's folder or a file of situations."""
+    count: int = 2000
+    """How many of them."""
+    strata: tuple[str, ...] = ()
+    """Of a dataset, only records of these; of a family, only what `layered` catches if not
+    empty."""
+    split: str = "train"
+    """Of a dataset."""
+    seed: int = 0
+    """Of a family."""
+
+
+@dataclass(frozen=True)
+class TrainingPlan:
+    """Everything that decides what comes of a run, up to the arithmetic of torch."""
+
+    algo: Literal["clone", "ppo", "sac", "tqc"]
+    situations: tuple[Share, ...]
+    """What is trained on."""
+    validation: tuple[Share, ...]
+    """What checkpoints are compared on."""
+    n_timesteps: int = 0
+    """Steps of all arms together; clones need none."""
+    n_envs: int = 64
+    """Arms at once."""
+    normalize: bool = True
+    """Whether observations are scaled by their running mean and deviation."""
+    actions: Literal["choice", "velocity"] = "choice"
+    seed: int = 0
+    settings: Settings = field(default_factory=lambda: Settings(fan=True))
+    """Of the arena."""
+    start: str = ""
+    """Folder of a trained policy whose network is the start, e.g. a clone."""
+    evaluate_every: int = 250_000
+    """Steps between evaluations, each of which leaves a checkpoint."""
+    hyperparameters: Mapping[str, Any] = field(default_factory=dict)
+    """Of the algorithm, as Stable-Baselines3 or `Cloning` name them."""
+
+    def __post_init__(self) -> None:
+        if self.algo not in ALGORITHMS:
+            raise PolicyError(f"algo: {self.algo!r} is not one of {', '.join(ALGORITHMS)}")
+        if self.actions not in ("choice", "velocity"):
+            raise PolicyError(f"actions: {self.actions!r} is not one of choice, velocity")
+        if self.algo in ("sac", "tqc") and self.actions == "choice":
+            raise PolicyError(f"actions: {self.algo} needs velocity")
+        if self.algo != "clone" and self.n_timesteps < 1:
+            raise PolicyError(f"n_timesteps: must be at least 1 (got {self.n_timesteps})")
+        for name in ("n_envs", "evaluate_every"):
+            if getattr(self, name) < 1:
+                raise PolicyError(f"{name}: must be at least 1 (got {getattr(self, name)})")
+        for name in ("situations", "validation"):
+            if not getattr(self, name):
+                raise PolicyError(f"{name}: there is none")
+
+
+def read_plan(path: Path) -> TrainingPlan:
+    """Read a hyperparameter file.
+
+    Raises
+    ------
+    FileFormatError
+        One line that names file and field.
+    """
+    try:
+        import yaml
+    except ImportError:
+        raise MissingExtraError("reading hyperparameters", "PyYAML", "rl") from None
+    try:
+        content = yaml.safe_load(path.read_text("utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "is not UTF-8 text"
+        raise FileFormatError(f"{path}:1: cannot be read ({reason})") from None
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = 1 if mark is None else mark.line + 1
+        raise FileFormatError(f"{path}:{line}: not valid YAML") from None
+    if not isinstance(content, Mapping) or ENVIRONMENT not in content:
+        raise FileFormatError(f"{path}:1: must hold an entry {ENVIRONMENT}")
+    try:
+        return plan_of(content[ENVIRONMENT])
+    except (GcmError, TypeError, ValueError) as error:
+        raise FileFormatError(f"{path}:1: {ENVIRONMENT}.{error}") from None
+
+
+def plan_of(entry: Mapping[str, Any]) -> TrainingPlan:
+    """A plan from the entry of a hyperparameter file; numbers may be written as 1e6."""
+    values = dict(entry)
+    known = {f.name for f in dataclasses.fields(TrainingPlan)} - {"hyperparameters"}
+    given = {name: values.pop(name) for name in list(values) if name in known}
+    if "algo" not in given:
+        raise PolicyError(f"algo: is missing (one of {', '.join(ALGORITHMS)})")
+    for name in ("situations", "validation"):
+        given[name] = tuple(_share(item, name) for item in given.get(name, ()))
+    for name in ("n_timesteps", "n_envs", "seed", "evaluate_every"):
+        if name in given:
+            given[name] = int(float(given[name]))
+    if "settings" in given:
+        given["settings"] = settings_of(given["settings"])
+    return TrainingPlan(**given, hyperparameters={k: _number(v) for k, v in values.items()})
+
+
+def _share(item: Mapping[str, Any], name: str) -> Share:
+    known = {f.name for f in dataclasses.fields(Share)}
+    if not isinstance(item, Mapping) or set(item) - known or "source" not in item:
+        raise PolicyError(f"{name}: each must have source, and may have {', '.join(sorted(known))}")
+    values = dict(item)
+    values["strata"] = tuple(values.get("strata", ()))
+    return Share(**values)
+
+
+def _number(value: Any) -> Any:
+    """YAML reads 3e-4 as text."""
+    if isinstance(value, str):
+        try:
+            return float(value)
+        except ValueError:
+            return value
+    return value

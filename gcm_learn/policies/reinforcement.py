@@ -1,0 +1,149 @@
+"""PPO, SAC and TQC of Stable-Baselines3 in the batched arena, and their actors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.vec_env import VecNormalize
+from torch import nn
+
+from gcm_learn.envs.pool import Pool
+from gcm_learn.errors import MissingExtraError, PolicyError
+from gcm_learn.policies.actor import CLIP, Actor
+from gcm_learn.policies.cloning import layers_of
+from gcm_learn.policies.plan import TrainingPlan
+from gcm_learn.policies.vec_env import ArenaVecEnv
+
+MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.pkl", "buffer.pkl"
+_EPSILON = 1e-8  # of VecNormalize
+_NETWORK = "256,256"
+
+
+def algorithm(name: str) -> type[BaseAlgorithm]:
+    """The class behind a name; TQC is one of sb3-contrib."""
+    if name == "tqc":
+        try:
+            from sb3_contrib import TQC
+        except ImportError:
+            raise MissingExtraError("tqc", "sb3-contrib", "rl") from None
+        return TQC
+    return {"ppo": PPO, "sac": SAC}[name]
+
+
+def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
+    """A learner at its beginning."""
+    env = normalised(plan, pool)
+    wanted = dict(plan.hyperparameters)
+    layers = [int(n) for n in str(wanted.pop("net_arch", _NETWORK)).split(",")]
+    policy = str(wanted.pop("policy", "MlpPolicy"))
+    networks: Any = {"pi": layers, "vf": layers} if plan.algo == "ppo" else layers
+    for name in ("n_steps", "batch_size", "n_epochs", "buffer_size", "learning_starts",
+                 "train_freq", "gradient_steps"):  # fmt: skip
+        if name in wanted:
+            wanted[name] = int(wanted[name])
+    try:
+        model = algorithm(plan.algo)(
+            policy, env, seed=plan.seed, tensorboard_log=str(logs), device="cpu",
+            policy_kwargs={"net_arch": networks, "activation_fn": nn.ReLU}, **wanted,
+        )  # fmt: skip
+    except TypeError as error:
+        raise PolicyError(str(error).replace("\n", " ")) from None
+    if plan.start:
+        begin_as(model, Actor.load(Path(plan.start)))
+    return model
+
+
+def normalised(plan: TrainingPlan, pool: Pool) -> VecNormalize:
+    """The batched arena; observations are scaled by running statistics if the plan says so."""
+    env = ArenaVecEnv(pool, plan.n_envs, plan.settings, plan.seed, choices=plan.actions == "choice")
+    gamma = float(plan.hyperparameters.get("gamma", 0.99))
+    return VecNormalize(
+        env,
+        norm_obs=plan.normalize,
+        norm_reward=False,
+        clip_obs=CLIP,
+        gamma=gamma,
+        epsilon=_EPSILON,
+    )
+
+
+def begin_as(model: BaseAlgorithm, actor: Actor) -> None:
+    """Let a learner begin with an actor's network and scaling, which then stays.
+
+    The critic begins anew.
+    """
+    env = model.get_env()
+    if not isinstance(model, PPO) or not isinstance(env, VecNormalize):
+        raise PolicyError("start: only ppo can begin with a trained policy")
+    linear = [m for m in model.policy.mlp_extractor.policy_net if isinstance(m, nn.Linear)]
+    linear.append(model.policy.action_net)
+    shapes = [tuple(m.weight.shape) for m in linear]
+    if shapes != [w.shape for w, _ in actor.layers]:
+        raise PolicyError(f"start: its layers are {[w.shape for w, _ in actor.layers]}")
+    with torch.no_grad():
+        for module, (weights, bias) in zip(linear, actor.layers, strict=True):
+            module.weight.copy_(torch.from_numpy(weights))
+            module.bias.copy_(torch.from_numpy(bias))
+    env.obs_rms.mean[:] = actor.mean
+    env.obs_rms.var[:] = actor.deviation.astype(float) ** 2
+    env.obs_rms.count = 1e12  # statistics of the demonstrations: new ones hardly move them
+
+
+def actor_of(model: BaseAlgorithm, plan: TrainingPlan) -> Actor:
+    """The learner's present policy as plain arrays."""
+    env = model.get_env()
+    assert isinstance(env, VecNormalize)
+    width = plan.settings.width
+    mean, deviation = np.zeros(width), np.ones(width)
+    if plan.normalize:
+        mean, deviation = env.obs_rms.mean.copy(), np.sqrt(env.obs_rms.var + _EPSILON)
+    choice, spread = plan.actions == "choice", np.zeros(2)
+    if isinstance(model, PPO):
+        policy = model.policy
+        layers = layers_of(policy.mlp_extractor.policy_net) + layers_of(policy.action_net)
+        if not choice:
+            spread = policy.log_std.detach().numpy().astype(float)
+    else:
+        policy = model.policy.actor
+        layers = layers_of(policy.latent_pi) + layers_of(policy.mu)
+    return Actor(
+        layers=layers, mean=mean, deviation=deviation, head="choice" if choice else "velocity",
+        activation="relu", squash=not choice and plan.algo != "ppo", spread=spread,
+        settings=replace(plan.settings),
+    )  # fmt: skip
+
+
+def keep(model: BaseAlgorithm, folder: Path) -> None:
+    """Write everything that going on needs; each file is replaced when it is whole."""
+    env = model.get_env()
+    assert isinstance(env, VecNormalize)
+    model.save(folder / "model.tmp.zip")
+    (folder / "model.tmp.zip").replace(folder / MODEL)
+    env.save(str(folder / "normalisation.tmp"))
+    (folder / "normalisation.tmp").replace(folder / STATISTICS)
+    if hasattr(model, "save_replay_buffer"):
+        model.save_replay_buffer(folder / "buffer.tmp.pkl")
+        (folder / "buffer.tmp.pkl").replace(folder / BUFFER)
+
+
+def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
+    """The learner that was kept in a folder."""
+    fresh = normalised(plan, pool)
+    env = VecNormalize.load(str(folder / STATISTICS), fresh.venv)
+    model = algorithm(plan.algo).load(folder / MODEL, env=env, device="cpu")
+    if (folder / BUFFER).exists():
+        model.load_replay_buffer(folder / BUFFER)  # type: ignore[attr-defined]
+    env.venv.seed(plan.seed + 1 + model.num_timesteps)  # other situations than at the beginning
+    return model
+
+
+def logged(model: BaseAlgorithm) -> Mapping[str, float]:
+    """What the learner last logged."""
+    return {name: float(v) for name, v in model.logger.name_to_value.items()}

@@ -1,0 +1,130 @@
+"""The situations of a training run, and the catches that are shown in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gcm_learn import seeding
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.envs.pool import Pool
+from gcm_learn.envs.sources import SALT
+from gcm_learn.errors import PolicyError
+from gcm_learn.families import draw, family_names
+from gcm_learn.planners import get_planner
+from gcm_learn.planners.plan import Plan
+from gcm_learn.policies.plan import Share
+from gcm_learn.situation import Situation, read_situations
+from gcm_learn.situation.canonical import canonical
+
+PLANNER = "layered"  # whose catches are shown
+Told = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Lot:
+    """Situations, what is known of them, and catches where they were asked for."""
+
+    situations: list[Situation]
+    """In their canonical form."""
+    groups: list[str]
+    """Stratum, or the source where it is not known."""
+    ways: list[Trajectory | None]
+    """Of the planner's catch, in canonical coordinates; None if there is none."""
+
+    @property
+    def pool(self) -> Pool:
+        """Packed for the arena."""
+        return Pool.of(self.situations)
+
+    def shown(self) -> Lot:
+        """Only what has a catch."""
+        rows = [i for i, way in enumerate(self.ways) if way is not None]
+        return Lot(
+            [self.situations[i] for i in rows],
+            [self.groups[i] for i in rows],
+            [self.ways[i] for i in rows],
+        )
+
+
+def gather(shares: Sequence[Share], *, plans: bool, tell: Told | None = None) -> Lot:
+    """Draw or read situations; in all of them the limb starts free.
+
+    Parameters
+    ----------
+    shares : sequence of Share
+    plans : bool
+        Whether catches are wanted: those of a dataset's records, or planned now.
+    tell : callable, optional
+        Called with a sentence for each share.
+    """
+    lot = Lot([], [], [])
+    for share in shares:
+        part = _records(share) if Path(share.source).is_dir() else _drawn(share, plans)
+        if not part.situations:
+            raise PolicyError(f"situations: nothing of {share.source!r} fits")
+        for mine, more in zip(_lists(lot), _lists(part), strict=True):
+            mine.extend(more)
+        if tell is not None:
+            tell(f"{len(part.situations)} situations of {share.source}")
+    return lot
+
+
+def _lists(lot: Lot) -> tuple[list, list, list]:
+    return lot.situations, lot.groups, lot.ways
+
+
+def _records(share: Share) -> Lot:
+    """Records of a dataset."""
+    from gcm_learn import dataset  # needs pyarrow
+
+    found = dataset.open(share.source).where(split=share.split)
+    if share.strata:
+        found = found.where(stratum=share.strata)
+    lot = Lot([], [], [])
+    for k in range(min(share.count, len(found))):
+        record = found[k]
+        plan = record.plans.get(PLANNER)
+        lot.situations.append(record.situation)
+        lot.groups.append(record.stratum)
+        lot.ways.append(_way(plan))
+    return lot
+
+
+def _drawn(share: Share, plans: bool) -> Lot:
+    """Situations of a family or file, in canonical form; planned for if need be."""
+    lot, planner = Lot([], [], []), get_planner(PLANNER)
+    for drawn in _sources(share):
+        situation, _ = canonical(drawn)
+        plan: Plan | None = None
+        if plans or share.strata:
+            plan = planner.plan(situation)
+            if share.strata and not plan.caught:
+                continue
+        lot.situations.append(situation)
+        lot.groups.append(share.source)
+        lot.ways.append(_way(plan))
+    return lot
+
+
+def _sources(share: Share) -> list[Situation]:
+    if share.source not in family_names():
+        path = Path(share.source)
+        if not path.exists():
+            raise PolicyError(f"situations: {share.source!r} is no family, file or dataset")
+        return read_situations(path)[: share.count]
+    root = int(seeding.rng(share.seed, SALT).integers(2**62))
+    return [draw(share.source, root, k) for k in range(share.count)]
+
+
+def _way(plan: Plan | None) -> Trajectory | None:
+    return plan.trajectory if plan is not None and plan.caught else None
+
+
+def by_group(groups: Sequence[str], values: np.ndarray) -> dict[str, float]:
+    """Means of values (n,) by group."""
+    names = np.array(groups)
+    return {str(g): float(np.mean(values[names == g])) for g in sorted(set(groups))}

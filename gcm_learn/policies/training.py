@@ -1,0 +1,191 @@
+"""Training runs: from a plan to a folder with a trained policy and its card."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from gcm_learn.envs.guidance import fields_of
+from gcm_learn.envs.pool import Pool
+from gcm_learn.errors import PolicyError
+from gcm_learn.policies.actor import Actor, settings_to_json
+from gcm_learn.policies.card import write_card
+from gcm_learn.policies.cloning import Cloning, clone
+from gcm_learn.policies.demonstrations import act_out
+from gcm_learn.policies.plan import TrainingPlan
+from gcm_learn.policies.score import score
+from gcm_learn.policies.situations import Lot, gather
+
+CONFIG, LOG, STATE = "config.json", "log.jsonl", "state.json"
+_PART = 1000  # situations that are acted out at once
+Told = Callable[[str], object]
+
+
+@dataclass
+class Run:
+    """A training run in its folder."""
+
+    plan: TrainingPlan
+    folder: Path
+    tell: Told
+    started: float = 0.0
+
+    def log(self, row: dict[str, Any]) -> None:
+        """Append a row to the run's log."""
+        with open(self.folder / LOG, "a", encoding="utf-8") as stream:
+            stream.write(json.dumps(row) + "\n")
+
+    @property
+    def seconds(self) -> float:
+        """Since this process took the run up."""
+        return time.perf_counter() - self.started
+
+
+def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, float]:
+    """Train, or go on training, what a plan says.
+
+    Parameters
+    ----------
+    plan : TrainingPlan
+    folder : Path
+        Where the policy, its checkpoints, log and card are kept. A run that was interrupted goes
+        on from its last checkpoint.
+    tell : callable
+        Called with sentences about the progress.
+
+    Returns
+    -------
+    dict
+        Scores of the policy that is kept, the best on the validation situations.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    run = Run(plan, folder, tell, time.perf_counter())
+    _claim(run)
+    torch.set_num_threads(1)
+    judged = gather(plan.validation, plans=False, tell=lambda s: tell(f"validation: {s}"))
+    shown = gather(plan.situations, plans=plan.algo == "clone", tell=lambda s: tell(s))
+    judge = _Judge(run, judged.pool, judged.groups)
+    if plan.algo == "clone":
+        _clone(run, shown.shown(), judge)
+    else:
+        _reinforce(run, _guided(plan, shown.pool, tell), judge)
+    write_card(folder, plan, judge.best, judge.scores, judge.sizes)
+    return judge.scores
+
+
+def _claim(run: Run) -> None:
+    """Write the plan, or refuse a folder in which another one is under way."""
+    text = json.dumps(plan_to_json(run.plan), indent=1) + "\n"
+    path = run.folder / CONFIG
+    if path.exists():
+        old = json.loads(path.read_text("utf-8"))
+        new = json.loads(text)
+        for both in (old, new):
+            both.pop("n_timesteps", None)  # more steps continue a run
+        if old != new:
+            fields = sorted(f for f in new if old.get(f) != new[f])
+            raise PolicyError(f"{path}: another run, whose {', '.join(fields)} differ")
+    path.write_text(text, "utf-8")
+
+
+def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
+    """A plan as JSON values."""
+    values = {name: getattr(plan, name) for name in plan.__dataclass_fields__}
+    values["settings"] = settings_to_json(plan.settings)
+    values["hyperparameters"] = dict(plan.hyperparameters)
+    for name in ("situations", "validation"):
+        values[name] = [dict(vars(share), strata=list(share.strata)) for share in values[name]]
+    return values
+
+
+def _guided(plan: TrainingPlan, pool: Pool, tell: Told) -> Pool:
+    """The pool with maps' times to go if the reward wants them."""
+    if plan.settings.weights.guide == 0.0:
+        return pool
+    tell(f"making maps of {len(pool)} situations")
+    return pool.guided(fields_of(pool.situations))
+
+
+class _Judge:
+    """Scores actors on the validation situations and keeps the best."""
+
+    def __init__(self, run: Run, pool: Pool, groups: list[str]) -> None:
+        self.run, self.pool, self.groups = run, pool, groups
+        self.best, self.scores = 0, dict[str, float]()
+        self.sizes = {g: groups.count(g) for g in sorted(set(groups))}
+        path = run.folder / STATE
+        if path.exists():
+            state = json.loads(path.read_text("utf-8"))
+            self.best, self.scores = state["best"], state["scores"]
+
+    def see(self, actor: Actor, steps: int, more: dict[str, float]) -> None:
+        """Score an actor; keep it if it is the best so far."""
+        # The maps are of no use here: an actor is judged by what it does.
+        plain = replace(actor.settings, weights=replace(actor.settings.weights, guide=0.0))
+        scores = score(replace(actor, settings=plain), self.pool, self.groups)
+        self.run.log({"steps": steps, "seconds": round(self.run.seconds, 1), **scores, **more})
+        self.run.tell(
+            f"{steps} steps, {self.run.seconds:.0f} s: {scores['caught']:.1%} caught, "
+            f"{scores['touched']:.1%} touched"
+        )
+        if scores["caught"] >= self.scores.get("caught", -1.0):
+            self.best, self.scores = steps, scores
+            actor.save(self.run.folder)
+        state = {"best": self.best, "scores": self.scores}
+        (self.run.folder / STATE).write_text(json.dumps(state) + "\n", "utf-8")
+
+
+def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
+    """Act catches out and clone them."""
+    plan, parts = run.plan, []
+    for first in range(0, len(shown.situations), _PART):
+        rows = slice(first, first + _PART)
+        ways = [way for way in shown.ways[rows] if way is not None]
+        parts.append(act_out(Pool.of(shown.situations[rows]), ways, plan.settings))
+    demonstrations = parts[0]
+    for part in parts[1:]:
+        demonstrations = demonstrations.joined(part)
+    run.tell(f"{len(demonstrations.actions)} steps of {len(shown.situations)} catches")
+    values = dict(plan.hyperparameters)
+    layers = tuple(int(n) for n in str(values.pop("net_arch", "256,256")).split(","))
+    counts = {name: int(values.pop(name)) for name in ("epochs", "batch") if name in values}
+    try:
+        how = Cloning(layers=layers, **counts, **values)
+    except TypeError as error:
+        raise PolicyError(str(error)) from None
+
+    def report(row: dict[str, float]) -> None:
+        run.log({"seconds": round(run.seconds, 1), **row})
+        run.tell(f"epoch {row['epoch']:.0f}: loss {row['held_out_loss']:.3f} on what is held out")
+
+    judge.see(clone(demonstrations, plan.settings, how, plan.seed, report), 0, {})
+
+
+def _reinforce(run: Run, pool: Pool, judge: _Judge) -> None:
+    """Let a learner act and learn, judged and kept every so often."""
+    from gcm_learn.policies import reinforcement as rl
+
+    plan, folder = run.plan, run.folder
+    if (folder / rl.MODEL).exists():
+        model = rl.go_on(plan, pool, folder)
+        run.tell(f"going on after {model.num_timesteps} steps")
+    else:
+        model = rl.make(plan, pool, folder / "tensorboard")
+        judge.see(rl.actor_of(model, plan), 0, {})
+    while model.num_timesteps < plan.n_timesteps:
+        left = plan.n_timesteps - model.num_timesteps
+        model.learn(
+            min(plan.evaluate_every, left), reset_num_timesteps=False, tb_log_name=plan.algo,
+            progress_bar=False,
+        )  # fmt: skip
+        episodes = list(model.ep_info_buffer or [])
+        mean = float(np.mean([e["r"] for e in episodes])) if episodes else 0.0
+        rl.keep(model, folder)
+        judge.see(rl.actor_of(model, plan), model.num_timesteps, {"return": mean})

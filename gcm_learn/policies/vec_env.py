@@ -1,0 +1,113 @@
+"""The batched arena as Stable-Baselines3 wants it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from stable_baselines3.common.vec_env import VecEnv
+
+from gcm_learn.envs import kernels as k
+from gcm_learn.envs.arena import Arena
+from gcm_learn.envs.catch_arm import box
+from gcm_learn.envs.observation import RAYS
+from gcm_learn.envs.pool import Pool
+from gcm_learn.envs.settings import OUTCOMES, Settings
+from gcm_learn.policies.directions import velocities
+from gcm_learn.seeding import rng
+
+
+class ArenaVecEnv(VecEnv):
+    """Arms that begin a new episode in the step that ends one.
+
+    The horizon ends an episode for good (no ``TimeLimit.truncated``): the time left is told, and
+    nothing can be gained afterwards.
+
+    Parameters
+    ----------
+    pool : Pool
+    count : int
+        Number of arms.
+    settings : Settings
+    seed : int
+        Of the order in which situations come.
+    choices : bool
+        Whether actions are choices of a direction instead of velocities.
+    """
+
+    def __init__(
+        self, pool: Pool, count: int, settings: Settings, seed: int, *, choices: bool
+    ) -> None:
+        self.arena, self.choices = Arena(pool, count, settings), choices
+        velocity = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        actions = spaces.Discrete(RAYS) if choices else velocity
+        super().__init__(count, box(settings.width), actions)
+        self.render_mode = None
+        self._source = rng(seed)
+        self._actions = np.zeros((count, 2))
+        self._sums, self._lengths = np.zeros(count), np.zeros(count, np.int64)
+
+    def reset(self) -> np.ndarray:
+        """Begin all episodes."""
+        self.arena.put(np.arange(self.num_envs), self._drawn(self.num_envs))
+        self._sums[:], self._lengths[:] = 0.0, 0
+        return self.arena.observations.copy()
+
+    def _drawn(self, count: int) -> np.ndarray:
+        return self._source.integers(len(self.arena.pool), size=count)
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Note what to do."""
+        observations = self.arena.observations
+        self._actions = velocities(observations, actions) if self.choices else actions.astype(float)
+
+    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
+        """Do it."""
+        arena = self.arena
+        outcomes = arena.move(self._actions)
+        rewards = arena.terms.sum(axis=1).astype(np.float32)
+        self._sums += rewards
+        self._lengths += 1
+        over = outcomes != k.RUNNING
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        arms = np.flatnonzero(over)
+        for e in arms:
+            infos[e] = {
+                "terminal_observation": arena.observations[e].copy(),
+                "is_success": bool(outcomes[e] == k.CAUGHT),
+                "outcome": OUTCOMES[outcomes[e]],
+                "episode": {"r": float(self._sums[e]), "l": int(self._lengths[e]), "t": 0.0},
+            }
+        if len(arms):
+            self._sums[arms], self._lengths[arms] = 0.0, 0
+            arena.put(arms, self._drawn(len(arms)))
+        return arena.observations.copy(), rewards, over, infos
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Begin the order of situations anew."""
+        if seed is not None:
+            self._source = rng(seed)
+        return [seed] * self.num_envs
+
+    def close(self) -> None:
+        """Nothing has to be closed."""
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """An attribute of the whole, once for each arm."""
+        return [getattr(self, attr_name)] * len(list(self._get_indices(indices)))
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Arms have no attributes of their own."""
+        raise NotImplementedError("arms of a batch cannot be changed one by one")
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Arms have no methods of their own."""
+        raise NotImplementedError("arms of a batch have no methods of their own")
+
+    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
+        """No arm is wrapped."""
+        return [False] * len(list(self._get_indices(indices)))
