@@ -11,8 +11,8 @@ from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
 from gcm_learn.planners import FrontPlanner, Plan, Planner, gcm, get_planner, marching
 from gcm_learn.planners.completion import Problem, straight_plan
-from gcm_learn.planners.fronts import Way
 from gcm_learn.planners.layered import layered
+from gcm_learn.planners.lessons import Exploration, Lessons
 from gcm_learn.planners.oracle import Bounds, bounds, stratum
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams, march_layers
@@ -158,8 +158,8 @@ class _Witness:
         self.name, self.explore, self.maps = planner.name, planner.explore, maps
 
     def __call__(
-        self, problem: Problem, params: WaveParams | MarchingParams, ignore: float
-    ) -> tuple[CognitiveMap, Way | None]:
-        made = self.explore(problem, params, ignore)
-        self.maps.setdefault(self.name, made[0])
+        self, problem: Problem, params: WaveParams | MarchingParams, lessons: Lessons
+    ) -> Exploration:
+        made = self.explore(problem, params, lessons)
+        self.maps.setdefault(self.name, made.map)
         return made

@@ -27,6 +27,7 @@ def build_map(
     *,
     bodies: Bodies | None = None,
     ignore: float = 0.0,
+    widening: np.ndarray | None = None,
 ) -> CognitiveMap:
     """Let a front spread from the hand and keep what it met (Eqs. 10-12).
 
@@ -39,6 +40,8 @@ def build_map(
         The situation packed, if the caller has it at hand.
     ignore : float
         Contacts before this time do not stop the front [s].
+    widening : (n * n,) ndarray, optional
+        Margin of every cell beyond that of `params`, in the same unit.
 
     Returns
     -------
@@ -46,7 +49,7 @@ def build_map(
         Whether the target was met is its `contact`.
     """
     params = WaveParams() if params is None else params
-    task = task_of(situation, params, bodies, ignore)
+    task = task_of(situation, params, bodies, ignore, widening)
     wave = isinstance(params, WaveParams)
     front = propagate(task, params) if isinstance(params, WaveParams) else march(task, params)
     frozen = front.state == FROZEN
@@ -71,6 +74,7 @@ def task_of(
     params: WaveParams | MarchingParams,
     bodies: Bodies | None = None,
     ignore: float = 0.0,
+    widening: np.ndarray | None = None,
 ) -> Task:
     """What a front has to explore in a situation; the arguments are those of `build_map`."""
     arm = situation.arm
@@ -84,6 +88,7 @@ def task_of(
         grasp=arm.grasp,
         ignore=ignore,
         joint_speed=arm.max_joint_speed,
+        widening=widening,
     )
 
 

@@ -12,7 +12,13 @@ from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners.interception import first_catch, first_interception, may_be_reached
 from gcm_learn.planners.plan import Plan, Status
 from gcm_learn.planners.timing import keep_limits, refine, segment_times, straight_way
-from gcm_learn.planners.verification import CATCH_SAFETY, HOLE_MARGIN, start_clearance, verify
+from gcm_learn.planners.verification import (
+    CATCH_SAFETY,
+    HOLE_MARGIN,
+    Verdict,
+    start_clearance,
+    verify,
+)
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import HAND, PART, TOP_SPEED, Bodies
@@ -92,9 +98,25 @@ class Attempt:
 
 
 def straight_catch(
-    problem: Problem, start: np.ndarray, since: float
+    problem: Problem,
+    start: np.ndarray,
+    since: float,
+    *,
+    after: float = 0.0,
+    wait: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
     """Go straight from `start`, left at time `since`, to the earliest interception.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : (2,) ndarray
+    since : float
+        [s]
+    after : float
+        Interceptions before this time do not count [s].
+    wait : bool
+        Spend what time is left over at the start; else it is spread evenly over the way.
 
     Returns
     -------
@@ -105,7 +127,7 @@ def straight_catch(
         Index of the target; None instead of all if there is no interception.
     """
     situation, arm = problem.situation, problem.situation.arm
-    search = since
+    search = max(since, after)
     for _ in range(1 if arm.max_joint_speed is None else _MORE_TRIES):
         t, body, px, py = first_interception(
             problem.bodies,
@@ -126,7 +148,9 @@ def straight_catch(
         _, hand = refine(arm, np.zeros(len(hand)), hand)
         sooner = np.concatenate([[0.0], np.cumsum(segment_times(arm, hand))])
         if t <= since or sooner[-1] <= (t - since) * (1.0 + 1e-12):
-            # Whatever time is left over is spread evenly.
+            if wait and sooner[-1] < t - since:
+                time = np.concatenate([[since], t - sooner[-1] + sooner[:-1], [t]])
+                return time, np.vstack([hand[:1], hand]), body
             share = (t - since) / sooner[-1] if sooner[-1] > 0.0 else 0.0
             time = since + sooner * share if share > 0.0 else np.linspace(since, t, len(hand))
             time[-1] = t
@@ -147,22 +171,32 @@ def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt |
     arrival : (n,) ndarray
         When the front was there [s].
     """
-    arm = problem.situation.arm
-    arrival, hand = refine(arm, arrival, out_of_hole(arm, hand))
-    time = keep_limits(arm, hand, arrival)
+    time, hand = timed(problem.situation.arm, arrival, hand)
     t, body = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
-    if body >= 0:
-        k = int(np.searchsorted(time, t, side="left"))
-        end = [np.interp(t, time, hand[:, a]) for a in (0, 1)]
-        time, hand = np.append(time[:k], t), np.vstack([hand[:k], [end]])
-    else:
-        ending = straight_catch(problem, hand[-1], float(time[-1]))
-        if ending is None:
-            return None
-        time = np.concatenate([time, ending[0][1:]])
-        hand = np.vstack([hand, ending[1][1:]])
-        body = ending[2]
-    return attempt_of(problem, time, hand, body)
+    if body < 0:
+        return go_on(problem, time, hand, straight_catch(problem, hand[-1], float(time[-1])))
+    k = int(np.searchsorted(time, t, side="left"))
+    end = [np.interp(t, time, hand[:, a]) for a in (0, 1)]
+    return attempt_of(problem, np.append(time[:k], t), np.vstack([hand[:k], [end]]), body)
+
+
+def timed(arm: Arm, arrival: np.ndarray, hand: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Times (m,) and hands (m, 2) of a way that keeps the arm's limits; see `finish`."""
+    arrival, hand = refine(arm, arrival, out_of_hole(arm, hand))
+    return keep_limits(arm, hand, arrival), hand
+
+
+def go_on(
+    problem: Problem,
+    time: np.ndarray,
+    hand: np.ndarray,
+    ending: tuple[np.ndarray, np.ndarray, int] | None,
+) -> Attempt | None:
+    """A timed way with what `straight_catch` found from its end on; None if that is nothing."""
+    if ending is None:
+        return None
+    time = np.concatenate([time, ending[0][1:]])
+    return attempt_of(problem, time, np.vstack([hand, ending[1][1:]]), ending[2])
 
 
 def out_of_hole(arm: Arm, hand: np.ndarray) -> np.ndarray:
@@ -181,14 +215,20 @@ def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) 
     return Attempt(Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow), body)
 
 
-def checked(
+def judged(
     problem: Problem, attempt: Attempt, cognitive_map: CognitiveMap | None = None
-) -> tuple[Plan | None, str]:
-    """Verify an attempt: a plan if it holds, else why not."""
+) -> tuple[Plan | None, Verdict]:
+    """Verify an attempt: a plan if it holds, and the verdict."""
     verdict = verify(problem.situation, problem.bodies, attempt.trajectory, attempt.body)
     if not verdict.good:
-        return None, verdict.reason
-    return problem.caught(attempt, verdict.clearance, cognitive_map), ""
+        return None, verdict
+    return problem.caught(attempt, verdict.clearance, cognitive_map), verdict
+
+
+def checked(problem: Problem, attempt: Attempt) -> tuple[Plan | None, str]:
+    """Verify an attempt: a plan if it holds, else why not."""
+    plan, verdict = judged(problem, attempt)
+    return plan, verdict.reason
 
 
 def straight_plan(problem: Problem) -> tuple[Plan | None, str]:

@@ -6,18 +6,31 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from gcm_learn.arm.lattice import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
-from gcm_learn.planners.completion import Problem, checked, finish, straight_plan
+from gcm_learn.planners.completion import Attempt, Problem, finish, judged, straight_plan
+from gcm_learn.planners.lessons import Exploration, Lessons
 from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.verification import Verdict
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 
 HALF_DIAGONAL = 0.71  # [cells]: slack with which no target is lost between the centres of cells
 Params = TypeVar("Params", WaveParams, MarchingParams)
-Way = tuple[np.ndarray, np.ndarray]  # hand positions (n, 2) and when the front was there (n,) [s]
+
+
+@dataclass(frozen=True)
+class Rung(Generic[Params]):
+    """One kind of map to try."""
+
+    params: Params
+    trials: int = 3
+    """How many maps to make, each with the lessons of those before."""
+    beyond: float = 0.0
+    """How long after the horizon the front stops [crossings of a cell]: ways are a little shorter
+    than those from centre to centre."""
+    decisive: bool = False
+    """Whether none of the rungs above is tried if this one's first map has no contact."""
 
 
 @dataclass(frozen=True)
@@ -26,16 +39,15 @@ class FrontPlanner(Generic[Params]):
 
     A map knows the cells' centres only.  With obstacles widened by half a cell its paths mostly
     hold, but narrow gaps are lost; without, gaps are found and the verification rejects what
-    touches.  So both are tried, then both again on a finer lattice.
+    touches.  So both are tried, then both again on a finer lattice, and where a path is touched
+    the margin is widened (`lessons`).
     """
 
     name: str
-    rungs: tuple[Params, ...]
-    """Parameters of the maps to try, in order."""
-    explore: Callable[[Problem, Params, float], tuple[CognitiveMap, Way | None]]
-    """Makes a map, ignoring contacts before a time [s], and the way to its contact."""
-    contacts: int = 3
-    """How many contacts of one map to try before the next map."""
+    rungs: tuple[Rung[Params], ...]
+    """The maps to try, in order."""
+    explore: Callable[[Problem, Params, Lessons], Exploration]
+    """Makes a map and ways to end at its contact."""
     direct: bool = False
     """Try the straight line first: where it holds, no way is faster, and no map is needed."""
 
@@ -51,44 +63,63 @@ class FrontPlanner(Generic[Params]):
         """Answer by maps, after what can be said without one has been said."""
         first: CognitiveMap | None = None
         reason = ""
-        for params in self.rungs:
-            ignore = 0.0
-            for attempts in range(self.contacts):
-                cognitive_map, way = self.explore(problem, params, ignore)
-                first = cognitive_map if first is None else first
-                if cognitive_map.contact is None:
+        for rung in self.rungs:
+            lessons = Lessons(beyond=rung.beyond)
+            for trial in range(rung.trials):
+                found = self.explore(problem, rung.params, lessons)
+                first = found.map if first is None else first
+                if found.map.contact is None:
                     reason = reason or "the front meets no target within the horizon"
+                    if rung.decisive and trial == 0:
+                        return problem.answer("unreachable", reason, first)
                     break
-                attempt = None if way is None else finish(problem, *way)
-                if attempt is None:
-                    reason = "no target can be met from where the front made contact"
-                else:
-                    plan, reason = checked(problem, attempt, cognitive_map)
-                    if plan is not None:
-                        return plan
-                # Contacts that fail come in rows: skip ever more of them.
-                crossing = cognitive_map.lattice.spacing / problem.situation.arm.max_hand_speed
-                ignore = cognitive_map.contact.time + 2**attempts * crossing
+                plan, failures = _first_that_holds(problem, found)
+                if plan is not None:
+                    return plan
+                reason = "no target can be met from where the front made contact"
+                if failures:
+                    reason = failures[0][1].reason
+                lessons = lessons.after(found, failures, problem.situation.arm.max_hand_speed)
         return problem.answer("unreachable", reason, first)
+
+
+def _first_that_holds(
+    problem: Problem, found: Exploration
+) -> tuple[Plan | None, list[tuple[Attempt, Verdict]]]:
+    """The plan of the first attempt that holds, or None, and those that do not."""
+    failures: list[tuple[Attempt, Verdict]] = []
+    for attempt in found.attempts:
+        plan, verdict = judged(problem, attempt, found.map)
+        if plan is not None:
+            return plan, failures
+        failures.append((attempt, verdict))
+        if verdict.touched is not None and verdict.touched < found.shared:
+            break  # the others begin in the same way
+    return None, failures
 
 
 def gcm(params: WaveParams | None = None) -> FrontPlanner[WaveParams]:
     """The paper's planner: the wave of Eq. 10, its map and the descent on it."""
-    params = WaveParams() if params is None else params
+    return FrontPlanner("gcm", wave_rungs(WaveParams() if params is None else params), _explore)
+
+
+def wave_rungs(params: WaveParams) -> tuple[Rung[WaveParams], ...]:
+    """Ever more careful waves."""
     bare = replace(params, margin=0.0, slack=HALF_DIAGONAL)
-    return FrontPlanner("gcm", (params, bare, finer(params), finer(bare)), _explore)
+    return (Rung(params), Rung(bare), Rung(finer(params)), Rung(finer(bare)))
 
 
 def marching(params: MarchingParams | None = None) -> FrontPlanner[MarchingParams]:
     """The same idea with causal marching instead of the wave."""
-    return FrontPlanner("marching", marching_rungs(params), _explore)
-
-
-def marching_rungs(params: MarchingParams | None = None) -> tuple[MarchingParams, ...]:
-    """Parameters of ever more careful marching, by default from the defaults on."""
     params = MarchingParams() if params is None else params
-    bare = replace(params, margin=0.0, lookback=0.0, slack=HALF_DIAGONAL)
-    return (params, bare, finer(params), finer(bare))
+    bare = without_margin(params)
+    rungs = (Rung(params), Rung(bare), Rung(finer(params)), Rung(finer(bare)))
+    return FrontPlanner("marching", rungs, _explore)
+
+
+def without_margin(params: MarchingParams) -> MarchingParams:
+    """The same parameters with cells that are asked at their centres and at once only."""
+    return replace(params, margin=0.0, lookback=0.0, slack=HALF_DIAGONAL)
 
 
 def finer(params: Params) -> Params:
@@ -97,8 +128,18 @@ def finer(params: Params) -> Params:
 
 
 def _explore(
-    problem: Problem, params: WaveParams | MarchingParams, ignore: float
-) -> tuple[CognitiveMap, Way | None]:
+    problem: Problem, params: WaveParams | MarchingParams, lessons: Lessons
+) -> Exploration:
     """First-arrival map and the descent on it."""
-    cognitive_map = build_map(problem.situation, params, bodies=problem.bodies, ignore=ignore)
-    return cognitive_map, descend(cognitive_map)
+    cognitive_map = build_map(
+        problem.situation,
+        params,
+        bodies=problem.bodies,
+        ignore=lessons.ignore,
+        widening=lessons.widening,
+    )
+    way = descend(cognitive_map)
+    attempt = None if way is None else finish(problem, *way)
+    if attempt is None or cognitive_map.contact is None:
+        return Exploration(cognitive_map)
+    return Exploration(cognitive_map, (attempt,), arrived=cognitive_map.contact.time)

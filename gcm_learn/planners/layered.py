@@ -2,50 +2,92 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 import numpy as np
 
-from gcm_learn.maps import CognitiveMap, layered_map, task_of
-from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.fronts import FrontPlanner, Way, marching_rungs
+from gcm_learn.maps import layered_map, task_of
+from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
+from gcm_learn.planners.fronts import FrontPlanner, Rung, finer, without_margin
+from gcm_learn.planners.lessons import Exploration, Lessons
 from gcm_learn.planners.timing import segment_times, straight_way
 from gcm_learn.situation.situation import Arm
 from gcm_learn.wave import LayeredFront, MarchingParams, Task, march_layers
+
+MEETING = 1.5  # the hand may meet a target so long before the map says so [crossings]
+A_WAIT = 0.3  # a stay that is longer is a wait [crossings]
+BEYOND = 2.0  # what a way through cells' centres loses at most to the best one [crossings]
+DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
 def layered(params: MarchingParams | None = None) -> FrontPlanner[MarchingParams]:
     """The planner of first choice: marching in which the hand may wait.
 
     Where the straight line to the earliest interception holds, that is the answer, without a map.
+    The map without margin sees every gap that is as wide as a cell, so where it has no contact
+    none is looked for any more.
     """
-    return FrontPlanner("layered", marching_rungs(params), _explore, direct=True)
+    params = MarchingParams() if params is None else params
+    bare = without_margin(params)
+    # A front that enters a cell as soon as its centre is free is early; one that does not misses
+    # gaps that are open for a moment.
+    patient = replace(bare, lookback=params.lookback)
+    rungs = (
+        Rung(params, 2),
+        Rung(bare, 2, BEYOND, decisive=True),
+        Rung(patient, 3, BEYOND),
+        Rung(finer(params), 2),
+        Rung(finer(patient), 5, BEYOND),
+        Rung(finer(bare), 2, BEYOND),
+    )
+    return FrontPlanner("layered", rungs, _explore, direct=True)
 
 
-def _explore(
-    problem: Problem, params: MarchingParams, ignore: float
-) -> tuple[CognitiveMap, Way | None]:
-    """Layered map and the way back through its states."""
-    task = task_of(problem.situation, params, problem.bodies, ignore)
-    front = march_layers(task, params)
-    way = way_to(front, task, problem.situation.arm) if front.met_state >= 0 else None
-    return layered_map(problem.situation, task, front), way
+def _explore(problem: Problem, params: MarchingParams, lessons: Lessons) -> Exploration:
+    """Layered map and ways back through its states."""
+    task = lessons.applied(task_of(problem.situation, params, problem.bodies))
+    return explored(problem, task, march_layers(task, params))
 
 
-def way_to(front: LayeredFront, task: Task, arm: Arm) -> tuple[np.ndarray, np.ndarray]:
-    """Way from the hand to where the target is met, with waits.
+def explored(problem: Problem, task: Task, front: LayeredFront) -> Exploration:
+    """What comes of a front that waits: its map and the ways to end at its contact."""
+    found = layered_map(problem.situation, task, front)
+    if front.met_state < 0:
+        return Exploration(found)
+    chain = chain_of(front)
+    corner = _last_wait(front, task, chain)
+    corner = len(chain) - 2 if corner < 0 else corner
+    return Exploration(
+        found,
+        _attempts(problem, task, front, chain),
+        arrived=float(front.arrival[front.met_state]),
+        shared=float(front.arrival[chain[corner]]) if corner >= 0 else 0.0,
+    )
 
-    Returns
-    -------
-    hand : (m, 2) ndarray
-        Straight pieces between the states on the way, sampled.
-    wanted : (m,) ndarray
-        When the hand should be there [s]; it waits at the end of each piece.
-    """
+
+def chain_of(front: LayeredFront) -> list[int]:
+    """States on the way from the hand to where the target is met."""
     chain = []
     state = front.met_state
     while state >= 0:
         chain.append(state)
         state = int(front.via[state])
-    chain.reverse()
+    return chain[::-1]
+
+
+def way_to(
+    front: LayeredFront, task: Task, arm: Arm, chain: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Way from the hand through states, with waits.
+
+    Returns
+    -------
+    hand : (m, 2) ndarray
+        Straight pieces between the states, sampled.
+    wanted : (m,) ndarray
+        When the hand should be there [s]; it waits at the end of each piece.
+    """
     centres = task.lattice.centres
     hand, wanted = [np.array([task.hand])], [np.zeros(1)]
     for state in chain:
@@ -58,3 +100,61 @@ def way_to(front: LayeredFront, task: Task, arm: Arm) -> tuple[np.ndarray, np.nd
         hand += [piece[:1], piece[1:]]
         wanted += [np.array([leave]), times[1:]]
     return np.vstack(hand), np.concatenate(wanted)
+
+
+def _attempts(
+    problem: Problem, task: Task, front: LayeredFront, chain: list[int]
+) -> Iterator[Attempt]:
+    """Ways to end at the contact, the soonest first.
+
+    From the last corner straight to the target; through the cell of the contact and on to the
+    target; the same, but resting in that cell until the target comes; from the last wait straight
+    to the target, left a little later if need be.
+    """
+    arm, crossing = problem.situation.arm, task.lattice.spacing / task.fastest
+
+    def until(count: int) -> tuple[np.ndarray, np.ndarray]:
+        hand, wanted = way_to(front, task, arm, chain[:count])
+        return timed(arm, wanted, hand) if count > 0 else (wanted, hand)
+
+    time, hand = until(len(chain) - 1)
+    ways = [go_on(problem, time, hand, straight_catch(problem, hand[-1], float(time[-1])))]
+    yield from (way for way in ways if way is not None)
+    whole = finish(problem, *way_to(front, task, arm, chain))
+    if whole is not None:
+        yield whole
+    time, hand = until(len(chain))
+    for early in (MEETING, 0.0):
+        after = front.met_time - early * crossing
+        ending = straight_catch(problem, hand[-1], float(time[-1]), after=after, wait=True)
+        rested = go_on(problem, time, hand, ending)
+        if rested is not None:
+            yield rested
+    k = _last_wait(front, task, chain)
+    if k < 0:
+        return
+    time, hand = until(k + 1)
+    leave = _leaves(front, task, chain, k)
+    for delay in DELAYS:
+        left = max(leave + delay * crossing, float(time[-1]))
+        waited, stays = np.append(time, left), np.vstack([hand, hand[-1:]])
+        dash = go_on(problem, waited, stays, straight_catch(problem, hand[-1], left))
+        if dash is not None:
+            yield dash
+
+
+def _leaves(front: LayeredFront, task: Task, chain: list[int], k: int) -> float:
+    """When the hand leaves the k-th state of a chain for the next one [s]."""
+    centres = task.lattice.centres
+    (iy, ix), (jy, jx) = front.cells[chain[k]], front.cells[chain[k + 1]]
+    away = np.hypot(centres[jx] - centres[ix], centres[jy] - centres[iy])
+    return float(front.arrival[chain[k + 1]] - away / task.fastest)
+
+
+def _last_wait(front: LayeredFront, task: Task, chain: list[int]) -> int:
+    """Index of the last state of a chain in which the hand waits before it goes on; -1 if none."""
+    stay = A_WAIT * task.lattice.spacing / task.fastest
+    for k in range(len(chain) - 2, -1, -1):
+        if _leaves(front, task, chain, k) - front.arrival[chain[k]] > stay:
+            return k
+    return -1

@@ -8,11 +8,11 @@ import numpy as np
 from numba import njit
 
 from gcm_learn.arm.kinematics import SIDE, joints_of
-from gcm_learn.maps import CognitiveMap, layered_map, task_of
-from gcm_learn.planners import fronts
+from gcm_learn.maps import task_of
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.fronts import FrontPlanner, Way, finer
-from gcm_learn.planners.layered import way_to
+from gcm_learn.planners.fronts import FrontPlanner, wave_rungs
+from gcm_learn.planners.layered import explored
+from gcm_learn.planners.lessons import Exploration, Lessons
 from gcm_learn.wave import LayeredFront, Task, WaveParams, propagate_layers
 
 EARLY = 0.75  # a cell may be passed so long before the front is at its centre [crossings]
@@ -27,21 +27,14 @@ def layered_wave(params: WaveParams | None = None) -> FrontPlanner[WaveParams]:
     is less early along the diagonals (erratum 9), which costs catches when it is late elsewhere.
     """
     params = WaveParams(laplacian=9) if params is None else params
-    bare = replace(params, margin=0.0, slack=fronts.HALF_DIAGONAL)
-    rungs = (params, bare, finer(params), finer(bare))
-    return FrontPlanner("layered-wave", rungs, _explore, direct=True)
+    return FrontPlanner("layered-wave", wave_rungs(params), _explore, direct=True)
 
 
-def _explore(
-    problem: Problem, params: WaveParams, ignore: float
-) -> tuple[CognitiveMap, Way | None]:
-    """Layered map and the way back through its states."""
-    task = task_of(problem.situation, params, problem.bodies, ignore)
+def _explore(problem: Problem, params: WaveParams, lessons: Lessons) -> Exploration:
+    """Layered map and ways back through its states."""
+    task = lessons.applied(task_of(problem.situation, params, problem.bodies))
     front = propagate_layers(task, params)
-    found = layered_map(problem.situation, task, front)
-    if front.met_state < 0:
-        return found, None
-    return found, way_to(straightened(front, task), task, problem.situation.arm)
+    return explored(problem, task, straightened(front, task) if front.met_state >= 0 else front)
 
 
 def straightened(front: LayeredFront, task: Task) -> LayeredFront:

@@ -33,6 +33,8 @@ class Verdict:
     the failure when `good` is False."""
     reason: str
     """Empty, or what is wrong, in one clause."""
+    touched: float | None = None
+    """When the limb is touched [s]; None if it is not, or something else is wrong."""
 
 
 @njit(cache=True)
@@ -128,7 +130,8 @@ def verify(situation: Situation, bodies: Bodies, trajectory: Trajectory, body: i
         bodies, trajectory.time, trajectory.hand, rho, side, arm.thickness + safety, RESOLUTION
     )
     if distance <= arm.thickness + safety:
-        return Verdict(False, distance - arm.thickness, f"the limb is touched at t = {when:.3f} s")
+        reason = f"the limb is touched at t = {when:.3f} s"
+        return Verdict(False, distance - arm.thickness, reason, touched=float(when))
     free = np.inf if distance > 1e200 else distance - arm.thickness
     return Verdict(True, float(free), "")
 

@@ -174,7 +174,7 @@ class _Wave:
         hand = hand_cell(task.lattice, task.hand)
         r[hand], q[hand], arrival[hand] = HAND_POTENTIAL, 0.0, 0.0
         coupled = couplings(live, params.laplacian)
-        gap = task.thickness + params.margin * space.stride.reshape(n, n)
+        gap = task.gaps(params.margin).reshape(n, n)
         state = np.full((n, n), FREE, dtype=np.uint8)
         never = np.full((n, n), -1.0)
         return cls(task, params, tau, r, z, q, live, coupled, arrival, never, state, limb, gap)

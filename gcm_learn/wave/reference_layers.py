@@ -103,7 +103,7 @@ class _Wave:
             1.0 / front_speed(params).fastest,
             inside,
             space.limb.reshape(n, n, 4),
-            task.thickness + params.margin * space.stride.reshape(n, n),
+            task.gaps(params.margin).reshape(n, n),
             np.full((n, n), rest[0]),
             np.full((n, n), rest[1]),
             inside * rates_of(task).reshape(n, n),

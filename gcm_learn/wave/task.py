@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.arm.kinematics import joint_angles
-from gcm_learn.arm.lattice import Lattice, cell_joints
+from gcm_learn.arm.lattice import Lattice, cell_joints, hand_space
 from gcm_learn.situation.kernels import Bodies
 
 
@@ -30,8 +30,18 @@ class Task:
     """Distance at which the hand catches a target [forearm lengths]."""
     ignore: float = 0.0
     """Contacts before this time do not count [s]."""
+    widening: np.ndarray | None = None
+    """(n * n,) margin of every cell beyond that of the front's parameters, in the same unit."""
     joint_speed: tuple[float, float] | None = None
     """Largest speeds of shoulder and elbow [rad/s]; None if only the hand's is limited."""
+
+    def gaps(self, margin: float) -> np.ndarray:
+        """Distance (n * n,) at which an obstacle occupies a cell [forearm lengths].
+
+        `margin` is that of the front's parameters: 1 is what half a cell's step moves the limb.
+        """
+        wide = margin if self.widening is None else margin + self.widening
+        return self.thickness + wide * hand_space(self.lattice).stride
 
     @property
     def fastest(self) -> float:

@@ -149,7 +149,7 @@ def _world(task: Task, params: WaveParams, space: HandSpace) -> inhibition.World
     return inhibition.World(
         bodies=task.bodies,
         limb=space.limb,
-        gap=task.thickness + params.margin * space.stride,
+        gap=task.gaps(params.margin),
         poses=poses,
         scratch=np.zeros_like(poses),
         clock=free_clock(params) * (h / task.fastest),

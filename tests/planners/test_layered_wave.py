@@ -13,7 +13,7 @@ from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.maps import task_of
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.layered import way_to
+from gcm_learn.planners.layered import chain_of, way_to
 from gcm_learn.planners.layered_wave import CLOSE, EARLY, layered_wave, straightened
 from gcm_learn.wave import WaveParams, propagate_layers
 from tests.referee import judge
@@ -34,15 +34,12 @@ def ways(seed, count, params=NINE, **arm):
 
 def bends(front):
     """Number of states on the way to where the target is met."""
-    count, state = 0, front.met_state
-    while state >= 0:
-        count, state = count + 1, int(front.via[state])
-    return count
+    return len(chain_of(front))
 
 
 def length(front, situation, task):
     """Length of the way there [forearm lengths]."""
-    hand, _ = way_to(front, task, situation.arm)
+    hand, _ = way_to(front, task, situation.arm, chain_of(front))
     return float(np.hypot(*np.diff(hand, axis=0).T).sum())
 
 
@@ -63,7 +60,7 @@ def test_straight_pieces_run_through_excited_cells(limits):
     """At every point of the way the hand is where the wave says that it can be, or all but."""
     outside, points = 0, 0
     for situation, task, front, straight in ways(92, 40, max_joint_speed=limits):
-        hand, wanted = way_to(straight, task, situation.arm)
+        hand, wanted = way_to(straight, task, situation.arm, chain_of(straight))
         crossing = task.lattice.spacing / task.speed
         step = max(int(CLOSE * task.lattice.spacing / 0.02), 1)
         for (x, y), t in zip(hand[1:-1:step], wanted[1:-1:step], strict=True):
@@ -112,5 +109,6 @@ def test_it_lies_between_the_published_wave_and_layered_marching(family):
 
 def test_parameters_of_the_first_map_carry_over_to_the_others():
     planner = layered_wave(WaveParams(n=40, laplacian=5, start_radius=3.0))
-    assert [(p.n, p.margin) for p in planner.rungs] == [(40, 1), (40, 0), (80, 1), (80, 0)]
-    assert all(p.start_radius == 3.0 and p.laplacian == 5 for p in planner.rungs)
+    params = [rung.params for rung in planner.rungs]
+    assert [(p.n, p.margin) for p in params] == [(40, 1), (40, 0), (80, 1), (80, 0)]
+    assert all(p.start_radius == 3.0 and p.laplacian == 5 for p in params)
