@@ -5,15 +5,27 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from gcm_learn.arm.kinematics import SIDE, elbow_of
+from gcm_learn.arm.kinematics import SIDE, elbow_of, elbows_of
 from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import HAND, PART, Bodies, arm_distance, drift, pose_at
+from gcm_learn.situation.kernels import (
+    HAND,
+    PART,
+    REACH,
+    Bodies,
+    arm_distance,
+    drift,
+    pose_at,
+    segment_distance,
+    segment_point2,
+)
 
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearm lengths]
 _SHOULDER = 1e-9  # hands this near to the shoulder have no direction [forearm lengths]
 _DEEPEST = 48  # bisections of one segment before it counts as touching
+_PARTS = 10  # of the upper arm, each half as long as the one before, that have bounds of their own
+_SHALLOW = 2  # bisections of a segment before they are asked for
 _MOST = 1_000_000  # looks at one path before it counts as touching: bodies may spin absurdly fast
 
 
@@ -63,6 +75,56 @@ def _distance_at(bodies, b, t, x, y, rho, side, poses):
 
 
 @njit(cache=True)
+def _ball_distance(bodies, b, t, x, y, ex, ey, poses):
+    """Bound a limb's distance to body b from below, by the ball that holds it; exact for discs."""
+    pose_at(bodies, b, t, poses)
+    px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
+    d2 = min(segment_point2(px, py, ex, ey, x, y), segment_point2(px, py, 0.0, 0.0, ex, ey))
+    return max(np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH], 0.0)
+
+
+@njit(cache=True)
+def _at_samples(bodies, time, hand, elbow, floor, poses, bound):
+    """Smallest distance at the samples, and when; where it is not above `floor`, the first such.
+
+    Parameters
+    ----------
+    bound : (bodies, n) ndarray
+        Filled with a lower bound of the distance of every obstacle at every sample. Only where
+        that may be the smallest one is the distance itself asked for, and written there.
+    """
+    best, when, enough = 1e300, 0.0, 1e300
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        nearest = 0
+        for k in range(time.size):
+            bound[b, k] = _ball_distance(
+                bodies, b, time[k], hand[k, 0], hand[k, 1], elbow[k, 0], elbow[k, 1], poses
+            )
+            if bound[b, k] < bound[b, nearest]:
+                nearest = k
+        k = nearest
+        if bound[b, k] < enough:
+            pose_at(bodies, b, time[k], poses)
+            x, y, ex, ey = hand[k, 0], hand[k, 1], elbow[k, 0], elbow[k, 1]
+            enough = min(enough, arm_distance(bodies, poses, b, x, y, ex, ey))
+    enough = max(enough, floor)
+    for k in range(time.size):
+        for b in range(bodies.rows.shape[0]):
+            if bodies.rows[b, PART] == HAND or bound[b, k] > enough:
+                continue
+            pose_at(bodies, b, time[k], poses)
+            x, y, ex, ey = hand[k, 0], hand[k, 1], elbow[k, 0], elbow[k, 1]
+            bound[b, k] = arm_distance(bodies, poses, b, x, y, ex, ey)
+            if bound[b, k] < best:
+                best, when = bound[b, k], time[k]
+        if best <= floor:
+            break
+    return best, when
+
+
+@njit(cache=True)
 def least_distance(bodies, time, hand, rho, side, floor, resolution):
     """Smallest distance of the whole limb to any obstacle along a path that is linear in time.
 
@@ -84,35 +146,66 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
     when : float
         Where it was found [s].
     """
-    count = bodies.rows.shape[0]
-    poses = np.zeros((count, 12))
-    stack = np.empty((_DEEPEST + 2, 3))
-    at_sample = np.empty((count, time.size))
-    best, when, looks = 1e300, 0.0, 0
+    count, last = bodies.rows.shape[0], time.size - 1
+    poses, bound = np.zeros((count, 12)), np.empty((count, time.size))
+    elbow, stack = elbows_of(hand, rho, side), np.empty((_DEEPEST + 2, 3))
     # All samples first: a good least distance at hand spares most of the bisections.
-    for k in range(time.size):
-        ex, ey = elbow_of(hand[k, 0], hand[k, 1], rho, side)
-        for b in range(count):
-            if bodies.rows[b, PART] == HAND:
-                continue
-            pose_at(bodies, b, time[k], poses)
-            d = arm_distance(bodies, poses, b, hand[k, 0], hand[k, 1], ex, ey)
-            at_sample[b, k] = d
-            if d < best:
-                best, when = d, time[k]
-        if best <= floor:
-            return best, when
+    best, when = _at_samples(bodies, time, hand, elbow, floor, poses, bound)
+    if best <= floor or best >= 1e300:
+        return best, when
+    sweep, looks = np.empty(last), 0
+    for k in range(last):
+        sweep[k] = limb_sweep(hand[k, 0], hand[k, 1], hand[k + 1, 0], hand[k + 1, 1], rho)
     for b in range(count):
         if bodies.rows[b, PART] == HAND:
             continue
-        for k in range(time.size - 1):
+        for k in range(last):
+            moved = drift(bodies, b, time[k], time[k + 1]) + sweep[k]
+            low = 0.5 * (bound[b, k] + bound[b, k + 1] - moved)
+            if low > floor and low >= best - resolution:
+                continue
+            for e in range(k, k + 2):
+                bound[b, e] = _distance_at(
+                    bodies, b, time[e], hand[e, 0], hand[e, 1], rho, side, poses
+                )
             best, when, looks = least_in_segment(
-                bodies, b, time, hand, k, at_sample[b, k], at_sample[b, k + 1],
+                bodies, b, time, hand, k, bound[b, k], bound[b, k + 1],
                 rho, side, floor, resolution, best, when, looks, poses, stack,
             )  # fmt: skip
             if best <= floor:
                 return best, when
     return best, when
+
+
+@njit(cache=True)
+def _low_by_parts(bodies, b, x0, y0, x1, y1, rho, side, sweep, enough, poses):
+    """Bound the distance of limb and resting body b over a straight piece of a path, part by part.
+
+    The nearer to the shoulder, the less a point of the upper arm moves: parts that are halved
+    towards it have bounds of their own. That tells what no bound for the whole limb can, that a
+    limb whose shoulder is nearest to a resting body stays equally far from it.
+
+    Parameters
+    ----------
+    sweep : float
+        How far any point of the limb moves.
+    enough : float
+        Bounds below it are of no use: the first one ends the search.
+    """
+    ex0, ey0 = elbow_of(x0, y0, rho, side)
+    ex1, ey1 = elbow_of(x1, y1, rho, side)
+    d0 = segment_distance(bodies, poses, b, ex0, ey0, x0, y0)
+    d1 = segment_distance(bodies, poses, b, ex1, ey1, x1, y1)
+    low, outer = 0.5 * (d0 + d1 - sweep), 1.0
+    for part in range(_PARTS):
+        if low < enough:
+            break
+        inner = 0.5 * outer if part < _PARTS - 1 else 0.0
+        d0 = segment_distance(bodies, poses, b, inner * ex0, inner * ey0, outer * ex0, outer * ey0)
+        d1 = segment_distance(bodies, poses, b, inner * ex1, inner * ey1, outer * ex1, outer * ey1)
+        low = min(low, 0.5 * (d0 + d1 - outer * sweep))
+        outer = inner
+    return low
 
 
 @njit(cache=True)
@@ -129,10 +222,14 @@ def least_in_segment(
     s0 = 0.0
     while top > 0:
         s1, d1, depth = stack[top - 1, 0], stack[top - 1, 1], stack[top - 1, 2]
-        moved = drift(bodies, b, t0 + s0 * span, t0 + s1 * span)
-        moved += limb_sweep(x0 + s0 * dx, y0 + s0 * dy, x0 + s1 * dx, y0 + s1 * dy, rho)
+        slip = drift(bodies, b, t0 + s0 * span, t0 + s1 * span)
+        ax, ay, bx, by = x0 + s0 * dx, y0 + s0 * dy, x0 + s1 * dx, y0 + s1 * dy
+        sweep = limb_sweep(ax, ay, bx, by, rho)
         # d falls by at most the way travelled from either end: the least is in between.
-        low = 0.5 * (d0 + d1 - moved)
+        low, enough = 0.5 * (d0 + d1 - slip - sweep), max(best - resolution, floor)
+        if low <= enough and depth >= _SHALLOW and slip == 0.0:
+            pose_at(bodies, b, t0 + s0 * span, poses)
+            low = _low_by_parts(bodies, b, ax, ay, bx, by, rho, side, sweep, enough, poses)
         if low > floor and low >= best - resolution:
             s0, d0 = s1, d1
             top -= 1

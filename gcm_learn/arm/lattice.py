@@ -101,15 +101,22 @@ def _geometry(centres, rho, side):
     n = centres.size
     limb, stride = np.empty((n * n, 4)), np.empty(n * n)
     inside = np.empty(n * n, dtype=np.bool_)
-    half = (rho + 1.0) / n
-    for i in range((n + 1) // 2):
-        for j in range((n + 1) // 2):  # an odd lattice has its middle row in two quarters
+    half, quarter = (rho + 1.0) / n, (n + 1) // 2  # an odd lattice has its middle row in two
+    below = np.empty((quarter, 2))  # elbow with the hand half way to the cell below
+    for j in range(quarter):
+        below[j, 0], below[j, 1] = elbow_of(centres[j], centres[0] - half, rho, side)
+    for i in range(quarter):
+        left = elbow_of(centres[0] - half, centres[i], rho, side)
+        for j in range(quarter):
             x, y = centres[j], centres[i]
             ex, ey = elbow_of(x, y, rho, side)
-            longest = half
-            for dx, dy in ((half, 0.0), (-half, 0.0), (0.0, half), (0.0, -half)):
-                mx, my = elbow_of(x + dx, y + dy, rho, side)
-                longest = max(longest, np.sqrt((mx - ex) ** 2 + (my - ey) ** 2))
+            right = elbow_of(x + half, y, rho, side)
+            above = elbow_of(x, y + half, rho, side)
+            far2 = half * half
+            for mx, my in (left, right, above, (below[j, 0], below[j, 1])):
+                far2 = max(far2, (mx - ex) ** 2 + (my - ey) ** 2)
+            longest = np.sqrt(far2)
+            left, below[j, 0], below[j, 1] = right, above[0], above[1]
             radius = np.sqrt(x * x + y * y)
             # At the shoulder itself (rho = 1) the arm would spin at unbounded speed (erratum 5).
             ring = abs(rho - 1.0) <= radius <= rho + 1.0 and radius > half

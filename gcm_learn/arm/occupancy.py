@@ -13,6 +13,7 @@ from gcm_learn.situation.kernels import (
     HAND,
     KIND,
     PART,
+    REACH,
     SIZE,
     TOP_SPEED,
     arm_distance,
@@ -89,9 +90,9 @@ def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, 
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
             continue
-        speed, radius = bodies.rows[b, TOP_SPEED], bodies.rows[b, SIZE]
-        disc = bodies.rows[b, KIND] == DISC
-        x, y = poses[b, 0], poses[b, 1]
+        speed, disc = bodies.rows[b, TOP_SPEED], bodies.rows[b, KIND] == DISC
+        radius, reach = bodies.rows[b, SIZE], bodies.rows[b, REACH]
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
         for i in range(count):
             m = cells[i]
             if blocked[i]:
@@ -107,6 +108,10 @@ def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, 
                     blocked[i] = True
                     continue
             else:
+                d2 = _limb_point2(x, y, hx, hy, ex, ey, shrink) + z * z
+                far = reach + gap[m] + travel
+                if d2 > far * far:  # the ball that holds the body spares most of its corners
+                    continue
                 room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap[m]
                 if room > travel:
                     continue
@@ -136,16 +141,15 @@ def met_targets(bodies, poses, limb, gap, cells, since, count, now, shortest, bo
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
-        speed, disc = bodies.rows[b, TOP_SPEED], bodies.rows[b, KIND] == DISC
-        radius = bodies.rows[b, SIZE] + gap
-        x, y = poses[b, 0], poses[b, 1]
+        speed, radius = bodies.rows[b, TOP_SPEED], bodies.rows[b, REACH] + gap
+        disc = bodies.rows[b, KIND] == DISC
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
         for i in range(count):
             hx, hy = limb[cells[i], 0], limb[cells[i], 1]
             far = speed * (now - since[i])
-            if disc:
-                if (hx - x) ** 2 + (hy - y) ** 2 > (radius + far) ** 2:
-                    continue
-            elif arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
+            if (hx - x) ** 2 + (hy - y) ** 2 + z * z > (radius + far) ** 2:
+                continue
+            if not disc and arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
                 continue
             t = first_touch(bodies, b, hx, hy, hx, hy, gap, since[i], now, shortest, scratch)
             if t >= 0.0 and (body[i] < 0 or t < when[i]):

@@ -130,7 +130,7 @@ def text(value: object, field: str) -> str:
     """Return `value` if it is a string that can be written as UTF-8."""
     if not isinstance(value, str):
         raise SituationError(field, f"must be a string (got {show(value)})")
-    if any("\ud800" <= character <= "\udfff" for character in value):
+    if not value.isascii() and any("\ud800" <= character <= "\udfff" for character in value):
         raise SituationError(field, f"is not valid Unicode (lone surrogate in {quote(value)})")
     return value
 
