@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import json
 from collections import Counter
@@ -71,7 +72,16 @@ def code_version() -> str:
 
 def make_shard(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
     """Make a shard and write it."""
-    return write_shard(spec, shard, [make_item(spec, k) for k in spec.indices(shard)], url)
+    # Items are trees: nothing of them is left to a collector that would visit all of them again
+    # and again.
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        items = [make_item(spec, k) for k in spec.indices(shard)]
+    finally:
+        if was_on:
+            gc.enable()
+    return write_shard(spec, shard, items, url)
 
 
 def write_shard(spec: DatasetSpec, shard: int, items: Sequence[Item], url: str) -> ShardInfo:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ from gcm_learn.families.ranges import (
     span,
 )
 from gcm_learn.planners.verification import start_clearance
-from gcm_learn.situation import Arm, Situation
+from gcm_learn.situation import Arm, Pendulum, Situation
 from gcm_learn.situation.bodies import pack
 
 ATTEMPTS = 50  # draws until the limb starts free; after that many the last one is given
@@ -126,6 +126,7 @@ class Family(Ranges):
 
 def _starts_free(situation: Situation) -> bool:
     """Whether the limb touches nothing at t = 0."""
-    # Packing a pendulum integrates its swing up to the horizon, of which nothing is needed here.
-    now = Situation(situation.name, TINY, situation.arm, situation.bodies, situation.plane)
-    return start_clearance(now, pack(now)) > 0.0
+    if any(isinstance(body.motion, Pendulum) for body in situation.bodies):
+        # Packing one integrates its swing up to the horizon, of which nothing is needed here.
+        situation = replace(situation, horizon=TINY)
+    return start_clearance(situation, pack(situation)) > 0.0

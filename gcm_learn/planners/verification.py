@@ -104,6 +104,39 @@ def nearest_to_shoulder(hand):
     return best
 
 
+NOTHING, ELSEWHERE, LATE, OUTSIDE, ROUND, FAST = range(6)
+FAULTS = {
+    ELSEWHERE: "the path does not start at the hand",
+    OUTSIDE: "the path leaves the reachable ring",
+    ROUND: "the arm would have to turn round within no time near the shoulder",
+    FAST: "the hand would have to be faster than max_hand_speed",
+}
+
+
+@njit(cache=True)
+def _fault(time, hand, joints, start, horizon, near, far, fastest):
+    """First of the promises about the hand's path that is not kept, NOTHING if all are."""
+    last = time.size - 1
+    if time[0] != 0.0 or hand[0, 0] != start[0] or hand[0, 1] != start[1]:
+        return ELSEWHERE
+    if time[last] > horizon:
+        return LATE
+    for k in range(last + 1):
+        if np.sqrt(hand[k, 0] ** 2 + hand[k, 1] ** 2) > far:
+            return OUTSIDE
+    if last > 0 and nearest_to_shoulder(hand) < near:
+        return OUTSIDE
+    for k in range(last):
+        for joint in range(2):
+            if abs(joints[k + 1, joint] - joints[k, joint]) > LARGEST_TURN:
+                return ROUND
+    for k in range(last):
+        dx, dy = hand[k + 1, 0] - hand[k, 0], hand[k + 1, 1] - hand[k, 1]
+        if np.sqrt(dx * dx + dy * dy) > fastest * (time[k + 1] - time[k]):
+            return FAST
+    return NOTHING
+
+
 def verify(situation: Situation, bodies: Bodies, trajectory: Trajectory, body: int) -> Verdict:
     """Check a trajectory against everything that "caught" promises.
 
@@ -148,26 +181,17 @@ def start_clearance(situation: Situation, bodies: Bodies) -> float:
 def _kinematic_fault(situation: Situation, trajectory: Trajectory) -> str:
     """What of start, horizon, ring and speeds is not kept, or nothing."""
     arm, hand, time = situation.arm, trajectory.hand, trajectory.time
-    if time[0] != 0.0 or tuple(hand[0]) != arm.hand:
-        return "the path does not start at the hand"
-    if time[-1] > situation.horizon:
+    fastest = arm.max_hand_speed * (1.0 + SPEED_TOLERANCE)
+    near, far = arm.inner_reach * (1.0 - 1e-9), arm.reach * (1.0 + 1e-9)
+    fault = _fault(time, hand, trajectory.joints, arm.hand, situation.horizon, near, far, fastest)
+    if fault == LATE:
         return f"the catch at {time[-1]:.3f} s comes after the horizon"
-    if np.hypot(hand[:, 0], hand[:, 1]).max() > arm.reach * (1.0 + 1e-9):
-        return "the path leaves the reachable ring"
-    if len(time) > 1 and nearest_to_shoulder(hand) < arm.inner_reach * (1.0 - 1e-9):
-        return "the path leaves the reachable ring"
-    if len(time) == 1:
-        return ""
-    if np.abs(np.diff(trajectory.joints, axis=0)).max() > LARGEST_TURN:
-        return "the arm would have to turn round within no time near the shoulder"
-    spans = np.diff(time)
-    steps = np.sqrt((np.diff(hand, axis=0) ** 2).sum(axis=1))
-    if np.any(steps > arm.max_hand_speed * spans * (1.0 + SPEED_TOLERANCE)):
-        return "the hand would have to be faster than max_hand_speed"
-    if arm.max_joint_speed is not None:
+    if fault != NOTHING:
+        return FAULTS[fault]
+    if arm.max_joint_speed is not None and len(time) > 1:
         turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS)
         limits = np.asarray(arm.max_joint_speed) * (1.0 + SPEED_TOLERANCE)
-        if np.any(turns > limits * spans[:, None]):
+        if np.any(turns > limits * np.diff(time)[:, None]):
             return "a joint would have to be faster than max_joint_speed"
     return ""
 

@@ -55,6 +55,8 @@ def check_polygon(vertices: list[Point], field: str) -> None:
     count = len(vertices)
     if count < 3:
         raise SituationError(field, f"must have at least 3 points (got {count})")
+    if _surely_convex(np.array(vertices)):  # most are: spare the questions for the others
+        return
     for k in range(count):
         if vertices[k] == vertices[(k + 1) % count]:
             reason = f"point {(k + 1) % count} repeats point {k}: {vertices[k]}"
@@ -64,6 +66,24 @@ def check_polygon(vertices: list[Point], field: str) -> None:
     _check_spikes(vertices, field)
     _check_crossings(vertices, field)
     _check_direction(vertices, field)
+
+
+@njit(cache=True)
+def _surely_convex(vertices: np.ndarray) -> bool:
+    """Whether a polygon (n, 2) surely turns left at every corner, and in all of them once round.
+
+    Edges that turn left by less than half a turn each point to the right again, after having
+    pointed to the left, once in every turn.
+    """
+    rounds = 0
+    for k in range(vertices.shape[0]):
+        ax, ay = vertices[k - 2]
+        bx, by = vertices[k - 1]
+        cx, cy = vertices[k]
+        if _sure_orientation(ax, ay, bx, by, cx, cy) <= 0:
+            return False
+        rounds += bx < ax and cx >= bx
+    return rounds == 1
 
 
 def _check_spikes(vertices: list[Point], field: str) -> None:

@@ -228,6 +228,24 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
 
 
 @njit(cache=True)
+def closed_rim(n, spacing, reach, inside):
+    """Status ((n + 2)^2,) of a padded lattice before marching: UNKNOWN where the hand can be.
+
+    The disc of the reach is convex: a ray between two of its cells never leaves it. So what is
+    farther out is BEYOND, and CLOSED only what is not `inside` (n * n,) the ring elsewhere.
+    """
+    status = np.full((n + 2) * (n + 2), CLOSED, dtype=np.uint8)
+    for i in range(n + 2):
+        for j in range(n + 2):
+            x, y = (j - 0.5) * spacing - reach, (i - 0.5) * spacing - reach
+            if x * x + y * y > reach * reach:
+                status[i * (n + 2) + j] = BEYOND
+            elif 0 < i <= n and 0 < j <= n and inside[(i - 1) * n + j - 1]:
+                status[i * (n + 2) + j] = UNKNOWN
+    return status
+
+
+@njit(cache=True)
 def seed(n, W, hand_i, hand_j, turns, circle, tent, origin, status, queue, counts):
     """Put the hand's cell, or the nearest where the hand can be, into the queue.
 

@@ -243,13 +243,8 @@ def _marching_constants(task: Task, params: MarchingParams) -> np.ndarray:
 @lru_cache(maxsize=16)
 def _closed_rim(lattice: Lattice) -> np.ndarray:
     """Padded status of a lattice before marching: open where the hand can be."""
-    n = lattice.n
-    status = np.full((n + 2, n + 2), marching.CLOSED, dtype=np.uint8)
-    status[1:-1, 1:-1][hand_space(lattice).inside.reshape(n, n)] = marching.UNKNOWN
-    # The disc of the reach is convex: a ray between two of its cells never leaves it.
-    x = (np.arange(n + 2) - 0.5) * lattice.spacing - (lattice.upper_arm + 1.0)
-    status[x**2 + x[:, None] ** 2 > (lattice.upper_arm + 1.0) ** 2] = marching.BEYOND
-    return status.ravel()
+    inside = hand_space(lattice).inside
+    return marching.closed_rim(lattice.n, lattice.spacing, lattice.upper_arm + 1.0, inside)
 
 
 def hand_cell(lattice: Lattice, hand: tuple[float, float]) -> tuple[int, int]:
