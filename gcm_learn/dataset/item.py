@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gcm_learn.dataset.case import Case, OracleLabel
 from gcm_learn.dataset.parameters import parameters_of, quantities_of, structure_of, twin_key
@@ -89,7 +89,8 @@ def _find(spec: DatasetSpec, item: Item) -> Found | None:
 
 def _found(spec: DatasetSpec, k: int, family: str, frame: Frame, case: Case, stratum: str) -> Found:
     situation = case.situation
-    plans = {name: case.plan(name) for name in spec.planners}
+    # A record keeps one map: those of the plans would be most of a shard's memory.
+    plans = {name: replace(case.plan(name), map=None) for name in spec.planners}
     audited = spec.label == "oracle" or lot_of(spec.seed, k, AUDIT) < spec.audit
     structure, parameters = structure_of(situation), parameters_of(situation)
     top_speed = float(case.problem.bodies.rows[:, TOP_SPEED].max())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, TypeVar
 
 from gcm_learn.errors import SituationError
@@ -171,10 +172,18 @@ def _body_to_json(body: Body) -> dict[str, Any]:
 
 def _members_of(record: Arm | Plane | Shape | Motion) -> dict[str, Any]:
     """Return the fields of a record as JSON values; those that are None stay absent."""
-    values = {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
+    values = {name: getattr(record, name) for name in _names_of(type(record))}
     return {name: _listed(value) for name, value in values.items() if value is not None}
+
+
+@lru_cache(maxsize=32)
+def _names_of(kind: type) -> tuple[str, ...]:
+    return tuple(field.name for field in dataclasses.fields(kind))
 
 
 def _listed(value: object) -> object:
     """Return `value` with lists in place of tuples."""
-    return [_listed(item) for item in value] if isinstance(value, tuple) else value
+    if not isinstance(value, tuple):
+        return value
+    nested = len(value) > 0 and isinstance(value[0], tuple)
+    return [_listed(item) for item in value] if nested else list(value)

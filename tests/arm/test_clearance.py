@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from gcm_learn import seeding
 from gcm_learn.arm import Trajectory, clearance
-from gcm_learn.arm.clearance import RESOLUTION, limb_sweep
+from gcm_learn.arm.clearance import RESOLUTION, least_in_segment, limb_sweep
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_shape, random_solid
 from gcm_learn.situation import (
@@ -28,6 +28,7 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
 )
+from gcm_learn.situation.bodies import pack
 from tests import strategies
 from tests.referee import by_hand, elbow_of, limb_distances, nearest
 
@@ -115,6 +116,33 @@ def resting(duration=1.0, hand=(2.0, 0.0), samples=2):
 
 def still(x, y):
     return PlanarQuadratic((x, y), (0.0, 0.0), (0.0, 0.0))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_it_is_that_of_brute_force_for_bodies_at_rest_beside_the_shoulder(seed):
+    """The nearest part is the shoulder, or a place on the upper arm, for much of the way."""
+    rng = seeding.rng(33, seed)
+    arm = Arm((1.2, 0.4), 3.0, upper_arm=rng.uniform(0.8, 1.2))
+    path = random_path(rng, arm, 1.0, 10)
+    radius, angle = rng.uniform(0.25, 0.6), rng.uniform(-math.pi, math.pi)
+    shape = Disc(0.2) if seed % 2 else Polygon(((-0.2, -0.1), (0.2, -0.1), (0.0, 0.0), (0.0, 0.2)))
+    there = still(radius * math.cos(angle), radius * math.sin(angle))
+    situation = scene((shape, there), arm=arm)
+    found, expected = clearance(situation, path)[0], brute(situation, path, 20_000)
+    assert expected - 1e-6 <= found + RESOLUTION and found <= max(expected, 0.0) + RESOLUTION + 1e-6
+
+
+def test_a_limb_that_stays_equally_far_is_not_looked_at_for_ever():
+    """The shoulder is nearest all the way, so no look finds less, and bounds have to show it."""
+    situation = scene((Disc(0.2), still(-0.5, 0.1)))
+    bodies, limit = pack(situation), np.hypot(0.5, 0.1) - 0.2
+    time, hand = np.array([0.0, 1.0]), np.array([[1.2, -0.8], [1.2, 0.8]])
+    poses, stack = np.zeros((2, 12)), np.empty((50, 3))
+    least, _, looks = least_in_segment(
+        bodies, 1, time, hand, 0, limit, limit, 1.0, 1.0, 0.0, RESOLUTION, limit, 0.0, 0, poses,
+        stack,
+    )  # fmt: skip
+    assert least == limit and 0 < looks < 100  # 4095 by bounds for the whole limb
 
 
 def test_without_obstacles_it_is_infinite():
