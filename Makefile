@@ -38,8 +38,9 @@ format: $(VENV)/.dev  ## rewrite the sources in the house style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers
+bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets
 	$(BIN)/python experiments/benchmarks/run.py
+	$(BIN)/python experiments/benchmarks/dataset.py
 
 clean:  ## remove what was built, except .venv
 	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

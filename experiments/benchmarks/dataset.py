@@ -1,7 +1,9 @@
 """How fast datasets are made and read: ``python experiments/benchmarks/dataset.py [RECORDS]``.
 
 Rates are those of a run under way: the start of the processes and the loading of compiled code, a
-few seconds each time, are left out. The natural mix is the family random-planar, drawn as it comes.
+few seconds each time, are left out. Next to them stands the processor time of a record, made and
+written in this process, which means the same on a machine that is busy with other things as well.
+The natural mix is the family random-planar, drawn as it comes.
 """
 
 from __future__ import annotations
@@ -17,12 +19,17 @@ import numpy as np
 
 from gcm_learn import dataset
 from gcm_learn.dataset import DatasetSpec, FamilyShare
+from gcm_learn.dataset.folder import Folder
+from gcm_learn.dataset.shards import make_shard
+from gcm_learn.dataset.warming import warm_up
 
 MAPS = {"wave": ("gcm", "layered"), "marching": ("marching", "layered")}
 READS = 20_000
+ALONE = 10  # shards that this process makes
+RUNGS = 1  # maps that a planner tries, as for the training set
 
 
-def natural(engine: str, count: int) -> DatasetSpec:
+def natural(engine: str, count: int, rungs: int = RUNGS) -> DatasetSpec:
     """Situations drawn evenly, with the map and plan of an engine and the layered plan."""
     return DatasetSpec(
         name=f"natural-{engine}",
@@ -31,9 +38,28 @@ def natural(engine: str, count: int) -> DatasetSpec:
         families=(FamilyShare("random-planar"),),
         planners=MAPS[engine],
         map=engine,  # type: ignore[arg-type]
-        rungs=2,
+        rungs=rungs,
         shard_size=100,
     )
+
+
+def cost(spec: DatasetSpec, folder: Path) -> float:
+    """Processor time of a record, made and written in this process [s].
+
+    Each shard is made twice and the cheaper time taken: others on the machine take turns in its
+    caches.
+    """
+    Folder(folder).make()
+    warm_up(spec)
+    total = 0.0
+    for shard in range(ALONE):
+        times = []
+        for _ in range(2):
+            start = time.thread_time()
+            make_shard(spec, shard, str(folder))
+            times.append(time.thread_time() - start)
+        total += min(times)
+    return total / (ALONE * spec.shard_size)
 
 
 def rate(spec: DatasetSpec, folder: Path, workers: int) -> float:
@@ -47,45 +73,49 @@ def rate(spec: DatasetSpec, folder: Path, workers: int) -> float:
 
 
 def making(folder: Path, count: int) -> None:
-    """Print the rates of one and of two processes."""
+    """Print what a record costs, and the rates of one and of two processes."""
     for engine in MAPS:
+        for rungs in (RUNGS, 2):
+            spent = cost(natural(engine, count, rungs), folder / f"{engine}-alone-{rungs}")
+            print(
+                f"{engine:9} {1e3 * spent:.2f} ms of one core a record, {rungs} rungs: "
+                f"{2.0 / spent:.0f}/s on two"
+            )
         rates = {w: rate(natural(engine, count), folder / f"{engine}-{w}", w) for w in (1, 2)}
         manifest = dataset.open(folder / f"{engine}-2").manifest
         shares = ", ".join(f"{share:.0%} {name}" for name, share in manifest["shares"].items())
-        print(
-            f"{engine:9} {rates[1]:6.0f}/s by 1 process, {rates[2]:6.0f}/s by 2 "
-            f"({rates[2] / rates[1]:.2f} x), {manifest['bytes_per_record']:.0f} bytes each; "
-            f"{shares}"
-        )
+        speeds = f"{rates[1]:6.0f}/s by 1 process, {rates[2]:6.0f}/s by 2"
+        ratio, size = rates[2] / rates[1], manifest["bytes_per_record"]
+        print(f"{engine:9} {speeds} ({ratio:.2f} x), {size:.0f} bytes each; {shares}")
 
 
 def reading(folder: Path) -> None:
-    """Print the rates of the cache and of the stream, pictures included."""
+    """Print the rates of the cache and of the stream."""
     records = dataset.open(folder / "wave-2")
     cache = records.cache()
     places = np.random.default_rng(0).integers(0, len(cache), READS).tolist()
-    start = time.perf_counter()
-    for k in places:
-        cache[k].image()
-    print(f"cache     {READS / (time.perf_counter() - start):6.0f} pictures/s at random")
-    start, seen = time.perf_counter(), 0
-    for epoch in range(-(-READS // len(records))):
-        for example in records.stream(0, epoch):
-            example.image()
-            seen += 1
-    print(f"stream    {seen / (time.perf_counter() - start):6.0f} pictures/s, shuffled")
+    for name, take in (("examples", lambda e: e.arrival.sum()), ("pictures", lambda e: e.image())):
+        start, spent = time.perf_counter(), time.thread_time()
+        for k in places:
+            take(cache[k])
+        _tell(f"cache     {name} at random", READS, start, spent)
+        start, spent, seen = time.perf_counter(), time.thread_time(), 0
+        for epoch in range(-(-READS // len(records))):
+            for example in records.stream(0, epoch):
+                take(example)
+                seen += 1
+        _tell(f"stream    {name}, shuffled", seen, start, spent)
+
+
+def _tell(what: str, count: int, start: float, spent: float) -> None:
+    wall, own = count / (time.perf_counter() - start), count / (time.thread_time() - spent)
+    print(f"{what}: {wall:.0f}/s, {own:.0f}/s of processor time")
 
 
 def memory(folder: Path, count: int) -> None:
     """Print the largest memory of the parent while many cheap records are made."""
-    spec = replace(
-        natural("marching", count),
-        planners=("straight",),
-        map="none",
-        n=16,
-        rungs=1,
-        shard_size=250,
-    )
+    cheap = natural("marching", count)
+    spec = replace(cheap, planners=("straight",), map="none", strata={"L": 1.0}, shard_size=250)
     curve: list[tuple[int, float]] = []
     done = 0
 
