@@ -172,7 +172,8 @@ def _body_to_json(body: Body) -> dict[str, Any]:
 
 def _members_of(record: Arm | Plane | Shape | Motion) -> dict[str, Any]:
     """Return the fields of a record as JSON values; those that are None stay absent."""
-    values = {name: getattr(record, name) for name in _names_of(type(record))}
+    kind: type = type(record)
+    values = {name: getattr(record, name) for name in _names_of(kind)}
     return {name: _listed(value) for name, value in values.items() if value is not None}
 
 
