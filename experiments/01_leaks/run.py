@@ -1,6 +1,6 @@
 """Count the fronts that leak through walls, against the walls' speed; writes table.md.
 
-python experiments/01_leaks/run.py                   about three minutes on one core
+python experiments/01_leaks/run.py                   about four minutes on one core
 python experiments/01_leaks/run.py --scenes 4        a quick look
 """
 
@@ -15,10 +15,16 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 
-from walls import MOTIONS, PARTS, Walls, draw, leaked_cells  # noqa: E402
+from walls import MOTIONS, PARTS, Walls, draw, leaked_cells, leaked_states  # noqa: E402
 
 from gcm_learn import seeding  # noqa: E402
-from gcm_learn.wave import Front, MarchingParams, WaveParams, march, propagate  # noqa: E402
+from gcm_learn.wave import (  # noqa: E402
+    MarchingParams,
+    WaveParams,
+    march,
+    propagate,
+    propagate_layers,
+)
 
 SPEEDS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)  # of walls [cells per tau]; the front has 0.17
 WIDTHS = (0.0, 1.0, 2.0, 3.0)  # of walls [cells]
@@ -26,12 +32,12 @@ PLAIN = WaveParams(until="horizon")
 # Fast walls sweep the ring before a single neuron has become a wave: a larger ring, a larger start.
 QUICK = replace(PLAIN, n=160, start_radius=4.0)
 
-Engine = Callable[[Walls, WaveParams], Front]
+Engine = Callable[[Walls, WaveParams], int]
 
 
 @dataclass(frozen=True)
 class Row:
-    """A way to run a front, and what to call it."""
+    """A way to run a front and count the cells that it reaches behind a wall, with a name."""
 
     name: str
     engine: Engine
@@ -40,13 +46,26 @@ class Row:
 
 def wave(**changes: object) -> Engine:
     """Run the wave with some parameters changed."""
-    return lambda walls, params: propagate(walls.task, replace(params, **changes))  # type: ignore[arg-type]
+
+    def run(walls: Walls, params: WaveParams) -> int:
+        return leaked_cells(walls, propagate(walls.task, replace(params, **changes)))  # type: ignore[arg-type]
+
+    return run
+
+
+def waiting(**changes: object) -> Engine:
+    """Run the wave that may wait with some parameters changed."""
+
+    def run(walls: Walls, params: WaveParams) -> int:
+        return leaked_states(walls, propagate_layers(walls.task, replace(params, **changes)))  # type: ignore[arg-type]
+
+    return run
 
 
 def marching(**changes: object) -> Engine:
     """Run causal marching with some parameters changed."""
     bare = MarchingParams(until="horizon", **changes)  # type: ignore[arg-type]
-    return lambda walls, params: march(walls.task, replace(bare, n=params.n))
+    return lambda walls, params: leaked_cells(walls, march(walls.task, replace(bare, n=params.n)))
 
 
 ENGINES = (
@@ -56,12 +75,15 @@ ENGINES = (
     Row("wave, held, 9 points", wave(frozen="held", laplacian=9)),
     Row("wave, step 0.8", wave(step=0.8)),
     Row("wave, diffusion 1", wave(diffusion=1.0)),
+    Row("wave that waits", waiting()),
+    Row("wave that waits, 9 points", waiting(laplacian=9)),
+    Row("wave that waits, held", waiting(frozen="held")),
     Row("marching", marching()),
     Row("marching, no lookback", marching(lookback=0.0)),
 )
 PROMISE = tuple(
     Row(f"{row.name}, {width:.0f} cells", row.engine, width)
-    for row in (ENGINES[0], ENGINES[2], ENGINES[6])
+    for row in (ENGINES[0], ENGINES[2], ENGINES[6], ENGINES[9])
     for width in WIDTHS[1:]
 )
 BARE = tuple(
@@ -85,7 +107,7 @@ def leaks(row: Row, speed: float, scenes: int) -> str:
                 continue
             for k in range(scenes):
                 walls = draw(seeding.rng(71, k), part, motion, speed, row.width, params)
-                cells = leaked_cells(walls, row.engine(walls, params))
+                cells = row.engine(walls, params)
                 leaked, fronts, worst = leaked + (cells > 0), fronts + 1, max(worst, cells)
     return f"{100.0 * leaked / fronts:.0f} % ({worst})" if leaked else "0"
 
