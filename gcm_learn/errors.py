@@ -100,3 +100,7 @@ class ArenaError(GcmError, ValueError):
 
 class PolicyError(GcmError, RuntimeError):
     """A policy is missing or damaged, or its training is asked for something that there is not."""
+
+
+class EncoderError(GcmError, ValueError):
+    """An encoder is asked for what it is not, or its files are not those of an encoder."""

@@ -1,0 +1,183 @@
+"""What a situation looks like to its arm: the limb's room over hand-space and time.
+
+Everything is known at t = 0. Hands are taken on a polar lattice about the shoulder, which begins in
+the direction of the hand and runs to the side on which canonical arms turn; at instants that are
+told by how far the hand can have come, the distance of the limb, with its hand there, to the
+nearest obstacle is asked for. How many bodies there are, in which order and of which shape, is no
+longer seen, only what they forbid: two situations that forbid the same look the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.arm.kinematics import SIDE, elbow_of
+from gcm_learn.planners.interception import first_interception
+from gcm_learn.situation import Situation
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.kernels import (
+    DISC,
+    HAND,
+    KIND,
+    PART,
+    REACH,
+    Bodies,
+    arm_distance,
+    pose_at,
+    poses_at,
+    segment_point2,
+)
+
+DIRECTIONS = 24  # of hands, over the whole turn
+RINGS = np.array([0.1, 0.28, 0.46, 0.64, 0.8, 0.94])  # shares of the ring
+LENGTHS = np.array([0.15, 0.4, 0.7, 1.0, 1.35, 1.7, 2.1, 2.5, 2.9, 3.4, 4.0, 4.8])
+"""Instants: ways that the hand can have come [forearm lengths]."""
+ROOM = 0.4  # room beyond this is as good as free [forearm lengths]
+SLACK = 0.25  # hands that are farther than the way by this are not asked for [forearm lengths]
+TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, ROOM away is 0
+INSTANT = 1e-3  # resolution of interceptions [horizons]
+
+CELLS = len(LENGTHS) * len(RINGS) * DIRECTIONS
+TRACK = 5  # numbers of the target at an instant
+SCALARS = 14
+COUNT = CELLS + TRACK * len(LENGTHS) + SCALARS
+
+
+def look(situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    """Features (COUNT,) float32 of a situation in any frame.
+
+    First the cells (instants, rings, directions), then the target's track, then scalars.
+
+    Parameters
+    ----------
+    situation : Situation
+    bodies : Bodies, optional
+        The situation packed, if the caller has it at hand.
+    """
+    arm, horizon = situation.arm, situation.horizon
+    packed = pack(situation) if bodies is None else bodies
+    x, y = arm.hand
+    joints = arm.max_joint_speed or (0.0, 0.0)
+    out = np.zeros(COUNT, dtype=np.float32)
+    _fill(
+        packed, x, y, arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach,
+        arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp, out,
+    )  # fmt: skip
+    return out
+
+
+@njit(cache=True)
+def _fill(
+    bodies, x, y, rho, side, near, far, speed, shoulder, elbow, horizon, thickness, grasp, out
+):
+    """Fill in all features."""
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    angle = np.arctan2(y, x)
+    start = np.sqrt(x * x + y * y)
+    _look_at_cells(
+        bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, out
+    )
+    target = _nearest_target(bodies, poses, x, y)
+    at = CELLS
+    for k in range(LENGTHS.size):
+        t = min(LENGTHS[k] / speed, horizon)
+        pose_at(bodies, target, t, poses)
+        _track(poses, target, angle, side, near, far, start, out, at)
+        gap = max(np.sqrt((poses[target, 0] - x) ** 2 + (poses[target, 1] - y) ** 2), 0.0)
+        out[at + 4] = min(max(gap - LENGTHS[k], -2.0), 2.0)
+        at += TRACK
+    soonest, body, px, py = first_interception(
+        bodies, x, y, 0.0, 0.0, horizon, speed, grasp, near, far, INSTANT * horizon
+    )
+    if body >= 0:
+        a = side * (np.arctan2(py, px) - angle)
+        out[at], out[at + 1] = 1.0, soonest * speed * 0.3
+        out[at + 2], out[at + 3] = np.cos(a), np.sin(a)
+        out[at + 4] = (np.sqrt(px * px + py * py) - near) / (far - near)
+    out[at + 5], out[at + 6] = (start - near) / (far - near), rho
+    out[at + 7], out[at + 8] = speed * 0.3, speed * horizon * 0.25
+    out[at + 9], out[at + 10] = thickness * 10.0, grasp * 10.0
+    out[at + 11] = bodies.rows[target, REACH] * 5.0
+    if shoulder > 0.0:  # slow joints count, fast ones are as good as no limit
+        out[at + 12], out[at + 13] = speed / (speed + shoulder), speed / (speed + elbow)
+
+
+@njit(cache=True)
+def _look_at_cells(
+    bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, out
+):
+    """Fill in how little room the limb has in every cell that the hand can have come to."""
+    n = bodies.rows.shape[0]
+    rings = RINGS.size
+    radius, ex, ey = np.empty(rings), np.empty(rings), np.empty(rings)
+    for i in range(rings):
+        radius[i] = near + RINGS[i] * (far - near)
+        ex[i], ey[i] = elbow_of(radius[i], 0.0, rho, side)
+    c, s, cosine = np.empty(DIRECTIONS), np.empty(DIRECTIONS), np.empty(DIRECTIONS)
+    for j in range(DIRECTIONS):
+        turn = 2.0 * np.pi * j / DIRECTIONS
+        c[j], s[j] = np.cos(angle + side * turn), np.sin(angle + side * turn)
+        cosine[j] = np.cos(turn)
+    at = 0
+    for k in range(LENGTHS.size):
+        poses_at(bodies, min(LENGTHS[k] / speed, horizon), poses)
+        limit = (LENGTHS[k] + SLACK) ** 2
+        for i in range(rings):
+            r = radius[i]
+            for j in range(DIRECTIONS):
+                if r * r + start * start - 2.0 * r * start * cosine[j] > limit:
+                    at += 1
+                    continue
+                hx, hy = r * c[j], r * s[j]
+                bx, by = ex[i] * c[j] - ey[i] * s[j], ex[i] * s[j] + ey[i] * c[j]
+                room = ROOM
+                for b in range(n):
+                    if bodies.rows[b, PART] == HAND:
+                        continue
+                    px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
+                    d2 = min(
+                        segment_point2(px, py, bx, by, hx, hy),
+                        segment_point2(px, py, 0.0, 0.0, bx, by),
+                    )
+                    if bodies.rows[b, KIND] != DISC:
+                        d2 += pz * pz
+                    ball = bodies.rows[b, REACH] + thickness + room
+                    if d2 >= ball * ball:
+                        continue
+                    if bodies.rows[b, KIND] == DISC:
+                        d = np.sqrt(d2) - bodies.rows[b, REACH] - thickness
+                    else:
+                        d = arm_distance(bodies, poses, b, hx, hy, bx, by) - thickness
+                    room = min(room, d)
+                    if room <= 0.0:
+                        break
+                out[at] = TOUCH if room <= 0.0 else 1.0 - room / ROOM
+                at += 1
+
+
+@njit(cache=True)
+def _nearest_target(bodies, poses, x, y):
+    """The target that is nearest at t = 0."""
+    best, least = -1, 1e300
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        pose_at(bodies, b, 0.0, poses)
+        d2 = (poses[b, 0] - x) ** 2 + (poses[b, 1] - y) ** 2 + poses[b, 2] ** 2
+        if d2 < least:
+            best, least = b, d2
+    return best
+
+
+@njit(cache=True)
+def _track(poses, target, angle, side, near, far, start, out, at):
+    """Fill in where the target is: direction, share of the ring, height."""
+    px, py = poses[target, 0], poses[target, 1]
+    r = np.sqrt(px * px + py * py)
+    a = side * (np.arctan2(py, px) - angle)
+    share = min((r - near) / (far - near), 2.0)
+    scale = min(r, 1.0)
+    out[at], out[at + 1] = np.cos(a) * scale, np.sin(a) * scale
+    out[at + 2] = share
+    out[at + 3] = min(max(poses[target, 2], -1.0), 1.0)

@@ -1,0 +1,64 @@
+"""The towers while they learn, in torch; `towers` holds them once they have learned."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from gcm_learn.encoder import looks, pictures
+from gcm_learn.encoder.config import EncoderConfig
+from gcm_learn.encoder.towers import LAYERS
+
+
+class TowerNet(nn.Module):
+    """A perceptron with inputs on a common scale, see `towers.Tower`."""
+
+    def __init__(self, inputs: int, width: int, dim: int) -> None:
+        super().__init__()
+        sizes = [inputs] + [width] * (LAYERS - 1) + [dim]
+        self.register_buffer("mean", torch.zeros(inputs))
+        self.register_buffer("spread", torch.ones(inputs))
+        pairs = zip(sizes[:-1], sizes[1:], strict=True)
+        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in pairs)
+
+    def fit_scale(self, sample: np.ndarray) -> None:
+        """Take the scale of the inputs from a sample (n, inputs) of them."""
+        spread = sample.std(axis=0)
+        self.mean.copy_(torch.from_numpy(sample.mean(axis=0)))
+        self.spread.copy_(torch.from_numpy(np.maximum(spread, 0.1)))
+
+    def forward(self, inputs: Tensor) -> Tensor:
+        """Outputs (n, dim) of inputs (n, inputs)."""
+        values = (inputs - self.mean) / self.spread
+        for layer in self.layers[:-1]:
+            values = torch.relu(layer(values))
+        return self.layers[-1](values)
+
+
+class EncoderNet(nn.Module):
+    """All towers, and how sure a situation lets one be that anything holds in it."""
+
+    def __init__(self, config: EncoderConfig, way_count: int) -> None:
+        super().__init__()
+        self.situation = TowerNet(looks.COUNT, config.width, config.dim)
+        if config.uses_traces:
+            self.trace = TowerNet(way_count, config.width, config.dim)
+        if config.uses_maps:
+            self.map = TowerNet(pictures.COUNT, config.width, config.dim)
+        self.hope = nn.Linear(config.dim, 1)
+        self.config = config
+
+    def memories(self, way: Tensor | None, picture: Tensor | None) -> Tensor:
+        """Embeddings (m, dim) of memories by their ways and pictures."""
+        parts = []
+        if self.config.uses_traces:
+            parts.append(self.trace(way))
+        if self.config.uses_maps:
+            parts.append(self.map(picture))
+        return sum(parts[1:], start=parts[0])
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Weights by name, without what is needed for learning only."""
+        state = self.state_dict()
+        return {k: v.numpy().copy() for k, v in state.items() if not k.startswith("hope.")}
