@@ -24,6 +24,7 @@ from gcm_learn.cli.inspect import Inspect
 from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
 from gcm_learn.cli.train_policy import TrainPolicy
+from gcm_learn.cli.train_encoder import TrainEncoder
 
 DESCRIPTION = """\
 Catching among moving obstacles with generalized cognitive maps.
@@ -43,6 +44,7 @@ examples:
   gcm-learn gallery data/mine                          and in pictures
   gcm-learn remember data/mine --out models/recall     a memory of its catches
   gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
+  gcm-learn train-encoder data/mine --out models/encoder   what recall asks it with
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -66,6 +68,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "gallery": Gallery,
     "remember": Remember,
     "train-policy": TrainPolicy,
+    "train-encoder": TrainEncoder,
 }
 
 

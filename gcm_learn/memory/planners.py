@@ -14,7 +14,7 @@ from gcm_learn.memory.shipped import shipped_memory
 from gcm_learn.memory.splines import random_traces
 from gcm_learn.memory.store import Memory
 from gcm_learn.memory.traces import Trace
-from gcm_learn.memory.trial import first_that_holds
+from gcm_learn.memory.trial import Offer, first_that_holds
 from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.planners.plan import Plan, Planner
 from gcm_learn.planners.registry import get_planner, register
@@ -25,6 +25,7 @@ POOL = (
     4  # memories that are recalled for each that is checked, so that twins of failures are left out
 )
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
+REGRET = 0.0  # by how much what lies near a failure falls behind
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,9 @@ class RecallPlanner:
     how: Adaptation = field(default_factory=Adaptation)
     novelty: float = NOVELTY
     """Paths this near to one that failed are passed over [forearm lengths]; 0 checks all."""
+    regret: float = REGRET
+    """How much a failure says about memories that lie near, where scores are odds, as those of
+    the learned index are; 0 keeps the order of recall."""
 
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""
@@ -66,13 +70,25 @@ class RecallPlanner:
                 answer or problem.answer("unreachable", "nothing is known"), None, 0
             )
         place = self.memory.index.embed_query(situation, problem.bodies)
-        pool = self.candidates * (POOL if self.novelty > 0.0 else 1)
+        pool = self.candidates * (POOL if max(self.novelty, self.regret) > 0.0 else 1)
         chosen = self.memory.recall(place, pool)
+        regret = self.regret if self.memory.index.name == "learned" else 0.0
+        offer = _offer(chosen, self.memory.embeddings, place if regret > 0.0 else None)
         plan, k, tried = _first(
-            problem, self.memory.traces, self.memory.goals, chosen, self.how, self.candidates,
-            self.novelty,
+            problem, self.memory.traces, self.memory.goals, offer, self.how, self.candidates,
+            self.novelty, regret,
         )  # fmt: skip
         return Recollection(plan, None if k < 0 else int(chosen[k]), tried)
+
+
+def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = None) -> Offer:
+    """Memories to be tried in the order given, or by what the query's odds are for them."""
+    left = np.ones(len(chosen), dtype=bool)
+    if query is None:
+        scores = -np.arange(len(chosen), dtype=float)
+        return Offer(chosen, scores, np.zeros((len(chosen), 1), np.float32), left)
+    near = places[chosen]
+    return Offer(chosen, (near @ query).astype(float), near, left)
 
 
 @dataclass(frozen=True)
@@ -94,8 +110,8 @@ class SplinesPlanner:
         item = int.from_bytes(hashlib.sha256(numbers.tobytes()).digest()[:8], "little")
         start = query_of(problem).ring
         traces, goals = random_traces(self.seed, item, self.candidates, start, situation.horizon)
-        order = np.arange(self.candidates)
-        return _first(problem, traces, goals, order, self.how, self.candidates, 0.0)[0]
+        offer = _offer(np.arange(self.candidates), traces)
+        return _first(problem, traces, goals, offer, self.how, self.candidates, 0.0, 0.0)[0]
 
 
 @dataclass(frozen=True)
@@ -120,24 +136,25 @@ def _first(
     problem: Problem,
     traces: np.ndarray,
     goals: np.ndarray,
-    chosen: np.ndarray,
+    offer: Offer,
     how: Adaptation,
     tries: int,
     novelty: float,
+    regret: float,
 ) -> tuple[Plan, int, int]:
-    """Plan of the first trace that holds, its place among the chosen or -1, and paths checked."""
-    query, total, rest = query_of(problem), 0, chosen
+    """Plan of the first trace that holds, its place in the offer or -1, and paths checked."""
+    query, total = query_of(problem), 0
     while total < tries:
         k, body, tried, time, hand = first_that_holds(
-            traces, goals, rest, query, how.ways, tries - total, novelty
+            traces, goals, offer, query, how.ways, tries - total, novelty, regret
         )
         total += tried
         if k < 0:
             break
         plan, _ = checked(problem, attempt_at(problem, time, hand, body))
         if plan is not None:
-            return plan, len(chosen) - len(rest) + k, total
-        rest = rest[k + 1 :]  # the verification has the last word
+            return plan, k, total
+        # The verification has the last word: what is left is tried.
     return problem.answer("unreachable", f"none of {total} remembered ways holds"), -1, total
 
 

@@ -45,7 +45,7 @@ class Memory:
     ----------
     index : Index
         Files memories and asks for them. Its key is stamped into the memory.
-    search : {"auto", "exact", "faiss"}
+    search : {"auto", "exact", "faiss", "cells"}
         "auto" takes faiss from 100,000 entries on if it is installed.
 
     Examples

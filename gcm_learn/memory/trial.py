@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from gcm_learn.memory.holding import holds
 from gcm_learn.memory.kernels import adapt, desk_for
+
+
+class Offer(NamedTuple):
+    """Memories that may hold."""
+
+    chosen: np.ndarray  # (m,) int64: which of all
+    scores: np.ndarray  # (m,) float64: how promising each is
+    places: np.ndarray  # (m, d) float32: their embeddings
+    left: np.ndarray  # (m,) bool: not tried yet
 
 
 @njit(cache=True)
@@ -38,24 +49,31 @@ def transfer(traces, goals, chosen, query, style, tempo):
 
 
 @njit(cache=True)
-def first_that_holds(traces, goals, chosen, query, styles, tries, novelty):
-    """Try memories in order until one holds.
+def first_that_holds(traces, goals, offer, query, styles, tries, novelty, regret):
+    """Try memories, the most promising first, until one holds.
+
+    Each failure is a lesson about the situation: memories that lie where the failed one does lose
+    as much as a step of logistic regression, from the query, would take from them.
 
     Parameters
     ----------
-    traces, goals, chosen, query :
-        As of `transfer`, the most promising first.
+    traces, goals, query :
+        As of `transfer`.
+    offer : Offer
+        The memories; scores and what is left of them are changed.
     styles : (s, 2) ndarray of int64
         Styles and tempos that each is tried in.
     tries : int
         Paths that are checked at most.
     novelty : float
         A path that stays this near to one that has failed is not checked [forearm lengths].
+    regret : float
+        Length of the step.
 
     Returns
     -------
     place : int
-        Position in `chosen`, -1 if none holds.
+        Position in the offer, -1 if none holds.
     body : int
         The target that is caught.
     checked : int
@@ -67,11 +85,16 @@ def first_that_holds(traces, goals, chosen, query, styles, tries, novelty):
     time, hand = desk.best_time, desk.best_hand
     failed = np.empty((tries, n + 1, 3))
     checked, kept = 0, 0
-    for i in range(chosen.size):
+    while True:
+        i = _most_promising(offer)
+        if i < 0:
+            return -1, -1, checked, time[:0], hand[:0]
+        offer.left[i] = False
+        m = offer.chosen[i]
         for s in range(styles.shape[0]):
             if checked >= tries:
                 return -1, -1, checked, time[:0], hand[:0]
-            samples, body = adapt(traces, goals, chosen[i], query, styles[s, 0], styles[s, 1], desk)
+            samples, body = adapt(traces, goals, m, query, styles[s, 0], styles[s, 1], desk)
             if samples == 0:
                 if novelty <= 0.0:
                     checked += 1
@@ -83,7 +106,30 @@ def first_that_holds(traces, goals, chosen, query, styles, tries, novelty):
                 return i, body, checked, time[:samples], hand[:samples]
             _keep(failed, kept, query, time, hand, samples)
             kept += 1
-    return -1, -1, checked, time[:0], hand[:0]
+        if regret > 0.0:
+            _learn(offer, i, regret)
+
+
+@njit(cache=True)
+def _most_promising(offer):
+    """Position of the largest score that is left, the first of equal ones; -1 if none is."""
+    best = -1
+    for i in range(offer.scores.size):
+        if offer.left[i] and (best < 0 or offer.scores[i] > offer.scores[best]):
+            best = i
+    return best
+
+
+@njit(cache=True)
+def _learn(offer, failed, regret):
+    """Take from all scores what the failure of one says about the query."""
+    step = regret / (1.0 + np.exp(-offer.scores[failed]))
+    for i in range(offer.scores.size):
+        if offer.left[i]:
+            total = 0.0
+            for j in range(offer.places.shape[1]):
+                total += offer.places[i, j] * offer.places[failed, j]
+            offer.scores[i] -= step * total
 
 
 @njit(cache=True)
