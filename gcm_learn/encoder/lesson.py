@@ -6,6 +6,7 @@ folder; here is only the form in which they are handed over.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -13,17 +14,18 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from gcm_learn.encoder.files import write_whole
+from gcm_learn.encoder.looks import Looks
 
-Best = Callable[[np.ndarray, int], np.ndarray]
-"""From looks (n, COUNT) and a number k, the memories (n, k) that fit best by what is known so
+Best = Callable[[Looks, int], np.ndarray]
+"""From looks at n situations and a number k, the memories (n, k) that fit best by what is known so
 far, the best first."""
 
 
 class Lesson(NamedTuple):
     """Situations, memories, and which of them hold."""
 
-    looks: np.ndarray
-    """(n, looks.COUNT) float16"""
+    looks: Looks
+    """Of n situations."""
     rows: np.ndarray
     """Memories that were tried: (m,) int64 on all situations, or (n, m) on each its own."""
     holds: np.ndarray
@@ -33,17 +35,18 @@ class Lesson(NamedTuple):
 
     def save(self, path: Path) -> None:
         """Write it into a file."""
-        import io
-
         stream = io.BytesIO()
-        np.savez(stream, **self._asdict())
+        looks, *rest = self
+        np.savez(stream, *looks, *rest)
         write_whole(path, stream.getvalue())
 
     @classmethod
     def load(cls, path: Path) -> Lesson:
         """Read it from a file."""
         with np.load(path) as file:
-            return cls(*(file[name] for name in cls._fields))
+            arrays = [file[f"arr_{k}"] for k in range(len(file.files))]
+        size = len(Looks._fields)
+        return cls(Looks(*arrays[:size]), *arrays[size:])
 
 
 class Teacher(Protocol):

@@ -1,13 +1,16 @@
-"""What a situation looks like to its arm: the limb's room over hand-space and time.
+"""What a situation looks like to its arm: the room that every body leaves the limb.
 
 Everything is known at t = 0. Hands are taken on a polar lattice about the shoulder, which begins in
 the direction of the hand and runs to the side on which canonical arms turn; at instants that are
-told by how far the hand can have come, the distance of the limb, with its hand there, to the
-nearest obstacle is asked for. How many bodies there are, in which order and of which shape, is no
-longer seen, only what they forbid: two situations that forbid the same look the same.
+told by how far the hand can have come, the distance of the limb, with its hand there, to the body
+is asked for. What shape a body has and how it moves is no longer seen, only what it forbids. Bodies
+stay apart: a path holds if it holds against each of them.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -41,13 +44,41 @@ INSTANT = 1e-3  # resolution of interceptions [horizons]
 CELLS = len(LENGTHS) * len(RINGS) * DIRECTIONS
 TRACK = 5  # numbers of the target at an instant
 SCALARS = 14
-COUNT = CELLS + TRACK * len(LENGTHS) + SCALARS
+CONTEXT = TRACK * len(LENGTHS) + SCALARS
+STEPS = 170  # of a cell's number between 0 and 1, where looks are stored in bytes
 
 
-def look(situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
-    """Features (COUNT,) float32 of a situation in any frame.
+class Look(NamedTuple):
+    """What one situation looks like."""
 
-    First the cells (instants, rings, directions), then the target's track, then scalars.
+    context: np.ndarray
+    """(CONTEXT,) float32: the target's track, then scalars."""
+    cells: np.ndarray
+    """(obstacles, CELLS) float32: by instants, rings and directions; 0 is free by ROOM or more, 1
+    just free, TOUCH touches. Cells that the hand cannot have come to are 0."""
+
+
+class Looks(NamedTuple):
+    """What many situations look like."""
+
+    context: np.ndarray
+    """(n, CONTEXT) float32"""
+    cells: np.ndarray
+    """(m, CELLS) uint8: of all their obstacles [1 / STEPS]."""
+    whose: np.ndarray
+    """(m,) int64: whose obstacle it is."""
+
+
+def gathered(looks: Sequence[Look]) -> Looks:
+    """Many looks as one, in bytes."""
+    cells = [np.rint(look.cells * STEPS).astype(np.uint8) for look in looks]
+    whose = np.repeat(np.arange(len(looks)), [len(c) for c in cells])
+    whole = np.concatenate(cells) if cells else np.zeros((0, CELLS), np.uint8)
+    return Looks(np.array([look.context for look in looks]), whole, whose)
+
+
+def look(situation: Situation, bodies: Bodies | None = None) -> Look:
+    """What a situation in any frame looks like.
 
     Parameters
     ----------
@@ -59,32 +90,38 @@ def look(situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
     packed = pack(situation) if bodies is None else bodies
     x, y = arm.hand
     joints = arm.max_joint_speed or (0.0, 0.0)
-    out = np.zeros(COUNT, dtype=np.float32)
+    context = np.zeros(CONTEXT, dtype=np.float32)
+    obstacles = np.flatnonzero(packed.rows[:, PART] != HAND)
+    cells = np.zeros((len(obstacles), CELLS), dtype=np.float32)
     _fill(
         packed, x, y, arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach,
-        arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp, out,
+        arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp, obstacles,
+        context, cells,
     )  # fmt: skip
-    return out
+    return Look(context, cells)
 
 
 @njit(cache=True)
 def _fill(
-    bodies, x, y, rho, side, near, far, speed, shoulder, elbow, horizon, thickness, grasp, out
-):
+    bodies, x, y, rho, side, near, far, speed, shoulder, elbow, horizon, thickness, grasp,
+    obstacles, out, cells,
+):  # fmt: skip
     """Fill in all features."""
     poses = np.zeros((bodies.rows.shape[0], 12))
     angle = np.arctan2(y, x)
     start = np.sqrt(x * x + y * y)
-    _look_at_cells(
-        bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, out
-    )
+    if obstacles.size > 0:
+        _look_at_cells(
+            bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness,
+            obstacles, cells,
+        )  # fmt: skip
     target = _nearest_target(bodies, poses, x, y)
-    at = CELLS
+    at = 0
     for k in range(LENGTHS.size):
         t = min(LENGTHS[k] / speed, horizon)
         pose_at(bodies, target, t, poses)
-        _track(poses, target, angle, side, near, far, start, out, at)
-        gap = max(np.sqrt((poses[target, 0] - x) ** 2 + (poses[target, 1] - y) ** 2), 0.0)
+        _track(poses, target, angle, side, near, far, out, at)
+        gap = np.sqrt((poses[target, 0] - x) ** 2 + (poses[target, 1] - y) ** 2)
         out[at + 4] = min(max(gap - LENGTHS[k], -2.0), 2.0)
         at += TRACK
     soonest, body, px, py = first_interception(
@@ -105,10 +142,9 @@ def _fill(
 
 @njit(cache=True)
 def _look_at_cells(
-    bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, out
+    bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, obstacles, out
 ):
-    """Fill in how little room the limb has in every cell that the hand can have come to."""
-    n = bodies.rows.shape[0]
+    """Fill in how little room each body leaves the limb in cells that the hand can have come to."""
     rings = RINGS.size
     radius, ex, ey = np.empty(rings), np.empty(rings), np.empty(rings)
     for i in range(rings):
@@ -126,34 +162,33 @@ def _look_at_cells(
         for i in range(rings):
             r = radius[i]
             for j in range(DIRECTIONS):
-                if r * r + start * start - 2.0 * r * start * cosine[j] > limit:
-                    at += 1
-                    continue
-                hx, hy = r * c[j], r * s[j]
-                bx, by = ex[i] * c[j] - ey[i] * s[j], ex[i] * s[j] + ey[i] * c[j]
-                room = ROOM
-                for b in range(n):
-                    if bodies.rows[b, PART] == HAND:
-                        continue
-                    px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
-                    d2 = min(
-                        segment_point2(px, py, bx, by, hx, hy),
-                        segment_point2(px, py, 0.0, 0.0, bx, by),
-                    )
-                    if bodies.rows[b, KIND] != DISC:
-                        d2 += pz * pz
-                    ball = bodies.rows[b, REACH] + thickness + room
-                    if d2 >= ball * ball:
-                        continue
-                    if bodies.rows[b, KIND] == DISC:
-                        d = np.sqrt(d2) - bodies.rows[b, REACH] - thickness
-                    else:
-                        d = arm_distance(bodies, poses, b, hx, hy, bx, by) - thickness
-                    room = min(room, d)
-                    if room <= 0.0:
-                        break
-                out[at] = TOUCH if room <= 0.0 else 1.0 - room / ROOM
+                if r * r + start * start - 2.0 * r * start * cosine[j] <= limit:
+                    hx, hy = r * c[j], r * s[j]
+                    bx, by = ex[i] * c[j] - ey[i] * s[j], ex[i] * s[j] + ey[i] * c[j]
+                    for o in range(obstacles.size):
+                        b = obstacles[o]
+                        out[o, at] = _closeness(bodies, poses, b, hx, hy, bx, by, thickness)
                 at += 1
+
+
+@njit(cache=True)
+def _closeness(bodies, poses, b, hx, hy, ex, ey, thickness):
+    """Number of a cell: how little room body b leaves the limb."""
+    px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
+    d2 = min(segment_point2(px, py, ex, ey, hx, hy), segment_point2(px, py, 0.0, 0.0, ex, ey))
+    disc = bodies.rows[b, KIND] == DISC
+    if not disc:
+        d2 += pz * pz
+    ball = bodies.rows[b, REACH] + thickness + ROOM
+    if d2 >= ball * ball:
+        return 0.0
+    if disc:
+        room = np.sqrt(d2) - bodies.rows[b, REACH] - thickness
+    else:
+        room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - thickness
+    if room <= 0.0:
+        return TOUCH
+    return max(1.0 - room / ROOM, 0.0)
 
 
 @njit(cache=True)
@@ -171,7 +206,7 @@ def _nearest_target(bodies, poses, x, y):
 
 
 @njit(cache=True)
-def _track(poses, target, angle, side, near, far, start, out, at):
+def _track(poses, target, angle, side, near, far, out, at):
     """Fill in where the target is: direction, share of the ring, height."""
     px, py = poses[target, 0], poses[target, 1]
     r = np.sqrt(px * px + py * py)

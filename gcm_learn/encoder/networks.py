@@ -6,8 +6,9 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from gcm_learn.encoder import looks, pictures
+from gcm_learn.encoder import pictures
 from gcm_learn.encoder.config import EncoderConfig
+from gcm_learn.encoder.looks import CELLS, CONTEXT, STEPS, Looks
 from gcm_learn.encoder.towers import LAYERS
 
 
@@ -41,13 +42,23 @@ class EncoderNet(nn.Module):
 
     def __init__(self, config: EncoderConfig, way_count: int) -> None:
         super().__init__()
-        self.situation = TowerNet(looks.COUNT, config.width, config.dim)
+        self.situation = TowerNet(CONTEXT, config.width, config.dim)
+        self.body = TowerNet(CONTEXT + CELLS, config.width, config.dim)
         if config.uses_traces:
             self.trace = TowerNet(way_count, config.width, config.dim)
         if config.uses_maps:
             self.map = TowerNet(pictures.COUNT, config.width, config.dim)
         self.hope = nn.Linear(config.dim, 1)
         self.config = config
+
+    def queries(self, looks: Looks) -> Tensor:
+        """Embeddings (n, dim) of situations by what they look like."""
+        context, whose = torch.from_numpy(looks.context), torch.from_numpy(looks.whose)
+        out = self.situation(context)
+        if len(whose):
+            cells = torch.from_numpy(looks.cells).to(torch.float32) / STEPS
+            out = out.index_add(0, whose, self.body(torch.cat([context[whose], cells], dim=1)))
+        return out
 
     def memories(self, way: Tensor | None, picture: Tensor | None) -> Tensor:
         """Embeddings (m, dim) of memories by their ways and pictures."""

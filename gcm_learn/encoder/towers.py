@@ -1,9 +1,10 @@
 """The trained encoder as plain arrays: what recalls needs no learning library.
 
-Three towers of the same kind, each a perceptron with two hidden layers: one embeds what a situation
-looks like at t = 0, the others what a memory's way and its map look like. They are trained so that
-the inner product of a situation and a memory tells whether the memory, bent to the situation,
-catches in it.
+Four towers of the same kind, each a perceptron with two hidden layers. A situation's embedding is
+the sum of what one makes of its arm and target and of what another makes of each of its obstacles:
+a deep set (Zaheer et al., NIPS 2017) that is summed last, because a path holds if it holds against
+every obstacle, so that odds multiply and their logarithms add. The other two embed a memory's way
+and its map. Inner products tell whether the memory, bent to the situation, catches in it.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from gcm_learn.encoder.config import EncoderConfig
-from gcm_learn.encoder.looks import look
+from gcm_learn.encoder.looks import CONTEXT, look
 from gcm_learn.encoder.pictures import picture_of
 from gcm_learn.encoder.ways import ways
 from gcm_learn.errors import EncoderError
@@ -93,17 +94,22 @@ class Encoder:
         return Tower.of(self.arrays, "situation")
 
     @cached_property
+    def _body(self) -> Tower:
+        return Tower.of(self.arrays, "body")
+
+    @cached_property
     def _memory(self) -> dict[str, Tower]:
         names = {"trace": self.config.uses_traces, "map": self.config.uses_maps}
         return {name: Tower.of(self.arrays, name) for name, used in names.items() if used}
 
     def embed_situation(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
-        return self._situation(look(situation, bodies))
-
-    def embed_looks(self, looks: np.ndarray) -> np.ndarray:
-        """Embeddings (n, dim) float32 of situations by what they look like."""
-        return self._situation(looks.astype(np.float32, copy=False))
+        seen = look(situation, bodies)
+        out = self._situation(seen.context)
+        if len(seen.cells):
+            context = np.broadcast_to(seen.context, (len(seen.cells), CONTEXT))
+            out = out + self._body(np.hstack([context, seen.cells])).sum(axis=0)
+        return out
 
     def embed_memories(
         self, situations: list[Situation], traces: np.ndarray, goals: np.ndarray

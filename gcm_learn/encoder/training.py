@@ -8,6 +8,7 @@ lesson and step, so a run that was stopped goes on as if it had not been.
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import time
@@ -25,6 +26,7 @@ from gcm_learn import seeding
 from gcm_learn.encoder.config import EncoderConfig, config_to_json
 from gcm_learn.encoder.files import write_whole
 from gcm_learn.encoder.lesson import Lesson, Teacher
+from gcm_learn.encoder.looks import STEPS, Looks
 from gcm_learn.encoder.losses import binary, contrast, listwise
 from gcm_learn.encoder.networks import EncoderNet
 from gcm_learn.encoder.towers import Encoder
@@ -169,7 +171,7 @@ class Trainer:
 
     def _scores(self, lesson: Lesson) -> tuple[torch.Tensor, torch.Tensor]:
         """Inner products (n, m) of a lesson's situations and memories; the situations' hope."""
-        queries = self.net.situation(torch.from_numpy(lesson.looks.astype(np.float32)))
+        queries = self.net.queries(lesson.looks)
         if lesson.rows.ndim == 1:
             scores = queries @ self._memories(self.net, lesson.rows).T
         else:
@@ -185,10 +187,10 @@ class Trainer:
         return net.memories(self._ways[chosen], pictures)
 
     @torch.no_grad()
-    def _best(self, looks: np.ndarray, k: int, rows: np.ndarray) -> np.ndarray:
+    def _best(self, looks: Looks, k: int, rows: np.ndarray) -> np.ndarray:
         """The best k of some memories for each situation, by the averaged weights."""
         net: EncoderNet = self.mean.module
-        queries = net.situation(torch.from_numpy(looks.astype(np.float32)))
+        queries = net.queries(looks)
         memories = torch.cat([self._memories(net, part) for part in _parts(rows)])
         best = torch.topk(queries @ memories.T, min(k, len(rows)), dim=1).indices
         found: np.ndarray = rows[best.numpy()]
@@ -196,8 +198,10 @@ class Trainer:
 
     def _fit_scales(self) -> None:
         """Take the inputs' scales from the first lesson and from the memories."""
-        sample = self.teacher.lesson(0, None).looks.astype(np.float32)
-        self.net.situation.fit_scale(sample)
+        looks = self.teacher.lesson(0, None).looks
+        self.net.situation.fit_scale(looks.context)
+        cells = looks.cells.astype(np.float32) / STEPS
+        self.net.body.fit_scale(np.hstack([looks.context[looks.whose], cells]))
         if self.config.uses_traces:
             self.net.trace.fit_scale(self.teacher.ways)
         if self.config.uses_maps and self.teacher.pictures is not None:
@@ -205,8 +209,6 @@ class Trainer:
 
     def save(self) -> None:
         """Write a checkpoint."""
-        import io
-
         stream = io.BytesIO()
         torch.save(self._state(), stream)
         write_whole(self.folder / CHECKPOINT, stream.getvalue())

@@ -37,6 +37,8 @@ class Adaptation:
     tempo: Literal["hurry", "keep", "both"] = "hurry"
     """Whether only waits are kept ("hurry"), or all of the memory's times; or one after the
     other."""
+    mends: int = 1
+    """How often a path that touches is pushed aside, which makes it another path to check."""
 
     @property
     def ways(self) -> np.ndarray:
@@ -140,5 +142,5 @@ def transfer(
     out = np.full(len(rows), -1.0)
     for style, tempo in how.ways:
         left = np.flatnonzero(out < 0.0)
-        out[left] = trial.transfer(traces, goals, rows[left], query, style, tempo)
+        out[left] = trial.transfer(traces, goals, rows[left], query, style, tempo, how.mends)
     return out

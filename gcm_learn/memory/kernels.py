@@ -251,7 +251,7 @@ def _away(query, b, poses, t):
 
 
 @njit(cache=True)
-def _meet(traces, goals, m, query, b, style, tempo, desk):
+def meet(traces, goals, m, query, b, style, tempo, desk):
     """Bend trace m to where target b can be met and time it: the instant, or -1.
 
     The sooner the instant, the better; it is found by conservative advancement: a hand that comes
@@ -325,25 +325,31 @@ def adapt(traces, goals, m, query, style, tempo, desk):
         Samples of the path, 0 if no target can be met in time.
     body : int
     """
-    n = traces.shape[1]
     shares(traces, m, query.near, query.far, desk.share)
     _lay(traces, m, query, style, desk.share, desk.base)
     best, body, bodies = -1.0, -1, query.bodies
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
-        t = _meet(traces, goals, m, query, b, style, tempo, desk)
+        t = meet(traces, goals, m, query, b, style, tempo, desk)
         if t < 0.0 or 0.0 <= best <= t:
             continue
         best, body = t, b
-        for k in range(n):
-            desk.best_time[k] = desk.time[k]
-            desk.best_hand[k, 0], desk.best_hand[k, 1] = desk.hand[k, 0], desk.hand[k, 1]
-        desk.best_time[n] = t
-        desk.best_hand[n, 0], desk.best_hand[n, 1] = desk.hand[n - 1, 0], desk.hand[n - 1, 1]
+        keep(desk, t)
     if best < 0.0:
         return 0, -1
     return _first_knot_at_a_target(query, desk, body)
+
+
+@njit(cache=True)
+def keep(desk, t):
+    """Keep the path that was just bent and timed as the best, with the hand at its end until t."""
+    n = desk.hand.shape[0] - 1
+    for k in range(n):
+        desk.best_time[k] = desk.time[k]
+        desk.best_hand[k, 0], desk.best_hand[k, 1] = desk.hand[k, 0], desk.hand[k, 1]
+    desk.best_time[n] = t
+    desk.best_hand[n, 0], desk.best_hand[n, 1] = desk.hand[n - 1, 0], desk.hand[n - 1, 1]
 
 
 @njit(cache=True)

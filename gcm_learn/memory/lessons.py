@@ -15,7 +15,7 @@ from gcm_learn import seeding
 from gcm_learn.dataset import Dataset
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.encoder.lesson import Best, Lesson
-from gcm_learn.encoder.looks import look
+from gcm_learn.encoder.looks import gathered, look
 from gcm_learn.encoder.pictures import picture_of
 from gcm_learn.encoder.ways import ways
 from gcm_learn.errors import RecallError
@@ -29,8 +29,8 @@ from gcm_learn.situation import Situation
 from gcm_learn.situation.kernels import TOP_SPEED
 
 SITUATIONS = 512  # of a lesson
-ANY = 256  # memories of a lesson about any
-TOP, WIDE = 48, 16  # of a lesson about the best: the first ones, and some of those that follow
+ANY = 160  # memories of a lesson about any
+TOP, WIDE = 40, 16  # of a lesson about the best: the first ones, and some of those that follow
 DEPTH = 600  # how far these follow
 RECORDS = 0.25  # share of a lesson's situations that are records, with a memory of their own
 EASY = 0.15  # share of drawn situations that are kept although a straight line catches
@@ -107,7 +107,7 @@ class School:
             problems.append(problem)
             if len(problems) >= SITUATIONS:
                 break
-        seen = np.array([look(p.situation, p.bodies) for p in problems])
+        seen = gathered([look(p.situation, p.bodies) for p in problems])
         if best is None:
             rest = np.setdiff1d(rng.permutation(len(self.traces))[: 2 * ANY], own)
             rows = np.concatenate([own, rng.permutation(rest)])[:ANY].astype(np.int64)
@@ -119,7 +119,7 @@ class School:
         holds = np.array([self._holds(p, r) for p, r in zip(problems, each, strict=True)])
         column = np.full(len(problems), -1)
         column[: len(own)] = mine
-        return Lesson(seen.astype(np.float16), rows, holds, column)
+        return Lesson(seen, rows, holds, column)
 
     def exam(self, best: Best) -> dict[str, float]:
         """Share of held-out situations in which one of the first k memories holds."""
@@ -128,7 +128,7 @@ class School:
             return marks
         problems = [Problem(situation, "exam") for _, situation in self._exam]
         strata = np.array([stratum for stratum, _ in self._exam])
-        seen = np.array([look(p.situation, p.bodies) for p in problems])
+        seen = gathered([look(p.situation, p.bodies) for p in problems])
         found = best(seen, max(PLACES))
         holds = np.array([self._holds(p, r) for p, r in zip(problems, found, strict=True)])
         for stratum in np.unique(strata):
@@ -141,9 +141,10 @@ class School:
         """Which memories hold in a situation (m,) bool."""
         (style, tempo), query = DEFAULT.ways[0], query_of(problem)
         chosen = np.ascontiguousarray(rows, dtype=np.int64)
-        held: np.ndarray = (
-            trial.transfer(self.traces, self.goals, chosen, query, style, tempo) >= 0.0
+        times = trial.transfer(
+            self.traces, self.goals, chosen, query, style, tempo, 0
         )
+        held: np.ndarray = times >= 0.0
         return held
 
     def _drawn(self, index: int, rng: np.random.Generator) -> Iterator[Problem]:

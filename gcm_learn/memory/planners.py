@@ -146,7 +146,7 @@ def _first(
     query, total = query_of(problem), 0
     while total < tries:
         k, body, tried, time, hand = first_that_holds(
-            traces, goals, offer, query, how.ways, tries - total, novelty, regret
+            traces, goals, offer, query, how.ways, how.mends, tries - total, novelty, regret
         )
         total += tried
         if k < 0:

@@ -9,6 +9,7 @@ from numba import njit
 
 from gcm_learn.memory.holding import holds
 from gcm_learn.memory.kernels import adapt, desk_for
+from gcm_learn.memory.mending import mend
 
 
 class Offer(NamedTuple):
@@ -21,7 +22,7 @@ class Offer(NamedTuple):
 
 
 @njit(cache=True)
-def transfer(traces, goals, chosen, query, style, tempo):
+def transfer(traces, goals, chosen, query, style, tempo, mends):
     """When memories, bent to a situation, catch in it.
 
     Parameters
@@ -32,6 +33,8 @@ def transfer(traces, goals, chosen, query, style, tempo):
         Which of them to try.
     query : Query
     style, tempo : int
+    mends : int
+        How often a path that touches is pushed aside.
 
     Returns
     -------
@@ -42,14 +45,20 @@ def transfer(traces, goals, chosen, query, style, tempo):
     time, hand = desk.best_time, desk.best_hand
     out = np.full(chosen.size, -1.0)
     for i in range(chosen.size):
-        samples, _ = adapt(traces, goals, chosen[i], query, style, tempo, desk)
-        if samples > 0 and holds(query, time, hand, samples):
-            out[i] = time[samples - 1]
+        samples, body = adapt(traces, goals, chosen[i], query, style, tempo, desk)
+        for k in range(mends + 1):
+            if samples == 0:
+                break
+            if holds(query, time, hand, samples):
+                out[i] = time[samples - 1]
+                break
+            if k < mends:
+                samples = mend(traces, goals, chosen[i], query, style, tempo, desk, samples, body)
     return out
 
 
 @njit(cache=True)
-def first_that_holds(traces, goals, offer, query, styles, tries, novelty, regret):
+def first_that_holds(traces, goals, offer, query, styles, mends, tries, novelty, regret):
     """Try memories, the most promising first, until one holds.
 
     Each failure is a lesson about the situation: memories that lie where the failed one does lose
@@ -63,6 +72,8 @@ def first_that_holds(traces, goals, offer, query, styles, tries, novelty, regret
         The memories; scores and what is left of them are changed.
     styles : (s, 2) ndarray of int64
         Styles and tempos that each is tried in.
+    mends : int
+        How often a path that touches is pushed aside.
     tries : int
         Paths that are checked at most.
     novelty : float
@@ -92,20 +103,24 @@ def first_that_holds(traces, goals, offer, query, styles, tries, novelty, regret
         offer.left[i] = False
         m = offer.chosen[i]
         for s in range(styles.shape[0]):
-            if checked >= tries:
-                return -1, -1, checked, time[:0], hand[:0]
-            samples, body = adapt(traces, goals, m, query, styles[s, 0], styles[s, 1], desk)
-            if samples == 0:
-                if novelty <= 0.0:
-                    checked += 1
-                continue
-            if novelty > 0.0 and _known(failed, kept, query, time, hand, samples, novelty):
-                continue
-            checked += 1
-            if holds(query, time, hand, samples):
-                return i, body, checked, time[:samples], hand[:samples]
-            _keep(failed, kept, query, time, hand, samples)
-            kept += 1
+            style, tempo = styles[s, 0], styles[s, 1]
+            samples, body = adapt(traces, goals, m, query, style, tempo, desk)
+            if samples == 0 and novelty <= 0.0:
+                checked += 1
+            for k in range(mends + 1):
+                if checked >= tries:
+                    return -1, -1, checked, time[:0], hand[:0]
+                if samples == 0:
+                    break
+                if novelty > 0.0 and _known(failed, kept, query, time, hand, samples, novelty):
+                    break
+                checked += 1
+                if holds(query, time, hand, samples):
+                    return i, body, checked, time[:samples], hand[:samples]
+                _keep(failed, kept, query, time, hand, samples)
+                kept += 1
+                if k < mends:
+                    samples = mend(traces, goals, m, query, style, tempo, desk, samples, body)
         if regret > 0.0:
             _learn(offer, i, regret)
 
