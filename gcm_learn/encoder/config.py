@@ -19,7 +19,7 @@ class EncoderConfig:
 
     dim: int = 32
     """Numbers of an embedding."""
-    width: int = 384
+    width: int = 256
     """Units of a hidden layer; each tower has two."""
     memory: Literal["trace", "map", "both"] = "trace"
     """What a memory is embedded by: its way, its situation's map, or the sum of both."""

@@ -145,30 +145,48 @@ def _look_at_cells(
     bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, obstacles, out
 ):
     """Fill in how little room each body leaves the limb in cells that the hand can have come to."""
-    rings = RINGS.size
-    radius, ex, ey = np.empty(rings), np.empty(rings), np.empty(rings)
-    for i in range(rings):
-        radius[i] = near + RINGS[i] * (far - near)
-        ex[i], ey[i] = elbow_of(radius[i], 0.0, rho, side)
+    rings, step = RINGS.size, 2.0 * np.pi / DIRECTIONS
     c, s, cosine = np.empty(DIRECTIONS), np.empty(DIRECTIONS), np.empty(DIRECTIONS)
     for j in range(DIRECTIONS):
-        turn = 2.0 * np.pi * j / DIRECTIONS
-        c[j], s[j] = np.cos(angle + side * turn), np.sin(angle + side * turn)
-        cosine[j] = np.cos(turn)
-    at = 0
+        c[j], s[j] = np.cos(angle + side * step * j), np.sin(angle + side * step * j)
+        cosine[j] = np.cos(step * j)
     for k in range(LENGTHS.size):
         poses_at(bodies, min(LENGTHS[k] / speed, horizon), poses)
         limit = (LENGTHS[k] + SLACK) ** 2
         for i in range(rings):
-            r = radius[i]
-            for j in range(DIRECTIONS):
-                if r * r + start * start - 2.0 * r * start * cosine[j] <= limit:
-                    hx, hy = r * c[j], r * s[j]
-                    bx, by = ex[i] * c[j] - ey[i] * s[j], ex[i] * s[j] + ey[i] * c[j]
-                    for o in range(obstacles.size):
-                        b = obstacles[o]
-                        out[o, at] = _closeness(bodies, poses, b, hx, hy, bx, by, thickness)
-                at += 1
+            r = near + RINGS[i] * (far - near)
+            ex, ey = elbow_of(r, 0.0, rho, side)
+            bend = side * np.arctan2(ey, ex)
+            at = (k * rings + i) * DIRECTIONS
+            for o in range(obstacles.size):
+                b = obstacles[o]
+                low, high = _turns(bodies, poses, b, angle, side, max(r, rho), bend, thickness)
+                first, last = int(np.ceil(low / step)), int(np.floor(high / step))
+                for turn in range(first, min(last, first + DIRECTIONS - 1) + 1):
+                    j = turn % DIRECTIONS
+                    if r * r + start * start - 2.0 * r * start * cosine[j] <= limit:
+                        hx, hy = r * c[j], r * s[j]
+                        bx, by = ex * c[j] - ey * s[j], ex * s[j] + ey * c[j]
+                        out[o, at + j] = _closeness(bodies, poses, b, hx, hy, bx, by, thickness)
+
+
+@njit(cache=True)
+def _turns(bodies, poses, b, angle, side, longest, bend, thickness):
+    """Directions of hands between which the limb may be within ROOM of a body, low > high if none.
+
+    The limb lies within the sector of hand and elbow, whose direction is `bend` from the hand's,
+    and no farther from the shoulder than `longest`.
+    """
+    x, y = poses[b, 0], poses[b, 1]
+    away = np.sqrt(x * x + y * y)
+    ball = bodies.rows[b, REACH] + thickness + ROOM
+    if away > longest + ball:
+        return 1.0, 0.0
+    if away <= ball:
+        return 0.0, 2.0 * np.pi
+    middle = side * (np.arctan2(y, x) - angle)
+    half = np.arcsin(ball / away)
+    return middle - half - max(bend, 0.0), middle + half - min(bend, 0.0)
 
 
 @njit(cache=True)

@@ -17,7 +17,8 @@ from functools import cached_property
 import numpy as np
 
 from gcm_learn.encoder.config import EncoderConfig
-from gcm_learn.encoder.looks import CONTEXT, look
+from gcm_learn.encoder.forward import embed_look
+from gcm_learn.encoder.looks import Look, look
 from gcm_learn.encoder.pictures import picture_of
 from gcm_learn.encoder.ways import ways
 from gcm_learn.errors import EncoderError
@@ -104,12 +105,15 @@ class Encoder:
 
     def embed_situation(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
-        seen = look(situation, bodies)
-        out = self._situation(seen.context)
-        if len(seen.cells):
-            context = np.broadcast_to(seen.context, (len(seen.cells), CONTEXT))
-            out = out + self._body(np.hstack([context, seen.cells])).sum(axis=0)
-        return out
+        return self.embed_look(look(situation, bodies))
+
+    def embed_look(self, seen: Look) -> np.ndarray:
+        """Embedding (dim,) float32 of a situation by what it looks like."""
+        arm, body = self._situation, self._body
+        found: np.ndarray = embed_look(
+            seen.context, seen.cells, arm.weights, arm.biases, body.weights, body.biases
+        )
+        return found
 
     def embed_memories(
         self, situations: list[Situation], traces: np.ndarray, goals: np.ndarray

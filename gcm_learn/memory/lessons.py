@@ -8,6 +8,7 @@ Where a straight line catches, most memories do, so most of these are left out.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from gcm_learn.situation import Situation
 from gcm_learn.situation.kernels import TOP_SPEED
 
 SITUATIONS = 512  # of a lesson
+ALONE = 0.4  # share of them that are others of the same lesson with one of their obstacles alone
 ANY = 160  # memories of a lesson about any
 TOP, WIDE = 40, 16  # of a lesson about the best: the first ones, and some of those that follow
 DEPTH = 600  # how far these follow
@@ -105,8 +107,9 @@ class School:
         problems = [Problem(s, "lesson") for s in chosen]
         for problem in self._drawn(index, rng):
             problems.append(problem)
-            if len(problems) >= SITUATIONS:
+            if len(problems) >= (1.0 - ALONE) * SITUATIONS:
                 break
+        problems += self._alone(problems, rng)
         seen = gathered([look(p.situation, p.bodies) for p in problems])
         if best is None:
             rest = np.setdiff1d(rng.permutation(len(self.traces))[: 2 * ANY], own)
@@ -160,6 +163,17 @@ class School:
             if rng.random() >= EASY and straight_plan(problem)[0] is not None:
                 continue
             yield problem
+
+    def _alone(self, problems: list[Problem], rng: np.random.Generator) -> list[Problem]:
+        """Some of the situations with one obstacle alone: which one a path failed at is told so."""
+        several = [p.situation for p in problems if len(p.situation.obstacles) > 1]
+        out = []
+        for k in rng.permutation(len(several))[: int(ALONE * SITUATIONS)].tolist():
+            situation = several[k]
+            one = situation.obstacles[int(rng.integers(len(situation.obstacles)))]
+            alone = replace(situation, bodies=(*situation.targets, one))
+            out.append(Problem(alone, "lesson"))
+        return out
 
     def _is_held_out(self, family: str, problem: Problem) -> bool:
         situation = problem.situation
