@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.extras import dataset_package
 from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from gcm_learn.memory.index import Index
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class Remember:
     """folder for the memory; one that is there is replaced once the new one is complete"""
 
     index: Annotated[str, arg(metavar="NAME")] = "raw"
-    """how memories are found again: raw, pca or random"""
+    """how memories are found again: raw, pca or random, or the folder of a trained encoder"""
 
     planner: Annotated[
         str | None, arg(metavar="NAME", help_behavior_hint="(default: the earliest of all)")
@@ -52,11 +55,12 @@ class Remember:
             records = records.where(split=split)
         from gcm_learn.memory.remember import remember
 
+        index = _index(self.index)
         total = len(records) if self.most is None else min(self.most, len(records))
         with Progress(total, "records") as progress:
             memory = remember(
                 records,
-                self.index,
+                index,
                 self.planner or "",
                 seed=self.seed,
                 most=self.most,
@@ -69,7 +73,16 @@ class Remember:
         except OSError as error:
             raise CommandFailure(f"--out {self.out}: {why(error)}") from None
         print(
-            f"{self.out}: {len(memory)} memories of {total} records, index {self.index} "
+            f"{self.out}: {len(memory)} memories of {total} records, index {memory.index.name} "
             f"({memory.index.dim} numbers, key {memory.index.key})"
         )
         return 0
+
+
+def _index(name: str) -> str | Index:
+    """The trained index of a folder, or the name itself."""
+    if not Path(name).is_dir():
+        return name
+    from gcm_learn.memory.recall import LearnedIndex
+
+    return LearnedIndex.load(Path(name))

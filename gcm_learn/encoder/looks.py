@@ -225,7 +225,7 @@ def _nearest_target(bodies, poses, x, y):
 
 @njit(cache=True)
 def _track(poses, target, angle, side, near, far, out, at):
-    """Fill in where the target is: direction, share of the ring, height."""
+    """Fill in where the target is: direction, share of the ring, distance from the plane."""
     px, py = poses[target, 0], poses[target, 1]
     r = np.sqrt(px * px + py * py)
     a = side * (np.arctan2(py, px) - angle)
@@ -233,4 +233,4 @@ def _track(poses, target, angle, side, near, far, out, at):
     scale = min(r, 1.0)
     out[at], out[at + 1] = np.cos(a) * scale, np.sin(a) * scale
     out[at + 2] = share
-    out[at + 3] = min(max(poses[target, 2], -1.0), 1.0)
+    out[at + 3] = min(abs(poses[target, 2]), 1.0)

@@ -24,10 +24,15 @@ class TowerNet(nn.Module):
         self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in pairs)
 
     def fit_scale(self, sample: np.ndarray) -> None:
-        """Take the scale of the inputs from a sample (n, inputs) of them."""
-        spread = sample.std(axis=0)
-        self.mean.copy_(torch.from_numpy(sample.mean(axis=0)))
-        self.spread.copy_(torch.from_numpy(np.maximum(spread, 0.1)))
+        """Take the scale of the inputs from a sample (n, inputs) of them.
+
+        Inputs that hardly vary are not blown up. Numbers are rounded to what is stored of them.
+        """
+        for buffer, value in (
+            (self.mean, sample.mean(axis=0)),
+            (self.spread, np.maximum(sample.std(axis=0), 0.1)),
+        ):
+            buffer.copy_(torch.from_numpy(value.astype(np.float16).astype(np.float32)))
 
     def forward(self, inputs: Tensor) -> Tensor:
         """Outputs (n, dim) of inputs (n, inputs)."""
@@ -70,6 +75,7 @@ class EncoderNet(nn.Module):
         return sum(parts[1:], start=parts[0])
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Weights by name, without what is needed for learning only."""
+        """Weights by name as half-precision numbers, without what only learning needs."""
         state = self.state_dict()
-        return {k: v.numpy().copy() for k, v in state.items() if not k.startswith("hope.")}
+        wanted = {name: value for name, value in state.items() if not name.startswith("hope.")}
+        return {name: value.numpy().astype(np.float16) for name, value in wanted.items()}

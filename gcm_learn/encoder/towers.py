@@ -44,15 +44,14 @@ class Tower:
     def of(cls, arrays: Mapping[str, np.ndarray], name: str) -> Tower:
         """The tower of a name, its inputs' scale made part of the first layer."""
         try:
-            mean, spread, *layers = (arrays[f"{name}.{part}"] for part in NAMES)
+            mean, spread, *layers = (arrays[f"{name}.{part}"].astype(float) for part in NAMES)
         except KeyError as error:
             raise EncoderError(f"weights: {error.args[0]!r} is missing") from None
-        weights = [np.ascontiguousarray(w.T.astype(np.float64)) for w in layers[::2]]
-        biases = [b.astype(np.float64) for b in layers[1::2]]
+        weights, biases = [w.T for w in layers[::2]], layers[1::2]
         weights[0] = weights[0] / spread[:, None]
         biases[0] = biases[0] - mean @ weights[0]
         return cls(
-            tuple(w.astype(np.float32) for w in weights),
+            tuple(np.ascontiguousarray(w, np.float32) for w in weights),
             tuple(b.astype(np.float32) for b in biases),
         )
 

@@ -240,6 +240,9 @@ class Trainer:
         self.mean.load_state_dict(state["mean"])
         self._optimiser.load_state_dict(state["optimiser"])
         self.lessons = [Lesson.load(self._lesson_file(k)) for k in range(state["lessons"])]
+        lines = (self.folder / LOG).read_text("utf-8").splitlines(keepends=True)
+        kept = [line for line in lines if json.loads(line)["turn"] <= self.turn]
+        write_whole(self.folder / LOG, "".join(kept).encode())
 
     def _lesson_file(self, k: int) -> Path:
         return self.folder / f"lesson-{k:05d}.npz"
