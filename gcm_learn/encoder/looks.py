@@ -37,6 +37,7 @@ RINGS = np.array([0.1, 0.28, 0.46, 0.64, 0.8, 0.94])  # shares of the ring
 LENGTHS = np.array([0.15, 0.4, 0.7, 1.0, 1.35, 1.7, 2.1, 2.5, 2.9, 3.4, 4.0, 4.8])
 """Instants: ways that the hand can have come [forearm lengths]."""
 ROOM = 0.4  # room beyond this is as good as free [forearm lengths]
+TOUCHING = 1e-6  # room up to this is none [forearm lengths]
 SLACK = 0.25  # hands that are farther than the way by this are not asked for [forearm lengths]
 TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, ROOM away is 0
 INSTANT = 1e-3  # resolution of interceptions [horizons]
@@ -204,7 +205,7 @@ def _closeness(bodies, poses, b, hx, hy, ex, ey, thickness):
         room = np.sqrt(d2) - bodies.rows[b, REACH] - thickness
     else:
         room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - thickness
-    if room <= 0.0:
+    if room <= TOUCHING:
         return TOUCH
     return max(1.0 - room / ROOM, 0.0)
 

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.families import draw, get_family
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.memory import Adaptation, adapt, path_of, trace_of, transfer
+from gcm_learn.memory.adaptation import attempt_at, query_of
 from gcm_learn.memory.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.memory.splines import random_traces
+from gcm_learn.memory.trial import Offer, first_that_holds
 from gcm_learn.planners.completion import Problem, checked
 from gcm_learn.planners.interception import target_distance
 from gcm_learn.planners.layered import layered
@@ -145,7 +148,7 @@ def test_the_quick_verdict_is_that_of_the_verification(traces, family, situation
         problem = Problem(situation, "verdicts")
         if problem.early_answer() is not None:
             continue
-        how = EVERY[k % len(EVERY)]
+        how = replace(EVERY[k % len(EVERY)], mends=0)
         chosen = rng.integers(len(traces), size=12)
         times = transfer(situation, knots, goals, chosen, how)
         for i, t in zip(chosen, times, strict=True):
@@ -156,6 +159,31 @@ def test_the_quick_verdict_is_that_of_the_verification(traces, family, situation
     assert counts[1].sum() > 50
     assert counts[1, 0] <= 0.01 * counts[1].sum()
     assert counts[0, 1] <= 0.01 * counts[0].sum()
+
+
+@pytest.mark.parametrize(("family", "situations"), [("crossing-swarm", 120), ("falling-solid", 80)])
+def test_a_path_that_was_pushed_aside_is_verified(traces, family, situations):
+    """Pushing makes more memories hold, and what it says holds does."""
+    knots, goals = stacked(traces)
+    ways, pushed, good, plain = Adaptation().ways, 0, 0, 0
+    for k in range(situations):
+        rng = seeding.rng(74, k)
+        problem = Problem(draw(get_family(family), 74, k), "pushes")
+        if problem.early_answer() is not None:
+            continue
+        query = query_of(problem)
+        for i in rng.integers(len(traces), size=8).tolist():
+            place = np.zeros((1, 1), np.float32)
+            offer = Offer(np.array([i]), np.zeros(1), place, np.ones(1, bool))
+            found, body, tried, time, hand = first_that_holds(
+                knots, goals, offer, query, ways, 1, 9, 0.0, 0.0
+            )
+            plain += found >= 0 and tried == 1
+            if found >= 0 and tried == 2:
+                pushed += 1
+                good += checked(problem, attempt_at(problem, time, hand, body))[0] is not None
+    assert pushed > 0.02 * plain > 1
+    assert good > 0.97 * pushed
 
 
 def test_random_splines_are_of_their_distribution():
