@@ -39,6 +39,11 @@ class TrainEncoder:
     ] = None
     """train for N lessons instead, which gives the same encoder every time"""
 
+    start: Annotated[
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: weights drawn at random)")
+    ] = None
+    """folder of an encoder whose weights to start from"""
+
     dim: Annotated[int, arg(metavar="N")] = 32
     """numbers of an embedding"""
 
@@ -59,7 +64,7 @@ class TrainEncoder:
             if value is not None and value < 1:
                 raise CommandFailure(f"--{name} {value}: must be at least 1")
         records, trainers = dataset_package().open(self.dataset), _training()
-        from gcm_learn.encoder.config import EncoderConfig
+        from gcm_learn.encoder import EncoderConfig, load_encoder
         from gcm_learn.memory.lessons import School
         from gcm_learn.memory.model_card import write_model
 
@@ -75,7 +80,8 @@ class TrainEncoder:
             )
         try:
             effort = trainers.Effort(self.minutes, self.turns)
-            trainer = trainers.Trainer(config, school, self.out / WORK, effort)
+            start = None if self.start is None else load_encoder(self.start)
+            trainer = trainers.Trainer(config, school, self.out / WORK, effort, start)
             with Progress(PARTS, "parts of the training") as progress:
                 trainer.run(lambda share: progress.advance(int(share * PARTS) - progress.done))
             marks = trainer.exam()

@@ -9,7 +9,8 @@ from torch import Tensor, nn
 from gcm_learn.encoder import pictures
 from gcm_learn.encoder.config import EncoderConfig
 from gcm_learn.encoder.looks import CELLS, CONTEXT, STEPS, Looks
-from gcm_learn.encoder.towers import LAYERS
+from gcm_learn.encoder.towers import LAYERS, Encoder
+from gcm_learn.errors import EncoderError
 
 
 class TowerNet(nn.Module):
@@ -55,6 +56,18 @@ class EncoderNet(nn.Module):
             self.map = TowerNet(pictures.COUNT, config.width, config.dim)
         self.hope = nn.Linear(config.dim, 1)
         self.config = config
+
+    def take_over(self, encoder: Encoder) -> None:
+        """Start from the weights of an encoder of the same size."""
+        arrays = {name: torch.from_numpy(a).float() for name, a in encoder.arrays.items()}
+        try:
+            self.load_state_dict(self.state_dict() | arrays)
+        except RuntimeError:
+            raise EncoderError(
+                f"start: encoder {encoder.key} has {encoder.dim} numbers, {encoder.config.width} "
+                f"units and embeds by {encoder.config.memory}; expected {self.config.dim}, "
+                f"{self.config.width} and {self.config.memory}"
+            ) from None
 
     def queries(self, looks: Looks) -> Tensor:
         """Embeddings (n, dim) of situations by what they look like."""

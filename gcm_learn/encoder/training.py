@@ -67,12 +67,15 @@ class Trainer:
     folder : Path
         For checkpoints, lessons and the log. What is there of the same configuration is taken up.
     effort : Effort
+    start : Encoder, optional
+        Whose weights to start from, of the same size; by default they are drawn.
     """
 
     config: EncoderConfig
     teacher: Teacher
     folder: Path
     effort: Effort = field(default_factory=Effort)
+    start: Encoder | None = None
 
     def __post_init__(self) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -84,7 +87,10 @@ class Trainer:
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(self.config.seed)
             self.net = EncoderNet(self.config, self._ways.shape[1])
-        self._fit_scales()
+        if self.start is None:
+            self._fit_scales()
+        else:
+            self.net.take_over(self.start)
         self.mean = AveragedModel(self.net, multi_avg_fn=get_ema_multi_avg_fn(AVERAGE))
         self._optimiser = torch.optim.AdamW(
             self.net.parameters(), self.config.rate, weight_decay=self.config.decay

@@ -1,14 +1,16 @@
 """Lessons for encoders: which memories, bent to a situation, catch in it.
 
-Memories are the catches of a dataset. Situations are those of its records, and more that are drawn
-from the same specification: they need no plan to learn from, only labels, and those are cheap.
-Where a straight line catches, most memories do, so most of these are left out.
+Memories are the catches of a dataset. Situations are those of its records, each once, and when
+these are used up others that are drawn from the same specification: they need no plan to learn
+from, only labels, and those are cheap. Where a straight line catches, most memories do, so most of
+these are left out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
@@ -34,11 +36,10 @@ ALONE = 0.4  # share of them that are others of the same lesson with one of thei
 ANY = 160  # memories of a lesson about any
 TOP, WIDE = 40, 16  # of a lesson about the best: the first ones, and some of those that follow
 DEPTH = 600  # how far these follow
-RECORDS = 0.25  # share of a lesson's situations that are records, with a memory of their own
-EASY = 0.15  # share of drawn situations that are kept although a straight line catches
+EASY = 0.15  # share of situations that are kept although a straight line catches
 EXAMINED = 300  # situations of each stratum in an exam
 PLACES = (1, 5, 20)  # up to which a memory that holds is looked for in an exam
-_LESSON, _SAMPLE = 7, 8  # purposes of random numbers
+_LESSON, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
 
 
 class School:
@@ -72,7 +73,7 @@ class School:
         if most is not None and most < len(order):
             order = np.sort(seeding.rng(seed, _SAMPLE).permutation(len(order))[:most])
         self.situations: list[Situation] = []
-        traces, goals, pictures = [], [], []
+        traces, goals, pictures, easy = [], [], [], []
         for k in order.tolist():
             record = train[k]
             plans = [plan for plan in record.plans.values() if plan.caught]
@@ -83,6 +84,7 @@ class School:
             self.situations.append(record.situation)
             traces.append(knots)
             goals.append(goal)
+            easy.append(record.stratum == "L")
             if maps:
                 pictures.append(picture_of(record.situation))
         if len(traces) < 2:
@@ -91,6 +93,10 @@ class School:
         self.goals = np.array(goals, np.float32)
         self.ways = ways(self.traces, self.goals)
         self.pictures = np.array(pictures) if maps else None
+        lots = seeding.rng(seed, _ORDER)
+        kept = ~np.array(easy) | (lots.random(len(easy)) < EASY)
+        self._order = lots.permutation(np.flatnonzero(kept))
+        """Records whose situations lessons are about, in this order."""
         self._exam = [(r.stratum, r.situation) for r in self._examined()]
 
     def _examined(self) -> Iterator:
@@ -101,27 +107,24 @@ class School:
 
     def lesson(self, index: int, best: Best | None) -> Lesson:
         """A lesson of situations that no other lesson has, but for those of records."""
-        rng = rng_of(self.seed, _LESSON, index)
-        own = rng.permutation(len(self.traces))[: int(RECORDS * SITUATIONS)]
-        chosen = [self.situations[k] for k in own.tolist()]
-        problems = [Problem(s, "lesson") for s in chosen]
-        for problem in self._drawn(index, rng):
-            problems.append(problem)
-            if len(problems) >= (1.0 - ALONE) * SITUATIONS:
-                break
+        rng, size = rng_of(self.seed, _LESSON, index), SITUATIONS - int(ALONE * SITUATIONS)
+        own = self._order[index * size : (index + 1) * size]
+        problems = [Problem(self.situations[k], "lesson") for k in own.tolist()]
+        if len(problems) < size:
+            problems += islice(self._drawn(index, rng), size - len(problems))
         problems += self._alone(problems, rng)
         seen = gathered([look(p.situation, p.bodies) for p in problems])
         if best is None:
-            rest = np.setdiff1d(rng.permutation(len(self.traces))[: 2 * ANY], own)
-            rows = np.concatenate([own, rng.permutation(rest)])[:ANY].astype(np.int64)
+            others = np.setdiff1d(rng.permutation(len(self.traces))[: 2 * ANY], own)
+            rows = np.concatenate([own[: ANY // 2], rng.permutation(others)])[:ANY]
             each = np.broadcast_to(rows, (len(problems), len(rows)))
-            mine = np.where(np.arange(len(own)) < len(rows), np.arange(len(own)), -1)
         else:
-            each = rows = _hard(best(seen, DEPTH), rng)
-            mine = np.full(len(own), -1)
+            each = rows = _hard(_without(best(seen, DEPTH), own), rng)
         holds = np.array([self._holds(p, r) for p, r in zip(problems, each, strict=True)])
         column = np.full(len(problems), -1)
-        column[: len(own)] = mine
+        if best is None:
+            mine = min(len(own), ANY // 2)
+            column[:mine] = np.arange(mine)
         return Lesson(seen, rows, holds, column)
 
     def exam(self, best: Best) -> dict[str, float]:
@@ -180,6 +183,14 @@ class School:
         top = float(problem.bodies.rows[:, TOP_SPEED].max())
         quantities = quantities_of(situation, top)
         return any(holdout.holds(family, quantities) for holdout in self.spec.holdouts)
+
+
+def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """Lists of memories (n, m) without the first situations' own, one shorter."""
+    mine = np.full((len(found), 1), -1)
+    mine[: len(own), 0] = own
+    order = np.argsort(found == mine, axis=1, kind="stable")
+    return np.take_along_axis(found, order, axis=1)[:, :-1]
 
 
 def _hard(found: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -59,9 +59,12 @@ def _origin(records: Dataset) -> dict[str, str]:
     return origin if manifest is None else {**origin, "hash": manifest["hash"]}
 
 
-def _card(
-    trainer: Trainer, records: Dataset, dataset: str, marks: Mapping[str, float]
-) -> str:
+def _start(trainer: Trainer) -> str:
+    start = trainer.start
+    return "weights at random" if start is None else f"the weights of encoder `{start.key}`"
+
+
+def _card(trainer: Trainer, records: Dataset, dataset: str, marks: Mapping[str, float]) -> str:
     config, encoder = trainer.config, trainer.encoder
     effort = trainer.effort
     length = f"--minutes {effort.minutes:g}" if effort.turns is None else f"--turns {effort.turns}"
@@ -77,6 +80,7 @@ situation, catches in it.
 |---|---|
 | command | `gcm-learn train-encoder {dataset} --out DIR {length} --dim {config.dim} \
 --memory {config.memory} --seed {config.seed}` |
+| starts from | {_start(trainer)} |
 | data | dataset `{records.spec.name}`, {origin}; {len(trainer.teacher.ways)} memories |
 | training | {len(trainer.lessons)} lessons, {trainer.step} steps, {trainer.elapsed / 60:.0f} min |
 | seed | {config.seed} |
