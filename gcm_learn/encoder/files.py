@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import uuid
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -63,10 +65,9 @@ def write_whole(path: Path, content: bytes) -> None:
         fresh.unlink(missing_ok=True)
 
 
-def _safetensors():  # type: ignore[no-untyped-def]
+def _safetensors() -> ModuleType:
     """The numpy side of safetensors."""
     try:
-        from safetensors import numpy
+        return importlib.import_module("safetensors.numpy")
     except ImportError:
         raise MissingExtraError("an encoder", "safetensors", "learn") from None
-    return numpy

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import torch
 from torch import Tensor, nn
@@ -21,8 +23,7 @@ class TowerNet(nn.Module):
         sizes = [inputs] + [width] * (LAYERS - 1) + [dim]
         self.register_buffer("mean", torch.zeros(inputs))
         self.register_buffer("spread", torch.ones(inputs))
-        pairs = zip(sizes[:-1], sizes[1:], strict=True)
-        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in pairs)
+        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in pairwise(sizes))
 
     def fit_scale(self, sample: np.ndarray) -> None:
         """Take the scale of the inputs from a sample (n, inputs) of them.

@@ -147,9 +147,7 @@ class School:
         """Which memories hold in a situation (m,) bool."""
         (style, tempo), query = DEFAULT.ways[0], query_of(problem)
         chosen = np.ascontiguousarray(rows, dtype=np.int64)
-        times = trial.transfer(
-            self.traces, self.goals, chosen, query, style, tempo, 0
-        )
+        times = trial.transfer(self.traces, self.goals, chosen, query, style, tempo, 0)
         held: np.ndarray = times >= 0.0
         return held
 
@@ -201,5 +199,3 @@ def _hard(found: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     after = top + np.argsort(rng.random((len(found), rest)), axis=1)[:, :wide]
     rows = np.hstack([found[:, :top], np.take_along_axis(found, after, axis=1)])
     return np.ascontiguousarray(rows, dtype=np.int64)
-
-

@@ -9,7 +9,16 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.arm.clearance import clearance
 from gcm_learn.arm.trajectory import Trajectory
-from gcm_learn.encoder.looks import CELLS, CONTEXT, DIRECTIONS, LENGTHS, RINGS, TOUCH, gathered, look
+from gcm_learn.encoder.looks import (
+    CELLS,
+    CONTEXT,
+    DIRECTIONS,
+    LENGTHS,
+    RINGS,
+    TOUCH,
+    gathered,
+    look,
+)
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.situation import Body, Disc, PlanarQuadratic
@@ -19,6 +28,10 @@ from tests.transforms import mirrored, turned
 
 def drawn(k, family=random_planar):
     return family(seeding.rng(91, k))
+
+
+def rest(position):
+    return PlanarQuadratic(position, (0.0, 0.0), (0.0, 0.0))
 
 
 def same(here, there):
@@ -45,7 +58,7 @@ def test_the_order_of_bodies_does_not_matter_but_for_the_order_of_rows():
 
 def test_a_body_that_cannot_be_met_is_not_seen():
     situation = drawn(3)
-    far = Body("obstacle", "moon", Disc(0.5), PlanarQuadratic((40.0, 0.0), (0.0, 0.0), (0.0, 0.0)))
+    far = Body("obstacle", "moon", Disc(0.5), rest((40.0, 0.0)))
     seen = look(replace(situation, bodies=(*situation.bodies, far)))
     assert not seen.cells[-1].any()
     np.testing.assert_array_equal(seen.cells[:-1], look(situation).cells)
@@ -57,7 +70,10 @@ def test_cells_say_what_a_resting_limb_meets():
     for k in range(30):
         situation = drawn(k)
         arm, bodies = situation.arm, situation.bodies
-        still = [replace(b, motion=PlanarQuadratic(b.motion.position, (0.0, 0.0), (0.0, 0.0))) for b in bodies]
+        still = [
+            replace(b, motion=PlanarQuadratic(b.motion.position, (0.0, 0.0), (0.0, 0.0)))
+            for b in bodies
+        ]
         situation = replace(situation, bodies=tuple(still))
         if not situation.obstacles:
             continue
@@ -68,8 +84,8 @@ def test_cells_say_what_a_resting_limb_meets():
             r = arm.inner_reach + RINGS[i] * (arm.reach - arm.inner_reach)
             a = start + side * 2.0 * np.pi * j / DIRECTIONS
             hand = np.array([[np.cos(a), np.sin(a)]]) * r
-            rest = Trajectory.of_hand(np.array([0.0]), hand, arm.upper_arm, arm.elbow)
-            room = clearance(situation, rest)[0]
+            way = Trajectory.of_hand(np.array([0.0]), hand, arm.upper_arm, arm.elbow)
+            room = clearance(situation, way)[0]
             if abs(room) < 1e-3:
                 continue
             assert (cells[-1, i, j] == TOUCH) == (room <= 0.0)
