@@ -14,8 +14,7 @@ from numba import config
 
 FOLDERS = ("situation", "arm", "wave", "maps", "planners")  # whose functions make maps and plans
 CONSTANTS = "params.py"  # what holds numbers for compiled functions and none of these itself
-ABOVE = ("memory", "envs")  # whose compiled functions call them
-ABOVE = ("encoder", "memory")  # whose compiled functions call them
+ABOVE = ("encoder", "memory", "envs")  # whose compiled functions call them
 
 
 def sources_hash(folders: Sequence[str] = FOLDERS) -> str:

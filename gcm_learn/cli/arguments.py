@@ -23,8 +23,8 @@ from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.inspect import Inspect
 from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
-from gcm_learn.cli.train_policy import TrainPolicy
 from gcm_learn.cli.train_encoder import TrainEncoder
+from gcm_learn.cli.train_policy import TrainPolicy
 
 DESCRIPTION = """\
 Catching among moving obstacles with generalized cognitive maps.
