@@ -56,7 +56,8 @@ class Look(NamedTuple):
     """(CONTEXT,) float32: the target's track, then scalars."""
     cells: np.ndarray
     """(obstacles, CELLS) float32: by instants, rings and directions; 0 is free by ROOM or more, 1
-    just free, TOUCH touches. Cells that the hand cannot have come to are 0."""
+    just free, TOUCH touches. Cells that the hand cannot have come to are 0. Obstacles that the limb
+    can nowhere come near are left out: they change nothing."""
 
 
 class Looks(NamedTuple):
@@ -99,7 +100,7 @@ def look(situation: Situation, bodies: Bodies | None = None) -> Look:
         arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp, obstacles,
         context, cells,
     )  # fmt: skip
-    return Look(context, cells)
+    return Look(context, cells[cells.any(axis=1)])
 
 
 @njit(cache=True)

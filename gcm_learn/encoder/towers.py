@@ -10,7 +10,7 @@ and its map. Inner products tell whether the memory, bent to the situation, catc
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -115,13 +115,13 @@ class Encoder:
         return found
 
     def embed_memories(
-        self, situations: list[Situation], traces: np.ndarray, goals: np.ndarray
+        self, situations: Sequence[Situation], traces: np.ndarray, goals: np.ndarray
     ) -> np.ndarray:
         """Embeddings (n, dim) float32 of memories.
 
         Parameters
         ----------
-        situations : list of Situation
+        situations : sequence of Situation
             Looked at only by encoders that use maps.
         traces, goals : (n, k, 4), (n, 2) ndarray
         """

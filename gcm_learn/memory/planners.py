@@ -25,7 +25,7 @@ POOL = (
     4  # memories that are recalled for each that is checked, so that twins of failures are left out
 )
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
-REGRET = 0.0  # by how much what lies near a failure falls behind
+REGRET = 1.0  # what a memory loses by the failure of one in the same direction [log-odds]
 
 
 @dataclass(frozen=True)

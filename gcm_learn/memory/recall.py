@@ -54,7 +54,7 @@ class LearnedIndex:
         """Embeddings of memories."""
         knots = np.array([t.knots for t in traces], np.float32).reshape(-1, KNOTS, 4)
         goals = np.array([t.goal for t in traces], np.float32).reshape(-1, 2)
-        return self.encoder.embed_memories(list(situations), knots, goals)
+        return self.encoder.embed_memories(situations, knots, goals)
 
     def save(self, folder: Path) -> None:
         """Write the encoder."""

@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -207,7 +207,7 @@ class Memory:
             traces = [Trace(k, g) for k, g in zip(self.traces, self.goals, strict=True)]
             out._words = list(self._words)
             fresh = {name: np.array(self._columns[name][: self._size]) for name in _COLUMNS}
-            fresh["embeddings"] = index.embed_memories(self.situations(), traces)
+            fresh["embeddings"] = index.embed_memories(_Situations(self), traces)
             out._append(fresh, [self._text(k) for k in range(self._size)])
         return out
 
@@ -298,6 +298,27 @@ class Memory:
         if word not in self._words:
             self._words.append(word)
         return self._words.index(word)
+
+
+class _Situations(Sequence[Situation]):
+    """The situations of a memory, read only when they are looked at: not all indexes do."""
+
+    def __init__(self, memory: Memory, rows: range | None = None) -> None:
+        self._memory, self._rows = memory, range(len(memory)) if rows is None else rows
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, k: int) -> Situation: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> _Situations: ...
+
+    def __getitem__(self, k: int | slice) -> Situation | _Situations:
+        if isinstance(k, slice):
+            return _Situations(self._memory, self._rows[k])
+        return self._memory.situation(self._rows[k])
 
 
 def _packed(situation: Situation) -> bytes:

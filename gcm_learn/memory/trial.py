@@ -61,8 +61,8 @@ def transfer(traces, goals, chosen, query, style, tempo, mends):
 def first_that_holds(traces, goals, offer, query, styles, mends, tries, novelty, regret):
     """Try memories, the most promising first, until one holds.
 
-    Each failure is a lesson about the situation: memories that lie where the failed one does lose
-    as much as a step of logistic regression, from the query, would take from them.
+    Each failure says something about the situation: memories that lie in the direction of the failed
+    one are put back, so that the next one tried is another kind of way.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def first_that_holds(traces, goals, offer, query, styles, mends, tries, novelty,
     novelty : float
         A path that stays this near to one that has failed is not checked [forearm lengths].
     regret : float
-        Length of the step.
+        What a memory loses by the failure of one in the same direction.
 
     Returns
     -------
@@ -137,14 +137,23 @@ def _most_promising(offer):
 
 @njit(cache=True)
 def _learn(offer, failed, regret):
-    """Take from all scores what the failure of one says about the query."""
-    step = regret / (1.0 + np.exp(-offer.scores[failed]))
+    """Take from all scores what the failure of one says: more, the nearer their direction is."""
+    own = _length(offer.places, failed)
     for i in range(offer.scores.size):
         if offer.left[i]:
             total = 0.0
             for j in range(offer.places.shape[1]):
                 total += offer.places[i, j] * offer.places[failed, j]
-            offer.scores[i] -= step * total
+            cosine = max(total / max(own * _length(offer.places, i), 1e-30), 0.0)
+            offer.scores[i] -= regret * cosine**4
+
+
+@njit(cache=True)
+def _length(places, i):
+    total = 0.0
+    for j in range(places.shape[1]):
+        total += places[i, j] ** 2
+    return np.sqrt(total)
 
 
 @njit(cache=True)

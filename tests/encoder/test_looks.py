@@ -60,8 +60,7 @@ def test_a_body_that_cannot_be_met_is_not_seen():
     situation = drawn(3)
     far = Body("obstacle", "moon", Disc(0.5), rest((40.0, 0.0)))
     seen = look(replace(situation, bodies=(*situation.bodies, far)))
-    assert not seen.cells[-1].any()
-    np.testing.assert_array_equal(seen.cells[:-1], look(situation).cells)
+    np.testing.assert_array_equal(seen.cells, look(situation).cells)
 
 
 def test_cells_say_what_a_resting_limb_meets():
@@ -77,7 +76,8 @@ def test_cells_say_what_a_resting_limb_meets():
         situation = replace(situation, bodies=tuple(still))
         if not situation.obstacles:
             continue
-        cells = look(situation).cells.max(axis=0).reshape(len(LENGTHS), len(RINGS), DIRECTIONS)
+        seen = look(situation).cells
+        cells = np.max(seen, axis=0, initial=0.0).reshape(len(LENGTHS), len(RINGS), DIRECTIONS)
         side = 1.0 if arm.elbow == "right" else -1.0
         start = np.arctan2(arm.hand[1], arm.hand[0])
         for i, j in ((1, 0), (3, 5), (4, 20)):
