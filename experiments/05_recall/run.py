@@ -1,11 +1,11 @@
 """What memories catch, by how they are found again and how many there are; writes table.md.
 
-python experiments/05_recall/run.py DATASET ENCODER
-python experiments/05_recall/run.py DATASET ENCODER --situations 50 --sizes 100 1000    a quick look
+python experiments/05_recall/run.py DATASET             the controls
+python experiments/05_recall/run.py DATASET ENCODER     the learned index, and all in one table
 
-DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder`. The memory of
-the training records (`--memory`, made in out/ if it is not there) is cut down to each size; the
-situations are those of the split `test`. What is done is kept in out/ and not done again.
+DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder`. Memories are
+the catches of the training records, situations those of the split `test`. What is done is kept in
+out/ and not done again.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,18 +26,60 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 from report import write_figure, write_table  # noqa: E402
 
 from gcm_learn import dataset, get_planner, seeding  # noqa: E402
-from gcm_learn.encoder import load_encoder  # noqa: E402
-from gcm_learn.memory import HybridPlanner, Memory, RandomIndex, RawIndex, RecallPlanner  # noqa: E402
-from gcm_learn.memory import SplinesPlanner, unverified  # noqa: E402
+from gcm_learn.encoder import Encoder, load_encoder  # noqa: E402
+from gcm_learn.memory import (  # noqa: E402  # noqa: E402
+    HybridPlanner,
+    Index,
+    Memory,
+    RandomIndex,
+    RawIndex,
+    RecallPlanner,
+    SplinesPlanner,
+    Trace,
+    trace_of,
+    unverified,
+)
+from gcm_learn.memory.features import raw_features  # noqa: E402
+from gcm_learn.memory.index import Scale, nearest_rows  # noqa: E402
 from gcm_learn.memory.pca import PcaIndex  # noqa: E402
 from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
-from gcm_learn.memory.remember import remember  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 
 STRATA = ("L", "W", "Q")
-FITTED = 3000  # situations that controls with something to fit are fitted to
-MAPS = 10_000  # memories up to which the maps of principal components are made
 Ask = Callable[[Situation], dict[str, object]]
+
+
+class Bank(NamedTuple):
+    """Catches of the training records."""
+
+    traces: np.ndarray
+    goals: np.ndarray
+    features: np.ndarray
+    """(n, COUNT) float32: raw parameters of the situations."""
+    records: np.ndarray
+    """Their positions among the training records."""
+
+    @classmethod
+    def of(cls, train: dataset.Dataset, most: int, file: Path) -> Bank:
+        """The earliest catches of the first records, read once."""
+        if not file.exists():
+            rows = []
+            for k, record in enumerate(train):
+                plans = [plan for plan in record.plans.values() if plan.caught]
+                if plans:
+                    best = min(plans, key=lambda plan: plan.catch_time or 0.0)
+                    trace = trace_of(record.situation, best)
+                    rows.append((*trace, raw_features(record.situation), k))
+                if len(rows) == most:
+                    break
+            np.savez(file, *(np.array(column) for column in zip(*rows, strict=True)))
+        with np.load(file) as arrays:
+            return cls(*(arrays[f"arr_{k}"] for k in range(4)))
+
+    def part(self, size: int) -> Bank:
+        """Some of them, at random; smaller parts are parts of larger ones."""
+        some = np.sort(seeding.rng(4).permutation(len(self.traces))[:size])
+        return Bank(*(column[some] for column in self))
 
 
 def questions(records: dataset.Dataset, count: int) -> list[tuple[str, str, Situation]]:
@@ -48,27 +91,40 @@ def questions(records: dataset.Dataset, count: int) -> list[tuple[str, str, Situ
     return out
 
 
-def cut(folder: Path, size: int) -> Memory:
-    """The first `size` memories of a shuffled memory; smaller ones are parts of larger ones."""
-    memory = Memory.load(folder, search="exact")
-    order = seeding.rng(4).permutation(len(memory))
-    if size < len(memory):
-        memory.forget(order[size:])
+def memory_of(index: Index, places: np.ndarray, bank: Bank, search: str) -> Memory:
+    """A memory whose places are known; its situations are not kept, for nobody asks for them."""
+    memory = Memory(index, search)
+    count = len(places)
+    columns = {
+        "embeddings": places.astype(np.float32),
+        "traces": bank.traces,
+        "goals": bank.goals,
+        "labels": np.zeros((count, 2), np.int16),
+        "uses": np.zeros(count, np.int32),
+        "lengths": np.zeros(count, np.int32),
+    }
+    memory._append(columns, [b""] * count)
     return memory
 
 
-def filed(memory: Memory, encoder: str) -> Iterator[tuple[str, Memory]]:
+def filed(
+    bank: Bank, encoder: Encoder | None, train: dataset.Dataset, maps: int
+) -> Iterator[tuple[str, Memory]]:
     """The memory under every index."""
-    rng = seeding.rng(5)
-    some = rng.permutation(len(memory))[:FITTED].tolist()
-    sample = [memory.situation(k) for k in some]
-    learned = memory.refiled(LearnedIndex(load_encoder(encoder)))
-    learned.search = "cells"
-    yield "learned", learned
-    yield "raw", memory.refiled(RawIndex.fit(sample))
-    if len(memory) <= MAPS:
-        yield "pca", memory.refiled(PcaIndex.fit(sample))
-    yield "random", memory.refiled(RandomIndex())
+    if encoder is not None:
+        places = encoder.embed_memories([], bank.traces, bank.goals)
+        yield "learned", memory_of(LearnedIndex(encoder), places, bank, "cells")
+        return
+    scale = Scale.of(bank.features)
+    yield "raw", memory_of(RawIndex(scale), nearest_rows(scale(bank.features)), bank, "exact")
+    control = RandomIndex()
+    traces = [Trace(k, g) for k, g in zip(bank.traces, bank.goals, strict=True)]
+    places = np.array([control.embed_memory(None, trace) for trace in traces])  # type: ignore
+    yield "random", memory_of(control, places, bank, "exact")
+    if len(traces) <= maps:
+        situations = [train[int(k)].situation for k in bank.records]
+        index = PcaIndex.fit(situations)
+        yield "pca", memory_of(index, index.embed_memories(situations, traces), bank, "exact")
 
 
 def recalled(planner: RecallPlanner) -> Ask:
@@ -125,35 +181,37 @@ def main() -> None:
     """Run what is missing; write table.md and figure.png."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("dataset")
-    parser.add_argument("encoder")
-    parser.add_argument("--memory", type=Path)
+    parser.add_argument("encoder", nargs="?", help="without one, only the controls")
     parser.add_argument("--situations", type=int, default=300, help="of each stratum")
     parser.add_argument("--sizes", type=int, nargs="+", default=[100, 1000, 10_000, 100_000])
+    parser.add_argument("--maps", type=int, default=1000, help="memories up to which pca is asked")
     given = parser.parse_args()
     records = dataset.open(given.dataset)
-    out = HERE / "out" / f"{load_encoder(given.encoder).key}-{given.situations}"
+    train, out = records.where(split="train"), HERE / "out" / str(given.situations)
     out.mkdir(parents=True, exist_ok=True)
-    folder = given.memory or HERE / "out" / "memory"
-    if not (folder / "manifest.json").exists():
-        most = int(1.4 * max(given.sizes))
-        remember(records.where(split="train"), "raw", most=most).save(folder)
+    bank = Bank.of(train, max(given.sizes), HERE / "out" / "memories.npz")
     asked = questions(records, given.situations)
+    encoder = None if given.encoder is None else load_encoder(given.encoder)
+    stamp = "controls" if encoder is None else encoder.key
     for size in given.sizes:
-        if (out / f"done-{size}").exists():
+        if (out / f"done-{stamp}-{size}").exists():
             continue
-        memory = cut(folder, size)
-        for name, part in filed(memory, given.encoder):
-            answered(out / f"{name}-{size}.jsonl", name, size, recalled(RecallPlanner(part)), asked)
-            answered(out / f"{name}-1-{size}.jsonl", f"{name}, first, as bent", size,
-                     first_choice(part), asked)  # fmt: skip
-            if name == "learned" and size == max(given.sizes):
-                hybrid = planned("layered", RecallPlanner(part))
-                answered(out / "hybrid.jsonl", "hybrid", size, hybrid, asked)
-        (out / f"done-{size}").touch()
-    answered(out / "splines.jsonl", "splines-random", 0, _splines(), asked)
-    for name in ("layered", "marching", "gcm"):
-        answered(out / f"{name}.jsonl", name, 0, planned(name), asked)
-    lines = [json.loads(x) for f in sorted(out.glob("*.jsonl")) for x in f.open()]
+        for name, memory in filed(bank.part(size), encoder, train, given.maps):
+            planner = RecallPlanner(memory)
+            tag = f"{stamp}-{name}-{size}.jsonl"
+            answered(out / tag, name, size, recalled(planner), asked)
+            bent = f"{name}, first, as bent"
+            answered(out / f"first-{tag}", bent, size, first_choice(memory), asked)
+            if encoder is not None and size == max(given.sizes):
+                hybrid = planned("layered", planner)
+                answered(out / f"hybrid-{tag}", "hybrid", size, hybrid, asked)
+        (out / f"done-{stamp}-{size}").touch()
+    if encoder is None:
+        answered(out / "controls-splines.jsonl", "splines-random", 0, _splines(), asked)
+        for name in ("layered", "marching", "gcm"):
+            answered(out / f"controls-{name}.jsonl", name, 0, planned(name), asked)
+    files = [f for f in sorted(out.glob("*.jsonl")) if "controls" in f.name or stamp in f.name]
+    lines = [json.loads(x) for f in files for x in f.open()]
     write_table(HERE / "table.md", lines)
     write_figure(HERE / "figure.png", lines)
 

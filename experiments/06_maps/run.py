@@ -133,8 +133,8 @@ def main() -> None:
             for i, row in enumerate(asked):
                 for extra, situation in zip(EXTRAS, row, strict=True):
                     found = planner.recollect(situation)
-                    lines.append({"index": name, "stratum": stratum, "case": i, "extra": extra,
-                                  "caught": found.plan.caught, "checks": found.checked})  # fmt: skip
+                    case = {"index": name, "stratum": stratum, "case": i, "extra": extra}
+                    lines.append({**case, "caught": found.plan.caught, "checks": found.checked})
             print(stratum, name, flush=True)
     (HERE / "out").mkdir(exist_ok=True)
     text = "".join(json.dumps(line) + "\n" for line in lines)
@@ -157,7 +157,9 @@ def report(lines: list[dict], memories: int) -> None:
     import matplotlib.pyplot as plt
 
     def caught(name: str, stratum: str, extra: int, checks: int) -> np.ndarray:
-        some = [x for x in lines if (x["index"], x["stratum"], x["extra"]) == (name, stratum, extra)]
+        some = [
+            x for x in lines if (x["index"], x["stratum"], x["extra"]) == (name, stratum, extra)
+        ]
         return np.array([100.0 * (x["caught"] and x["checks"] <= checks) for x in some])
 
     names = list(dict.fromkeys(x["index"] for x in lines))
@@ -169,14 +171,21 @@ def report(lines: list[dict], memories: int) -> None:
         for name in names:
             values = [caught(name, stratum, e, checks) for e in EXTRAS]
             bounds = [interval(v) for v in values]
-            cells = [f"{v.mean():.1f} ({a:.0f}–{b:.0f})" for v, (a, b) in zip(values, bounds, strict=True)]
+            cells = [
+                f"{v.mean():.1f} ({a:.0f}–{b:.0f})"
+                for v, (a, b) in zip(values, bounds, strict=True)
+            ]
             rows.append(f"| {stratum} | {checks} | {name} | " + " | ".join(cells) + " |")
             ax.plot(EXTRAS, [v.mean() for v in values], "o-", ms=3, label=name)
         for kind in KINDS:
-            gaps = [caught(kind, stratum, e, checks) - caught("raw", stratum, e, checks) for e in EXTRAS]
+            gaps = [
+                caught(kind, stratum, e, checks) - caught("raw", stratum, e, checks) for e in EXTRAS
+            ]
             cells = [f"{g.mean():+.1f} ({a:+.0f}…{b:+.0f})" for g in gaps for a, b in [interval(g)]]
             rows.append(f"| {stratum} | {checks} | {kind} less raw | " + " | ".join(cells) + " |")
-        ax.set(title=f"{stratum}, at most {checks} check{'s' * (checks > 1)}", xlabel="obstacles added")
+        ax.set(
+            title=f"{stratum}, at most {checks} check{'s' * (checks > 1)}", xlabel="obstacles added"
+        )
         ax.grid(alpha=0.25)
     axes[0].set_ylabel("caught [%]")
     axes[0].legend(fontsize=8)

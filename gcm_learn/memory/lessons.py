@@ -8,7 +8,9 @@ these are left out.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
 
@@ -74,19 +76,22 @@ class School:
             order = np.sort(seeding.rng(seed, _SAMPLE).permutation(len(order))[:most])
         self.situations: list[Situation] = []
         traces, goals, pictures, easy = [], [], [], []
-        for k in order.tolist():
-            record = train[k]
-            plans = [plan for plan in record.plans.values() if plan.caught]
-            progress(1)
-            if not plans:
-                continue
-            knots, goal = trace_of(record.situation, min(plans, key=lambda p: p.catch_time or 0.0))
-            self.situations.append(record.situation)
-            traces.append(knots)
-            goals.append(goal)
-            easy.append(record.stratum == "L")
-            if maps:
-                pictures.append(picture_of(record.situation))
+        with _uncollected():
+            for k in order.tolist():
+                record = train[k]
+                plans = [plan for plan in record.plans.values() if plan.caught]
+                progress(1)
+                if not plans:
+                    continue
+                knots, goal = trace_of(
+                    record.situation, min(plans, key=lambda p: p.catch_time or 0.0)
+                )
+                self.situations.append(record.situation)
+                traces.append(knots)
+                goals.append(goal)
+                easy.append(record.stratum == "L")
+                if maps:
+                    pictures.append(picture_of(record.situation))
         if len(traces) < 2:
             raise RecallError("the dataset has no catches to learn from")
         self.traces = np.array(traces, np.float32).reshape(-1, KNOTS, 4)
@@ -95,6 +100,7 @@ class School:
         self.pictures = np.array(pictures) if maps else None
         lots = seeding.rng(seed, _ORDER)
         kept = ~np.array(easy) | (lots.random(len(easy)) < EASY)
+        gc.freeze()  # these objects stay: no need to look through them again and again
         self._order = lots.permutation(np.flatnonzero(kept))
         """Records whose situations lessons are about, in this order."""
         self._exam = [(r.stratum, r.situation) for r in self._examined()]
@@ -181,6 +187,18 @@ class School:
         top = float(problem.bodies.rows[:, TOP_SPEED].max())
         quantities = quantities_of(situation, top)
         return any(holdout.holds(family, quantities) for holdout in self.spec.holdouts)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Let no collector look through a growing heap again and again."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
 
 
 def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:

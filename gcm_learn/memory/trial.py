@@ -61,8 +61,8 @@ def transfer(traces, goals, chosen, query, style, tempo, mends):
 def first_that_holds(traces, goals, offer, query, styles, mends, tries, novelty, regret):
     """Try memories, the most promising first, until one holds.
 
-    Each failure says something about the situation: memories that lie in the direction of the failed
-    one are put back, so that the next one tried is another kind of way.
+    Each failure says something about the situation: memories in the same direction are put back, so
+    that the next one tried is another kind of way.
 
     Parameters
     ----------
