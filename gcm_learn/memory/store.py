@@ -22,6 +22,7 @@ from gcm_learn.situation import Situation, situation_from_json, situation_to_jso
 from gcm_learn.situation.canonical import canonical
 
 SPARE = 1.5  # room is made for this many times the entries that there are
+MANY = 20_000  # learned entries from which nearly the best are good enough by default
 _COLUMNS = ("embeddings", "traces", "goals", "labels", "uses", "lengths")
 
 
@@ -46,7 +47,8 @@ class Memory:
     index : Index
         Files memories and asks for them. Its key is stamped into the memory.
     search : {"auto", "exact", "faiss", "cells"}
-        "auto" takes faiss from 100,000 entries on if it is installed.
+        "auto" takes cells where a learned index files many, else faiss from 100,000 entries on if
+        it is installed.
 
     Examples
     --------
@@ -168,7 +170,8 @@ class Memory:
     def recall(self, query: np.ndarray, k: int = 20) -> np.ndarray:
         """Memories (min(k, n),) that fit an embedding (dim,) best, the best first."""
         if self._searcher is None or len(self._searcher.rows) != self._size:
-            self._searcher = Searcher(self.embeddings, self.search)
+            nearly = self.search == "auto" and self.index.name == "learned" and self._size >= MANY
+            self._searcher = Searcher(self.embeddings, "cells" if nearly else self.search)
         return self._searcher(query, k)
 
     def used(self, k: int) -> None:
