@@ -100,3 +100,7 @@ class ArenaError(GcmError, ValueError):
 
 class PolicyError(GcmError, RuntimeError):
     """A policy is missing or damaged, or its training is asked for something that there is not."""
+
+
+class SuiteError(GcmError, ValueError):
+    """A comparison is asked for something that there is not, or its situations have changed."""

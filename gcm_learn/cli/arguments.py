@@ -15,6 +15,7 @@ from gcm_learn import __version__
 from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.draw import Draw
+from gcm_learn.cli.evaluate import Evaluate
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.families import Families
 from gcm_learn.cli.figure import Figure
@@ -43,6 +44,7 @@ examples:
   gcm-learn gallery data/mine                          and in pictures
   gcm-learn remember data/mine --out models/recall     a memory of its catches
   gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
+  gcm-learn evaluate --policies layered,straight,clone all on the same situations, with a report
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -66,6 +68,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "gallery": Gallery,
     "remember": Remember,
     "train-policy": TrainPolicy,
+    "evaluate": Evaluate,
 }
 
 
