@@ -30,7 +30,11 @@ LONG_ARM = {"arm": {"upper_arm": [1.3, 1.5]}}
 _ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names()}
 _ANYWHERE: Mapping[str, Mapping[str, Any]] = {"random-planar": {}}
 
-FROZEN: Mapping[str, Mapping[int, str]] = {}
+FROZEN: Mapping[str, Mapping[int, str]] = {
+    "demo": {50: "a006b6434a79351f"},
+    "natural": {300: "9928515233428e58"},
+    "detour": {200: "50e20ca1007147ff"},
+}
 """Hashes of the first situations of a suite, by how many."""
 
 

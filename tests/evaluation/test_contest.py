@@ -102,10 +102,10 @@ def test_charging_nothing_changes_nothing(results):
 
 def test_the_world_runs_while_one_thinks():
     """A ball that passes within reach early on is lost to who thinks for long."""
-    passing = scene(moving("ball", "target", (1.9, 0.5), (4.0, 0.0)))
+    passing = scene(moving("ball", "target", (1.0, 0.4), (1.5, 0.0)))
     layered = entrant("layered")
     assert charged(layered, passing, 0.0) == "caught"
-    assert charged(layered, passing, 0.5) == "declined"
+    assert charged(layered, passing, 0.85) == "declined"
     assert charged(layered, passing, 1.5) in ("late", "declined")
 
 
