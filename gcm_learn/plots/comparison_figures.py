@@ -141,8 +141,8 @@ def learning_figure(names: Sequence[str]) -> Figure | None:
         return None
     figure = style.new_figure(6.4, 3.2)
     ax = figure.subplots()
-    for name, points in curves.items():
-        ax.plot(points[:, 0] / 1e6, 100 * points[:, 1], "o-", ms=3, label=name)
+    for name, curve in curves.items():
+        ax.plot(curve[:, 0] / 1e6, 100 * curve[:, 1], "o-", ms=3, label=name)
     _plain(ax, "learning curves")
     ax.set_ylim(0, 102)
     ax.set_xlabel("steps [millions]", fontsize=style.SMALL)
