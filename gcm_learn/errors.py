@@ -104,3 +104,7 @@ class PolicyError(GcmError, RuntimeError):
 
 class EncoderError(GcmError, ValueError):
     """An encoder is asked for what it is not, or its files are not those of an encoder."""
+
+
+class SuiteError(GcmError, ValueError):
+    """A comparison is asked for something that there is not, or its situations have changed."""

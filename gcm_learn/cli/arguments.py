@@ -15,6 +15,7 @@ from gcm_learn import __version__
 from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.draw import Draw
+from gcm_learn.cli.evaluate import Evaluate
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.families import Families
 from gcm_learn.cli.figure import Figure
@@ -45,6 +46,7 @@ examples:
   gcm-learn remember data/mine --out models/recall     a memory of its catches
   gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
   gcm-learn train-encoder data/mine --out models/encoder   what recall asks it with
+  gcm-learn evaluate --policies layered,straight,clone all on the same situations, with a report
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -69,6 +71,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "remember": Remember,
     "train-policy": TrainPolicy,
     "train-encoder": TrainEncoder,
+    "evaluate": Evaluate,
 }
 
 

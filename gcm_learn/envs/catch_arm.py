@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import gymnasium
@@ -15,7 +14,7 @@ from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.guidance import fields_of
 from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings, Weights
+from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.situation import Situation
@@ -235,34 +234,6 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     def __getstate__(self) -> dict[str, Any]:
         """All but the window."""
         return {**self.__dict__, "_viewer": None}
-
-
-def settings_of(
-    settings: Settings | Mapping[str, Any] | None,
-    control: str | None = None,
-    fan: bool | None = None,
-) -> Settings:
-    """Settings from their fields.
-
-    Raises
-    ------
-    ArenaError
-        With the field that is not known or out of its range.
-    """
-    if settings is None or isinstance(settings, Mapping):
-        values = dict(settings or {})
-        unknown = sorted(set(values) - set(Settings.__dataclass_fields__))
-        if unknown:
-            raise ArenaError(f"settings: {unknown[0]!r} is not a known field")
-        weights = values.get("weights")
-        if isinstance(weights, Mapping):
-            strange = sorted(set(weights) - set(TERMS))
-            if strange:
-                raise ArenaError(f"settings.weights: {strange[0]!r} is not one of {TERMS}")
-            values["weights"] = Weights(**weights)
-        settings = Settings(**values)
-    given: dict[str, Any] = {"control": control, "fan": fan}
-    return replace(settings, **{name: v for name, v in given.items() if v is not None})
 
 
 def with_fields(pool: Pool, settings: Settings) -> Pool:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -76,3 +77,31 @@ class Settings:
     def width(self) -> int:
         """Length of an observation."""
         return o.ARM + o.TARGET + self.slots * o.OBSTACLE + (o.RAYS * o.RAY if self.fan else 0)
+
+
+def settings_of(
+    settings: Settings | Mapping[str, Any] | None,
+    control: str | None = None,
+    fan: bool | None = None,
+) -> Settings:
+    """Settings from their fields.
+
+    Raises
+    ------
+    ArenaError
+        With the field that is not known or out of its range.
+    """
+    if settings is None or isinstance(settings, Mapping):
+        values = dict(settings or {})
+        unknown = sorted(set(values) - set(Settings.__dataclass_fields__))
+        if unknown:
+            raise ArenaError(f"settings: {unknown[0]!r} is not a known field")
+        weights = values.get("weights")
+        if isinstance(weights, Mapping):
+            strange = sorted(set(weights) - set(TERMS))
+            if strange:
+                raise ArenaError(f"settings.weights: {strange[0]!r} is not one of {TERMS}")
+            values["weights"] = Weights(**weights)
+        settings = Settings(**values)
+    given: dict[str, Any] = {"control": control, "fan": fan}
+    return replace(settings, **{name: v for name, v in given.items() if v is not None})

@@ -12,9 +12,9 @@ from gymnasium.vector.utils import batch_space
 
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
-from gcm_learn.envs.catch_arm import POOL, box, settings_of, with_fields
+from gcm_learn.envs.catch_arm import POOL, box, with_fields
 from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings
+from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from gcm_learn.envs.settings import Settings
+from gcm_learn.envs.settings import Settings, settings_of
 from gcm_learn.errors import PolicyError
 from gcm_learn.policies.directions import velocities
 
@@ -116,6 +116,4 @@ def settings_to_json(settings: Settings) -> dict[str, Any]:
 
 def settings_from_json(values: Mapping[str, Any]) -> Settings:
     """Settings from JSON values."""
-    from gcm_learn.envs.catch_arm import settings_of
-
     return settings_of(values)

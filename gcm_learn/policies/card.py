@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from gcm_learn.policies.actor import FILE
-from gcm_learn.policies.plan import TrainingPlan
+from gcm_learn.policies.plan import Share, TrainingPlan
 
 CARD = "card.md"
 
@@ -56,14 +56,15 @@ def write_card(
     return path
 
 
-def _told(share: object) -> str:
-    values = {name: v for name, v in vars(share).items() if v not in ("", (), None)}
-    source = values.pop("source")
-    return f"{source} ({', '.join(f'{k} {_plain(v)}' for k, v in values.items())})"
-
-
-def _plain(value: object) -> str:
-    return "+".join(value) if isinstance(value, tuple) else str(value)
+def _told(share: Share) -> str:
+    text = [f"{share.count} of {share.source}"]
+    if Path(share.source).is_dir():
+        text.append(f"split {share.split}")
+    if share.strata:
+        text.append(f"strata {', '.join(share.strata)}")
+    if share.reachable:
+        text.append("only what `layered` catches")
+    return ", ".join(text)
 
 
 def _interval(share: float, n: int) -> str:

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from gcm_learn.envs.catch_arm import settings_of
-from gcm_learn.envs.settings import Settings
+from gcm_learn.envs.settings import Settings, settings_of
 from gcm_learn.errors import FileFormatError, GcmError, MissingExtraError, PolicyError
 
 ENVIRONMENT = "CatchArm-v0"
@@ -30,8 +29,9 @@ class Share:
     count: int = 2000
     """How many of them."""
     strata: tuple[str, ...] = ()
-    """Of a dataset, only records of these; of a family, only what `layered` catches if not
-    empty."""
+    """Of a dataset, only records of these."""
+    reachable: bool = False
+    """Of a family or file, only what `layered` catches."""
     split: str = "train"
     """Of a dataset."""
     seed: int = 0
@@ -132,6 +132,9 @@ def _share(item: Mapping[str, Any], name: str) -> Share:
     if not isinstance(item, Mapping) or set(item) - known or "source" not in item:
         raise PolicyError(f"{name}: each must have source, and may have {', '.join(sorted(known))}")
     values = dict(item)
+    for whole in ("count", "seed"):
+        if whole in values:
+            values[whole] = int(float(values[whole]))
     values["strata"] = tuple(values.get("strata", ()))
     return Share(**values)
 

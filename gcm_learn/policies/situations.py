@@ -100,9 +100,9 @@ def _drawn(share: Share, plans: bool) -> Lot:
     for drawn in _sources(share):
         situation, _ = canonical(drawn)
         plan: Plan | None = None
-        if plans or share.strata:
+        if plans or share.reachable:
             plan = planner.plan(situation)
-            if share.strata and not plan.caught:
+            if share.reachable and not plan.caught:
                 continue
         lot.situations.append(situation)
         lot.groups.append(share.source)

@@ -37,6 +37,8 @@ class ArenaVecEnv(VecEnv):
         Whether actions are choices of a direction instead of velocities.
     """
 
+    render_mode = None
+
     def __init__(
         self, pool: Pool, count: int, settings: Settings, seed: int, *, choices: bool
     ) -> None:
@@ -44,7 +46,6 @@ class ArenaVecEnv(VecEnv):
         velocity = spaces.Box(-1.0, 1.0, (2,), np.float32)
         actions = spaces.Discrete(RAYS) if choices else velocity
         super().__init__(count, box(settings.width), actions)
-        self.render_mode = None
         self._source = rng(seed)
         self._actions = np.zeros((count, 2))
         self._sums, self._lengths = np.zeros(count), np.zeros(count, np.int64)

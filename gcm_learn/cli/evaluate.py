@@ -1,0 +1,90 @@
+"""``gcm-learn evaluate``: planners and policies on the same situations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import arg
+
+from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.files import made_folder
+from gcm_learn.cli.progress import Progress
+from gcm_learn.errors import MissingExtraError
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Let planners and policies answer the same situations; write a table and a report."""
+
+    policies: Annotated[str, arg(metavar="A,B,C")]
+    """planners by name, trained actors by their folder in models/, or NAME@20 for an actor whose
+    way is tried out and verified first"""
+
+    suite: Annotated[str, arg(metavar="NAME")] = "demo"
+    """frozen situations: natural, detour, wait, families, faster, long-arm, demo, or a family's
+    name; several with commas"""
+
+    out: Annotated[Path, arg(metavar="DIR")] = Path("comparison")
+    """folder for report.html, results.parquet and figures"""
+
+    count: Annotated[int, arg(metavar="N")] = 50
+    """situations of each suite, at most 1000"""
+
+    charge: Annotated[int, arg(metavar="N")] = 100
+    """situations of each stratum for which thinking is charged"""
+
+    reference: Annotated[
+        str | None, arg(metavar="NAME", help_behavior_hint="(default: who catches most)")
+    ] = None
+    """whom the others are compared with"""
+
+    suites: Annotated[Path, arg(metavar="DIR")] = Path("data/suites")
+    """where drawn suites are kept"""
+
+    workers: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")] = (
+        None
+    )
+    """processes on this machine"""
+
+    def run(self) -> int:
+        """Compare, and say where the report is."""
+        if self.charge < 0:
+            raise CommandFailure(f"--charge {self.charge}: must not be negative")
+        if self.workers is not None and self.workers < 1:
+            raise CommandFailure(f"--workers {self.workers}: must be at least 1")
+        names = list(dict.fromkeys(n for n in self.policies.split(",") if n))
+        if not names:
+            raise CommandFailure("--policies: names at least one")
+        if self.reference is not None and self.reference not in names:
+            raise CommandFailure(f"--reference {self.reference}: is not one of --policies")
+        folder = made_folder(self.out, option="--out")
+        from gcm_learn.evaluation import compare, draw_suite
+        from gcm_learn.plots.comparison import write_report
+
+        entries = []
+        for suite in dict.fromkeys(self.suite.split(",")):
+            try:
+                with Progress(self.count, f"situations of {suite}") as progress:
+                    entries += draw_suite(
+                        suite, self.count, self.suites, self.workers, progress.advance
+                    )
+            except ModuleNotFoundError as error:
+                raise MissingExtraError("drawing a suite", str(error.name), "data") from None
+        with Progress(len(names) * len(entries), "answers") as progress:
+            results = compare(
+                names, entries, charge=self.charge, workers=self.workers, progress=progress.advance
+            )
+        try:
+            results.save(folder / "results.parquet")
+        except ModuleNotFoundError as error:
+            raise MissingExtraError("a table", str(error.name), "data") from None
+        page = write_report(results, entries, folder, self.reference)
+        for name in names:
+            mine = results.of_entrant(name)
+            reachable = mine["stratum"] != "U"
+            share = (mine["outcome"][reachable] == "caught").mean() if reachable.any() else 0.0
+            print(f"{name:16} caught {share:6.1%} of {int(reachable.sum())} reachable")
+        print(f"Open {page.resolve().as_uri()} in a browser.")
+        return 0

@@ -1,0 +1,190 @@
+"""The comparison itself: every entrant on every situation, on all cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import lru_cache
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.arm.kinematics import SIDE, elbow_of
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.evaluation.entrants import Entrant, Result, entrant
+from gcm_learn.evaluation.suites import Entry
+from gcm_learn.evaluation.table import Results
+from gcm_learn.evaluation.thinking import charged
+from gcm_learn.planners.verification import PARTS, joint_turns
+from gcm_learn.situation import Situation
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.kernels import LIMB, PART, pose_at, segment_distance
+
+DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+_CHUNK = 10  # situations that a process takes at once
+
+
+@dataclass(frozen=True)
+class Job:
+    """Some situations for one entrant."""
+
+    name: str
+    entries: tuple[Entry, ...]
+    charge: tuple[bool, ...]
+    """For which of them thinking is charged."""
+
+
+def compare(
+    names: Sequence[str],
+    entries: Sequence[Entry],
+    *,
+    charge: int = 100,
+    workers: int | None = None,
+    progress: Callable[[int], object] = lambda count: None,
+) -> Results:
+    """Let entrants answer the same situations.
+
+    Parameters
+    ----------
+    names : sequence of str
+        See `entrants.entrant`.
+    entries : sequence of Entry
+    charge : int
+        Situations of each stratum for which charged thinking is measured.
+    workers : int, optional
+        Processes; by default one for each core.
+    progress : callable
+        Told how many answers are new.
+
+    Returns
+    -------
+    Results
+        Ordered by entrant and situation.
+    """
+    for name in names:
+        entrant(name)  # refused here rather than in a process
+    marks = _marked(entries, charge)
+    jobs = list(_jobs(names, entries, marks))
+    rows: list[dict[str, Any]] = []
+    workers = min(workers or len(os.sched_getaffinity(0)), len(jobs))
+    if workers == 1:
+        for job in jobs:
+            rows += do(job)
+            progress(len(job.entries))
+        return Results.of(_ordered(rows, names))
+    for variable in THREADS:
+        os.environ.setdefault(variable, "1")
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        running = {pool.submit(do, job): job for job in jobs}
+        for future in as_completed(running):
+            rows += future.result()
+            progress(len(running[future].entries))
+    return Results.of(_ordered(rows, names))
+
+
+def _marked(entries: Sequence[Entry], charge: int) -> list[bool]:
+    """The first `charge` of each stratum."""
+    seen: dict[str, int] = {}
+    marks = []
+    for entry in entries:
+        seen[entry.stratum] = seen.get(entry.stratum, 0) + 1
+        marks.append(seen[entry.stratum] <= charge)
+    return marks
+
+
+def _jobs(names: Sequence[str], entries: Sequence[Entry], marks: list[bool]) -> Iterator[Job]:
+    for name in names:
+        for first in range(0, len(entries), _CHUNK):
+            rows = slice(first, first + _CHUNK)
+            yield Job(name, tuple(entries[rows]), tuple(marks[rows]))
+
+
+def _ordered(rows: list[dict[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
+    place = {name: k for k, name in enumerate(names)}
+    return sorted(rows, key=lambda row: (place[row["entrant"]], row["suite"], row["index"]))
+
+
+@lru_cache(maxsize=32)
+def _warm(name: str) -> Entrant:
+    """An entrant that has answered once: what is compiled or loaded then is no thinking."""
+    from gcm_learn.families import draw
+
+    made = entrant(name)
+    for k in range(3):
+        made.run(draw("crossing-swarm", 3, k))
+    return made
+
+
+def do(job: Job) -> list[dict[str, Any]]:
+    """The rows of a job."""
+    made = _warm(job.name)
+    return [
+        row_of(made, entry, charge) for entry, charge in zip(job.entries, job.charge, strict=True)
+    ]
+
+
+def row_of(made: Entrant, entry: Entry, charge: bool) -> dict[str, Any]:
+    """One answer, with everything that is measured of it."""
+    situation = entry.situation
+    result = made.run(situation)
+    row: dict[str, Any] = {
+        "suite": entry.suite,
+        "index": entry.index,
+        "family": entry.family,
+        "stratum": entry.stratum,
+        "earliest": entry.earliest,
+        "entrant": made.name,
+        "outcome": result.outcome,
+        "latency_ms": result.latency,
+        **_movement(situation, result),
+    }
+    for delay in DELAYS:
+        key = f"charged_{round(1e3 * delay)}"
+        row[key] = None
+        if charge:
+            row[key] = result.outcome if delay == 0.0 else charged(made, situation, delay)
+    row["charged_own"] = None
+    if charge:
+        row["charged_own"] = charged(made, situation, 1e-3 * result.latency)
+    return row
+
+
+def _movement(situation: Situation, result: Result) -> dict[str, Any]:
+    """Numbers of the hand's way."""
+    names = ("end", "length", "clearance", "peak_hand", "peak_shoulder", "peak_elbow", "part")
+    out: dict[str, Any] = dict.fromkeys(names)
+    way, arm = result.trajectory, situation.arm
+    if way is None:
+        return out
+    spans = np.maximum(np.diff(way.time), 1e-12)
+    out |= {"end": way.duration, "length": way.length, "clearance": result.clearance}
+    if len(spans):
+        steps = np.sqrt((np.diff(way.hand, axis=0) ** 2).sum(axis=1))
+        turns = joint_turns(way.hand, arm.upper_arm, SIDE[arm.elbow], PARTS) / spans[:, None]
+        out["peak_hand"] = float((steps / spans).max())
+        out["peak_shoulder"], out["peak_elbow"] = (float(v) for v in turns.max(axis=0))
+    if result.outcome == "touched":
+        out["part"] = touched_part(situation, way)
+    return out
+
+
+def touched_part(situation: Situation, way: Trajectory) -> str:
+    """Which part of the limb is nearer to an obstacle at the end of a way."""
+    arm, bodies = situation.arm, pack(situation)
+    x, y = way.hand[-1]
+    ex, ey = elbow_of(x, y, arm.upper_arm, SIDE[arm.elbow])
+    poses = np.zeros((len(situation.bodies), 12))
+    best = {"forearm": np.inf, "upper arm": np.inf}
+    for b in range(len(situation.bodies)):
+        if bodies.rows[b, PART] != LIMB:
+            continue
+        pose_at(bodies, b, way.duration, poses)
+        near = segment_distance(bodies, poses, b, ex, ey, x, y)
+        best["forearm"] = min(best["forearm"], near)
+        near = segment_distance(bodies, poses, b, 0.0, 0.0, ex, ey)
+        best["upper arm"] = min(best["upper arm"], near)
+    return min(best, key=lambda part: best[part])

@@ -1,0 +1,117 @@
+"""Who takes part: planners by name, actors that act as they go, actors that are tried out first."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.envs.pool import Pool
+from gcm_learn.envs.settings import OUTCOMES
+from gcm_learn.errors import UnknownNameError
+from gcm_learn.planners import Planner, get_planner, planner_names
+from gcm_learn.policies.actor import Actor
+from gcm_learn.policies.planner import ActorPlanner, actor_names, shipped_actor
+from gcm_learn.policies.rollout import play
+from gcm_learn.situation import Situation
+from gcm_learn.situation.canonical import canonical
+
+CLOCKED = ("st-rrt-star",)  # plan for a given time, in a process of their own
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one situation."""
+
+    outcome: str
+    """caught, declined (nothing was done), touched, late or start_blocked."""
+    latency: float
+    """Thinking before the hand moves [ms of processor time]; of actors, that of one step."""
+    trajectory: Trajectory | None
+    """What the hand did, in the situation's own coordinates; None if it did nothing."""
+    clearance: float | None = None
+    """[forearm lengths]"""
+
+
+class Entrant(Protocol):
+    """Anything that can be compared."""
+
+    @property
+    def name(self) -> str:
+        """Under which it was asked for."""
+
+    def run(self, situation: Situation) -> Result:
+        """Do it."""
+
+
+@dataclass(frozen=True)
+class PlannerEntrant:
+    """Plans, then does what was planned: a verified plan comes out as planned."""
+
+    name: str
+    planner: Planner
+
+    def run(self, situation: Situation) -> Result:
+        """Plan."""
+        since = clock.process_time()
+        plan = self.planner.plan(situation)
+        latency = 1e3 * (clock.process_time() - since)
+        if self.name in CLOCKED:
+            latency = plan.planning_ms
+        outcome = {"caught": "caught", "unreachable": "declined"}.get(plan.status, plan.status)
+        return Result(outcome, latency, plan.trajectory, plan.clearance)
+
+
+@dataclass(frozen=True)
+class ActorEntrant:
+    """Acts step by step, its most likely action each time, and unverified."""
+
+    name: str
+    actor: Actor
+
+    def run(self, situation: Situation) -> Result:
+        """Play an episode."""
+        turned, frame = canonical(situation)
+        since = clock.process_time()
+        episodes = play(self.actor, Pool.of([turned]), np.zeros(1, np.int64))
+        latency = 1e3 * (clock.process_time() - since) / max(int(episodes.steps[0]), 1)
+        time, hand = episodes.path(0)
+        arm = situation.arm
+        way = Trajectory.of_hand(time, frame.original(hand), arm.upper_arm, arm.elbow)
+        return Result(OUTCOMES[int(episodes.outcomes[0])], latency, way)
+
+
+def entrant(name: str) -> Entrant:
+    """An entrant by name.
+
+    Parameters
+    ----------
+    name : str
+        A planner (``layered``), a folder of models with an actor (``clone``), or such an actor
+        whose way is tried out N times and verified before it moves (``clone@20``).
+
+    Raises
+    ------
+    UnknownNameError
+        With the known names.
+    """
+    bare, _, tries = name.partition("@")
+    if bare in actor_names():
+        actor = shipped_actor(bare)
+        if not tries:
+            return ActorEntrant(name, actor)
+        if not tries.isdigit() or int(tries) < 1:
+            raise UnknownNameError(f"policy {name!r}: after @ comes a number of tries")
+        return PlannerEntrant(name, ActorPlanner(actor, name, int(tries)))
+    try:
+        return PlannerEntrant(name, get_planner(name))
+    except UnknownNameError as error:
+        actors = ", ".join(actor_names()) or "none"
+        known = ", ".join(planner_names())
+        raise UnknownNameError(
+            f"policy: {name!r} is not one of the planners ({known}), those with a memory, or the "
+            f"trained actors ({actors})"
+        ) from error

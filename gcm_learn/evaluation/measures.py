@@ -1,0 +1,130 @@
+"""What PROTOCOL asks to be measured, from the rows of a comparison."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn.evaluation.contest import DELAYS
+from gcm_learn.evaluation.statistics import Interval, difference, mcnemar, wilson
+from gcm_learn.evaluation.table import Results
+
+REACHABLE = ("L", "W", "Q")
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Of one entrant on some situations."""
+
+    entrant: str
+    count: int
+    caught: Interval
+    touched: Interval
+    forearm: float
+    """Share of touches with the forearm."""
+    ratio: float
+    """Median of the catch's time over the oracle's, where both catch."""
+    length: float
+    """Median way of the hand at catches [forearm lengths]."""
+    clearance: float
+    """Median least clearance of verified catches [forearm lengths]."""
+    peak_hand: float
+    """Largest hand speed at catches [forearms/s]."""
+    peak_joint: float
+    """95 % quantile of the largest joint speed at catches [rad/s]."""
+    latency: float
+    """Median [ms]."""
+    latency_95: float
+    """95 % quantile [ms]."""
+    own: Interval | None
+    """Catches if each thinking is charged; None if that was not measured."""
+
+
+def measured(results: Results, entrant: str) -> Measures:
+    """Measures of an entrant on the rows that there are of it."""
+    mine = results.of_entrant(entrant)
+    n, outcome = len(mine), mine["outcome"]
+    caught, touched = outcome == "caught", outcome == "touched"
+    end, earliest = mine["end"].astype(float), mine["earliest"].astype(float)
+    both = caught & np.isfinite(earliest) & (earliest > 1e-3)
+    joints = np.maximum(mine["peak_shoulder"].astype(float), mine["peak_elbow"].astype(float))
+    part = mine["part"][touched]
+    charged = np.array([c is not None for c in mine["charged_own"]], dtype=bool)
+    own = None
+    if charged.any():
+        own = wilson(int((mine["charged_own"][charged] == "caught").sum()), int(charged.sum()))
+    return Measures(
+        entrant=entrant,
+        count=n,
+        caught=wilson(int(caught.sum()), n),
+        touched=wilson(int(touched.sum()), n),
+        forearm=float(np.mean(part == "forearm")) if len(part) else float("nan"),
+        ratio=_median(end[both] / earliest[both]),
+        length=_median(mine["length"].astype(float)[caught]),
+        clearance=_median(mine["clearance"].astype(float)[caught]),
+        peak_hand=_quantile(mine["peak_hand"].astype(float)[caught], 1.0),
+        peak_joint=_quantile(joints[caught], 0.95),
+        latency=_median(mine["latency_ms"]),
+        latency_95=_quantile(mine["latency_ms"], 0.95),
+        own=own,
+    )
+
+
+def charged_curve(results: Results, entrant: str) -> list[Interval]:
+    """Shares of catches over `DELAYS`; empty if they were not measured."""
+    mine = results.of_entrant(entrant)
+    curve = []
+    for delay in DELAYS:
+        outcome = mine[f"charged_{round(1e3 * delay)}"]
+        there = np.array([o is not None for o in outcome], dtype=bool)
+        if not there.any():
+            return []
+        curve.append(wilson(int((outcome[there] == "caught").sum()), int(there.sum())))
+    return curve
+
+
+def declines(results: Results, entrant: str) -> Interval:
+    """Share of unreachable situations in which nothing was touched."""
+    mine = results.of_entrant(entrant)
+    mine = mine.where(mine["stratum"] == "U")
+    return wilson(int((mine["outcome"] != "touched").sum()), len(mine))
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two entrants on the same situations."""
+
+    first: str
+    second: str
+    difference: Interval
+    """Of catch rates, first less second."""
+    only_first: int
+    only_second: int
+    p: float
+    """McNemar's exact test."""
+
+
+def pairs(results: Results, reference: str) -> list[Pair]:
+    """Every entrant against one of them, on reachable situations."""
+    reachable = results.where(np.isin(results["stratum"].astype(str), REACHABLE))
+    there = reachable.of_entrant(reference)
+    out = []
+    for name in results.entrants:
+        if name == reference or not len(there):
+            continue
+        mine = reachable.of_entrant(name)
+        first, second = mine["outcome"] == "caught", there["outcome"] == "caught"
+        b, c, p = mcnemar(first, second)
+        delta = difference(first, second, mine["family"])
+        out.append(Pair(name, reference, delta, b, c, p))
+    return out
+
+
+def _median(values: np.ndarray) -> float:
+    return _quantile(values, 0.5)
+
+
+def _quantile(values: np.ndarray, q: float) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.quantile(finite, q)) if len(finite) else float("nan")

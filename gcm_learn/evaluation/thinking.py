@@ -1,0 +1,45 @@
+"""The world runs while an agent thinks: charged time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.arm.clearance import least_distance
+from gcm_learn.arm.kinematics import SIDE
+from gcm_learn.evaluation.entrants import Entrant
+from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.interception import first_catch
+from gcm_learn.situation import Situation
+from gcm_learn.situation.later import later
+
+_ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
+
+
+def charged(entrant: Entrant, situation: Situation, delay: float) -> str:
+    """Outcome if the hand rests for `delay` [s] before it does what was thought out.
+
+    The agent knows how long it thinks, so it thinks about the situation as it will be then.
+    Its hand rests meanwhile: it may be touched, or a target may come to it.
+    """
+    outcome = resting(situation, delay)
+    if outcome or delay >= situation.horizon:
+        return outcome or "late"
+    return entrant.run(later(situation, delay)).outcome
+
+
+def resting(situation: Situation, delay: float) -> str:
+    """What happens to a hand that rests for `delay` [s]: caught, touched, or nothing (empty)."""
+    if delay <= 0.0:
+        return ""
+    arm, problem = situation.arm, Problem(situation, "rest")
+    time = np.array([0.0, min(delay, situation.horizon)])
+    hand = np.array([arm.hand, arm.hand])
+    met, _ = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
+    if met >= 0.0:
+        time[1] = met
+    distance, _ = least_distance(
+        problem.bodies, time, hand, arm.upper_arm, SIDE[arm.elbow], arm.thickness, _ANY
+    )
+    if distance <= arm.thickness:
+        return "touched"
+    return "caught" if met >= 0.0 else ""

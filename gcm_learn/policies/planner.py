@@ -1,0 +1,89 @@
+"""Actors as planners: what they would do is tried out with the predictor, and verified."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn import seeding
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.envs import kernels as k
+from gcm_learn.envs.pool import Pool
+from gcm_learn.memory.shipped import models_folder
+from gcm_learn.planners.completion import Attempt, Problem, checked
+from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.timing import refine
+from gcm_learn.policies.actor import FILE, Actor
+from gcm_learn.policies.rollout import play
+from gcm_learn.situation import Situation
+from gcm_learn.situation.canonical import canonical
+from gcm_learn.situation.json_format import situation_to_json
+
+TRIES = 20  # as many as paths are checked by planners that recall
+
+
+def actor_names() -> list[str]:
+    """Folders of the models that hold an actor."""
+    return sorted(path.parent.name for path in models_folder().glob(f"*/{FILE}"))
+
+
+def shipped_actor(name: str) -> Actor:
+    """The actor in a folder of the models; raises PolicyError if there is none."""
+    return Actor.load(models_folder() / name)
+
+
+@dataclass(frozen=True)
+class ActorPlanner:
+    """Tries an actor out: its most likely way first, then drawn ones; the earliest that holds."""
+
+    actor: Actor
+    name: str
+    tries: int = TRIES
+    seed: int = 0
+
+    def plan(self, situation: Situation) -> Plan:
+        """Answer a situation."""
+        problem = Problem(situation, self.name)
+        answer = problem.early_answer()
+        if answer is not None:
+            return answer
+        turned, frame = canonical(situation)
+        pool, here = Pool.of([turned]), np.zeros(1, np.int64)
+        found = [play(self.actor, pool, here)]
+        if self.tries > 1:
+            source = seeding.rng(self.seed, _number(turned))
+            drawn = np.zeros(self.tries - 1, np.int64)
+            found.append(play(self.actor, pool, drawn, source))
+        ways = [
+            (float(e.times[arm]), e, arm)
+            for e in found
+            for arm in np.flatnonzero(e.outcomes == k.CAUGHT)
+        ]
+        for _, episodes, arm in sorted(ways, key=lambda way: way[0]):
+            time, hand = episodes.path(int(arm))
+            plan = self._verified(problem, time, frame.original(hand))
+            if plan is not None:
+                return plan
+        return problem.answer("unreachable", f"none of {self.tries} tried ways catches")
+
+    def _verified(self, problem: Problem, time: np.ndarray, hand: np.ndarray) -> Plan | None:
+        """The way as a plan, if it holds with any target."""
+        arm = problem.situation.arm
+        hand[0] = arm.hand
+        time, hand = refine(arm, time, hand)
+        way = Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
+        for index, body in enumerate(problem.situation.bodies):
+            if body.role == "target":
+                plan, _ = checked(problem, Attempt(way, index))
+                if plan is not None:
+                    return plan
+        return None
+
+
+def _number(situation: Situation) -> int:
+    """A number that follows from the situation alone."""
+    text = json.dumps(situation_to_json(situation), sort_keys=True)
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:6], "little")

@@ -1,0 +1,166 @@
+"""The comparison: rows, charged thinking, suites, the report."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
+from gcm_learn.cli import main
+from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
+from gcm_learn.evaluation import suites
+from gcm_learn.evaluation.contest import compare
+from gcm_learn.evaluation.entrants import entrant
+from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
+from gcm_learn.evaluation.suites import Entry, draw_suite, hash_of
+from gcm_learn.evaluation.table import Results
+from gcm_learn.evaluation.thinking import charged, resting
+from gcm_learn.planners import solve
+from gcm_learn.planners.verification import start_clearance
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.canonical import canonical
+
+
+def moving(name, role, position, velocity, radius=0.1):
+    """A disc on its way."""
+    motion = PlanarQuadratic(position, velocity, (0.0, 0.0))
+    return Body(role, name, Disc(radius), motion)
+
+
+def scene(*bodies):
+    """A situation with the hand at (1.5, 0)."""
+    return Situation("scene", 1.0, Arm((1.5, 0.0), 3.0), bodies)
+
+
+def made_entries(count):
+    """Entries without an oracle: by the planners straight and layered."""
+    entries, k = [], 0
+    while len(entries) < count:
+        situation, _ = canonical(families.draw("crossing-swarm", 12, k))
+        k += 1
+        if start_clearance(situation, pack(situation)) <= 0.0:
+            continue
+        straight, layered = solve(situation, "straight"), solve(situation, "layered")
+        stratum = "L" if straight.caught else "W" if layered.caught else "U"
+        early = layered.catch_time if layered.caught else float("inf")
+        entries.append(Entry("made", len(entries), situation, "crossing-swarm", stratum, early))
+    return entries
+
+
+@pytest.fixture(scope="module")
+def entries():
+    """Return a few situations."""
+    return made_entries(12)
+
+
+@pytest.fixture(scope="module")
+def results(entries):
+    """Return what three planners make of them."""
+    return compare(["straight", "marching", "layered"], entries, charge=2, workers=1)
+
+
+def test_rows_say_what_the_planners_say(results, entries):
+    assert len(results) == 3 * len(entries)
+    for name in ("straight", "layered"):
+        mine = results.of_entrant(name)
+        plans = [solve(e.situation, name) for e in entries]
+        assert [o == "caught" for o in mine["outcome"]] == [p.caught for p in plans]
+        for k, plan in enumerate(plans):
+            if plan.caught:
+                assert mine["end"][k] == plan.catch_time
+                assert mine["length"][k] == pytest.approx(plan.trajectory.length)
+                limit = entries[k].situation.arm.max_hand_speed
+                assert mine["peak_hand"][k] <= limit * (1 + 1e-6)
+    assert np.all(results["latency_ms"] > 0.0)
+    assert not np.any(results["outcome"] == "touched")
+
+
+def test_measures_follow_from_the_rows(results):
+    reachable = results.where(results["stratum"] != "U")
+    layered = measured(reachable, "layered")
+    assert layered.caught.value == 1.0 and layered.touched.value == 0.0
+    assert layered.ratio == pytest.approx(1.0)
+    straight = measured(results.where(results["stratum"] == "W"), "straight")
+    assert straight.caught.value == 0.0
+    (pair,) = (p for p in pairs(results, "layered") if p.first == "straight")
+    lost = int((reachable.of_entrant("straight")["stratum"] == "W").sum())
+    assert (pair.only_first, pair.only_second) == (0, lost) and pair.difference.value < 0.0
+    hopeless = Results({**results.columns, "stratum": np.full(len(results), "U", object)})
+    assert declines(hopeless, "layered").value == 1.0
+
+
+def test_charging_nothing_changes_nothing(results):
+    mine = results.of_entrant("layered")
+    there = [k for k, c in enumerate(mine["charged_0"]) if c is not None]
+    assert 3 < len(there) <= 6
+    assert [mine["charged_0"][k] for k in there] == [mine["outcome"][k] for k in there]
+    assert all(mine["charged_own"][k] is not None for k in there)
+    assert len(charged_curve(results, "layered")) == 5
+
+
+def test_the_world_runs_while_one_thinks():
+    """A ball that passes within reach early on is lost to who thinks for long."""
+    passing = scene(moving("ball", "target", (1.0, 0.4), (1.5, 0.0)))
+    layered = entrant("layered")
+    assert charged(layered, passing, 0.0) == "caught"
+    assert charged(layered, passing, 0.85) == "declined"
+    assert charged(layered, passing, 1.5) in ("late", "declined")
+
+
+def test_a_resting_hand_may_be_touched_or_come_upon():
+    far = moving("ball", "target", (-1.0, 1.0), (0.0, 0.0))
+    rock = moving("rock", "obstacle", (1.5, 1.0), (0.0, -2.0))
+    assert resting(scene(far, rock), 0.3) == "" and resting(scene(far, rock), 0.6) == "touched"
+    coming = moving("ball", "target", (1.5, 1.0), (0.0, -2.0))
+    assert resting(scene(coming), 0.6) == "caught"
+    assert resting(scene(coming, replace(rock, name="other")), 0.6) in ("caught", "touched")
+
+
+def test_tables_are_kept(results, tmp_path):
+    pytest.importorskip("pyarrow")
+    again = Results.load(results.save(tmp_path / "results.parquet"))
+    assert list(again.columns) == list(results.columns)
+    for name, column in results.columns.items():
+        if column.dtype == object:
+            assert again[name].tolist() == column.tolist()
+        else:
+            np.testing.assert_array_equal(again[name], column)
+
+
+def test_suites_are_frozen(entries, tmp_path, monkeypatch):
+    lines = "".join(suites._line(replace(e, suite="demo")) + "\n" for e in entries)
+    (tmp_path / "demo.jsonl").write_text(lines)
+    read = draw_suite("demo", 5, tmp_path)
+    assert [e.situation for e in read] == [e.situation for e in entries[:5]]
+    monkeypatch.setattr(suites, "FROZEN", {"demo": {5: hash_of(read)}})
+    draw_suite("demo", 5, tmp_path)
+    (tmp_path / "demo.jsonl").write_text(lines.replace('"stratum": "W"', '"stratum": "L"'))
+    with pytest.raises(SuiteError, match="its first 5 have hash"):
+        draw_suite("demo", 5, tmp_path)
+    (tmp_path / "demo.jsonl").write_text("{}\n")
+    with pytest.raises(FileFormatError, match=r"demo.jsonl:1: is no entry of a suite"):
+        draw_suite("demo", 1, tmp_path)
+    with pytest.raises(UnknownNameError, match="suite: 'moon' is not one of"):
+        draw_suite("moon", 1, tmp_path)
+
+
+def test_unknown_entrants_are_refused():
+    with pytest.raises(UnknownNameError, match="policy: 'nobody' is not one of the planners"):
+        entrant("nobody")
+
+
+def test_one_command_writes_a_page_that_needs_nothing_else(entries, tmp_path, capsys):
+    pytest.importorskip("pyarrow")
+    lines = "".join(suites._line(replace(e, suite="gate")) + "\n" for e in entries)
+    (tmp_path / "gate.jsonl").write_text(lines)
+    command = ["evaluate", "--policies", "straight,layered", "--suite", "gate", "--count", "10",
+               "--charge", "1", "--workers", "1", "--suites", str(tmp_path),
+               "--out", str(tmp_path / "out")]  # fmt: skip
+    assert main(command) == 0
+    assert "layered" in capsys.readouterr().out
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert page.count("data:image/png;base64,") >= 3 and 'src="rates' not in page
+    assert "straight" in page and "McNemar" in page
+    assert main([*command[:2], "nobody", *command[3:]]) == 2

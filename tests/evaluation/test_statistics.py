@@ -1,0 +1,48 @@
+"""Statistics, against values that can be looked up."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gcm_learn.evaluation.statistics import difference, mcnemar, wilson
+
+
+def test_wilson_is_that_of_the_books():
+    value, low, high = wilson(81, 263)  # the example of Newcombe, Statistics in Medicine 17 (1998)
+    assert value == pytest.approx(0.3080, abs=1e-4)
+    assert (low, high) == pytest.approx((0.2553, 0.3662), abs=1e-4)
+    assert wilson(0, 10).low == 0.0 and wilson(10, 10).high == pytest.approx(1.0)
+    assert math.isnan(wilson(0, 0).value)
+
+
+def test_mcnemar_is_the_binomial_test_of_what_differs():
+    first = np.array([True] * 9 + [False] * 2 + [True] * 50)
+    second = np.array([False] * 9 + [True] * 2 + [True] * 50)
+    b, c, p = mcnemar(first, second)
+    tail = sum(math.comb(11, i) for i in range(3)) / 2**11
+    assert (b, c) == (9, 2) and p == pytest.approx(2 * tail)
+    assert mcnemar(second, first)[2] == pytest.approx(p)
+    assert mcnemar(first, first) == (0, 0, 1.0)
+
+
+def test_the_interval_covers_as_often_as_it_says(rng):
+    groups = np.repeat(["a", "b"], 60)
+    covered = 0
+    for trial in range(60):
+        first = rng.random(120) < np.where(groups == "a", 0.9, 0.4)
+        second = rng.random(120) < np.where(groups == "a", 0.7, 0.4)
+        d = difference(first, second, groups, seed=trial)
+        assert d.low <= d.value <= d.high
+        covered += d.low <= 0.1 <= d.high
+    assert covered >= 51
+
+
+def test_strata_of_a_group_are_never_mixed():
+    """A difference that is the same within each group has no spread."""
+    groups = np.repeat(["a", "b"], 50)
+    first = groups == "a"
+    d = difference(first, np.zeros(100, bool), groups)
+    assert d == (0.5, 0.5, 0.5)

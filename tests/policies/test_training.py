@@ -1,0 +1,117 @@
+"""Training: files of hyperparameters, clones, learners that go on."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from gcm_learn.cli import main
+from gcm_learn.errors import FileFormatError, PolicyError
+
+yaml = pytest.importorskip("yaml")
+from gcm_learn.policies.plan import plan_of, read_plan  # noqa: E402
+
+SOME = [{"source": "random-planar", "count": 30}]
+ENTRY = {"algo": "ppo", "n_timesteps": 256, "n_envs": 8, "situations": SOME, "validation": SOME,
+         "n_steps": 16, "batch_size": 64, "n_epochs": 1, "evaluate_every": 128,
+         "settings": {"fan": True}, "net_arch": "16,16"}  # fmt: skip
+
+
+def written(path, **changes):
+    """Write a file of hyperparameters."""
+    path.write_text(yaml.safe_dump({"CatchArm-v0": {**ENTRY, **changes}}))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"algo": "dream"}, "algo: 'dream' is not one of clone, ppo, sac, tqc"),
+        ({"n_timesteps": 0}, "n_timesteps: must be at least 1"),
+        ({"situations": []}, "situations: there is none"),
+        ({"situations": [{"count": 3}]}, "situations: each must have source"),
+        ({"algo": "sac"}, "actions: sac needs velocity"),
+        ({"settings": {"dt": 9}}, "dt: must be from 0.0001 to 1 s"),
+    ],
+)
+def test_bad_files_are_refused_in_one_line(tmp_path, changes, message):
+    path = written(tmp_path / "bad.yml", **changes)
+    with pytest.raises(FileFormatError) as caught:
+        read_plan(path)
+    text = str(caught.value)
+    assert text.startswith(f"{path}:1: CatchArm-v0.") and message in text and "\n" not in text
+
+
+def test_numbers_may_be_written_as_people_do(tmp_path):
+    path = tmp_path / "plan.yml"
+    path.write_text(yaml.safe_dump({"CatchArm-v0": ENTRY}) + "  learning_rate: 3e-4\n")
+    plan = read_plan(path)
+    assert plan.hyperparameters["learning_rate"] == 3e-4
+    assert plan_of({**ENTRY, "n_timesteps": "1e6"}).n_timesteps == 1_000_000
+
+
+def test_a_clone_learns_what_it_is_shown(tmp_path):
+    pytest.importorskip("torch")
+    from gcm_learn.policies.training import train
+
+    plan = plan_of({
+        "algo": "clone", "situations": [{"source": "random-planar", "count": 120}],
+        "validation": [{"source": "random-planar", "count": 60, "reachable": True, "seed": 1}],
+        "epochs": 30, "batch": 128, "net_arch": "64,64", "rate": 3e-3,
+    })  # fmt: skip
+    told = []
+    scores = train(plan, tmp_path, told.append)
+    assert scores["caught"] > 0.6, "a network that knows nothing catches a fifth"
+    rows = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    losses = [row["loss"] for row in rows if "loss" in row]
+    assert losses[-1] < 0.7 * losses[0]
+    assert "random-planar" in (tmp_path / "card.md").read_text()
+
+
+def test_a_learner_goes_on_where_it_stopped(tmp_path):
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies.actor import Actor
+    from gcm_learn.policies.training import train
+
+    told = []
+    path = written(tmp_path / "ppo.yml", n_timesteps=128)
+    train(read_plan(path), tmp_path / "run", told.append)
+    before = (tmp_path / "run" / "model.zip").read_bytes()
+    assert main(["train-policy", str(written(path)), "--out", str(tmp_path / "run")]) == 0
+    assert (tmp_path / "run" / "model.zip").read_bytes() != before
+    rows = [json.loads(r) for r in (tmp_path / "run" / "log.jsonl").read_text().splitlines()]
+    assert [row["steps"] for row in rows] == [0, 128, 256]
+    assert Actor.load(tmp_path / "run").head == "choice"
+    with pytest.raises(PolicyError, match="another run, whose n_envs differ"):
+        train(read_plan(written(path, n_envs=4)), tmp_path / "run", told.append)
+
+
+def test_learners_act_as_their_arrays_do(tmp_path):
+    """The actor that is kept chooses as the network of the learner does; a clone is its start."""
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies import reinforcement as rl
+    from gcm_learn.policies.situations import gather
+
+    pool = gather(plan_of(ENTRY).situations, plans=False).pool
+    for changes in ({}, {"actions": "velocity"}, {"algo": "sac", "actions": "velocity"}):
+        values = {k: v for k, v in ENTRY.items() if k not in ("n_steps", "n_epochs")}
+        plan = plan_of({**(values if "algo" in changes else ENTRY), **changes})
+        model = rl.make(plan, pool, tmp_path)
+        env = model.get_env()
+        observations = env.reset()
+        for _ in range(20):
+            observations, *_ = env.step(np.array([env.action_space.sample() for _ in range(8)]))
+        raw = env.venv.arena.observations
+        wanted, _ = model.predict(observations, deterministic=True)
+        actor = rl.actor_of(model, plan)
+        got = actor.scores(raw).argmax(axis=1) if plan.actions == "choice" else actor.act(raw)
+        # The statistics have seen these observations after they were scaled.
+        if plan.actions == "choice":
+            assert np.mean(got == wanted) >= 0.75
+        else:
+            np.testing.assert_allclose(got, wanted, atol=0.1)
+    actor.save(tmp_path)
+    with pytest.raises(PolicyError, match="start: its layers are"):
+        rl.make(plan_of({**ENTRY, "start": str(tmp_path)}), pool, tmp_path)
