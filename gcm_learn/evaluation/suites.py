@@ -99,6 +99,11 @@ def suite_names() -> list[str]:
     return list(SUITES)
 
 
+def suites_folder() -> Path:
+    """Where the repository keeps suites."""
+    return Path(__file__).parents[2] / "data" / "suites"
+
+
 def draw_suite(
     name: str,
     count: int,
