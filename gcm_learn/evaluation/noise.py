@@ -78,7 +78,9 @@ def _perturbed(
 class _Agent:
     """Follows the last plan that it found; makes a new one at each look if it may."""
 
-    def __init__(self, planner: Planner, entry: Entry, noise: Noise, *, replan: bool, seed: int):
+    def __init__(
+        self, planner: Planner, entry: Entry, noise: Noise, *, replan: bool, seed: int
+    ) -> None:
         self.planner, self.entry, self.noise = planner, entry, noise
         self.replan, self._seed = replan, seed
         self._way: Trajectory | None = None
