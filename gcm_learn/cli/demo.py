@@ -1,4 +1,4 @@
-"""``gcm-learn demo``: the paper's results as a web page."""
+"""``gcm-learn demo``: the paper's results as a web page, and a comparison."""
 
 from __future__ import annotations
 
@@ -25,17 +25,29 @@ class Demo:
     random: int = 200
     """number of random situations"""
 
+    compare: int = 30
+    """number of situations on which planners and trained policies are compared; 0 for none"""
+
     def run(self) -> int:
         """Build the page and say where it is."""
         if self.seed < 0:
             raise CommandFailure(f"--seed {self.seed}: must not be negative")
         if self.random < 0:
             raise CommandFailure(f"--random {self.random}: must not be negative")
+        if not 0 <= self.compare <= 50:
+            raise CommandFailure(f"--compare {self.compare}: must be from 0 to 50")
         folder = made_folder(self.out, option="--out")
         from gcm_learn.plots.demo import build_demo
 
         page = build_demo(folder, self.seed, self.random, _say)
+        report = None
+        if self.compare > 0:
+            from gcm_learn.plots.comparison_demo import build_comparison
+
+            report = build_comparison(folder / "comparison", self.compare, _say)
         print(f"Open {page.resolve().as_uri()} in a browser.")
+        if report is not None:
+            print(f"The comparison is {report.resolve().as_uri()}.")
         return 0
 
 

@@ -40,7 +40,9 @@ class Evaluate:
     ] = None
     """whom the others are compared with"""
 
-    suites: Annotated[Path, arg(metavar="DIR")] = Path("data/suites")
+    suites: Annotated[
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: data/suites)")
+    ] = None
     """where drawn suites are kept"""
 
     workers: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")] = (
@@ -61,15 +63,14 @@ class Evaluate:
             raise CommandFailure(f"--reference {self.reference}: is not one of --policies")
         folder = made_folder(self.out, option="--out")
         from gcm_learn.evaluation import compare, draw_suite
+        from gcm_learn.evaluation.suites import suites_folder
         from gcm_learn.plots.comparison import write_report
 
-        entries = []
+        entries, kept = [], self.suites or suites_folder()
         for suite in dict.fromkeys(self.suite.split(",")):
             try:
                 with Progress(self.count, f"situations of {suite}") as progress:
-                    entries += draw_suite(
-                        suite, self.count, self.suites, self.workers, progress.advance
-                    )
+                    entries += draw_suite(suite, self.count, kept, self.workers, progress.advance)
             except ModuleNotFoundError as error:
                 raise MissingExtraError("drawing a suite", str(error.name), "data") from None
         with Progress(len(names) * len(entries), "answers") as progress:

@@ -206,7 +206,7 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def _where(self) -> tuple[float, float, float]:
         state = self.arena.state
-        return float(state.time[0]), float(state.hand[0, 0]), float(state.hand[0, 1])
+        return (state.time.item(0), state.hand.item(0), state.hand.item(1))
 
     def _info(self, outcome: int) -> dict[str, Any]:
         time, x, y = self._path[-1]

@@ -34,6 +34,7 @@ FROZEN: Mapping[str, Mapping[int, str]] = {
     "demo": {50: "a006b6434a79351f"},
     "natural": {300: "9928515233428e58"},
     "detour": {200: "50e20ca1007147ff"},
+    "wait": {150: "de0c7667b1c59a76"},
 }
 """Hashes of the first situations of a suite, by how many."""
 
@@ -97,6 +98,11 @@ class Entry:
 def suite_names() -> list[str]:
     """Names of the suites."""
     return list(SUITES)
+
+
+def suites_folder() -> Path:
+    """Where the repository keeps suites."""
+    return Path(__file__).parents[2] / "data" / "suites"
 
 
 def draw_suite(

@@ -164,3 +164,12 @@ def test_one_command_writes_a_page_that_needs_nothing_else(entries, tmp_path, ca
     assert page.count("data:image/png;base64,") >= 3 and 'src="rates' not in page
     assert "straight" in page and "McNemar" in page
     assert main([*command[:2], "nobody", *command[3:]]) == 2
+
+
+def test_what_is_shipped_can_be_compared(tmp_path):
+    from gcm_learn.plots.comparison_demo import build_comparison, shipped_entrants
+
+    assert {"layered", "clone", "clone@20"} <= set(shipped_entrants())
+    page = build_comparison(tmp_path, 4, lambda step: None, workers=1)
+    text = page.read_text()
+    assert all(name in text for name in shipped_entrants())

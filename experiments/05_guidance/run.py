@@ -1,0 +1,139 @@
+"""Does guidance by cognitive maps, or a cloned start, halve the steps that PPO needs (H5)?
+
+python experiments/05_guidance/run.py OUT   needs models/clone; goes on where it was stopped
+
+OUT holds the runs; table.md and figure.png are written beside this file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from gcm_learn.plots import style
+from gcm_learn.policies.plan import TrainingPlan, plan_of
+from gcm_learn.policies.training import train
+
+HERE = Path(__file__).parent
+EVERY = 8192  # steps between evaluations: one update of PPO
+ARMS = {
+    "scratch": "from scratch",
+    "guide": "guided by maps' time to go",
+    "clone": "begun as the clone of planned catches",
+}
+SHARE = 0.8  # of the final rate
+
+
+def plan_for(arm: str, seed: int, steps: int) -> TrainingPlan:
+    """The run of an arm of the experiment; only what it is about differs."""
+    entry = {
+        "algo": "ppo", "n_timesteps": steps, "n_envs": 64, "n_steps": 128, "batch_size": 1024,
+        "n_epochs": 4, "learning_rate": 3e-4, "ent_coef": 0.003, "net_arch": "256,256",
+        "gamma": 0.99, "gae_lambda": 0.95, "evaluate_every": EVERY, "seed": seed,
+        "situations": [{"source": "random-planar", "count": 3000}],
+        "validation": [
+            {"source": "random-planar", "count": 300, "reachable": True, "seed": 2}
+        ],
+        "settings": {"fan": True, "weights": {"guide": 1.0 if arm == "guide" else 0.0}},
+    }  # fmt: skip
+    if arm == "clone":
+        entry["start"] = "models/clone"
+    return plan_of(entry)
+
+
+def curve_of(folder: Path) -> np.ndarray:
+    """Steps and catches (n, 2) of a run."""
+    rows = [json.loads(line) for line in (folder / "log.jsonl").read_text("utf-8").splitlines()]
+    return np.array([(row["steps"], row["caught"]) for row in rows])
+
+
+def finished(out: Path, arm: str) -> list[np.ndarray]:
+    """Curves of the runs of an arm that have ended."""
+    return [curve_of(p) for p in sorted(out.glob(f"{arm}-*")) if (p / "card.md").exists()]
+
+
+def steps_to(curve: np.ndarray, rate: float) -> float:
+    """Steps until a rate is reached, between evaluations as on a straight line."""
+    above = np.flatnonzero(curve[:, 1] >= rate)
+    if not len(above):
+        return float("inf")
+    k = int(above[0])
+    if k == 0:
+        return 0.0
+    (s0, r0), (s1, r1) = curve[k - 1], curve[k]
+    return float(s0 + (rate - r0) / (r1 - r0) * (s1 - s0))
+
+
+def report(curves: dict[str, list[np.ndarray]]) -> str:
+    """The table: steps to 80 % of the final rate, by arm and seed."""
+    final = {arm: [float(np.mean(c[-3:, 1])) for c in each] for arm, each in curves.items()}
+    goal = SHARE * float(np.median(final["scratch"]))
+    lines = [
+        f"| arm | seeds | final rate [%] | steps to {100 * goal:.0f} % (80 % of scratch's final "
+        "rate), median (least to most) | of scratch's |",
+        "|---|---|---|---|---|",
+    ]
+    base = float(np.median([steps_to(c, goal) for c in curves["scratch"]]))
+    for arm, each in curves.items():
+        needed = [steps_to(c, goal) for c in each]
+        middle = float(np.median(needed))
+        lines.append(
+            f"| {ARMS[arm]} | {len(each)} | {100 * np.median(final[arm]):.1f} | "
+            f"{middle:,.0f} ({min(needed):,.0f} to {max(needed):,.0f}) | {middle / base:.2f} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def draw(curves: dict[str, list[np.ndarray]], path: Path) -> None:
+    """Learning curves, one line a seed."""
+    figure = style.new_figure(6.6, 3.4)
+    ax = figure.subplots()
+    for (arm, each), colour in zip(
+        curves.items(), (style.FAINT, style.OBSTACLE, style.TARGET), strict=False
+    ):
+        for k, curve in enumerate(each):
+            ax.plot(
+                curve[:, 0] / 1e3, 100 * curve[:, 1], color=colour, lw=1.3,
+                label=ARMS[arm] if k == 0 else None,
+            )  # fmt: skip
+    ax.set_xlabel("steps [thousands]", fontsize=style.SMALL)
+    ax.set_ylabel("caught, validation [%]", fontsize=style.SMALL)
+    ax.set_ylim(0, 102)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.legend(fontsize=style.SMALL, frameon=False, loc="lower right")
+    figure.savefig(path, dpi=150)
+
+
+def main() -> None:
+    """Train what is missing, then report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--steps", type=int, default=15 * EVERY)
+    given = parser.parse_args()
+    for seed in range(given.seeds):
+        for arm in ARMS:
+            folder = given.out / f"{arm}-{seed}"
+            if not (folder / "card.md").exists():
+                print(f"{arm}, seed {seed}", flush=True)
+                steps = given.steps if arm != "clone" else 3 * EVERY
+                train(plan_for(arm, seed, steps), folder, lambda text: None)
+            done = {
+                a: [
+                    curve_of(p)
+                    for p in sorted(given.out.glob(f"{a}-*"))
+                    if (p / "card.md").exists()
+                ]
+                for a in ARMS
+            }
+            if all(done.values()):
+                (HERE / "table.md").write_text(report(done), "utf-8")
+                draw(done, HERE / "figure.png")
+    print((HERE / "table.md").read_text("utf-8"))
+
+
+if __name__ == "__main__":
+    main()

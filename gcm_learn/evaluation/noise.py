@@ -1,0 +1,157 @@
+"""Perception that is not exact: where bodies are and how fast, looked at every 50 ms.
+
+What an agent sees at a look are the bodies' true places and velocities then, each with an error of
+its own; laws and shapes it knows. The world goes on as it is, and judges what the hand does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gcm_learn import seeding
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.envs import kernels as k
+from gcm_learn.envs.arena import Arena
+from gcm_learn.envs.pool import Pool
+from gcm_learn.envs.settings import OUTCOMES, Settings
+from gcm_learn.evaluation.suites import Entry
+from gcm_learn.planners import Planner
+from gcm_learn.policies.demonstrations import into_frame
+from gcm_learn.situation import Situation
+from gcm_learn.situation.later import later
+from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+
+LOOK = 0.05  # between two looks [s]
+STEP = 0.01  # of the world [s]
+FASTER = 2.0  # errors of velocities [hand speeds] over those of places [forearms]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """How inexact perception is."""
+
+    place: float
+    """Standard deviation of each coordinate of a body's place [forearms]; that of velocities
+    is twice the number [hand speeds]."""
+    caution: float = 0.0
+    """By how many of these deviations agents think the limb thicker than it is."""
+
+    def seen(self, situation: Situation, rng: np.random.Generator) -> Situation:
+        """What is perceived of a situation."""
+        fast = FASTER * self.place * situation.arm.max_hand_speed
+        bodies = tuple(
+            replace(body, motion=_perturbed(body.motion, self.place, fast, rng))
+            for body in situation.bodies
+        )
+        return replace(situation, bodies=bodies)
+
+    def careful(self, situation: Situation) -> Situation:
+        """The same with a limb that is thicker."""
+        thicker = situation.arm.thickness + self.caution * self.place
+        return replace(situation, arm=replace(situation.arm, thickness=thicker))
+
+
+def _perturbed(
+    motion: PlanarQuadratic | SolidQuadratic | Pendulum,
+    place: float,
+    fast: float,
+    rng: np.random.Generator,
+) -> PlanarQuadratic | SolidQuadratic | Pendulum:
+    """A motion with an error of place and velocity; of a pendulum along its way."""
+    if isinstance(motion, Pendulum):
+        off, faster = rng.normal(size=2) / max(motion.hang_distance, 1e-3)
+        return replace(motion, angle=motion.angle + place * off, rate=motion.rate + fast * faster)
+    count = len(motion.position)
+    off, faster = place * rng.normal(size=count), fast * rng.normal(size=count)
+    if not any(motion.velocity):
+        faster = np.zeros(count)  # that it rests is seen
+    changed: dict[str, Any] = {
+        "position": tuple((np.array(motion.position) + off).tolist()),
+        "velocity": tuple((np.array(motion.velocity) + faster).tolist()),
+    }
+    return replace(motion, **changed)
+
+
+class _Agent:
+    """Follows the last plan that it found; makes a new one at each look if it may."""
+
+    def __init__(
+        self, planner: Planner, entry: Entry, noise: Noise, *, replan: bool, seed: int
+    ) -> None:
+        self.planner, self.entry, self.noise = planner, entry, noise
+        self.replan, self._seed = replan, seed
+        self._way: Trajectory | None = None
+        self._since = 0.0
+        self._looks = 0
+
+    def look(self, t: float, hand: np.ndarray) -> None:
+        """See the world at t, and plan."""
+        if self._looks and not self.replan:
+            return
+        source = seeding.rng(self._seed, self.entry.index, self._looks)
+        self._looks += 1
+        now = later(self.entry.situation, t, (float(hand[0]), float(hand[1])))
+        seen = self.noise.seen(now, source)
+        tries = [self.noise.careful(seen), seen] if self.noise.caution > 0.0 else [seen]
+        for situation in tries:
+            plan = self.planner.plan(situation)
+            if plan.caught:
+                self._way, self._since = plan.trajectory, t
+                return
+
+    def velocity(self, t: float, hand: np.ndarray) -> np.ndarray:
+        """Velocity (2,) that keeps to the plan for a step; rest where there is none, or no more."""
+        if self._way is None:
+            return np.zeros(2)
+        at = t - self._since
+        if at >= self._way.duration - 1e-9:
+            return np.zeros(2)
+        end = min(at + STEP, self._way.duration)
+        return (self._way.hand_at(end) - hand) / (end - at)
+
+
+def under_noise(
+    planner: Planner, entries: list[Entry], noise: Noise, *, replan: bool, seed: int = 0
+) -> list[str]:
+    """Outcomes of following a planner that sees inexactly.
+
+    Parameters
+    ----------
+    planner : Planner
+    entries : list of Entry
+        Their situations are in canonical form.
+    noise : Noise
+    replan : bool
+        Whether to plan at every look, or at the first one only.
+    seed : int
+        Of the errors; the same for all planners.
+
+    Returns
+    -------
+    list of str
+        caught, touched or late.
+    """
+    settings = Settings(dt=STEP, slots=0)
+    agents = [_Agent(planner, e, noise, replan=replan, seed=seed) for e in entries]
+    pool = Pool.of([entry.situation for entry in entries])
+    n = len(entries)
+    arena = Arena(pool, n, settings)
+    arena.put(np.arange(n), np.arange(n))
+    speed = pool.world.arms[:, k.SPEED]
+    alive, outcomes = np.ones(n, bool), np.zeros(n, np.int64)
+    looks, steps = round(LOOK / STEP), 0
+    while alive.any():
+        wanted = np.zeros((n, 2))
+        for e in np.flatnonzero(alive):
+            t, hand = float(arena.state.time[e]), arena.state.hand[e].copy()
+            if steps % looks == 0:
+                agents[e].look(t, hand)
+            wanted[e] = agents[e].velocity(t, hand) / speed[e]
+        outcomes[alive] = arena.move(into_frame(arena.state.hand, wanted))[alive]
+        alive &= outcomes == k.RUNNING
+        arena.state.time[~alive] = pool.world.arms[~alive, k.HORIZON]
+        steps += 1
+    return [OUTCOMES[o] for o in outcomes]
