@@ -96,7 +96,10 @@ def write_figure(file: Path, lines: list[Line]) -> None:
         ax.grid(alpha=0.25)
     axes[0].set_ylabel("caught [%]")
     handles = [plt.Line2D([], [], color=c, label=n) for n, c in COLOURS.items()]
-    handles += [plt.Line2D([], [], color="k", ls=s, label=f"{k} checks") for k, s in styles.items()]
+    handles += [
+        plt.Line2D([], [], color="k", ls=s, label=f"{k} check{'s' * (k > 1)}")
+        for k, s in styles.items()
+    ]
     figure.legend(handles=handles, loc="lower center", ncol=7, frameon=False, fontsize=9)
     figure.tight_layout(rect=(0, 0.08, 1, 1))
     figure.savefig(file, dpi=130)
