@@ -40,9 +40,10 @@ def answers_of(
     """Answers by planner, in the order of the cases; pieces that lie in the folder are kept."""
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [(name, cases[k : k + PIECE]) for name in config["planners"] for k in _starts(cases)]
-    peer = config["st_rrt_star"]
-    some = [c for s in STRATA for c in [c for c in cases if c.stratum == s][: peer["per_stratum"]]]
-    jobs += [(PEER, some[k : k + PIECE]) for k in _starts(some)]
+    few = config["on_few"]
+    some = [c for s in STRATA for c in [c for c in cases if c.stratum == s][: few["per_stratum"]]]
+    names = (*few["planners"], PEER)
+    jobs += [(name, some[k : k + PIECE]) for name in names for k in _starts(some)]
     out: dict[str, list[Answer]] = {}
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         waiting = []
@@ -50,7 +51,7 @@ def answers_of(
             file = folder / f"{name}_{piece[0].index:07d}_{len(piece)}.jsonl"
             job = None
             if not file.exists():
-                job = pool.submit(_answer, name, piece, peer["budgets_ms"], file)
+                job = pool.submit(_answer, name, piece, few["st_rrt_star_budgets_ms"], file)
             waiting.append((name, job, file))
         for name, job, file in waiting:
             if job is not None:

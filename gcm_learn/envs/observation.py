@@ -129,13 +129,16 @@ def _put_turned(out, e, k, c, s, x, y):
 
 
 @njit(cache=True, forceinline=True)
-def _limb_gap(bodies, b, t, poses, hx, hy, ex, ey):
-    """Distance of the limb to body b at time t, or to its ball while that is far."""
+def _limb_gap(bodies, b, t, poses, hx, hy, ex, ey, enough):
+    """Distance of the limb to body b at time t, or to its ball while that is far.
+
+    Bodies whose ball is not nearer than `enough` are not looked at any closer.
+    """
     _centre(bodies, b, t, poses)
     x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
     d2 = min(segment_point2(x, y, ex, ey, hx, hy), segment_point2(x, y, 0.0, 0.0, ex, ey))
     room = np.sqrt(d2 + z * z) - bodies.rows[b, REACH]
-    if room > _CLOSE or bodies.rows[b, KIND] == DISC:
+    if room > _CLOSE or room >= enough or bodies.rows[b, KIND] == DISC:
         return max(room, 0.0)
     pose_at(bodies, b, t, poses)
     return arm_distance(bodies, poses, b, hx, hy, ex, ey)
@@ -258,7 +261,7 @@ def _look_ahead(bodies, arms, s, t, x, y, when, gx, gy, gap, late, now, poses):
         for b in range(bodies.rows.shape[0]):
             if bodies.rows[b, PART] == HAND:
                 continue
-            d = _limb_gap(bodies, b, t + f * (when - t), poses, hx, hy, ex, ey)
+            d = _limb_gap(bodies, b, t + f * (when - t), poses, hx, hy, ex, ey, gap[b])
             if look == 0:
                 now[b] = d
             if d < gap[b]:
@@ -288,7 +291,7 @@ def _tell_obstacle(bodies, b, arms, s, e, at, t, x, y, c, sn, gap, late, now, po
     ex, ey = elbow_of(x, y, arms[s, RHO], 1.0)
     for k in range(2):  # how near it comes to a limb that rests
         later = min(t + 0.3 * (k + 1) / speed, arms[s, HORIZON])
-        gap = _limb_gap(bodies, b, later, poses, x, y, ex, ey)
+        gap = _limb_gap(bodies, b, later, poses, x, y, ex, ey, 1e300)
         out[e, at + 17 + k] = min(gap - floor, _FARTHEST)
     out[e, at + 19] = np.sqrt(poses[b, 0] ** 2 + poses[b, 1] ** 2)
 

@@ -86,6 +86,15 @@ def test_accepted(vertices):
     assert len(Polygon(vertices).vertices) == len(vertices)
 
 
+@pytest.mark.parametrize(("points", "rounds"), [(5, 2), (7, 2), (7, 3), (40, 3), (40, 19)])
+@pytest.mark.parametrize("turn", np.linspace(0.0, 2.0 * np.pi, 9))
+def test_a_star_that_turns_left_at_every_point_is_refused(points, rounds, turn):
+    """Like a convex polygon, but it turns more than once round: its edges cross."""
+    corners = turn + 2.0 * np.pi * rounds * np.arange(points) / points
+    with pytest.raises(SituationError, match="cross or touch"):
+        Polygon(tuple((math.cos(a), math.sin(a)) for a in corners))
+
+
 def test_a_star_of_many_points_is_quick():
     count = 3000
     star = [

@@ -1,7 +1,7 @@
 """What memories catch, by how they are found again and how many there are; writes table.md.
 
-python experiments/06_recall/run.py DATASET             the controls
-python experiments/06_recall/run.py DATASET ENCODER     the learned index, and all in one table
+python experiments/05_recall/run.py DATASET             the controls
+python experiments/05_recall/run.py DATASET ENCODER     the learned index, and all in one table
 
 DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder`. Memories are
 the catches of the training records, situations those of the split `test`. What is done is kept in
