@@ -13,6 +13,14 @@ from gcm_learn.cli import main
 from gcm_learn.cli.interrupts import Interrupts
 
 
+@pytest.fixture(autouse=True)
+def interrupts_count():
+    """Ctrl-C raises, also where the tests were started in the background, which ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def drop_an_interrupt() -> None:
     """Receive Ctrl-C inside a C callback, where Python ignores every exception."""
     ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
