@@ -13,9 +13,8 @@ import numpy as np
 from answers import Answer
 from suite import STRATA, Case
 
-from gcm_learn import seeding
+from gcm_learn.evaluation.statistics import stratified
 
-DRAWS = 2000  # of the bootstrap
 REACHABLE = ("L", "W", "Q")
 WORDS = {
     "U": "U: out of reach",
@@ -23,17 +22,6 @@ WORDS = {
     "W": "W: a way round",
     "Q": "Q: only with waiting",
 }
-
-
-def interval(caught: np.ndarray, family: np.ndarray) -> tuple[float, float]:
-    """95 % bootstrap interval of the share that is caught (m,), resampled within families."""
-    rng = seeding.rng(0, len(caught))
-    total = np.zeros(DRAWS)
-    for name in np.unique(family):
-        here = caught[family == name]
-        total += rng.binomial(len(here), here.mean(), size=DRAWS)
-    low, high = np.percentile(total / len(caught), [2.5, 97.5])
-    return float(low), float(high)
 
 
 def _columns(cases: list[Case], answers: list[Answer]) -> dict[str, np.ndarray]:
@@ -80,7 +68,7 @@ def _row(name: str, c: dict[str, np.ndarray]) -> str:
     cells = []
     for strata in (("L",), ("W",), ("Q",), REACHABLE):
         here = np.isin(c["stratum"], strata)
-        low, high = interval(c["caught"][here], c["family"][here])
+        _, low, high = stratified(c["caught"][here], c["family"][here])
         cells.append(f"{100 * c['caught'][here].mean():.1f} ({100 * low:.1f}-{100 * high:.1f})")
     both = c["caught"] & np.isin(c["stratum"], REACHABLE) & (c["reference"] > 1e-6)
     ratio = c["time"][both] / c["reference"][both]
@@ -105,7 +93,7 @@ def write_figure(file: Path, cases: list[Case], answers: dict[str, list[Answer]]
             c = _columns(cases, answers[name])
             here = c["stratum"] == stratum
             share = 100 * c["caught"][here].mean()
-            low, high = interval(c["caught"][here], c["family"][here])
+            _, low, high = stratified(c["caught"][here], c["family"][here])
             colour = "tab:red" if name.startswith("layered") else "0.55"
             ax.barh(row, share, color=colour, alpha=0.85, height=0.7)
             ax.plot([100 * low, 100 * high], [row, row], color="black", lw=1.2)

@@ -11,31 +11,20 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gcm_learn import seeding
+from gcm_learn.evaluation.statistics import stratified
 
-DRAWS = 2000  # of the bootstrap
 STRATA = ("L", "W", "Q")
 CHECKS = (1, 5, 20)
 COLOURS = {"learned": "#0b6e4f", "raw": "#c1666b", "pca": "#d4a017", "random": "#7d8597"}
 Line = dict[str, Any]
 
 
-def interval(caught: np.ndarray, family: np.ndarray) -> tuple[float, float]:
-    """95 % bootstrap interval of the share that is caught (m,), resampled within families."""
-    rng = seeding.rng(0, len(caught))
-    total = np.zeros(DRAWS)
-    for name in np.unique(family):
-        here = caught[family == name]
-        total += rng.binomial(len(here), here.mean(), size=DRAWS)
-    low, high = np.percentile(total / len(caught), [2.5, 97.5])
-    return float(low), float(high)
-
-
 def rate(lines: list[Line], checks: int) -> tuple[float, float, float]:
     """Share caught within so many checks, and its interval [%]."""
     caught = np.array([line["caught"] and line["checks"] <= checks for line in lines])
     family = np.array([line["family"] for line in lines])
-    return 100.0 * caught.mean(), *(100.0 * x for x in interval(caught, family))
+    value, low, high = stratified(caught, family)
+    return 100.0 * value, 100.0 * low, 100.0 * high
 
 
 def _groups(lines: list[Line]) -> dict[tuple[str, int], list[Line]]:

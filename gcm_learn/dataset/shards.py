@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import io
 import json
 from collections import Counter
@@ -15,6 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gcm_learn import __version__, compiled
+from gcm_learn.dataset.collector import uncollected
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.item import Item, make_item
 from gcm_learn.dataset.schema import LABELS, PLAN, VERSION, plan_column, rows_of
@@ -74,13 +74,8 @@ def make_shard(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
     """Make a shard and write it."""
     # Items are trees: nothing of them is left to a collector that would visit all of them again
     # and again.
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
+    with uncollected():
         items = [make_item(spec, k) for k in spec.indices(shard)]
-    finally:
-        if was_on:
-            gc.enable()
     return write_shard(spec, shard, items, url)
 
 

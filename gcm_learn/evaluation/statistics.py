@@ -31,6 +31,23 @@ def wilson(hits: int, n: int) -> Interval:
     return Interval(p, max(float(middle - half), 0.0), min(float(middle + half), 1.0))
 
 
+def stratified(hits: np.ndarray, groups: np.ndarray) -> Interval:
+    """A share with its bootstrap interval, resampled within groups.
+
+    Parameters
+    ----------
+    hits : (n,) ndarray of bool
+    groups : (n,) ndarray
+        Group of each, e.g. family.
+    """
+    source, total = rng(0, len(hits)), np.zeros(DRAWS)
+    for group in np.unique(groups):
+        here = hits[groups == group]
+        total += source.binomial(len(here), here.mean(), size=DRAWS)
+    low, high = np.percentile(total / len(hits), [2.5, 97.5])
+    return Interval(float(hits.mean()), float(low), float(high))
+
+
 def mcnemar(first: np.ndarray, second: np.ndarray) -> tuple[int, int, float]:
     """The exact test of McNemar (1947) for pairs.
 

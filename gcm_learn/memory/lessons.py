@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
 
@@ -18,6 +17,7 @@ import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.dataset import Dataset
+from gcm_learn.dataset.collector import uncollected
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.encoder.lesson import Best, Lesson
 from gcm_learn.encoder.looks import gathered, look
@@ -29,7 +29,6 @@ from gcm_learn.memory.adaptation import DEFAULT, query_of
 from gcm_learn.memory.kernels import KNOTS
 from gcm_learn.memory.traces import trace_of
 from gcm_learn.planners.completion import Problem, straight_plan
-from gcm_learn.seeding import rng as rng_of
 from gcm_learn.situation import Situation
 from gcm_learn.situation.kernels import TOP_SPEED
 
@@ -76,7 +75,7 @@ class School:
             order = np.sort(seeding.rng(seed, _SAMPLE).permutation(len(order))[:most])
         self.situations: list[Situation] = []
         traces, goals, pictures, easy = [], [], [], []
-        with _uncollected():
+        with uncollected():
             for k in order.tolist():
                 record = train[k]
                 plans = [plan for plan in record.plans.values() if plan.caught]
@@ -113,7 +112,7 @@ class School:
 
     def lesson(self, index: int, best: Best | None) -> Lesson:
         """A lesson of situations that no other lesson has, but for those of records."""
-        rng, size = rng_of(self.seed, _LESSON, index), SITUATIONS - int(ALONE * SITUATIONS)
+        rng, size = seeding.rng(self.seed, _LESSON, index), SITUATIONS - int(ALONE * SITUATIONS)
         own = self._order[index * size : (index + 1) * size]
         problems = [Problem(self.situations[k], "lesson") for k in own.tolist()]
         if len(problems) < size:
@@ -161,7 +160,7 @@ class School:
         """Situations of the specification that nothing is held out of, most of them not easy."""
         k = 0
         while True:
-            source = rng_of(self.seed, _LESSON, index, k)
+            source = seeding.rng(self.seed, _LESSON, index, k)
             k += 1
             family = self.spec.choose(source)
             problem = Problem(family.draw(source, "drawn"), "lesson")
@@ -187,18 +186,6 @@ class School:
         top = float(problem.bodies.rows[:, TOP_SPEED].max())
         quantities = quantities_of(situation, top)
         return any(holdout.holds(family, quantities) for holdout in self.spec.holdouts)
-
-
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """Let no collector look through a growing heap again and again."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
 
 
 def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:

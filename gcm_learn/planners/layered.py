@@ -56,11 +56,11 @@ def explored(problem: Problem, task: Task, front: LayeredFront) -> Exploration:
     if front.met_state < 0:
         return Exploration(found)
     chain = chain_of(front)
-    corner = _last_wait(front, task, chain)
-    corner = len(chain) - 2 if corner < 0 else corner
+    wait = _last_wait(front, task, chain)
+    corner = len(chain) - 2 if wait < 0 else wait
     return Exploration(
         found,
-        _attempts(problem, task, front, chain),
+        _attempts(problem, task, front, chain, wait),
         arrived=float(front.arrival[front.met_state]),
         shared=float(front.arrival[chain[corner]]) if corner >= 0 else 0.0,
     )
@@ -103,13 +103,13 @@ def way_to(
 
 
 def _attempts(
-    problem: Problem, task: Task, front: LayeredFront, chain: list[int]
+    problem: Problem, task: Task, front: LayeredFront, chain: list[int], wait: int
 ) -> Iterator[Attempt]:
     """Ways to end at the contact, the soonest first.
 
     From the last corner straight to the target; through the cell of the contact and on to the
     target; the same, but resting in that cell until the target comes; from the last wait straight
-    to the target, left a little later if need be.
+    to the target, left a little later if need be (`wait` is its index, -1 if there is none).
     """
     arm, crossing = problem.situation.arm, task.lattice.spacing / task.fastest
 
@@ -130,11 +130,10 @@ def _attempts(
         rested = go_on(problem, time, hand, ending)
         if rested is not None:
             yield rested
-    k = _last_wait(front, task, chain)
-    if k < 0:
+    if wait < 0:
         return
-    time, hand = until(k + 1)
-    leave = _leaves(front, task, chain, k)
+    time, hand = until(wait + 1)
+    leave = _leaves(front, task, chain, wait)
     for delay in DELAYS:
         left = max(leave + delay * crossing, float(time[-1]))
         waited, stays = np.append(time, left), np.vstack([hand, hand[-1:]])
