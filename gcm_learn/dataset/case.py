@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import Generic, Literal
 
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
 from gcm_learn.planners import FrontPlanner, Plan, Planner, gcm, get_planner, marching
 from gcm_learn.planners.completion import Problem, straight_plan
+from gcm_learn.planners.fronts import Explore, Params
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.lessons import Exploration, Lessons
 from gcm_learn.planners.oracle import Bounds, bounds, stratum
@@ -115,7 +116,9 @@ class Case:
             return planner.plan(self.situation)
         if planner.direct and self.plan("straight").caught:
             return replace(self.plan("straight"), planner=name)
-        return replace(planner, explore=_Witness(planner, self._first_maps)).climb(problem)
+        first, *others = planner.rungs
+        witness = _Witness(name, first.explore, self._first_maps)
+        return replace(planner, rungs=(replace(first, explore=witness), *others)).climb(problem)
 
     def map(self) -> CognitiveMap | None:
         """The map of the specification's engine, with its default parameters and full margin."""
@@ -151,15 +154,14 @@ class Case:
         return OracleLabel(stratum(self.situation, known), known.lower, known.upper)
 
 
-class _Witness:
-    """Explores for a front planner and keeps the first map, which is that of its first rung."""
+class _Witness(Generic[Params]):
+    """Explores for a planner's first rung and keeps the first map."""
 
-    def __init__(self, planner: FrontPlanner, maps: dict[str, CognitiveMap]) -> None:
-        self.name, self.explore, self.maps = planner.name, planner.explore, maps
+    def __init__(self, name: str, explore: Explore[Params], maps: dict[str, CognitiveMap]) -> None:
+        self.name, self.maps = name, maps
+        self.explore: Explore[Params] = explore
 
-    def __call__(
-        self, problem: Problem, params: WaveParams | MarchingParams, lessons: Lessons
-    ) -> Exploration:
+    def __call__(self, problem: Problem, params: Params, lessons: Lessons) -> Exploration:
         made = self.explore(problem, params, lessons)
         self.maps.setdefault(self.name, made.map)
         return made

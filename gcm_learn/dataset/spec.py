@@ -71,9 +71,9 @@ class DatasetSpec:
     families: tuple[FamilyShare, ...]
     planners: tuple[str, ...] = ("gcm", "layered")
     """Whose plans a record holds."""
-    rungs: int = 6
+    rungs: int = 9
     """Of the ladder of ever more careful maps that front planners climb: 2 stay on lattices of n
-    cells, 6 end on twice as many. Also how hard the labels' planners try."""
+    cells, the last ones have twice as many. Also how hard the labels' planners try."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
     """Engine of the map that a record holds."""
     n: int = 80
@@ -98,7 +98,7 @@ class DatasetSpec:
         if not self.families:
             raise SpecError("families", "must name at least one family")
         checks.distinct(self.planners, "planners", planner_names())
-        checks.integer(self.rungs, "rungs", 1, 6)
+        checks.integer(self.rungs, "rungs", 1, 9)
         checks.choice(self.map, "map", ("wave", "marching", "layered", "none"))
         checks.integer(self.n, "n", SMALLEST_LATTICE, LARGEST_LATTICE)
         checks.choice(self.label, "label", ("fast", "oracle"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 from gcm_learn.arm.lattice import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
@@ -17,6 +17,7 @@ from gcm_learn.wave import MarchingParams, WaveParams
 
 HALF_DIAGONAL = 0.71  # [cells]: slack with which no target is lost between the centres of cells
 Params = TypeVar("Params", WaveParams, MarchingParams)
+Explore: TypeAlias = Callable[[Problem, Params, Lessons], Exploration]
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,8 @@ class Rung(Generic[Params]):
     """One kind of map to try."""
 
     params: Params
+    explore: Explore[Params]
+    """Makes a map and ways to end at its contact."""
     trials: int = 3
     """How many maps to make, each with the lessons of those before."""
     beyond: float = 0.0
@@ -34,7 +37,7 @@ class Rung(Generic[Params]):
 
 
 @dataclass(frozen=True)
-class FrontPlanner(Generic[Params]):
+class FrontPlanner:
     """Map, way, verification; and again with more care when the verification fails.
 
     A map knows the cells' centres only.  With obstacles widened by half a cell its paths mostly
@@ -44,10 +47,8 @@ class FrontPlanner(Generic[Params]):
     """
 
     name: str
-    rungs: tuple[Rung[Params], ...]
+    rungs: tuple[Rung[Any], ...]
     """The maps to try, in order."""
-    explore: Callable[[Problem, Params, Lessons], Exploration]
-    """Makes a map and ways to end at its contact."""
     direct: bool = False
     """Try the straight line first: where it holds, no way is faster, and no map is needed."""
 
@@ -66,7 +67,7 @@ class FrontPlanner(Generic[Params]):
         for rung in self.rungs:
             lessons = Lessons(beyond=rung.beyond)
             for trial in range(rung.trials):
-                found = self.explore(problem, rung.params, lessons)
+                found = rung.explore(problem, rung.params, lessons)
                 first = found.map if first is None else first
                 if found.map.contact is None:
                     reason = reason or "the front meets no target within the horizon"
@@ -98,23 +99,22 @@ def _first_that_holds(
     return None, failures
 
 
-def gcm(params: WaveParams | None = None) -> FrontPlanner[WaveParams]:
+def gcm(params: WaveParams | None = None) -> FrontPlanner:
     """The paper's planner: the wave of Eq. 10, its map and the descent on it."""
-    return FrontPlanner("gcm", wave_rungs(WaveParams() if params is None else params), _explore)
+    return FrontPlanner(
+        "gcm", wave_rungs(WaveParams() if params is None else params, first_arrival)
+    )
 
 
-def wave_rungs(params: WaveParams) -> tuple[Rung[WaveParams], ...]:
+def wave_rungs(params: WaveParams, explore: Explore[WaveParams]) -> tuple[Rung[WaveParams], ...]:
     """Ever more careful waves."""
-    bare = replace(params, margin=0.0, slack=HALF_DIAGONAL)
-    return (Rung(params), Rung(bare), Rung(finer(params)), Rung(finer(bare)))
+    return ladder(params, replace(params, margin=0.0, slack=HALF_DIAGONAL), explore)
 
 
-def marching(params: MarchingParams | None = None) -> FrontPlanner[MarchingParams]:
+def marching(params: MarchingParams | None = None) -> FrontPlanner:
     """The same idea with causal marching instead of the wave."""
     params = MarchingParams() if params is None else params
-    bare = without_margin(params)
-    rungs = (Rung(params), Rung(bare), Rung(finer(params)), Rung(finer(bare)))
-    return FrontPlanner("marching", rungs, _explore)
+    return FrontPlanner("marching", ladder(params, without_margin(params), first_arrival))
 
 
 def without_margin(params: MarchingParams) -> MarchingParams:
@@ -122,12 +122,17 @@ def without_margin(params: MarchingParams) -> MarchingParams:
     return replace(params, margin=0.0, lookback=0.0, slack=HALF_DIAGONAL)
 
 
+def ladder(params: Params, bare: Params, explore: Explore[Params]) -> tuple[Rung[Params], ...]:
+    """Maps with margin and without, then both on a finer lattice."""
+    return tuple(Rung(kind, explore) for kind in (params, bare, finer(params), finer(bare)))
+
+
 def finer(params: Params) -> Params:
     """The same parameters on a lattice of half the spacing."""
     return replace(params, n=min(2 * params.n, LARGEST_LATTICE))
 
 
-def _explore(
+def first_arrival(
     problem: Problem, params: WaveParams | MarchingParams, lessons: Lessons
 ) -> Exploration:
     """First-arrival map and the descent on it."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcm_learn.maps import layered_map, task_of
 from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
-from gcm_learn.planners.fronts import FrontPlanner, Rung, finer, without_margin
+from gcm_learn.planners.fronts import FrontPlanner, Rung, finer, first_arrival, without_margin
 from gcm_learn.planners.lessons import Exploration, Lessons
 from gcm_learn.planners.timing import segment_times, straight_way
 from gcm_learn.situation.situation import Arm
@@ -17,16 +17,17 @@ from gcm_learn.wave import LayeredFront, MarchingParams, Task, march_layers
 
 MEETING = 1.5  # the hand may meet a target so long before the map says so [crossings]
 A_WAIT = 0.3  # a stay that is longer is a wait [crossings]
-BEYOND = 2.0  # what a way through cells' centres loses at most to the best one [crossings]
+BEYOND = 4.0  # what a way through cells' centres loses at most to the best one [crossings]
 DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
-def layered(params: MarchingParams | None = None) -> FrontPlanner[MarchingParams]:
+def layered(params: MarchingParams | None = None) -> FrontPlanner:
     """The planner of first choice: marching in which the hand may wait.
 
     Where the straight line to the earliest interception holds, that is the answer, without a map.
     The map without margin sees every gap that is as wide as a cell, so where it has no contact
-    none is looked for any more.
+    none is looked for any more.  Descents on first-arrival maps cut corners in another way than
+    chains of cells do, and now and then hold where those fail.
     """
     params = MarchingParams() if params is None else params
     bare = without_margin(params)
@@ -34,17 +35,20 @@ def layered(params: MarchingParams | None = None) -> FrontPlanner[MarchingParams
     # gaps that are open for a moment.
     patient = replace(bare, lookback=params.lookback)
     rungs = (
-        Rung(params, 2),
-        Rung(bare, 2, BEYOND, decisive=True),
-        Rung(patient, 3, BEYOND),
-        Rung(finer(params), 2),
-        Rung(finer(patient), 5, BEYOND),
-        Rung(finer(bare), 2, BEYOND),
+        Rung(params, waiting, 2),
+        Rung(bare, waiting, 2, BEYOND, decisive=True),
+        Rung(params, first_arrival, 2),
+        Rung(bare, first_arrival, 2),
+        Rung(patient, waiting, 4, BEYOND),
+        Rung(finer(params), waiting, 2),
+        Rung(finer(patient), waiting, 10, BEYOND),
+        Rung(finer(bare), waiting, 4, BEYOND),
+        Rung(finer(bare), first_arrival, 2),
     )
-    return FrontPlanner("layered", rungs, _explore, direct=True)
+    return FrontPlanner("layered", rungs, direct=True)
 
 
-def _explore(problem: Problem, params: MarchingParams, lessons: Lessons) -> Exploration:
+def waiting(problem: Problem, params: MarchingParams, lessons: Lessons) -> Exploration:
     """Layered map and ways back through its states."""
     task = lessons.applied(task_of(problem.situation, params, problem.bodies))
     return explored(problem, task, march_layers(task, params))

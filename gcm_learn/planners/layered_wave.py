@@ -20,14 +20,14 @@ OUTRUN = 0.05  # share of a way's time by which a front may outrun the hand (con
 CLOSE = 0.5  # distance of the points at which a straight piece is asked [cells]
 
 
-def layered_wave(params: WaveParams | None = None) -> FrontPlanner[WaveParams]:
+def layered_wave(params: WaveParams | None = None) -> FrontPlanner:
     """The paper's wave when the hand may wait; the straight line first, as in `layered`.
 
     The Laplacian is the one of nine points: of the two that the paper may mean the one whose front
     is less early along the diagonals (erratum 9), which costs catches when it is late elsewhere.
     """
     params = WaveParams(laplacian=9) if params is None else params
-    return FrontPlanner("layered-wave", wave_rungs(params), _explore, direct=True)
+    return FrontPlanner("layered-wave", wave_rungs(params, _explore), direct=True)
 
 
 def _explore(problem: Problem, params: WaveParams, lessons: Lessons) -> Exploration:

@@ -39,7 +39,8 @@ class Lessons:
 
     A limb that is touched on its way passes between the centres of cells where their neighbourhood
     is not free: the cells around get a wider margin, and the front goes round or waits.  If the
-    way to the contact holds, but no way to end it, the contact is passed over.
+    way to the contact holds, but no way to end it, or if the front comes to the same contact again,
+    the contact is passed over.
     """
 
     beyond: float = 0.0
@@ -52,6 +53,8 @@ class Lessons:
     """Where the hand was when the limb was touched [forearm lengths]."""
     passed_over: int = 0
     """Number of contacts."""
+    met: float = -1.0
+    """When the last map's contact was [s]."""
 
     def applied(self, task: Task) -> Task:
         """What there is to explore, with what was learned."""
@@ -65,15 +68,20 @@ class Lessons:
 
         `speed` is the hand's [forearm lengths / s].
         """
+        assert found.map.contact is not None
+        met = found.map.contact.time
         touched = [(v.touched, a) for a, v in failures if v.touched is not None]
         when, attempt = min(touched, key=lambda touch: touch[0], default=(np.inf, None))
+        lessons = replace(self, met=met)
         if attempt is not None and when < found.arrived:
-            return self._wider(found.map.lattice, attempt, when)
-        assert found.map.contact is not None
-        # Contacts that fail come in rows: skip ever more of them.
+            lessons = lessons._wider(found.map.lattice, attempt, when)
+            if met != self.met:
+                return lessons
+        # Nothing to widen, or the last widening has not moved the contact.  Contacts that fail come
+        # in rows: skip ever more of them.
         crossing = found.map.lattice.spacing / speed
-        ignore = found.map.contact.time + 2**self.passed_over * crossing
-        return replace(self, ignore=ignore, passed_over=self.passed_over + 1)
+        ignore = met + 2**self.passed_over * crossing
+        return replace(lessons, ignore=ignore, passed_over=self.passed_over + 1)
 
     def _wider(self, lattice: Lattice, attempt: Attempt, when: float) -> Lessons:
         """Widen the margin of the cells around the hand at some time."""

@@ -45,11 +45,21 @@ def test_a_touch_on_the_way_widens_the_margin_around_it():
 
 def test_touches_at_one_place_widen_ever_farther():
     once = Lessons().after(found(), [failure(0.3)], SPEED)
-    twice = once.after(found(), [failure(0.3)], SPEED)
+    twice = once.after(found(0.7), [failure(0.3)], SPEED)
     assert twice.widening.max() == 2 * WIDER
     assert (twice.widening > 0).sum() > (once.widening > 0).sum()
     elsewhere = once.after(found(arrived=1.0), [failure(0.9)], SPEED)
     assert (elsewhere.widening > 0).sum() <= 2 * (once.widening > 0).sum()
+
+
+def test_a_contact_that_widening_does_not_move_is_passed_over():
+    crossing = LATTICE.spacing / SPEED
+    once = Lessons().after(found(0.6), [failure(0.3)], SPEED)
+    moved = once.after(found(0.7), [failure(0.3)], SPEED)
+    assert once.ignore == moved.ignore == 0.0
+    again = moved.after(found(0.7), [failure(0.3)], SPEED)
+    assert again.ignore == pytest.approx(0.7 + crossing)
+    assert again.widening.max() == 3 * WIDER
 
 
 @pytest.mark.parametrize("failures", [[], [failure(0.55)], [failure(None)]])
