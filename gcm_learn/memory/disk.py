@@ -87,7 +87,7 @@ def read_arrays(folder: Path, manifest: Mapping[str, Any], mmap: bool) -> dict[s
     """Columns of a memory, left on disk until they are read if `mmap`."""
     data = folder / str(manifest["data"])
     return {
-        path.stem: np.load(path, mmap_mode="r" if mmap else None)
+        path.stem: np.asarray(np.load(path, mmap_mode="r" if mmap else None))
         for path in sorted(data.glob("*.npy"))
     }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -39,12 +40,17 @@ class Problem:
         self.planner = planner
         self.bodies: Bodies = pack(situation) if bodies is None else bodies
 
+    @cached_property
+    def start_clearance(self) -> float:
+        """Room that obstacles leave the limb at t = 0 [forearm lengths]."""
+        return start_clearance(self.situation, self.bodies)
+
     @property
     def reach(self) -> float:
         """Signed distance to a target at which the hand surely catches [forearm lengths]."""
         return self.situation.arm.grasp - CATCH_SAFETY
 
-    @property
+    @cached_property
     def instant(self) -> float:
         """Resolution in time of interceptions [s]."""
         targets = self.bodies.rows[self.bodies.rows[:, PART] == HAND, TOP_SPEED]
@@ -61,7 +67,7 @@ class Problem:
     def early_answer(self) -> Plan | None:
         """What can be said without planning: blocked at the start, or hopeless."""
         arm, horizon = self.situation.arm, self.situation.horizon
-        if start_clearance(self.situation, self.bodies) <= 0.0:
+        if self.start_clearance <= 0.0:
             return self.answer("start_blocked", "the limb touches an obstacle at t = 0")
         if not may_be_reached(
             self.bodies, *arm.hand, horizon, arm.max_hand_speed, arm.grasp, arm.reach
@@ -219,7 +225,13 @@ def judged(
     problem: Problem, attempt: Attempt, cognitive_map: CognitiveMap | None = None
 ) -> tuple[Plan | None, Verdict]:
     """Verify an attempt: a plan if it holds, and the verdict."""
-    verdict = verify(problem.situation, problem.bodies, attempt.trajectory, attempt.body)
+    verdict = verify(
+        problem.situation,
+        problem.bodies,
+        attempt.trajectory,
+        attempt.body,
+        problem.start_clearance,
+    )
     if not verdict.good:
         return None, verdict
     return problem.caught(attempt, verdict.clearance, cognitive_map), verdict

@@ -14,6 +14,7 @@ from gcm_learn.situation.kernels import (
     LAST,
     PART,
     POLYGON,
+    REACH,
     SIZE,
     SPHERE,
     TOP_SPEED,
@@ -166,10 +167,25 @@ def first_interception(bodies, x, y, start, since, end, speed, reach, near, far,
                 if found and inside and away <= speed * (t - start) + 1e-12:
                     best, body, bx, by = t, b, px, py
                     break
-                t += shortest
+                t += max(_away_until(bodies, poses, b, reach, near, far), shortest)
             else:
                 t += max(room / (speed + bodies.rows[b, TOP_SPEED]), shortest)
     return best, body, bx, by
+
+
+@njit(cache=True)
+def _away_until(bodies, poses, b, reach, near, far):
+    """How long a target cannot be within reach of any hand, by the ball that holds it [s].
+
+    It is above or below the plane, beyond the ring, or in its hole.
+    """
+    ball, top = bodies.rows[b, REACH], bodies.rows[b, TOP_SPEED]
+    away = np.sqrt(poses[b, 0] ** 2 + poses[b, 1] ** 2)
+    margin = ball + max(reach, 0.0)
+    room = max(abs(poses[b, 2]) - ball, away - margin - far, near - margin - away)
+    if room <= 0.0:
+        return 0.0
+    return room / top if top > 0.0 else NOWHERE
 
 
 @njit(cache=True)

@@ -137,7 +137,13 @@ def _fault(time, hand, joints, start, horizon, near, far, fastest):
     return NOTHING
 
 
-def verify(situation: Situation, bodies: Bodies, trajectory: Trajectory, body: int) -> Verdict:
+def verify(
+    situation: Situation,
+    bodies: Bodies,
+    trajectory: Trajectory,
+    body: int,
+    at_start: float | None = None,
+) -> Verdict:
     """Check a trajectory against everything that "caught" promises.
 
     Parameters
@@ -148,6 +154,8 @@ def verify(situation: Situation, bodies: Bodies, trajectory: Trajectory, body: i
     trajectory : Trajectory
     body : int
         Index of the target that is caught at the trajectory's end.
+    at_start : float, optional
+        `start_clearance`, if the caller has it at hand.
 
     Returns
     -------
@@ -158,7 +166,8 @@ def verify(situation: Situation, bodies: Bodies, trajectory: Trajectory, body: i
     if reason:
         return Verdict(False, 0.0, reason)
     rho, side = arm.upper_arm, SIDE[arm.elbow]
-    safety = min(SAFETY, 0.5 * start_clearance(situation, bodies))
+    at_start = start_clearance(situation, bodies) if at_start is None else at_start
+    safety = min(SAFETY, 0.5 * at_start)
     distance, when = least_distance(
         bodies, trajectory.time, trajectory.hand, rho, side, arm.thickness + safety, RESOLUTION
     )

@@ -95,7 +95,8 @@ def pose(situation: Situation, index: int, t: float) -> tuple[np.ndarray, np.nda
 
 def rotation_of(quaternion: Sequence[float]) -> np.ndarray:
     """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
-    w, x, y, z = np.asarray(quaternion) / np.linalg.norm(quaternion)
+    length = math.hypot(*quaternion)
+    w, x, y, z = (part / length for part in quaternion)
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -109,8 +110,9 @@ def plane_frame(plane: Plane | None) -> tuple[np.ndarray, np.ndarray]:
     """Rotation world -> arm plane (rows x, y, normal) and the plane's origin."""
     if plane is None:
         return _IDENTITY, np.zeros(3)
-    x, y = np.asarray(plane.x), np.asarray(plane.y)
-    return np.array([x, y, np.cross(x, y)]), np.asarray(plane.origin)
+    (a, b, c), (d, e, f) = plane.x, plane.y
+    normal = (b * f - c * e, c * d - a * f, a * e - b * d)
+    return np.array([plane.x, plane.y, normal]), np.asarray(plane.origin)
 
 
 def _place_planar(row: np.ndarray, motion: PlanarQuadratic) -> None:
