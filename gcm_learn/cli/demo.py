@@ -1,4 +1,4 @@
-"""``gcm-learn demo``: the paper's results as a web page, and a comparison."""
+"""``gcm-learn demo``: the paper's results as a web page, a memory, and a comparison."""
 
 from __future__ import annotations
 
@@ -28,6 +28,9 @@ class Demo:
     compare: int = 30
     """number of situations on which planners and trained policies are compared; 0 for none"""
 
+    memory: int = 400
+    """number of memories that are shown, with what is recalled of them; 0 for none"""
+
     def run(self) -> int:
         """Build the page and say where it is."""
         if self.seed < 0:
@@ -36,19 +39,33 @@ class Demo:
             raise CommandFailure(f"--random {self.random}: must not be negative")
         if not 0 <= self.compare <= 50:
             raise CommandFailure(f"--compare {self.compare}: must be from 0 to 50")
+        if not 0 <= self.memory <= 2000:
+            raise CommandFailure(f"--memory {self.memory}: must be from 0 to 2000")
         folder = made_folder(self.out, option="--out")
         from gcm_learn.plots.demo import build_demo
 
         page = build_demo(folder, self.seed, self.random, _say)
+        recalled = self._recalled(folder)
         report = None
         if self.compare > 0:
             from gcm_learn.plots.comparison_demo import build_comparison
 
             report = build_comparison(folder / "comparison", self.compare, _say)
         print(f"Open {page.resolve().as_uri()} in a browser.")
+        if recalled is not None:
+            print(f"What is remembered, and how it is recalled: {recalled.resolve().as_uri()}.")
         if report is not None:
             print(f"The comparison is {report.resolve().as_uri()}.")
         return 0
+
+    def _recalled(self, folder: Path) -> Path | None:
+        """The page of the shipped memory, None if it is not wanted or there is none."""
+        if self.memory == 0:
+            return None
+        from gcm_learn.plots.memory_page import write_shipped_page
+
+        _say(f"Recalling; drawing {self.memory} memories")
+        return write_shipped_page(folder / "memory", self.memory)
 
 
 def _say(step: str) -> None:

@@ -1,4 +1,4 @@
-"""``gcm-learn gallery``: a page that shows what is in a dataset."""
+"""``gcm-learn gallery``: a page that shows what is in a dataset, or in a memory."""
 
 from __future__ import annotations
 
@@ -11,20 +11,24 @@ from tyro.conf import Positional, arg
 from gcm_learn.cli.extras import dataset_package
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder
+from gcm_learn.memory.disk import is_memory
 
 
 @dataclass(frozen=True)
 class Gallery:
-    """Draw situations of every stratum with their maps, and a page that shows them."""
+    """Draw situations of every stratum with their maps, and a page that shows them.
+
+    Of a memory: its catches as points, each with its map.
+    """
 
     folder: Annotated[Positional[str], arg(metavar="DIR")]
-    """a dataset"""
+    """a dataset, or a memory of gcm-learn remember"""
 
     out: Annotated[Path, arg(metavar="DIR")] = Path("gallery")
     """folder for the page index.html and its pictures"""
 
     each: int = 8
-    """situations of every stratum"""
+    """situations of every stratum; of a memory a hundred times as many catches are shown"""
 
     split: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="(default: all)")] = None
     """only of one split"""
@@ -33,6 +37,8 @@ class Gallery:
         """Build the page and say where it is."""
         if self.each < 1:
             raise CommandFailure(f"--each {self.each}: must be at least 1")
+        if is_memory(Path(self.folder)):
+            return self._show_memory()
         records = dataset_package().open(self.folder)
         if self.split is not None:
             records = records.where(split=self.split)
@@ -42,5 +48,14 @@ class Gallery:
         from gcm_learn.plots.dataset_page import write_dataset_page
 
         page = write_dataset_page(records, folder, self.each)
+        print(f"Open {page.resolve().as_uri()} in a browser.")
+        return 0
+
+    def _show_memory(self) -> int:
+        folder = made_folder(self.out, option="--out")
+        from gcm_learn.memory import Memory
+        from gcm_learn.plots.memory_page import write_memory_page
+
+        page = write_memory_page(Memory.load(self.folder), folder, count=100 * self.each)
         print(f"Open {page.resolve().as_uri()} in a browser.")
         return 0

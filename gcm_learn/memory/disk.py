@@ -83,6 +83,15 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     return dict(manifest)
 
 
+def is_memory(folder: Path) -> bool:
+    """Whether a folder says that it holds a memory, whole or not."""
+    try:
+        manifest = json.loads((folder / MANIFEST).read_text("utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(manifest, dict) and manifest.get("format") == FORMAT
+
+
 def read_arrays(folder: Path, manifest: Mapping[str, Any], mmap: bool) -> dict[str, np.ndarray]:
     """Columns of a memory, left on disk until they are read if `mmap`."""
     data = folder / str(manifest["data"])

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 from gcm_learn.memory.planners import RecallPlanner, Recollection
-from gcm_learn.memory.store import Memory
+from gcm_learn.memory.store import Forgotten, Memory
 from gcm_learn.memory.traces import trace_of
 from gcm_learn.planners.plan import Plan, Planner
 from gcm_learn.planners.registry import get_planner
@@ -24,7 +24,7 @@ class Coverage:
 
     slack: float = math.inf
     """A recalled catch may come this share later than the planned one. Infinite: any recalled catch
-    covers, and no planning is needed to know."""
+    covers, and no planning is needed to know; -1: none does, and all catches are remembered."""
 
     def covers(self, recalled: Plan, planned: Plan | None) -> bool:
         """Whether a recalled catch makes the planned one superfluous."""
@@ -74,6 +74,7 @@ def grow(
     *,
     recall: RecallPlanner | None = None,
     most: int | None = None,
+    forget: Forgotten = "least used",
     progress: Callable[[int], None] = lambda done: None,
 ) -> Curve:
     """Meet situations one after the other; remember what was not covered.
@@ -90,7 +91,9 @@ def grow(
     recall : RecallPlanner, optional
         How is recalled; its memory is replaced by this one.
     most : int, optional
-        Entries at most; what held least often is forgotten first, the oldest before the others.
+        Entries at most.
+    forget : {"least used", "oldest", "random"}
+        What is forgotten first if there are more, see `Memory.forget_to`.
     progress : callable
         Called with the number of situations met since the last call.
 
@@ -106,7 +109,7 @@ def grow(
         found = how.recollect(situation)
         caught = _learned(memory, situation, found, solver, rule)
         if most is not None and len(memory) > most:
-            memory.forget_to(most)
+            memory.forget_to(most, forget, seed=len(curve.steps))
         step = Step(len(curve.steps) + 1, len(memory), found.plan.caught, caught)
         curve.steps.append(step)
         progress(1)

@@ -8,10 +8,11 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, Literal, get_args, overload
 
 import numpy as np
 
+from gcm_learn import seeding
 from gcm_learn.errors import RecallError
 from gcm_learn.memory.disk import read_arrays, read_manifest, write_memory
 from gcm_learn.memory.index import Index, index_class
@@ -21,6 +22,7 @@ from gcm_learn.memory.traces import Trace
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 from gcm_learn.situation.canonical import canonical
 
+Forgotten = Literal["least used", "oldest", "random"]
 SPARE = 1.5  # room is made for this many times the entries that there are
 MANY = 20_000  # learned entries from which nearly the best are good enough by default
 _COLUMNS = ("embeddings", "traces", "goals", "labels", "uses", "lengths")
@@ -189,11 +191,29 @@ class Memory:
         self._old_texts, self._old_starts = np.zeros(0, np.uint8), np.zeros(1, np.int64)
         self._searcher = None
 
-    def forget_to(self, size: int) -> None:
-        """Forget what held least often, the oldest first, until `size` are left."""
-        if size < self._size:
+    def forget_to(self, size: int, first: Forgotten = "least used", seed: int = 0) -> None:
+        """Forget until `size` are left.
+
+        Parameters
+        ----------
+        size : int
+        first : {"least used", "oldest", "random"}
+            What goes first: what held least often (of equal ones the oldest), the oldest, or any.
+        seed : int
+            Decides which are any.
+        """
+        if size >= self._size:
+            return
+        if first == "random":
+            order = seeding.rng(seed, self._size).permutation(self._size)
+        elif first == "oldest":
+            order = np.arange(self._size)
+        elif first == "least used":
             order = np.lexsort((np.arange(self._size), self.uses))
-            self.forget(order[: self._size - size])
+        else:
+            known = ", ".join(get_args(Forgotten))
+            raise RecallError(f"first: {first!r} is not one of {known}")
+        self.forget(order[: self._size - size])
 
     def merge(self, other: Memory) -> None:
         """Take over all memories of another one that was filed by the same index."""

@@ -32,7 +32,8 @@ def test_demo_says_where_its_page_is(tmp_path, capsys, monkeypatch):
         return out / "index.html"
 
     monkeypatch.setattr("gcm_learn.plots.demo.build_demo", build_demo)
-    assert main(["demo", "--out", "a/b", "--seed", "3", "--random", "7", "--compare", "0"]) == 0
+    assert main(["demo", "--out", "a/b", "--seed", "3", "--random", "7", "--compare", "0",
+                 "--memory", "0"]) == 0  # fmt: skip
     assert asked == [(Path("a/b"), 3, 7)]
     out = capsys.readouterr().out
     assert "fig1\n" in out and (tmp_path / "a/b/index.html").as_uri() in out

@@ -24,6 +24,7 @@ from gcm_learn.memory import (
     unverified,
 )
 from gcm_learn.planners.layered import layered
+from gcm_learn.situation.canonical import canonical
 from tests.referee import judge
 from tests.transforms import turned
 
@@ -147,3 +148,7 @@ def test_a_stricter_rule_remembers_more_and_a_small_memory_stays_small(memory):
     small = Memory(memory.index)
     curve = grow(small, situations, layered(), Coverage(0.05), most=5)
     assert len(small) == max(curve.sizes) == 5
+    young = Memory(memory.index)
+    grow(young, situations, layered(), Coverage(-1.0), most=5, forget="oldest")
+    last = [s for s in situations if layered().plan(s).caught][-5:]
+    assert young.situations() == [canonical(s)[0] for s in last]

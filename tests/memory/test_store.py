@@ -104,6 +104,21 @@ def test_forgetting(memory):
     assert len(memory) == 0
 
 
+def test_what_is_forgotten_first_is_chosen(memory):
+    for k in (0, 1, 2):
+        memory.used(k)
+    situations = memory.situations()
+    memory.forget_to(50, "oldest")
+    assert memory.situations() == situations[-50:]  # though the oldest had held
+    left = memory.situations()
+    memory.forget_to(20, "random", seed=3)
+    kept = [left.index(s) for s in memory.situations()]
+    assert len(kept) == 20 and kept == sorted(kept) and kept != list(range(30, 50))
+    with pytest.raises(RecallError, match="least used, oldest, random"):
+        memory.forget_to(5, "youngest")
+    assert len(memory) == 20
+
+
 def test_merging_parts_gives_the_whole(memory, catches, traces):
     parts = [Memory(memory.index) for _ in range(2)]
     for part, some in zip(parts, (slice(0, 100), slice(100, None)), strict=True):
