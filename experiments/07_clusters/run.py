@@ -1,0 +1,319 @@
+"""Does experience fall into clusters, and into which? Writes table.md and pictures.
+
+python experiments/07_clusters/run.py DATASET [ENCODER]
+
+DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder` (the shipped
+one by default). The page out/index.html shows the memory as points.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+
+from pictures import write_figure, write_prototypes  # noqa: E402
+from sklearn.cluster import HDBSCAN, KMeans  # noqa: E402
+from sklearn.decomposition import PCA  # noqa: E402
+from sklearn.manifold import TSNE  # noqa: E402
+from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # noqa: E402
+
+from gcm_learn import dataset, seeding  # noqa: E402
+from gcm_learn.dataset import Record  # noqa: E402
+from gcm_learn.encoder import Encoder, load_encoder  # noqa: E402
+from gcm_learn.memory import Memory, Trace, trace_of, transfer  # noqa: E402
+from gcm_learn.memory.features import raw_features  # noqa: E402
+from gcm_learn.memory.index import Scale  # noqa: E402
+from gcm_learn.memory.passing import passing  # noqa: E402
+from gcm_learn.memory.pca import COMPONENTS, map_picture  # noqa: E402
+from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
+from gcm_learn.memory.traces import ring_share  # noqa: E402
+
+K = 16  # clusters of k-means
+LEAST, FEW = 40, 8  # members of a cluster of HDBSCAN; principal components that it is asked in
+DRAWS = 40  # of a bootstrap
+REPEATS = 8  # resamples whose clusterings are compared
+ASKED, TRIED = 1500, 120  # situations that need more than a straight line; memories tried on each
+LETTERS = 2  # obstacles passed that a class tells; more are summed up
+REST = -1  # HDBSCAN: in no cluster
+Cluster = Callable[[np.ndarray, int], np.ndarray]
+
+
+class Experience(NamedTuple):
+    """Catches and what is known of them."""
+
+    records: list[Record]
+    traces: np.ndarray
+    goals: np.ndarray
+    labels: dict[str, np.ndarray]
+    """Family, stratum and class of the path (n,) str."""
+    hand: np.ndarray
+    """(n, 3): powers of the hand's share of the ring at t = 0, and the arm's proportions."""
+    end: np.ndarray
+    """(n, m): also where and when the catch is, with squares and products."""
+
+
+def experience(records: dataset.Dataset, most: int) -> Experience:
+    """The earliest catches of the first training records."""
+    kept, traces, families, strata, sides, hand, end = [], [], [], [], [], [], []
+    for record in records.where(split="train"):
+        plans = [plan for plan in record.plans.values() if plan.caught]
+        if plans:
+            best = min(plans, key=lambda plan: plan.catch_time or 0.0)
+            trace, arm = trace_of(record.situation, best), record.situation.arm
+            kept.append(record)
+            traces.append(trace)
+            families.append(record.family.replace("-planar", "-solid").removesuffix("-solid"))
+            strata.append(record.stratum)
+            sides.append(short(passing(record.situation, best.trajectory).sides))
+            share = float(ring_share(arm, arm.hand[0]))
+            hand.append((share, share**2, share**3, arm.upper_arm))
+            angle, ring = trace.goal
+            end.append((share, ring, np.cos(angle), np.sin(angle), angle, trace.catch_time))
+        if len(kept) == most:
+            break
+    labels = {"family": families, "stratum": strata, "sides": sides}
+    x = np.array(end)
+    products = [x[:, i] * x[:, j] for i in range(x.shape[1]) for j in range(i + 1)]
+    return Experience(
+        kept,
+        np.array([t.knots for t in traces], np.float32),
+        np.array([t.goal for t in traces], np.float32),
+        {name: np.array(values) for name, values in labels.items()},
+        np.array(hand),
+        np.column_stack([x, *products, np.array(hand)]),
+    )
+
+
+def short(sides: str) -> str:
+    """Letters of the first obstacles passed; a plus for more, a dash for none."""
+    return (sides[:LETTERS] + "+" * (len(sides) > LETTERS)) or "–"
+
+
+def spaces(some: Experience, encoder: Encoder) -> dict[str, np.ndarray]:
+    """Where the catches lie (n, d), by what is known of them."""
+    situations = [record.situation for record in some.records]
+    queries = np.array([encoder.embed_situation(s) for s in situations])
+    memories = encoder.embed_memories(situations, some.traces, some.goals)
+    raw = np.array([raw_features(s) for s in situations])
+    maps = np.array([map_picture(s) for s in situations])
+    return {
+        "memories": directions(memories),
+        "situations": directions(queries),
+        "raw": Scale.of(raw)(raw),
+        "maps": PCA(COMPONENTS, random_state=0).fit_transform(maps),
+    }
+
+
+def directions(rows: np.ndarray) -> np.ndarray:
+    """Rows of length 1: what an inner product orders by, whoever asks."""
+    return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
+
+
+def without(rows: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """What is left of rows (n, d) when all that is linear in some numbers (n, m) is taken out."""
+    inputs = np.column_stack([np.ones(len(rows)), (known - known.mean(0)) / (known.std(0) + 1e-9)])
+    weights, *_ = np.linalg.lstsq(inputs, rows, rcond=None)
+    return rows - inputs @ weights
+
+
+def k_means(rows: np.ndarray, seed: int) -> KMeans:
+    """Fitted centres."""
+    return KMeans(K, n_init=4, random_state=seed).fit(rows)
+
+
+def hdbscan(rows: np.ndarray) -> np.ndarray:
+    """Clusters (n,), REST for what lies in none; densities are asked for in few dimensions."""
+    few = PCA(FEW, random_state=0).fit_transform(rows)
+    return np.asarray(HDBSCAN(min_cluster_size=LEAST, min_samples=5, copy=True).fit_predict(few))
+
+
+def agreement(clusters: np.ndarray, labels: np.ndarray) -> tuple[float, float, float]:
+    """Adjusted mutual information and its bootstrap interval."""
+    rng, n = seeding.rng(7, len(labels)), len(labels)
+    value = adjusted_mutual_info_score(labels, clusters)
+    draws = []
+    for _ in range(DRAWS):  # halves without replacement: doubles would agree with themselves
+        half = rng.permutation(n)[: n // 2]
+        draws.append(adjusted_mutual_info_score(labels[half], clusters[half]))
+    spread = np.std(draws)  # halves without replacement vary as wholes with it do
+    return value, value - 1.96 * spread, value + 1.96 * spread
+
+
+def stability(rows: np.ndarray) -> tuple[float, float]:
+    """Mean adjusted Rand index and mutual information of k-means on bootstrap samples."""
+    fits = []
+    for k in range(REPEATS):
+        sample = seeding.rng(8, k).integers(len(rows), size=len(rows))
+        fits.append(k_means(rows[sample], k).predict(rows.astype(rows[sample].dtype)))
+    pairs = [(a, b) for k, a in enumerate(fits) for b in fits[:k]]
+    rand = np.mean([adjusted_rand_score(a, b) for a, b in pairs])
+    return float(rand), float(np.mean([adjusted_mutual_info_score(a, b) for a, b in pairs]))
+
+
+def stability_of_densities(rows: np.ndarray, repeats: int = 3) -> float:
+    """Mean adjusted Rand index of HDBSCAN on samples of 80 %, where both have a point."""
+    n, fits = len(rows), []
+    for k in range(repeats):
+        sample = np.sort(seeding.rng(9, k).permutation(n)[: int(0.8 * n)])
+        whole = np.full(n, -9)
+        whole[sample] = hdbscan(rows[sample])
+        fits.append(whole)
+    pairs = [(a, b) for k, a in enumerate(fits) for b in fits[:k]]
+    values = []
+    for a, b in pairs:
+        both = (a != -9) & (b != -9)
+        values.append(adjusted_rand_score(a[both], b[both]))
+    return float(np.mean(values))
+
+
+class Tries(NamedTuple):
+    """Memories tried on situations of others."""
+
+    asked: np.ndarray  # (m,)
+    tried: np.ndarray  # (m, t)
+    holds: np.ndarray  # (m, t) bool
+
+
+def tries(some: Experience) -> Tries:
+    """Random memories on situations in which a straight line does not catch."""
+    rng = seeding.rng(10)
+    hard = rng.permutation(np.flatnonzero(some.labels["stratum"] != "L"))[:ASKED]
+    tried = rng.integers(len(some.records), size=(len(hard), TRIED))
+    holds = [
+        transfer(some.records[i].situation, some.traces, some.goals, row) >= 0.0
+        for i, row in zip(hard.tolist(), tried, strict=True)
+    ]
+    return Tries(hard, tried, np.array(holds) & (tried != hard[:, None]))
+
+
+def transfers(found: Tries, clusters: np.ndarray) -> tuple[float, float, float, float, float]:
+    """Share of tries that hold within a cluster and across; the ratio and its interval."""
+    same = clusters[found.tried] == clusters[found.asked][:, None]
+    if clusters.dtype.kind == "i":
+        same &= clusters[found.tried] != REST
+    counts = np.stack(
+        [(found.holds & same).sum(1), same.sum(1), (found.holds & ~same).sum(1), (~same).sum(1)]
+    )
+    ratios = []
+    for k in range(500):
+        draw = seeding.rng(11, k).integers(counts.shape[1], size=counts.shape[1])
+        a, b, c, d = counts[:, draw].sum(axis=1)
+        ratios.append((a / max(b, 1)) / max(c / max(d, 1), 1e-9))
+    a, b, c, d = counts.sum(axis=1)
+    low, high = np.percentile(ratios, [2.5, 97.5])
+    within, across = a / max(b, 1), c / max(d, 1)
+    return float(within), float(across), float(within / across), float(low), float(high)
+
+
+def table(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> tuple[list, dict]:
+    """Rows of the table and the clusters by space."""
+    rows, clusters = [], {}
+    left = {"": None, ", less the hand": some.hand, ", less hand and catch": some.end}
+    for name, whole in places.items():
+        for words, known in left.items():
+            x = whole if known is None else without(whole, known)
+            fit = k_means(x, 0)
+            groups = fit.labels_.astype(int)
+            clusters[name + words] = groups
+            cells = {label: agreement(groups, v) for label, v in some.labels.items()}
+            rand, mutual = stability(x)
+            row = {
+                "space": name + words, "by": f"{K}-means", "clusters": K, "rest": 0.0, **cells,
+                "rand": rand, "mutual": mutual, "transfer": transfers(found, groups),
+            }  # fmt: skip
+            rows.append(row)
+            print(row, flush=True)
+            if known is some.end:
+                continue
+            dense = hdbscan(x)
+            clusters[name + words + " (HDBSCAN)"] = dense
+            cells = {label: agreement(dense, v) for label, v in some.labels.items()}
+            row = {
+                "space": name + words, "by": "HDBSCAN", "clusters": int(dense.max()) + 1,
+                "rest": float((dense == REST).mean()), **cells,
+                "rand": stability_of_densities(x), "mutual": None,
+                "transfer": transfers(found, dense),
+            }  # fmt: skip
+            rows.append(row)
+            print(row, flush=True)
+    return rows, clusters
+
+
+def write_table(file: Path, rows: list, some: Experience, found: Tries, key: str) -> None:
+    """The table as text."""
+    heads = ["space", "by", "clusters (left over)", *(f"AMI {name}" for name in some.labels),
+             "stable: Rand", "transfers within", "across", "ratio"]  # fmt: skip
+    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    for row in rows:
+        cells = [f"{v:.2f} ({a:.2f}–{b:.2f})" for v, a, b in (row[x] for x in some.labels)]
+        within, across, ratio, low, high = row["transfer"]
+        some_left = f" ({100 * row['rest']:.0f} %)" if row["by"] == "HDBSCAN" else ""
+        lines.append(
+            f"| {row['space']} | {row['by']} | {row['clusters']}{some_left} | "
+            f"{' | '.join(cells)} | {row['rand']:.2f} | {100 * within:.1f} % | "
+            f"{100 * across:.1f} % | {ratio:.2f} ({low:.2f}–{high:.2f}) |"
+        )
+    lines += ["", "| what two memories share | transfers where they do | where not | ratio |",
+              "|---|---|---|---|"]  # fmt: skip
+    for name, values in some.labels.items():
+        within, across, ratio, low, high = transfers(found, values)
+        lines.append(f"| {name} | {100 * within:.1f} % | {100 * across:.1f} % | "
+                     f"{ratio:.2f} ({low:.2f}–{high:.2f}) |")  # fmt: skip
+    counts = {k: dict(zip(*(x.tolist() for x in np.unique(v, return_counts=True)), strict=True))
+              for k, v in some.labels.items()}  # fmt: skip
+    lines += ["", f"{len(some.records)} catches, encoder `{key}`; transfer: {len(found.asked)} "
+              f"situations of W and Q, {TRIED} random memories each, bent and verified by the "
+              f"quick verdict. AMI: adjusted mutual information, 0 is chance; 95 % "
+              "intervals. Sides: "
+              + ", ".join(f"{k} {v}" for k, v in counts["sides"].items()) + "."]  # fmt: skip
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main() -> None:
+    """Cluster, compare, write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("dataset")
+    parser.add_argument("encoder", nargs="?", default=str(HERE.parents[1] / "models" / "encoder"))
+    parser.add_argument("--memories", type=int, default=6000)
+    parser.add_argument("--points", type=int, default=1000, help="memories on the page")
+    given = parser.parse_args()
+    encoder = load_encoder(given.encoder)
+    some = experience(dataset.open(given.dataset), given.memories)
+    found, places = tries(some), spaces(some, encoder)
+    rows, clusters = table(some, found, places)
+    write_table(HERE / "table.md", rows, some, found, encoder.key)
+    picture = TSNE(init="pca", perplexity=40, random_state=0).fit_transform(places["memories"])
+    write_figure(HERE / "figure.png", rows, some.labels, picture, clusters["memories"])
+    write_prototypes(HERE / "prototypes.png", places["memories"], clusters["memories"],
+                     some.records, some.labels)  # fmt: skip
+    write_page(some, encoder, picture, clusters, given.points)
+
+
+def write_page(
+    some: Experience, encoder: Encoder, picture: np.ndarray, clusters: dict, count: int
+) -> None:
+    """The page with the memory as points."""
+    from gcm_learn.plots.memory_page import write_memory_page
+
+    memory = Memory(LearnedIndex(encoder))
+    memory.add([r.situation for r in some.records],
+               [Trace(t, g) for t, g in zip(some.traces, some.goals, strict=True)],
+               [r.family for r in some.records], [r.stratum for r in some.records])  # fmt: skip
+    groups = {
+        "cluster": [f"cluster {c}" for c in clusters["memories"]],
+        "cluster of the situation": [f"cluster {c}" for c in clusters["situations"]],
+    }
+    write_memory_page(memory, HERE / "out", count=count, places=picture, groups=groups,
+                      title="A memory of catches, by t-SNE of its embeddings")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
