@@ -17,9 +17,8 @@ from gcm_learn.situation.kernels import (
     SIZE,
     TOP_SPEED,
     arm_distance,
-    arm_room,
-    pose_at,
     poses_at,
+    room_at,
 )
 
 FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearm lengths]
@@ -39,8 +38,7 @@ def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
     if speed > 0.0:
         shortest = min(shortest, max(FINEST / speed, (t1 - t0) / MOST_LOOKS))
     while True:
-        pose_at(bodies, b, t, scratch)
-        room = arm_room(bodies, scratch, b, hx, hy, ex, ey, gap)
+        room = room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch)
         if room <= 0.0:
             return t
         if t >= t1 or speed == 0.0:

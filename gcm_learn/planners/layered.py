@@ -35,15 +35,15 @@ def layered(params: MarchingParams | None = None) -> FrontPlanner:
     # gaps that are open for a moment.
     patient = replace(bare, lookback=params.lookback)
     rungs = (
-        Rung(params, waiting, 2),
-        Rung(bare, waiting, 2, BEYOND, decisive=True),
-        Rung(params, first_arrival, 2),
-        Rung(bare, first_arrival, 2),
-        Rung(patient, waiting, 4, BEYOND),
-        Rung(finer(params), waiting, 2),
-        Rung(finer(patient), waiting, 10, BEYOND),
-        Rung(finer(bare), waiting, 4, BEYOND),
-        Rung(finer(bare), first_arrival, 2),
+        Rung(params, waiting),
+        Rung(bare, waiting, 4, BEYOND, decisive=True),
+        Rung(params, first_arrival),
+        Rung(bare, first_arrival),
+        Rung(patient, waiting, 8, BEYOND),
+        Rung(finer(params), waiting),
+        Rung(finer(patient), waiting, 16, BEYOND),
+        Rung(finer(bare), waiting, 8, BEYOND),
+        Rung(finer(bare), first_arrival),
     )
     return FrontPlanner("layered", rungs, direct=True)
 

@@ -101,18 +101,27 @@ def _swing_pose(bodies, b, t, out):
         out[b, 3 + 3 * k + 2] = along
 
 
-@njit(cache=True)
-def pose_at(bodies, b, t, out):
-    """Write body b's pose at time t [s] into out[b] (n, 12)."""
+@njit(cache=True, forceinline=True)
+def centre_at(bodies, b, t, out):
+    """Write body b's centre at time t [s] into out[b, :3]; a pendulum's whole pose with it.
+
+    Returns whether `rotate` has still to write the rest of its pose.
+    """
     body = bodies.rows
     if body[b, SWING] >= 0.0:
         _swing_pose(bodies, b, t, out)
-        return
+        return False
     half = 0.5 * t * t
     for k in range(3):
         start = body[b, POSITION + k]
         out[b, k] = start + body[b, VELOCITY + k] * t + body[b, ACCELERATION + k] * half
-    if body[b, KIND] != DISC and body[b, KIND] != SPHERE:
+    return body[b, KIND] != DISC and body[b, KIND] != SPHERE
+
+
+@njit(cache=True)
+def pose_at(bodies, b, t, out):
+    """Write body b's pose at time t [s] into out[b] (n, 12)."""
+    if centre_at(bodies, b, t, out):
         rotate(bodies, b, t, out)
 
 
@@ -164,6 +173,14 @@ def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
     return d1 * d2 < 0.0 and d3 * d4 < 0.0
 
 
+@njit(cache=True, forceinline=True)
+def _off_edge2(wx, wy, dx, dy, inverse):
+    """Squared distance of w to the segment from the origin to d, whose inverse squared length."""
+    s = min(max((wx * dx + wy * dy) * inverse, 0.0), 1.0)
+    wx, wy = wx - s * dx, wy - s * dy
+    return wx * wx + wy * wy
+
+
 @njit(cache=True)
 def _segment_polygon(bodies, poses, b, ax, ay, bx, by):
     """Distance of the plane segment a-b to a filled polygon (0 when they meet)."""
@@ -173,6 +190,9 @@ def _segment_polygon(bodies, poses, b, ax, ay, bx, by):
     ax, ay = c * ux + s * uy, -s * ux + c * uy
     ux, uy = bx - poses[b, 0], by - poses[b, 1]
     bx, by = c * ux + s * uy, -s * ux + c * uy
+    dx, dy = bx - ax, by - ay
+    length2 = dx * dx + dy * dy
+    inverse = 1.0 / length2 if length2 > 0.0 else 0.0
     first, last = int(bodies.rows[b, FIRST]), int(bodies.rows[b, LAST])
     best = 1e300
     inside = False
@@ -181,10 +201,12 @@ def _segment_polygon(bodies, poses, b, ax, ay, bx, by):
         qx, qy = bodies.vertices[k, 0], bodies.vertices[k, 1]
         if segments_cross(ax, ay, bx, by, px, py, qx, qy):
             return 0.0
-        best = min(best, segment_point2(px, py, ax, ay, bx, by))
-        best = min(best, segment_point2(ax, ay, px, py, qx, qy))
-        best = min(best, segment_point2(bx, by, px, py, qx, qy))
-        if (py > ay) != (qy > ay) and ax < (qx - px) * (ay - py) / (qy - py) + px:
+        ex, ey = qx - px, qy - py
+        edge = 1.0 / (ex * ex + ey * ey)
+        best = min(best, _off_edge2(px - ax, py - ay, dx, dy, inverse))
+        best = min(best, _off_edge2(ax - px, ay - py, ex, ey, edge))
+        best = min(best, _off_edge2(bx - px, by - py, ex, ey, edge))
+        if (py > ay) != (qy > ay) and ax < ex * (ay - py) / ey + px:
             inside = not inside
         px, py = qx, qy
     return 0.0 if inside else np.sqrt(best)
@@ -331,11 +353,23 @@ def segment_distance(bodies, poses, b, ax, ay, bx, by):
 
 @njit(cache=True)
 def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
-    """Distance of body b to the limb, the longer way round, for bodies that are no discs."""
-    forearm = segment_distance(bodies, poses, b, ex, ey, hx, hy)
-    if forearm == 0.0:
-        return 0.0
-    return min(forearm, segment_distance(bodies, poses, b, 0.0, 0.0, ex, ey))
+    """Distance of body b to the limb, the longer way round, for bodies that are no discs.
+
+    What the ball that holds the body shows to be farther away than the other half is not asked.
+    """
+    x, y, z2 = poses[b, 0], poses[b, 1], poses[b, 2] ** 2
+    ball = bodies.rows[b, REACH]
+    forearm = np.sqrt(segment_point2(x, y, ex, ey, hx, hy) + z2) - ball
+    upper_arm = np.sqrt(segment_point2(x, y, 0.0, 0.0, ex, ey) + z2) - ball
+    if forearm <= upper_arm:
+        found = segment_distance(bodies, poses, b, ex, ey, hx, hy)
+        if found > upper_arm:
+            found = min(found, segment_distance(bodies, poses, b, 0.0, 0.0, ex, ey))
+    else:
+        found = segment_distance(bodies, poses, b, 0.0, 0.0, ex, ey)
+        if found > forearm:
+            found = min(found, segment_distance(bodies, poses, b, ex, ey, hx, hy))
+    return found
 
 
 @njit(cache=True, forceinline=True)
@@ -360,18 +394,21 @@ def arm_distance(bodies, poses, b, hx, hy, ex, ey):
 
 
 @njit(cache=True)
-def arm_room(bodies, poses, b, hx, hy, ex, ey, gap):
-    """Bound `arm_distance` less `gap` from below: by the body's ball while far, else exactly.
+def room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch):
+    """Bound `arm_distance` less `gap` at t [s] from below: by the ball while far, else exactly.
 
     Good for conservative advancement, where a cheap smaller step beats an exact larger one.
     """
-    x, y = poses[b, 0], poses[b, 1]
+    turned = centre_at(bodies, b, t, scratch)
+    x, y = scratch[b, 0], scratch[b, 1]
     d2 = segment_point2(x, y, ex, ey, hx, hy)
     if bodies.rows[b, PART] == HAND:
         d2 = (hx - x) ** 2 + (hy - y) ** 2
     else:
         d2 = min(d2, segment_point2(x, y, 0.0, 0.0, ex, ey))
-    room = np.sqrt(d2) - bodies.rows[b, REACH] - gap
+    room = np.sqrt(d2 + scratch[b, 2] ** 2) - bodies.rows[b, REACH] - gap
     if room > _FAR:
         return room
-    return arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap
+    if turned:
+        rotate(bodies, b, t, scratch)
+    return arm_distance(bodies, scratch, b, hx, hy, ex, ey) - gap

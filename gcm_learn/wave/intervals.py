@@ -16,9 +16,9 @@ from gcm_learn.situation.kernels import (
     REACH,
     SWING,
     TOP_SPEED,
-    arm_room,
     drift,
     pose_at,
+    room_at,
     segment_point2,
     segments_cross,
 )
@@ -39,8 +39,7 @@ def next_free(bodies, limb, m, gap, t, end, step, scratch):
     while clear < count:  # until every body in turn has been found clear at the same moment
         if bodies.rows[b, PART] != HAND:
             speed = bodies.rows[b, TOP_SPEED]
-            pose_at(bodies, b, t, scratch)
-            room = arm_room(bodies, scratch, b, hx, hy, ex, ey, gap)
+            room = room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch)
             while room <= 0.0:
                 if speed == 0.0:
                     return NEVER
@@ -49,8 +48,7 @@ def next_free(bodies, limb, m, gap, t, end, step, scratch):
                 clear = 0
                 if t > end:
                     return NEVER
-                pose_at(bodies, b, t, scratch)
-                room = arm_room(bodies, scratch, b, hx, hy, ex, ey, gap)
+                room = room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch)
         clear += 1
         b = b + 1 if b + 1 < count else 0
     return t
