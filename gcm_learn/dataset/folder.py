@@ -52,7 +52,7 @@ class Folder:
         """Names of the files in a folder below this one, in order; empty if there is none."""
         try:
             found = self._files.ls(self.path(name) if name else self._root, detail=False)
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return []
         return sorted(posixpath.basename(path.rstrip("/")) for path in found)
 
