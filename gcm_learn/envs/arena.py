@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from gcm_learn.envs import kernels as k
-from gcm_learn.envs.observation import observe_all, play_all
+from gcm_learn.envs.observation import observe_all, play
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import CONTROLS, Settings
 
@@ -23,6 +26,8 @@ class Arena:
     count: int
     """Number of arms."""
     settings: Settings
+    threads: int = 1
+    """How many of them move the arms, each its share."""
 
     def __post_init__(self) -> None:
         n, s = self.count, self.settings
@@ -32,8 +37,17 @@ class Arena:
         """Terms of the reward of the last step (count, 4)."""
         self.observations = np.zeros((n, s.width), np.float32)
         self._everyone = np.arange(n)
-        self._weights = s.weights.row
-        self._control = CONTROLS[s.control]
+        self._rest = (  # what `play` is told the same of at every step
+            CONTROLS[s.control], s.joint_rate, s.dt, s.weights.row, s.discount, s.slots, s.fan,
+            self.outcomes, self.terms, self.observations,
+        )  # fmt: skip
+        marks = np.linspace(0, n, min(self.threads, n) + 1).astype(int).tolist()
+        self._shares = list(pairwise(marks))
+        self._crew: ThreadPoolExecutor | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the threads."""
+        return {**self.__dict__, "_crew": None}
 
     def put(self, arms: np.ndarray, places: np.ndarray) -> None:
         """Put arms (m,) at the start of situations (m,) of the pool, and observe."""
@@ -53,10 +67,18 @@ class Arena:
 
     def move(self, actions: np.ndarray) -> np.ndarray:
         """One step of every arm, and what they are told then: the outcomes (count,)."""
-        s = self.settings
-        play_all(
-            self.pool.world, self.state, actions, self._control, s.joint_rate, s.dt,
-            self._weights, s.discount, s.slots, s.fan, self.outcomes, self.terms,
-            self.observations,
-        )  # fmt: skip
+        if len(self._shares) == 1:
+            self._play(actions, 0, self.count)
+            return self.outcomes
+        if self._crew is None:
+            self._crew = ThreadPoolExecutor(len(self._shares) - 1)
+        (first, last), *others = self._shares
+        waiting = [self._crew.submit(self._play, actions, *share) for share in others]
+        self._play(actions, first, last)
+        for share in waiting:
+            share.result()
         return self.outcomes
+
+    def _play(self, actions: np.ndarray, first: int, last: int) -> None:
+        """One step of some arms."""
+        play(self.pool.world, self.state, actions, *self._rest, first, last)

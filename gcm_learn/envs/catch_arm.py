@@ -140,10 +140,12 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         self.observation_space = box(self.settings.width)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self._path: list[tuple[float, float, float]] = []
+        self._turns = dict[int, list[list[float]]]()
         self._turn = [[1.0, 0.0], [0.0, 1.0]]
         self._viewer: Any = None
         self._actions = np.zeros((1, 2))
         self._everyone = np.zeros(1, dtype=np.int64)
+        self._places = np.zeros(1, dtype=np.int64)
 
     @property
     def situation(self) -> Situation:
@@ -179,9 +181,10 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
             index = int(self.np_random.integers(len(self.pool)))
         elif not 0 <= index < len(self.pool):
             raise ArenaError(f"options.index: must be from 0 to {len(self.pool) - 1} (got {index})")
-        self.arena.put(self._everyone, np.array([index]))
+        self._places[0] = index
+        self.arena.put(self._everyone, self._places)
         self._path = [self._where()]
-        self._turn = self.frame.original(np.eye(2)).T.tolist()
+        self._turn = self._turn_of(int(index))
         if self.render_mode == "human":
             self.render()
         return self.arena.observations[0].copy(), self._info(k.RUNNING)
@@ -203,6 +206,14 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
             self.render()
         ended = outcome in (k.CAUGHT, k.TOUCHED)
         return observation, sum(terms), ended, outcome == k.LATE, info
+
+    def _turn_of(self, index: int) -> list[list[float]]:
+        """How a situation's frame turns vectors, as rows; noted for those of the pool."""
+        if self.arena.pool is not self.pool:
+            return self.frame.original(np.eye(2)).T.tolist()
+        if index not in self._turns:
+            self._turns[index] = self.frame.original(np.eye(2)).T.tolist()
+        return self._turns[index]
 
     def _where(self) -> tuple[float, float, float]:
         state = self.arena.state

@@ -13,9 +13,10 @@ from numba import njit
 
 from gcm_learn.arm.clearance import least_distance
 from gcm_learn.arm.kinematics import elbow_of
+from gcm_learn.envs.nearness import MOMENT_COLUMNS, stays_away, stays_free
 from gcm_learn.planners.interception import first_catch
 from gcm_learn.planners.verification import PARTS, joint_turns, nearest_to_shoulder
-from gcm_learn.situation.kernels import Bodies
+from gcm_learn.situation.kernels import COLUMNS, Bodies
 
 HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # what an action is
 RUNNING, CAUGHT, TOUCHED, LATE = range(4)  # how an episode stands
@@ -23,22 +24,27 @@ CATCH, TOUCH, HASTE, GUIDE = range(4)  # terms of the reward
 TERMS = 4
 
 # Columns of an arm's row.
-RHO, SPEED, THICKNESS, FLOOR, GRASP, HORIZON, NEAR, FAR, TURN_1, TURN_2, START, INSTANT = range(12)
-ARM_COLUMNS = 12
+RHO, SPEED, THICKNESS, FLOOR, GRASP, HORIZON, NEAR, FAR, TURN_1, TURN_2, START = range(11)
+INSTANT, ANGLE_STEP = 11, 12  # resolutions in time: of catches, of tables of pendulums [s]
+ARM_COLUMNS = 13
+
+# Columns of a body's row that the arena adds.
+LONG = COLUMNS  # 3: the longest axis in the body's own frame, see `own_axis`
+ROW_COLUMNS = COLUMNS + 3
 
 _SLACK = 1.0 - 2e-9  # against rounding of the speed limits
 _JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured
 _HALVINGS = 12  # of a step that the arm cannot make
+MOMENTS = 6  # that can be looked at at once
 _ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
 
 
 class World(NamedTuple):
     """Many situations in their canonical form, one after the other."""
 
-    rows: np.ndarray  # (m, COLUMNS): all bodies
+    rows: np.ndarray  # (m, ROW_COLUMNS): all bodies
     vertices: np.ndarray  # (v, 2): of all bodies
     angles: np.ndarray  # (p, g, 2): of all pendulums, the shorter tables filled up
-    angle_steps: np.ndarray  # (s,): of each situation [s]
     first: np.ndarray  # (s + 1,) int64: rows of situation k are first[k]:first[k + 1]
     arms: np.ndarray  # (s, ARM_COLUMNS)
     fields: np.ndarray  # (s or 0, n, n) float32: time to go as share of the horizon, see `guidance`
@@ -52,11 +58,32 @@ class State(NamedTuple):
     time: np.ndarray  # (e,) [s]
 
 
+class Desk(NamedTuple):
+    """Room to work in, for one arm after the other."""
+
+    time: np.ndarray  # (2,): when the hand moves [s]
+    way: np.ndarray  # (2, 2): from where to where
+    poses: np.ndarray  # (n, 12): n is the most bodies that a situation has
+    moments: np.ndarray  # (MOMENTS, MOMENT_COLUMNS): see `nearness`
+    gaps: np.ndarray  # (n, 3): see `observation`
+
+
+@njit(cache=True)
+def desk_for(world, state, first, last):
+    """Room for arms first to last - 1."""
+    most = 1
+    for e in range(first, last):
+        s = state.place[e]
+        most = max(most, world.first[s + 1] - world.first[s])
+    moments = np.empty((MOMENTS, MOMENT_COLUMNS))
+    return Desk(np.empty(2), np.empty((2, 2)), np.zeros((most, 12)), moments, np.empty((most, 3)))
+
+
 @njit(cache=True)
 def bodies_of(world, s):
     """The bodies of situation s, as all kernels of situations want them."""
     rows = world.rows[world.first[s] : world.first[s + 1]]
-    return Bodies(rows, world.vertices, world.angles, world.angle_steps[s])
+    return Bodies(rows, world.vertices, world.angles, world.arms[s, ANGLE_STEP])
 
 
 @njit(cache=True)
@@ -119,15 +146,15 @@ def reach_out(arms, s, x, y, span, first, second, control, joint_rate, way):
 
 
 @njit(cache=True)
-def advance(world, state, e, first, second, control, joint_rate, dt, time, way):
+def advance(world, state, e, first, second, control, joint_rate, dt, desk):
     """Move arm e on by a step and judge it.
 
     Parameters
     ----------
     first, second : float
         The action.
-    time, way : (2,), (2, 2) ndarray
-        Room for the segment; afterwards when and where the hand moved.
+    desk : Desk
+        Room for what is worked out on the way.
 
     Returns
     -------
@@ -135,7 +162,7 @@ def advance(world, state, e, first, second, control, joint_rate, dt, time, way):
         RUNNING, CAUGHT, TOUCHED or LATE; the state is that at the end of the step, or at the
         catch or touch.
     """
-    s, arms = state.place[e], world.arms
+    s, arms, time, way = state.place[e], world.arms, desk.time, desk.way
     x, y, t = state.hand[e, 0], state.hand[e, 1], state.time[e]
     end = t + dt
     if end > arms[s, HORIZON] - 1e-9:
@@ -143,16 +170,18 @@ def advance(world, state, e, first, second, control, joint_rate, dt, time, way):
     reach_out(arms, s, x, y, end - t, first, second, control, joint_rate, way)
     time[0], time[1] = t, end
     bodies = bodies_of(world, s)
-    met, _ = first_catch(bodies, time, way, arms[s, GRASP], arms[s, INSTANT])
-    if met >= 0.0:
-        _shorten(time, way, met)
-    floor = arms[s, FLOOR]
-    distance, when = least_distance(bodies, time, way, arms[s, RHO], 1.0, floor, _ANY)
-    outcome = CAUGHT if met >= 0.0 else RUNNING
-    if distance <= floor:
-        outcome = TOUCHED
-        _shorten(time, way, when)
-    elif outcome == RUNNING and end >= arms[s, HORIZON]:
+    outcome, rho, floor = RUNNING, arms[s, RHO], arms[s, FLOOR]
+    if not stays_away(bodies, time, way, arms[s, GRASP]):
+        met, _ = first_catch(bodies, time, way, arms[s, GRASP], arms[s, INSTANT])
+        if met >= 0.0:
+            outcome = CAUGHT
+            _shorten(time, way, met)
+    if not stays_free(bodies, time, way, rho, floor, desk.moments, desk.poses):
+        distance, when = least_distance(bodies, time, way, rho, 1.0, floor, _ANY)
+        if distance <= floor:
+            outcome = TOUCHED
+            _shorten(time, way, when)
+    if outcome == RUNNING and end >= arms[s, HORIZON]:
         outcome = LATE
     state.hand[e, 0], state.hand[e, 1], state.time[e] = way[1, 0], way[1, 1], time[1]
     return outcome
@@ -183,35 +212,34 @@ def time_to_go(world, s, x, y):
 
 
 @njit(cache=True)
-def step_all(world, state, actions, control, joint_rate, dt, weights, discount, outcomes, rewards):
-    """One step of every arm.
+def step(world, state, e, actions, control, joint_rate, dt, weights, discount, outcomes, rewards,
+         desk):  # fmt: skip
+    """One step of arm e.
 
     Parameters
     ----------
-    actions : (e, 2) ndarray
+    actions : (arms, 2) ndarray
     weights : (TERMS,) ndarray
         Of the terms of the reward.
     discount : float
         Of the guide's potential, that of the learner.
-    outcomes, rewards : (e,) int64, (e, TERMS) ndarray
-        Written.
+    outcomes, rewards : (arms,) int64, (arms, TERMS) ndarray
+        Row e is written.
     """
-    time, way = np.empty(2), np.empty((2, 2))
-    for e in range(state.place.size):
-        s = state.place[e]
-        guided = world.fields.shape[0] > 0 and weights[GUIDE] != 0.0
-        before = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1]) if guided else 0.0
-        since = state.time[e]
-        first, second = float(actions[e, 0]), float(actions[e, 1])
-        outcome = advance(world, state, e, first, second, control, joint_rate, dt, time, way)
-        outcomes[e] = outcome
-        rewards[e, CATCH] = weights[CATCH] if outcome == CAUGHT else 0.0
-        rewards[e, TOUCH] = -weights[TOUCH] if outcome == TOUCHED else 0.0
-        share = (state.time[e] - since) / world.arms[s, HORIZON]
-        rewards[e, HASTE] = -weights[HASTE] * share
-        rewards[e, GUIDE] = 0.0
-        if guided:  # the potential of what comes after the end is 0, or the optimum would change
-            after = 0.0
-            if outcome == RUNNING:
-                after = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1])
-            rewards[e, GUIDE] = weights[GUIDE] * (before - discount * after)
+    s = state.place[e]
+    guided = world.fields.shape[0] > 0 and weights[GUIDE] != 0.0
+    before = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1]) if guided else 0.0
+    since = state.time[e]
+    first, second = float(actions[e, 0]), float(actions[e, 1])
+    outcome = advance(world, state, e, first, second, control, joint_rate, dt, desk)
+    outcomes[e] = outcome
+    rewards[e, CATCH] = weights[CATCH] if outcome == CAUGHT else 0.0
+    rewards[e, TOUCH] = -weights[TOUCH] if outcome == TOUCHED else 0.0
+    share = (state.time[e] - since) / world.arms[s, HORIZON]
+    rewards[e, HASTE] = -weights[HASTE] * share
+    rewards[e, GUIDE] = 0.0
+    if guided:  # the potential of what comes after the end is 0, or the optimum would change
+        after = 0.0
+        if outcome == RUNNING:
+            after = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1])
+        rewards[e, GUIDE] = weights[GUIDE] * (before - discount * after)

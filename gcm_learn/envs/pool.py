@@ -9,6 +9,7 @@ import numpy as np
 
 from gcm_learn.envs import kernels as k
 from gcm_learn.errors import ArenaError
+from gcm_learn.memory.features import own_axis
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.verification import HOLE_MARGIN, SAFETY, start_clearance
 from gcm_learn.situation import Situation
@@ -77,6 +78,7 @@ def _arm_row(situation: Situation, bodies: Bodies) -> np.ndarray:
     row[k.NEAR] = max(arm.inner_reach + HOLE_MARGIN, HUB)
     row[k.FAR], row[k.START] = arm.reach, arm.hand[0]
     row[k.INSTANT] = 0.25 * problem.instant  # as plans are ended
+    row[k.ANGLE_STEP] = bodies.angle_step
     if arm.max_joint_speed is not None:
         row[k.TURN_1], row[k.TURN_2] = arm.max_joint_speed
     return row
@@ -89,7 +91,10 @@ def _joined(packed: Sequence[Bodies], arms: np.ndarray) -> k.World:
     rows, vertices, first = [], [], [0]
     corners, swings = 0, 0
     for bodies in packed:
-        row = bodies.rows.copy()
+        row = np.zeros((len(bodies.rows), k.ROW_COLUMNS))
+        row[:, : k.LONG] = bodies.rows
+        for b in range(len(row)):
+            row[b, k.LONG : k.LONG + 3] = own_axis(bodies, b)
         row[:, [FIRST, LAST]] += corners
         row[row[:, SWING] >= 0.0, SWING] += swings
         angles[swings : swings + len(bodies.angles), : bodies.angles.shape[1]] = bodies.angles
@@ -101,7 +106,6 @@ def _joined(packed: Sequence[Bodies], arms: np.ndarray) -> k.World:
         rows=np.vstack(rows),
         vertices=np.vstack(vertices),
         angles=angles,
-        angle_steps=np.array([b.angle_step for b in packed]),
         first=np.array(first),
         arms=arms,
         fields=np.zeros((0, 2, 2), dtype=np.float32),

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from gcm_learn.envs import fan as rays
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs import observation as o
 from gcm_learn.errors import ArenaError
@@ -76,7 +77,9 @@ class Settings:
     @property
     def width(self) -> int:
         """Length of an observation."""
-        return o.ARM + o.TARGET + self.slots * o.OBSTACLE + (o.RAYS * o.RAY if self.fan else 0)
+        return (
+            o.ARM + o.TARGET + self.slots * o.OBSTACLE + (rays.RAYS * rays.RAY if self.fan else 0)
+        )
 
 
 def settings_of(

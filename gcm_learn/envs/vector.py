@@ -24,7 +24,8 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     ``gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=64,
     vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards and ends are
-    those of `CatchArm`.
+    those of `CatchArm`, and so are the arguments; `threads` of them share the arms, which pays from
+    some hundred arms on.
 
     An arm whose episode ends begins another one within the same step (`AutoresetMode.SAME_STEP`):
     the observation is the new episode's first, the old one's last is in ``info["final_obs"]``, and
@@ -43,17 +44,20 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         settings: Settings | Mapping[str, Any] | None = None,
         control: str | None = None,
         fan: bool | None = None,
+        threads: int = 1,
         render_mode: str | None = None,
     ) -> None:
         if num_envs < 1:
             raise ArenaError(f"num_envs: must be at least 1 (got {num_envs})")
+        if threads < 1:
+            raise ArenaError(f"threads: must be at least 1 (got {threads})")
         if render_mode is not None:
             raise ArenaError("render_mode: many arms are not drawn; use CatchArm")
         self.num_envs, self.render_mode = num_envs, None
         self.settings = settings_of(settings, control, fan)
         made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
         self.pool = with_fields(made, self.settings)
-        self.arena = Arena(self.pool, num_envs, self.settings)
+        self.arena = Arena(self.pool, num_envs, self.settings, threads)
         self.single_observation_space = box(self.settings.width)
         self.single_action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)

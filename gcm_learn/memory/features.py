@@ -119,19 +119,24 @@ def _places(bodies, b, c, s, side, horizon, poses, out, at):
 @njit(cache=True)
 def long_axis(bodies, b, poses):
     """In-plane part of a body's longest axis, as long as the body is longer than wide."""
+    x, y, z = own_axis(bodies, b)
+    dx = poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z
+    return dx, poses[b, 6] * x + poses[b, 7] * y + poses[b, 8] * z
+
+
+@njit(cache=True)
+def own_axis(bodies, b):
+    """A body's longest axis (3) in its own frame, as long as the body is longer than wide."""
     kind = bodies.rows[b, KIND]
     if kind == CAPSULE or kind == CYLINDER:
-        return poses[b, 5] * bodies.rows[b, SIZE + 1], poses[b, 8] * bodies.rows[b, SIZE + 1]
+        return 0.0, 0.0, bodies.rows[b, SIZE + 1]
     if kind == BOX:
-        k = 0
-        for j in range(1, 3):
-            if bodies.rows[b, SIZE + j] > bodies.rows[b, SIZE + k]:
-                k = j
-        return poses[b, 3 + k] * bodies.rows[b, SIZE + k], poses[b, 6 + k] * bodies.rows[
-            b, SIZE + k
-        ]
+        x, y, z = bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1], bodies.rows[b, SIZE + 2]
+        if z > x and z > y:
+            return 0.0, 0.0, z
+        return (0.0, y, 0.0) if y > x else (x, 0.0, 0.0)
     if kind != POLYGON:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     first, last = int(bodies.rows[b, FIRST]), int(bodies.rows[b, LAST])
     mx, my = 0.0, 0.0
     for k in range(first, last):
@@ -143,5 +148,4 @@ def long_axis(bodies, b, poses):
         xx, xy, yy = xx + dx * dx, xy + dx * dy, yy + dy * dy
     spread = np.sqrt(np.sqrt((xx - yy) ** 2 + 4.0 * xy * xy) / (last - first))
     phi = 0.5 * np.arctan2(2.0 * xy, xx - yy)
-    ax, ay = spread * np.cos(phi), spread * np.sin(phi)
-    return poses[b, 3] * ax + poses[b, 4] * ay, poses[b, 6] * ax + poses[b, 7] * ay
+    return spread * np.cos(phi), spread * np.sin(phi), 0.0

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.envs.observation import RAYS
+from gcm_learn.envs.fan import RAYS
 from gcm_learn.envs.settings import Settings
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import Demonstrations

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.envs.observation import ARM, RAYS
+from gcm_learn.envs.fan import RAYS
+from gcm_learn.envs.observation import ARM
 
 REST = RAYS - 1
 MEETING = ARM + 14  # the direction of the meeting in an observation

@@ -12,7 +12,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.catch_arm import box
-from gcm_learn.envs.observation import RAYS
+from gcm_learn.envs.fan import RAYS
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES, Settings
 from gcm_learn.policies.directions import velocities

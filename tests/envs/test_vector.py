@@ -98,5 +98,7 @@ def test_same_seed_same_episodes(scenes):
 def test_bad_arguments(scenes):
     with pytest.raises(ArenaError, match="num_envs: must be at least 1"):
         CatchArms(0, scenes)
+    with pytest.raises(ArenaError, match="threads: must be at least 1"):
+        CatchArms(2, scenes, threads=0)
     with pytest.raises(ArenaError, match=r"options.index: must be 2 numbers"):
         CatchArms(2, scenes).reset(options={"index": [0, 10_000]})

@@ -9,7 +9,7 @@ import pytest
 
 from gcm_learn import families, planners
 from gcm_learn.envs import kernels as k
-from gcm_learn.envs.observation import RAYS
+from gcm_learn.envs.fan import RAYS
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import PolicyError

@@ -1,0 +1,103 @@
+"""Steps a second of the arena, beside Gymnasium's Pendulum-v1.
+
+    python experiments/benchmarks/arena.py [--rounds 12]
+
+Random actions, three bodies (a target and two obstacles drawn anywhere). The time of one core is
+what its thread was busy, so it is good on a shared machine too; of two cores it is the clock's,
+which is not. Rounds take turns, so that what the machine does meanwhile meets all alike; medians
+are told.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+
+import argparse
+import time
+from collections.abc import Callable
+
+import gymnasium
+import numpy as np
+
+from gcm_learn import families, rng
+from gcm_learn.envs import CatchArms, Pool
+from gcm_learn.planners.verification import start_clearance
+from gcm_learn.situation import Situation
+from gcm_learn.situation.bodies import pack
+
+BODIES, SITUATIONS = 3, 256
+ARMS, STEPS = 512, 64  # of a round of the batch
+SINGLE = 4000  # steps of a round of a single environment
+Clock = Callable[[], float]
+
+
+def situations() -> list[Situation]:
+    """Situations with three bodies, the limb free."""
+    found: list[Situation] = []
+    k = 0
+    while len(found) < SITUATIONS:
+        drawn = families.draw("random-planar", 3, k)
+        k += 1
+        if len(drawn.bodies) == BODIES and start_clearance(drawn, pack(drawn)) > 0.0:
+            found.append(drawn)
+    return found
+
+
+def batch(arms: CatchArms, clock: Clock) -> float:
+    """Steps a second of a round of all arms."""
+    actions = rng(0).uniform(-1.0, 1.0, (STEPS, ARMS, 2)).astype(np.float32)
+    since = clock()
+    for action in actions:
+        arms.step(action)
+    return STEPS * ARMS / (clock() - since)
+
+
+def single(env: gymnasium.Env) -> float:
+    """Steps a second of a round of one environment, resets among them."""
+    env.reset(seed=0)
+    actions = [env.action_space.sample() for _ in range(SINGLE)]
+    since = time.thread_time()
+    for action in actions:
+        _, _, ended, late, _ = env.step(action)
+        if ended or late:
+            env.reset()
+    return SINGLE / (time.thread_time() - since)
+
+
+def main() -> None:
+    """Measure everything in turns."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=12)
+    rounds = parser.parse_args().rounds
+    pool = Pool.of(situations())
+    one, two = CatchArms(ARMS, pool), CatchArms(ARMS, pool, threads=2)
+    fan = CatchArms(ARMS, pool, fan=True)
+    made = gymnasium.make("gcm_learn:CatchArm-v0", situations=pool)
+    pendulum = gymnasium.make("Pendulum-v1")
+    rows: dict[str, Callable[[], float]] = {
+        "batch, a core": lambda: batch(one, time.thread_time),
+        "batch, two threads, by the clock": lambda: batch(two, time.perf_counter),
+        "batch with the fan, a core": lambda: batch(fan, time.thread_time),
+        "one CatchArm-v0": lambda: single(made),
+        "one Pendulum-v1": lambda: single(pendulum),
+    }
+    for arms in (one, two, fan):
+        arms.reset(seed=0)
+    seen: dict[str, list[float]] = {name: [] for name in rows}
+    for k in range(rounds + 1):
+        for name, measure in rows.items():
+            rate = measure()
+            if k:  # the first is to compile
+                seen[name].append(rate)
+    for name, rates in seen.items():
+        low, middle, high = np.quantile(rates, [0.0, 0.5, 1.0])
+        print(f"{name:34} {middle:>9,.0f} steps/s ({low:,.0f} to {high:,.0f})")
+    ratio = np.array(seen["one CatchArm-v0"]) / np.array(seen["one Pendulum-v1"])
+    print(f"CatchArm-v0 over Pendulum-v1: {np.median(ratio):.2f}")
+
+
+if __name__ == "__main__":
+    main()

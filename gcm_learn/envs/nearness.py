@@ -1,0 +1,186 @@
+"""How near bodies are to the limb, for a step of the arena and for what is told of it.
+
+Most bodies are far most of the time, and the balls that hold them say so. Balls are asked first, in
+loops that call nothing: a call that might be made keeps numba from holding numbers in registers,
+which costs several times what it computes here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcm_learn.arm.clearance import limb_sweep
+from gcm_learn.arm.kinematics import elbow_of
+from gcm_learn.situation.kernels import (
+    ACCELERATION,
+    DISC,
+    HAND,
+    KIND,
+    PART,
+    POSITION,
+    REACH,
+    SWING,
+    TOP_SPEED,
+    VELOCITY,
+    arm_distance,
+    pose_at,
+    segment_point2,
+)
+
+# Columns of a table of moments: the limb then, and a body.
+TIME, HAND_X, HAND_Y, ELBOW_X, ELBOW_Y, X, Y, Z, ROOM = range(9)
+MOMENT_COLUMNS = 9
+_CLOSE = 0.15  # nearer than this, bodies count instead of the balls that hold them
+_SLACK = 1e-9  # against rounding where a bound is as good as an answer [forearm lengths]
+
+
+@njit(cache=True, forceinline=True)
+def glide(bodies, b, t, poses):
+    """Centre (3) at time t of a body that does not swing: the first half of `pose_at`.
+
+    It writes no poses; it is called as `swing` is.
+    """
+    rows, half = bodies.rows, 0.5 * t * t
+    return (
+        rows[b, POSITION] + rows[b, VELOCITY] * t + rows[b, ACCELERATION] * half,
+        rows[b, POSITION + 1] + rows[b, VELOCITY + 1] * t + rows[b, ACCELERATION + 1] * half,
+        rows[b, POSITION + 2] + rows[b, VELOCITY + 2] * t + rows[b, ACCELERATION + 2] * half,
+    )
+
+
+@njit(cache=True)
+def swing(bodies, b, t, poses):
+    """Centre (3) at time t of a body that swings; its pose is left in `poses`."""
+    pose_at(bodies, b, t, poses)
+    return poses[b, 0], poses[b, 1], poses[b, 2]
+
+
+@njit(cache=True, forceinline=True)
+def _rooms(bodies, b, count, moments):
+    """Write the room between limb and ball at the first `count` moments, centres being there."""
+    reach = bodies.rows[b, REACH]
+    for k in range(count):
+        ex, ey, x, y = moments[k, ELBOW_X], moments[k, ELBOW_Y], moments[k, X], moments[k, Y]
+        d2 = segment_point2(x, y, ex, ey, moments[k, HAND_X], moments[k, HAND_Y])
+        d2 = min(d2, segment_point2(x, y, 0.0, 0.0, ex, ey))
+        moments[k, ROOM] = np.sqrt(d2 + moments[k, Z] * moments[k, Z]) - reach
+
+
+@njit(cache=True, forceinline=True)
+def follow(bodies, b, count, moments):
+    """Write where body b is at the first `count` moments, and the room between limb and ball.
+
+    Returns
+    -------
+    bool
+        Whether that is all there is to say: it is not for bodies that swing, of which nothing is
+        written, nor for those near the limb that are no balls. `exactly` says more.
+    """
+    if bodies.rows[b, SWING] >= 0.0:
+        return False
+    for k in range(count):
+        t = moments[k, TIME]
+        moments[k, X], moments[k, Y], moments[k, Z] = glide(bodies, b, t, moments)
+    _rooms(bodies, b, count, moments)
+    enough = bodies.rows[b, KIND] == DISC
+    if not enough:
+        enough = True
+        for k in range(count):
+            enough = enough and moments[k, ROOM] > _CLOSE
+    return enough
+
+
+@njit(cache=True)
+def exactly(bodies, b, count, moments, poses, least_only):
+    """`follow`, with distances to bodies themselves where those are near.
+
+    With `least_only` only rooms that are less than those before count, and are exact.
+    """
+    if bodies.rows[b, SWING] >= 0.0:
+        for k in range(count):
+            moments[k, X], moments[k, Y], moments[k, Z] = swing(bodies, b, moments[k, TIME], poses)
+    else:
+        for k in range(count):
+            t = moments[k, TIME]
+            moments[k, X], moments[k, Y], moments[k, Z] = glide(bodies, b, t, poses)
+    _rooms(bodies, b, count, moments)
+    if bodies.rows[b, KIND] == DISC:
+        return
+    least = 1e300
+    for k in range(count):
+        room = moments[k, ROOM]
+        if room <= _CLOSE and (room < least or not least_only):
+            moments[k, ROOM] = _exact(bodies, b, k, moments, poses)
+        least = min(least, max(moments[k, ROOM], 0.0))
+
+
+@njit(cache=True)
+def _exact(bodies, b, k, moments, poses):
+    """Distance of the limb to body b itself at moment k."""
+    pose_at(bodies, b, moments[k, TIME], poses)
+    hx, hy = moments[k, HAND_X], moments[k, HAND_Y]
+    return arm_distance(bodies, poses, b, hx, hy, moments[k, ELBOW_X], moments[k, ELBOW_Y])
+
+
+@njit(cache=True, forceinline=True)
+def place_limb(moments, k, t, x, y, rho):
+    """Write a moment: time, hand and elbow."""
+    moments[k, TIME], moments[k, HAND_X], moments[k, HAND_Y] = t, x, y
+    moments[k, ELBOW_X], moments[k, ELBOW_Y] = elbow_of(x, y, rho, 1.0)
+
+
+@njit(cache=True)
+def stays_free(bodies, time, way, rho, floor, moments, poses):
+    """Tell whether no obstacle can come as near as `floor` to the limb on a straight way.
+
+    True is certain: the least distance in between is at least the mean of those at both ends, less
+    half of all that limb and body move (the first bound of `least_distance`). False means to look
+    closer.
+    """
+    for k in range(2):
+        place_limb(moments, k, time[k], way[k, 0], way[k, 1], rho)
+    sweep = limb_sweep(way[0, 0], way[0, 1], way[1, 0], way[1, 1], rho) + _SLACK
+    span, close = time[1] - time[0], False
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        moved = bodies.rows[b, TOP_SPEED] * span + sweep
+        follow(bodies, b, 2, moments)
+        low = 0.5 * (moments[0, ROOM] + moments[1, ROOM] - moved)
+        if bodies.rows[b, SWING] >= 0.0 or low <= floor:
+            close = True
+            break
+    return not close or _stays_free_exactly(bodies, span, sweep, floor, moments, poses)
+
+
+@njit(cache=True)
+def _stays_free_exactly(bodies, span, sweep, floor, moments, poses):
+    """`stays_free`, asking the bodies themselves where their balls are near."""
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        moved = bodies.rows[b, TOP_SPEED] * span + sweep
+        exactly(bodies, b, 2, moments, poses, False)
+        if 0.5 * (moments[0, ROOM] + moments[1, ROOM] - moved) <= floor:
+            return False
+    return True
+
+
+@njit(cache=True)
+def stays_away(bodies, time, way, reach):
+    """Tell whether no target can come within `reach` of the hand on a straight way.
+
+    True is certain; of targets that swing it is never said.
+    """
+    x, y, span = way[0, 0], way[0, 1], time[1] - time[0]
+    length = np.sqrt((way[1, 0] - x) ** 2 + (way[1, 1] - y) ** 2) + _SLACK
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        px, py, pz = glide(bodies, b, time[0], way)
+        away = np.sqrt((px - x) ** 2 + (py - y) ** 2 + pz * pz) - bodies.rows[b, REACH]
+        near = away - max(reach, 0.0) <= bodies.rows[b, TOP_SPEED] * span + length
+        if near or bodies.rows[b, SWING] >= 0.0:
+            return False
+    return True

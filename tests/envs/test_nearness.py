@@ -1,0 +1,103 @@
+"""Quick answers about what is near: never wrong, and mostly enough."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from gcm_learn.arm.clearance import least_distance
+from gcm_learn.arm.kinematics import elbow_of
+from gcm_learn.planners.interception import first_catch
+from gcm_learn.situation.bodies import pack
+from gcm_learn.situation.canonical import canonical
+from gcm_learn.situation.kernels import DISC, HAND, KIND, PART, arm_distance, pose_at
+
+pytest.importorskip("gymnasium")
+from gcm_learn.envs import nearness as near
+from gcm_learn.envs.vector import CatchArms
+
+
+@pytest.fixture(scope="module")
+def turned(scenes):
+    """Return canonical situations, and their bodies as the kernels want them."""
+    found = [canonical(s)[0] for s in scenes]
+    return [(s, pack(s)) for s in found]
+
+
+def pieces(situation, rng, count=60):
+    """Yield short straight pieces of ways anywhere in the ring, with their times."""
+    arm = situation.arm
+    for _ in range(count):
+        radius, angle = rng.uniform(arm.inner_reach + 0.05, arm.reach - 0.1), rng.uniform(-3, 3)
+        start = radius * np.array([np.cos(angle), np.sin(angle)])
+        step = 0.02 * arm.max_hand_speed * rng.uniform(-0.7, 0.7, 2)
+        t = rng.uniform(0.0, situation.horizon - 0.02)
+        yield np.array([t, t + 0.02]), np.array([start, start + step])
+
+
+def test_what_is_said_to_be_free_is_free(turned, rng):
+    said, free = 0, 0
+    for situation, bodies in turned:
+        rho, poses = situation.arm.upper_arm, np.zeros((len(bodies.rows), 12))
+        moments = np.empty((6, near.MOMENT_COLUMNS))
+        for time, way in pieces(situation, rng):
+            floor = rng.uniform(0.0, 0.1)
+            distance, _ = least_distance(bodies, time, way, rho, 1.0, floor, 1e9)
+            answer = near.stays_free(bodies, time, way, rho, floor, moments, poses)
+            assert distance > floor or not answer
+            said, free = said + answer, free + (distance > floor)
+    assert said > 0.9 * free > 0
+
+
+def test_what_is_said_to_be_away_is_not_caught(turned, rng):
+    said, caught = 0, 0
+    for situation, bodies in turned:
+        for time, way in pieces(situation, rng):
+            reach = rng.uniform(0.0, 0.5)
+            met, _ = first_catch(bodies, time, way, reach, 1e-4)
+            answer = near.stays_away(bodies, time, way, reach)
+            assert met < 0.0 or not answer
+            said, caught = said + answer, caught + (met >= 0.0)
+    assert said > 0 and caught > 0
+
+
+def test_rooms_are_distances_where_bodies_are_near(turned, rng):
+    """Exact to bodies near the limb and to discs, to the ball that holds a body else."""
+    kinds = set()
+    for situation, bodies in turned:
+        rho, n = situation.arm.upper_arm, len(bodies.rows)
+        poses, moments = np.zeros((n, 12)), np.empty((6, near.MOMENT_COLUMNS))
+        for time, way in pieces(situation, rng, 20):
+            for k in range(2):
+                near.place_limb(moments, k, time[k], way[k, 0], way[k, 1], rho)
+            for b in range(n):
+                if bodies.rows[b, PART] == HAND:
+                    continue
+                if not near.follow(bodies, b, 2, moments):
+                    near.exactly(bodies, b, 2, moments, poses, False)
+                for k in range(2):
+                    pose_at(bodies, b, time[k], poses)
+                    x, y = way[k]
+                    true = arm_distance(bodies, poses, b, x, y, *elbow_of(x, y, rho, 1.0))
+                    room = max(moments[k, near.ROOM], 0.0)
+                    assert room <= true + 1e-12
+                    if room <= 0.15 or bodies.rows[b, KIND] == DISC:
+                        assert room == pytest.approx(true, abs=1e-12)
+                        kinds.add(bodies.rows[b, KIND])
+    assert len(kinds) > 2
+
+
+def test_threads_change_nothing(scenes, rng):
+    """Whoever moves an arm, it moves the same; nor does it matter if the batch was pickled."""
+    batches = [CatchArms(7, scenes, threads=n) for n in (1, 3)]
+    batches.append(pickle.loads(pickle.dumps(batches[1])))
+    for arms in batches:
+        arms.reset(seed=3)
+    for _ in range(60):
+        action = rng.uniform(-1, 1, (7, 2))
+        first, *others = [arms.step(action) for arms in batches]
+        for other in others:
+            for k in range(4):
+                np.testing.assert_array_equal(first[k], other[k])
