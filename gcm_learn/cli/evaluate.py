@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import arg
 
@@ -12,6 +12,9 @@ from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder
 from gcm_learn.cli.progress import Progress
 from gcm_learn.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from gcm_learn.evaluation import Entry, Results
 
 
 @dataclass(frozen=True)
@@ -23,8 +26,8 @@ class Evaluate:
     way is tried out and verified first"""
 
     suite: Annotated[str, arg(metavar="NAME")] = "demo"
-    """frozen situations: natural, detour, wait, families, faster, long-arm, demo, or a family's
-    name; several with commas"""
+    """frozen situations: natural, detour, wait, families, faster, long-arm, demo, L, W, Q, U (of a
+    stratum, as families in turn yield them), or a family's name; several with commas"""
 
     out: Annotated[Path, arg(metavar="DIR")] = Path("comparison")
     """folder for report.html, results.parquet and figures"""
@@ -34,6 +37,10 @@ class Evaluate:
 
     charge: Annotated[int, arg(metavar="N")] = 100
     """situations of each stratum for which thinking is charged"""
+
+    noise: Annotated[str, arg(metavar="S,S")] = ""
+    """also let the planners among them see bodies with errors of these standard deviations
+    [forearms], looked at every 50 ms"""
 
     reference: Annotated[
         str | None, arg(metavar="NAME", help_behavior_hint="(default: who catches most)")
@@ -61,6 +68,7 @@ class Evaluate:
             raise CommandFailure("--policies: names at least one")
         if self.reference is not None and self.reference not in names:
             raise CommandFailure(f"--reference {self.reference}: is not one of --policies")
+        deviations = _deviations(self.noise)
         folder = made_folder(self.out, option="--out")
         from gcm_learn.evaluation import compare, draw_suite
         from gcm_learn.evaluation.suites import suites_folder
@@ -81,7 +89,8 @@ class Evaluate:
             results.save(folder / "results.parquet")
         except ModuleNotFoundError as error:
             raise MissingExtraError("a table", str(error.name), "data") from None
-        page = write_report(results, entries, folder, self.reference)
+        seen = self._blurred(names, entries, deviations, folder) if deviations else None
+        page = write_report(results, entries, folder, self.reference, seen)
         for name in names:
             mine = results.of_entrant(name)
             reachable = mine["stratum"] != "U"
@@ -89,3 +98,30 @@ class Evaluate:
             print(f"{name:16} caught {share:6.1%} of {int(reachable.sum())} reachable")
         print(f"Open {page.resolve().as_uri()} in a browser.")
         return 0
+
+    def _blurred(
+        self, names: list[str], entries: list[Entry], deviations: list[float], folder: Path
+    ) -> Results:
+        """The planners again, seeing inexactly."""
+        from gcm_learn.evaluation.blurred import compare_blurred, episodes
+        from gcm_learn.policies.planner import actor_names
+
+        actors = actor_names()
+        planners = [name for name in names if name not in actors]
+        with Progress(episodes(planners, entries, deviations), "episodes") as progress:
+            seen = compare_blurred(
+                planners, entries, deviations, workers=self.workers, progress=progress.advance
+            )
+        seen.save(folder / "noise.parquet")
+        return seen
+
+
+def _deviations(text: str) -> list[float]:
+    """Numbers with commas between them."""
+    try:
+        found = [float(part) for part in text.split(",") if part]
+    except ValueError:
+        raise CommandFailure(f"--noise {text}: must be numbers with commas between") from None
+    if any(not 0.0 < number <= 1.0 for number in found):
+        raise CommandFailure(f"--noise {text}: must be above 0, and at most 1")
+    return found

@@ -1,11 +1,13 @@
 """Perception that is not exact: where bodies are and how fast, looked at every 50 ms.
 
 What an agent sees at a look are the bodies' true places and velocities then, each with an error of
-its own; laws and shapes it knows. The world goes on as it is, and judges what the hand does.
+its own; laws and shapes it knows. The world goes on as it is, and judges what the hand does. An
+agent may plan once, or again at each look, and by the last look alone or by all of them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -48,9 +50,9 @@ class Noise:
         )
         return replace(situation, bodies=bodies)
 
-    def careful(self, situation: Situation) -> Situation:
-        """The same with a limb that is thicker."""
-        thicker = situation.arm.thickness + self.caution * self.place
+    def careful(self, situation: Situation, share: float = 1.0) -> Situation:
+        """The same with a thicker limb; errors are a share of what they are at a look."""
+        thicker = situation.arm.thickness + self.caution * self.place * share
         return replace(situation, arm=replace(situation.arm, thickness=thicker))
 
 
@@ -75,27 +77,100 @@ def _perturbed(
     return replace(motion, **changed)
 
 
+class _Memory:
+    """All looks as one, each weighted by how well it tells the present (Kalman, 1960).
+
+    Place and velocity along one axis are as inexact as along any other, so one matrix of variances
+    does for all bodies that move, in units of those of a look. Of bodies that rest only the place
+    is unknown, and the mean of what was seen is the best.
+    """
+
+    def __init__(self, speed: float) -> None:
+        self._look = np.diag([1.0, (FASTER * speed) ** 2])
+        self._spread = self._look.copy()
+        self._known: Situation | None = None
+        self._since, self._count = 0.0, 0
+
+    @property
+    def share(self) -> float:
+        """Deviation of a moving body's place over that at a look."""
+        return float(np.sqrt(self._spread[0, 0]))
+
+    def joined(self, seen: Situation, t: float) -> Situation:
+        """What is known at t, from what is seen then and was before."""
+        self._count += 1
+        if self._known is None:
+            self._known, self._since = seen, t
+            return seen
+        span = t - self._since
+        shift = np.array([[1.0, span], [0.0, 1.0]])
+        before = shift @ self._spread @ shift.T
+        gain = before @ np.linalg.inv(before + self._look)
+        self._spread = before - gain @ before
+        mean = np.array([[1.0 / self._count, 0.0], [0.0, 0.0]])
+        bodies = tuple(
+            replace(new, motion=_blend(old.motion, new.motion, gain, mean))
+            for old, new in zip(later(self._known, span).bodies, seen.bodies, strict=True)
+        )
+        self._known, self._since = replace(seen, bodies=bodies), t
+        return self._known
+
+
+def _blend(
+    old: PlanarQuadratic | SolidQuadratic | Pendulum,
+    new: PlanarQuadratic | SolidQuadratic | Pendulum,
+    gain: np.ndarray,
+    mean: np.ndarray,
+) -> PlanarQuadratic | SolidQuadratic | Pendulum:
+    """What was expected, moved towards what is seen."""
+    if isinstance(old, Pendulum) or isinstance(new, Pendulum):
+        assert isinstance(old, Pendulum) and isinstance(new, Pendulum)
+        off = gain @ np.array([new.angle - old.angle, new.rate - old.rate])
+        return replace(new, angle=old.angle + float(off[0]), rate=old.rate + float(off[1]))
+    there = np.array([old.position, old.velocity])
+    if not any(new.velocity):  # it rests, and that is seen
+        gain, there[1] = mean, 0.0
+    place, velocity = there + gain @ (np.array([new.position, new.velocity]) - there)
+    changed: dict[str, Any] = {
+        "position": tuple(place.tolist()), "velocity": tuple(velocity.tolist())
+    }  # fmt: skip
+    return replace(new, **changed)
+
+
+@dataclass(frozen=True)
+class Habit:
+    """What an agent does with its looks."""
+
+    replan: bool = False
+    """Whether it plans at every look, or at the first one only."""
+    remember: bool = False
+    """Whether a look is joined with those before."""
+
+
 class _Agent:
-    """Follows the last plan that it found; makes a new one at each look if it may."""
+    """Follows the last plan that it found."""
 
     def __init__(
-        self, planner: Planner, entry: Entry, noise: Noise, *, replan: bool, seed: int
+        self, planner: Planner, entry: Entry, noise: Noise, habit: Habit, seed: int
     ) -> None:
         self.planner, self.entry, self.noise = planner, entry, noise
-        self.replan, self._seed = replan, seed
+        self.habit, self._seed = habit, seed
+        self._memory = _Memory(entry.situation.arm.max_hand_speed)
         self._way: Trajectory | None = None
         self._since = 0.0
         self._looks = 0
 
     def look(self, t: float, hand: np.ndarray) -> None:
         """See the world at t, and plan."""
-        if self._looks and not self.replan:
+        if self._looks and not self.habit.replan:
             return
         source = seeding.rng(self._seed, self.entry.index, self._looks)
         self._looks += 1
         now = later(self.entry.situation, t, (float(hand[0]), float(hand[1])))
-        seen = self.noise.seen(now, source)
-        tries = [self.noise.careful(seen), seen] if self.noise.caution > 0.0 else [seen]
+        seen, share = self.noise.seen(now, source), 1.0
+        if self.habit.remember:
+            seen, share = self._memory.joined(seen, t), self._memory.share
+        tries = [self.noise.careful(seen, share), seen] if self.noise.caution > 0.0 else [seen]
         for situation in tries:
             plan = self.planner.plan(situation)
             if plan.caught:
@@ -114,18 +189,17 @@ class _Agent:
 
 
 def under_noise(
-    planner: Planner, entries: list[Entry], noise: Noise, *, replan: bool, seed: int = 0
+    planner: Planner, entries: Sequence[Entry], noise: Noise, habit: Habit, seed: int = 0
 ) -> list[str]:
     """Outcomes of following a planner that sees inexactly.
 
     Parameters
     ----------
     planner : Planner
-    entries : list of Entry
+    entries : sequence of Entry
         Their situations are in canonical form.
     noise : Noise
-    replan : bool
-        Whether to plan at every look, or at the first one only.
+    habit : Habit
     seed : int
         Of the errors; the same for all planners.
 
@@ -135,7 +209,7 @@ def under_noise(
         caught, touched or late.
     """
     settings = Settings(dt=STEP, slots=0)
-    agents = [_Agent(planner, e, noise, replan=replan, seed=seed) for e in entries]
+    agents = [_Agent(planner, entry, noise, habit, seed) for entry in entries]
     pool = Pool.of([entry.situation for entry in entries])
     n = len(entries)
     arena = Arena(pool, n, settings)

@@ -1,9 +1,9 @@
 """Suites: situations that all are compared on, frozen by hash.
 
-A suite is the specification of a dataset, drawn on demand; the oracle decides the strata. What has
-been drawn is kept as a file of lines beside the others, so that it is drawn once; small ones come
-with the repository. Situations must have the hash that is noted here, so two comparisons of one
-suite have seen the same.
+A suite is the specification of a dataset, or a stratum of what families draw in turns (`turns`),
+drawn on demand; the oracle decides the strata. What has been drawn is kept as a file of lines
+beside the others, so that it is drawn once; small ones come with the repository. Situations must
+have the hash that is noted here, so two comparisons of one suite have seen the same.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
+from gcm_learn.evaluation import turns
 from gcm_learn.families import family_names
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 
@@ -97,7 +98,7 @@ class Entry:
 
 def suite_names() -> list[str]:
     """Names of the suites."""
-    return list(SUITES)
+    return [*SUITES, *turns.STRATA]
 
 
 def suites_folder() -> Path:
@@ -127,8 +128,8 @@ def draw_suite(
     SuiteError
         If what is there, or drawn, is not what was frozen.
     """
-    if name not in SUITES:
-        raise UnknownNameError(f"suite: {name!r} is not one of {', '.join(SUITES)}")
+    if name not in suite_names():
+        raise UnknownNameError(f"suite: {name!r} is not one of {', '.join(suite_names())}")
     if not 1 <= count <= LARGEST:
         raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
     path = folder / f"{name}.jsonl"
@@ -147,7 +148,10 @@ def draw_suite(
 def _drawn(
     name: str, count: int, folder: Path, workers: int | None, progress: Callable[[int], None]
 ) -> list[Entry]:
-    """Draw a suite as a dataset, which goes on where it was interrupted."""
+    """Draw a suite as a dataset, or from draws in turn; both go on where they were interrupted."""
+    if name in turns.STRATA:
+        found = turns.first_of(name, count, folder, workers, progress)
+        return [_entry({"suite": name, **values}) for values in found]
     from gcm_learn import dataset  # needs pyarrow
 
     spec = SUITES[name].spec(name, -(-count // SHARD) * SHARD)
@@ -182,13 +186,17 @@ def _read(path: Path) -> list[Entry]:
     entries = []
     for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
         try:
-            values = json.loads(line)
-            situation = situation_from_json(values.pop("situation"))
-            values["earliest"] = math.inf if values["earliest"] is None else values["earliest"]
-            entries.append(Entry(situation=situation, **values))
+            entries.append(_entry(json.loads(line)))
         except (ValueError, KeyError, TypeError) as error:
             raise FileFormatError(f"{path}:{number}: is no entry of a suite ({error})") from None
     return entries
+
+
+def _entry(values: dict[str, Any]) -> Entry:
+    """An entry of its JSON values."""
+    situation = situation_from_json(values["situation"])
+    earliest = math.inf if values["earliest"] is None else values["earliest"]
+    return Entry(**(values | {"situation": situation, "earliest": earliest}))
 
 
 def hash_of(entries: list[Entry]) -> str:

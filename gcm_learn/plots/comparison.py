@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from gcm_learn.evaluation.blurred import blurred
 from gcm_learn.evaluation.measures import Interval, Measures, declines, measured, pairs
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
@@ -29,7 +30,11 @@ STRATA = {
 
 
 def write_report(
-    results: Results, entries: Sequence[Entry], out: Path, reference: str | None = None
+    results: Results,
+    entries: Sequence[Entry],
+    out: Path,
+    reference: str | None = None,
+    noise: Results | None = None,
 ) -> Path:
     """Write the page and its figures.
 
@@ -42,6 +47,8 @@ def write_report(
         Folder, which must be there; the page is ``report.html``, figures are also ``.png`` files.
     reference : str, optional
         Entrant that the others are compared with; by default the one that catches most.
+    noise : Results, optional
+        Of `compare_blurred`.
 
     Returns
     -------
@@ -54,6 +61,7 @@ def write_report(
         _numbers(results),
         _paired(results, reference),
         *_thinking(results, out),
+        *_blurred(noise),
         _speed(results, out),
         _by_family(results, out),
         *_failures(results, entries, out),
@@ -175,6 +183,26 @@ def _thinking(results: Results, out: Path) -> list[Section]:
     caption = "Catches of reachable situations over the time that thinking takes."
     picture = _kept(figure, out / "charged.png", caption)
     return [Section("thinking", "While they think", text, [Table(columns, rows)], [picture])]
+
+
+def _blurred(noise: Results | None) -> list[Section]:
+    """Inexact perception, if it was measured."""
+    if noise is None:
+        return []
+    rows = [
+        [b.entrant, f"{b.noise:g}", b.way if b.noise else "exact", percent(b.caught),
+         _number(100 * b.touched, ".1f"), _number(100 * b.lost, ".1f")]
+        for b in blurred(noise)
+    ]  # fmt: skip
+    columns = ("entrant", "deviation [forearms]", "plans", "caught [%]", "touched [%]", "lost")
+    text = [
+        "Places of bodies are seen with errors of this standard deviation, velocities with twice "
+        "the number in hand speeds, every 50 ms anew; the world judges what the hand does. "
+        "Lost are points of what is caught with exact perception. Looks are joined by Kalman's "
+        "filter; with a margin the limb is planned as thicker by twice the deviation of what is "
+        "known. Reachable situations."
+    ]
+    return [Section("noise", "When they see inexactly", text, [Table(columns, rows)])]
 
 
 def _speed(results: Results, out: Path) -> Section:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from gcm_learn import families
-from gcm_learn.evaluation.noise import Noise, under_noise
+from gcm_learn.evaluation.noise import Habit, Noise, _Memory, under_noise
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.planners import get_planner
 from gcm_learn.situation.canonical import canonical
+from gcm_learn.situation.later import later
 
 
 def entries_of(count):
@@ -34,8 +36,45 @@ def test_errors_are_as_large_as_said(rng):
 def test_exact_perception_changes_nothing_and_looking_again_helps():
     entries, straight = entries_of(15), get_planner("straight")
     for replan in (False, True):
-        outcomes = under_noise(straight, entries, Noise(0.0), replan=replan)
+        outcomes = under_noise(straight, entries, Noise(0.0), Habit(replan))
         assert outcomes.count("caught") >= 14  # a last hair may be lost between steps
-    blind = under_noise(straight, entries, Noise(0.08), replan=False).count("caught")
-    again = under_noise(straight, entries, Noise(0.08), replan=True).count("caught")
+    blind = under_noise(straight, entries, Noise(0.08), Habit()).count("caught")
+    again = under_noise(straight, entries, Noise(0.08), Habit(replan=True)).count("caught")
     assert blind < 12 and again > blind
+
+
+def test_all_looks_tell_more_than_the_last(rng):
+    """Errors of what is remembered are smaller, and as large as the memory says they are."""
+    situation, _ = canonical(families.draw("crossing-swarm", 31, 4))
+    noise, speed = Noise(0.05), situation.arm.max_hand_speed
+    last, known, said = [], [], 0.0
+    for _ in range(150):
+        memory = _Memory(speed)
+        for k in range(6):
+            now = later(situation, 0.05 * k)
+            seen = noise.seen(now, rng)
+            joined = memory.joined(seen, 0.05 * k)
+        said = memory.share
+        for true, one, all_looks in zip(now.bodies, seen.bodies, joined.bodies, strict=True):
+            if any(true.motion.velocity):
+                last.append(np.subtract(one.motion.position, true.motion.position))
+                known.append(np.subtract(all_looks.motion.position, true.motion.position))
+    assert np.std(last) == pytest.approx(0.05, rel=0.1)
+    assert np.std(known) == pytest.approx(0.05 * said, rel=0.1) and said < 0.8
+
+
+def test_a_pendulum_is_remembered_too(rng):
+    situation, _ = canonical(families.draw("pendulum", 31, 3))
+    swings = [k for k, b in enumerate(situation.bodies) if b.motion.kind == "pendulum"]
+    off = {"last": [], "known": []}
+    for _ in range(100):
+        memory = _Memory(situation.arm.max_hand_speed)
+        for k in range(6):
+            now = later(situation, 0.05 * k)
+            seen = Noise(0.05).seen(now, rng)
+            joined = memory.joined(seen, 0.05 * k)
+        for b in swings:
+            angle = now.bodies[b].motion.angle
+            off["last"].append(seen.bodies[b].motion.angle - angle)
+            off["known"].append(joined.bodies[b].motion.angle - angle)
+    assert swings and np.std(off["known"]) < 0.8 * np.std(off["last"])

@@ -1,0 +1,167 @@
+"""The comparison of planners that see inexactly: one row for each way to deal with it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any
+
+from gcm_learn.errors import SuiteError
+from gcm_learn.evaluation.contest import THREADS
+from gcm_learn.evaluation.entrants import Entrant, PlannerEntrant, entrant
+from gcm_learn.evaluation.noise import Habit, Noise, under_noise
+from gcm_learn.evaluation.statistics import Interval, wilson
+from gcm_learn.evaluation.suites import Entry
+from gcm_learn.evaluation.table import Results
+
+HABITS = {
+    "plans once": (Habit(), 0.0),
+    "again at every look": (Habit(replan=True), 0.0),
+    "again, by all looks": (Habit(replan=True, remember=True), 0.0),
+    "again, by all looks, margin": (Habit(replan=True, remember=True), 2.0),
+}
+"""Ways to deal with inexact perception, with the margin in deviations of what is known."""
+EXACT = "plans once"  # says all if nothing is inexact
+_CHUNK = 5  # situations that a process takes at once
+
+
+@dataclass(frozen=True)
+class _Job:
+    name: str
+    place: float
+    way: str
+    entries: tuple[Entry, ...]
+
+
+def compare_blurred(
+    names: Sequence[str],
+    entries: Sequence[Entry],
+    deviations: Sequence[float],
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], object] = lambda count: None,
+) -> Results:
+    """Let planners answer the same situations, seen with the same errors.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Planners; actors act on what they see and are not asked here.
+    entries : sequence of Entry
+    deviations : sequence of float
+        Of places [forearms]; 0 is done too, for what is lost.
+    workers : int, optional
+        Processes; by default one for each core.
+    progress : callable
+        Told how many episodes are new.
+
+    Raises
+    ------
+    SuiteError
+        If a name is no planner, or a deviation negative.
+    """
+    for name in names:
+        _planner_of(entrant(name))
+    for place in deviations:
+        if not 0.0 <= place <= 1.0:
+            raise SuiteError(f"noise: must be from 0 to 1 forearms (got {place})")
+    jobs = list(_jobs(names, entries, sorted({0.0, *deviations})))
+    workers = min(workers or len(os.sched_getaffinity(0)), len(jobs))
+    rows: list[dict[str, Any]] = []
+    if workers == 1:
+        for job in jobs:
+            rows += _do(job)
+            progress(len(job.entries))
+        return Results.of(_ordered(rows, names))
+    for variable in THREADS:
+        os.environ.setdefault(variable, "1")
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        running = {pool.submit(_do, job): job for job in jobs}
+        for future in as_completed(running):
+            rows += future.result()
+            progress(len(running[future].entries))
+    return Results.of(_ordered(rows, names))
+
+
+def episodes(names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]) -> int:
+    """How many episodes `compare_blurred` plays."""
+    return len(names) * len(entries) * (1 + len(HABITS) * len({*deviations} - {0.0}))
+
+
+def _planner_of(made: Entrant) -> Any:
+    if not isinstance(made, PlannerEntrant):
+        raise SuiteError(f"noise: {made.name!r} is no planner")
+    return made.planner
+
+
+def _jobs(
+    names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]
+) -> Iterator[_Job]:
+    for name in names:
+        for place in deviations:
+            for way in HABITS if place > 0.0 else (EXACT,):
+                for first in range(0, len(entries), _CHUNK):
+                    yield _Job(name, place, way, tuple(entries[first : first + _CHUNK]))
+
+
+def _do(job: _Job) -> list[dict[str, Any]]:
+    """The rows of a job."""
+    habit, caution = HABITS[job.way]
+    planner = _planner_of(entrant(job.name))
+    outcomes = under_noise(planner, job.entries, Noise(job.place, caution), habit)
+    return [
+        {
+            "entrant": job.name, "noise": job.place, "way": job.way, "suite": entry.suite,
+            "index": entry.index, "family": entry.family, "stratum": entry.stratum,
+            "outcome": outcome,
+        }
+        for entry, outcome in zip(job.entries, outcomes, strict=True)
+    ]  # fmt: skip
+
+
+def _ordered(rows: list[dict[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
+    first, ways = {name: k for k, name in enumerate(names)}, list(HABITS)
+    return sorted(
+        rows,
+        key=lambda row: (
+            first[row["entrant"]], row["noise"], ways.index(row["way"]), row["suite"], row["index"],
+        ),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Blurred:
+    """Catches of a planner that sees inexactly in some way."""
+
+    entrant: str
+    noise: float
+    """Deviation of places [forearms]."""
+    way: str
+    caught: Interval
+    touched: float
+    """Share that touches an obstacle."""
+    lost: float
+    """Share of all that is caught with exact perception, less that caught so."""
+
+
+def blurred(results: Results) -> list[Blurred]:
+    """Every planner, deviation and way, on reachable situations."""
+    there = results.where(results["stratum"] != "U")
+    out = []
+    for name in results.entrants:
+        mine = there.where(there["entrant"] == name)
+        exact = mine.where(mine["noise"] == 0.0)["outcome"]
+        best = float((exact == "caught").mean())
+        for place in sorted(set(mine["noise"].tolist())):
+            for way in HABITS:
+                rows = mine.where((mine["noise"] == place) & (mine["way"] == way))
+                if not len(rows):
+                    continue
+                outcome = rows["outcome"]
+                caught = wilson(int((outcome == "caught").sum()), len(rows))
+                touched = float((outcome == "touched").mean())
+                out.append(Blurred(name, place, way, caught, touched, best - caught.value))
+    return out

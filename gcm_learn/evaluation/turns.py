@@ -1,0 +1,132 @@
+"""Situations of every stratum, as families yield them: drawn by number, families taking turns.
+
+A suite of one stratum and equal shares of families has to look long for what some families hardly
+ever yield. Here draw number k is what family k mod n draws, whatever stratum it is of, and the
+suites `L`, `W`, `Q` and `U` are the first draws of their stratum. What is drawn for one of them is
+drawn for all. From some number on there is enough of L and W, and what two fast planners say to be
+either is passed over.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from gcm_learn import families
+from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.fronts import marching
+from gcm_learn.planners.oracle import bounds, stratum
+from gcm_learn.planners.straight import StraightPlanner
+from gcm_learn.situation import situation_to_json
+from gcm_learn.situation.canonical import canonical
+
+SEED = 9108
+CHUNK = 50  # draws of a file
+FOLDER = "turns"
+ENOUGH = 3500  # draws that yield as many of L and W as a suite can have: more than a third each
+MOST = 100_000  # draws that are looked through for a suite
+STRATA = {
+    "L": "a straight line catches; all families",
+    "W": "a way round is needed, no waiting; all families",
+    "Q": "waiting is needed; all families",
+    "U": "nothing catches; all families",
+}
+Draw = dict[str, Any]
+
+
+def drawn(number: int) -> Draw | None:
+    """A draw by its number as JSON values; None if it is passed over, or begins with a touch."""
+    names = families.family_names()
+    family = names[number % len(names)]
+    situation, _ = canonical(families.draw(family, SEED, number))
+    answer = Problem(situation, "oracle").early_answer()
+    if answer is not None and answer.status == "start_blocked":
+        return None
+    if number >= ENOUGH:
+        if StraightPlanner().plan(situation).caught or marching().plan(situation).caught:
+            return None
+    known = bounds(situation)
+    return {
+        "index": number,
+        "family": family,
+        "stratum": stratum(situation, known),
+        "earliest": known.upper if math.isfinite(known.upper) else None,
+        "situation": situation_to_json(situation),
+    }
+
+
+def first_of(
+    wanted: str,
+    count: int,
+    folder: Path,
+    workers: int | None = None,
+    progress: Callable[[int], object] = lambda found: None,
+) -> list[Draw]:
+    """The first draws of a stratum; those that were looked at are kept in a folder.
+
+    Parameters
+    ----------
+    wanted : str
+        L, W, Q or U.
+    count : int
+    folder : Path
+        Of suites.
+    workers : int, optional
+        Processes; by default one for each core.
+    progress : callable
+        Told how many more were found.
+    """
+    found: list[Draw] = []
+    for lines in _chunks(folder / FOLDER, workers or len(os.sched_getaffinity(0))):
+        here = [d for d in map(json.loads, lines) if d is not None and d["stratum"] == wanted]
+        found += here
+        progress(len(here))
+        if len(found) >= count:
+            break
+    return found[:count]
+
+
+def _chunks(folder: Path, workers: int) -> Iterator[list[str]]:
+    """The lines of one file after the other; several are made at once."""
+    folder.mkdir(parents=True, exist_ok=True)
+    make, ahead = partial(_chunk, folder), 2 * workers
+    firsts = range(0, MOST, CHUNK)
+    k = 0
+    while k < len(firsts) and _file(folder, firsts[k]).exists():
+        yield _file(folder, firsts[k]).read_text("utf-8").splitlines()
+        k += 1
+    if workers == 1:
+        yield from map(make, firsts[k:])
+        return
+    pool = ProcessPoolExecutor(workers, get_context("spawn"))
+    try:
+        waiting = [pool.submit(make, first) for first in firsts[k : k + ahead]]
+        for first in firsts[k + ahead :]:
+            yield waiting.pop(0).result()
+            waiting.append(pool.submit(make, first))
+        for job in waiting:
+            yield job.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _file(folder: Path, first: int) -> Path:
+    return folder / f"draws_{first:07d}.jsonl"
+
+
+def _chunk(folder: Path, first: int) -> list[str]:
+    """Draw CHUNK situations and keep them (all or none)."""
+    path = _file(folder, first)
+    if not path.exists():
+        lines = [json.dumps(drawn(number)) for number in range(first, first + CHUNK)]
+        temporary = path.with_suffix(f".{os.getpid()}")
+        temporary.write_text("".join(line + "\n" for line in lines), "utf-8")
+        temporary.replace(path)
+    return path.read_text("utf-8").splitlines()
