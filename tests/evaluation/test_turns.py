@@ -1,0 +1,64 @@
+"""Suites of one stratum: the first draws of it, whoever asks."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from gcm_learn import families, planners
+from gcm_learn.evaluation import suites, turns
+from gcm_learn.situation import situation_from_json, situation_to_json
+from gcm_learn.situation.canonical import canonical
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Let draws be quick, and note which were made."""
+    numbers = []
+
+    def quick(number):
+        numbers.append(number)
+        if number % 7 == 6:
+            return None
+        situation, _ = canonical(families.draw("moving-point", 5, number % 5))
+        return {
+            "index": number, "family": "moving-point", "stratum": "LWQU"[number % 4],
+            "earliest": None, "situation": situation_to_json(situation),
+        }  # fmt: skip
+
+    monkeypatch.setattr(turns, "drawn", quick)
+    return numbers
+
+
+def test_the_first_of_a_stratum_in_order(asked, tmp_path):
+    entries = suites.draw_suite("W", 20, tmp_path, 1)
+    wanted = [k for k in range(200) if k % 4 == 1 and k % 7 != 6]
+    assert [e.index for e in entries] == wanted[:20]
+    assert {(e.suite, e.stratum) for e in entries} == {("W", "W")}
+
+
+def test_what_is_drawn_for_one_is_drawn_for_all(asked, tmp_path):
+    many = suites.draw_suite("Q", 25, tmp_path, 1)
+    seen = len(asked)
+    assert seen == len(set(asked)) and seen % turns.CHUNK == 0
+    suites.draw_suite("L", 20, tmp_path, 1)
+    assert len(asked) == seen
+    few = suites.draw_suite("Q", 10, tmp_path / "elsewhere", 1)
+    assert suites.hash_of(few) == suites.hash_of(many[:10])
+
+
+def test_draws_are_functions_of_their_number():
+    first, again = turns.drawn(3), turns.drawn(3)
+    assert json.dumps(first) == json.dumps(again)
+    situation = situation_from_json(first["situation"])
+    assert situation.arm.hand[1] == 0.0 and situation.arm.elbow == "right"
+    assert first["family"] == families.family_names()[3]
+    caught = planners.solve(situation, "straight").caught
+    assert caught == (first["stratum"] == "L")
+
+
+def test_later_draws_pass_over_what_is_easy(monkeypatch):
+    easy = next(k for k in range(40) if (turns.drawn(k) or {}).get("stratum") == "L")
+    monkeypatch.setattr(turns, "ENOUGH", easy)
+    assert turns.drawn(easy) is None
