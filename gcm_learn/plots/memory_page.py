@@ -145,7 +145,7 @@ def _point(memory: Memory, k: int) -> Values:
     words = {
         "stratum": entry.stratum or "unknown",
         "family": entry.family or "unknown",
-        "side on which obstacles are passed": passing_of(situation, trace).sides or "none",
+        "sides on which obstacles are passed": passing_of(situation, trace).sides or "none",
     }
     made = build_map(situation, MarchingParams(n=N))
     return {"words": words, "map": _picture(made)} | _movement(

@@ -22,7 +22,7 @@ button { font: inherit; font-size: .9rem; padding: .15rem .6rem; margin: 0 .3rem
          border: 1px solid #cbd5e0; border-radius: 6px; background: white; cursor: pointer; }
 button.on { background: #2d3748; color: white; } .words { color: #4a5568; font-size: .9rem;
 min-height: 2.8em; width: 262px; margin: .4rem 0 0; }
-select { font: inherit; }
+select { font: inherit; max-width: 24rem; } .right { flex: 1 1 560px; max-width: 600px; }
 </style></head><body><main>
 <h1 id="title"></h1>
 <p id="lead"></p>
@@ -31,9 +31,9 @@ select { font: inherit; }
  <div class="card"><label>Colours tell the <select id="by"></select></label>
   <canvas id="points" width="1120" height="1040" style="width:520px;height:483px"></canvas>
   <div id="legend"></div></div>
- <div>
+ <div class="right">
   <div class="row">
-   <div class="card"><b id="catch-name">The catch</b><canvas id="catch" width="548" height="548"
+   <div class="card"><b>The catch</b><canvas id="catch" width="548" height="548"
     style="width:262px;height:262px"></canvas><p class="words" id="catch-words"></p></div>
    <div class="card"><b>Its cognitive map</b><canvas id="map" width="548" height="548"
     style="width:262px;height:262px"></canvas><p class="words" id="map-words"></p></div>
@@ -42,9 +42,12 @@ select { font: inherit; }
    <p id="ask-lead">Each button is a situation that the memory has not met. What fits best is
    marked in the picture, and tried in that order until a bent way holds.</p>
    <div id="asked"></div>
-   <div class="card" id="answer" style="display:none"><b>The answer</b>
-   <canvas id="bent" width="548" height="548" style="width:262px;height:262px"></canvas>
-   <p class="words" id="answer-words"></p></div></div>
+   <div class="row" id="answer" style="display:none">
+    <div class="card"><b>The answer</b><canvas id="bent" width="548" height="548"
+     style="width:262px;height:262px"></canvas><p class="words" id="answer-words"></p></div>
+    <div class="card"><b>For comparison</b><canvas id="bent-map" width="548" height="548"
+     style="width:262px;height:262px"></canvas><p class="words">The map of this situation,
+     which recall does not make, with the answer.</p></div></div></div>
  </div>
 </div>
 </main>
@@ -171,15 +174,14 @@ function scene(id, m, now, before) {
   const [x, y] = lerp(m.hand, 2, t, m.time);
   limb(g, m, x, y, s);
 }
-function chart(m) {
-  const g = $("map").getContext("2d"), s = view(g, m), reach = m.arm + U;
+function chart(id, m) {
   let image = images.get(m);
   if (!image) {
-    image = new Image(); image.onload = () => chart(m);
+    image = new Image(); image.onload = () => chart(id, m);
     image.src = "data:image/png;base64," + m.map; images.set(m, image);
-    return;
   }
-  if (m !== D.points[shown]) return;
+  if (!image.complete || m !== (id === "map" ? D.points[shown] : D.asked[query])) return;
+  const g = $(id).getContext("2d"), s = view(g, m), reach = m.arm + U;
   g.save(); g.beginPath(); g.arc(0, 0, reach, 0, 7); g.clip(); g.scale(1, -1);
   g.drawImage(image, -reach, -reach, 2 * reach, 2 * reach); g.restore();
   line(g, m.hand, C.path, 5 / s);
@@ -190,13 +192,13 @@ function show(k) {
   const p = D.points[k], w = Object.entries(p.words).map(([a, b]) => `${a}: ${b}`).join(", ");
   $("catch-words").textContent = `caught after ${(p.end / 1000).toFixed(2)} s`;
   $("map-words").textContent = w;
-  drawPoints(); chart(p);
+  drawPoints(); chart("map", p);
 }
 function ask(k) {
   query = query === k ? null : k;
   document.querySelectorAll("#asked button").forEach((b, j) =>
     b.classList.toggle("on", j === query));
-  $("answer").style.display = query === null ? "none" : "block";
+  $("answer").style.display = query === null ? "none" : "flex";
   if (query === null) { drawPoints(); return; }
   const q = D.asked[k];
   $("answer-words").textContent = q.held === null
@@ -204,6 +206,7 @@ function ask(k) {
     : `Way ${q.checked} of those that were checked holds; it came from the memory with the red ` +
       `ring, shown above. Caught after ${(q.end / 1000).toFixed(2)} s.`;
   show(q.held === null ? q.tried[0] : q.held);
+  chart("bent-map", q);
 }
 function nearest(event) {
   const box = $("points").getBoundingClientRect(), f = 1120 / box.width;
