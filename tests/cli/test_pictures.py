@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from gcm_learn.cli import main
+from gcm_learn.memory import Memory, RandomIndex
 
 
 class Picture:
@@ -87,3 +88,21 @@ def test_animate_refuses(options, said, scene_file, scene, planner, capsys):
     assert main(["animate", str(path), *options]) == 2
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and said in stderr and planner.asked == []
+
+
+@pytest.mark.usefixtures("_in_folder")
+def test_gallery_shows_a_memory_as_points(tmp_path, capsys, monkeypatch):
+    asked = []
+
+    def write_memory_page(memory, out, *, count):
+        asked.append((memory.index.name, len(memory), out, count))
+        return out / "index.html"
+
+    monkeypatch.setattr("gcm_learn.plots.memory_page.write_memory_page", write_memory_page)
+    Memory(RandomIndex()).save(tmp_path / "m")
+    assert main(["gallery", "m", "--out", "page", "--each", "3"]) == 0
+    assert asked == [("random", 0, Path("page"), 300)]
+    assert (tmp_path / "page/index.html").as_uri() in capsys.readouterr().out
+    (tmp_path / "m" / "manifest.json").write_text('{"format": "gcm-learn/memory@1"}')
+    assert main(["gallery", "m"]) == 2  # it says that it is a memory, and is damaged
+    assert "m/manifest.json" in capsys.readouterr().err
