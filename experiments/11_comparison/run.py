@@ -1,0 +1,115 @@
+"""Who catches what: all ways to catch on the same frozen situations (H1 and the whole comparison).
+
+python experiments/11_comparison/run.py OUT [--count 1000]   goes on where it was stopped
+
+OUT holds the results and a page for each part; table.md and the figures are written beside this
+file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from report import write_tables
+
+from gcm_learn.evaluation import Entry, Results, compare, draw_suite
+from gcm_learn.evaluation.blurred import compare_blurred
+from gcm_learn.evaluation.suites import hash_of, suites_folder
+from gcm_learn.plots import comparison_figures as figures
+from gcm_learn.plots.comparison import write_report
+
+HERE = Path(__file__).parent
+POLICIES = (
+    "straight", "straight-wait", "potential", "gcm", "marching", "layered", "recall", "recall-1",
+    "hybrid", "clone", "ppo-clone", "ppo-clone@20",
+)  # fmt: skip
+STRATA = ("L", "W", "Q", "U")
+CHARGED = ("gcm", "layered", "recall", "hybrid")  # on all of W, for H1
+BLURRED = ("hybrid", "layered")
+DEVIATIONS = (0.005, 0.01, 0.02, 0.04)  # [forearms]
+
+
+def spent() -> float:
+    """Processor time of this process and those that it started and that have ended [s]."""
+    return sum(
+        usage.ru_utime + usage.ru_stime
+        for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    )
+
+
+def part(out: Path, name: str, do: Callable[[], Results]) -> Results:
+    """The results of a part, made unless they are there; what it took is noted."""
+    folder = out / name
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "results.parquet"
+    if not file.exists():
+        since, cpu = time.perf_counter(), spent()
+        made = do()
+        took = {"minutes": (time.perf_counter() - since) / 60, "cpu": (spent() - cpu) / 60}
+        (folder / "cost.json").write_text(json.dumps(took) + "\n")
+        made.save(file)
+        print(f"{name}: {took['minutes']:.1f} min, {took['cpu']:.1f} min of a core", flush=True)
+    return Results.load(file)
+
+
+def main() -> None:
+    """Draw, compare, report."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--count", type=int, default=1000, help="situations of a stratum")
+    parser.add_argument("--natural", type=int, default=300, help="situations of the natural mix")
+    parser.add_argument("--charge", type=int, default=100, help="of a stratum, for all policies")
+    parser.add_argument("--blurred", type=int, default=100, help="of W and of Q, under noise")
+    parser.add_argument("--workers", type=int)
+    given = parser.parse_args()
+    workers, hashes = given.workers, {}
+
+    def suite(name: str, count: int) -> list[Entry]:
+        entries = draw_suite(name, count, suites_folder(), workers)
+        hashes[name] = f"{len(entries)}, {hash_of(entries)}"
+        return entries
+
+    hard = {"W": suite("W", given.count)}
+    charged = part(
+        given.out, "charged",
+        lambda: compare(CHARGED, hard["W"], charge=given.count, workers=workers),
+    )  # fmt: skip
+    hard["Q"] = suite("Q", given.count)
+    few = [entry for name in "WQ" for entry in hard[name][: given.blurred]]
+    noise = part(
+        given.out, "noise", lambda: compare_blurred(BLURRED, few, DEVIATIONS, workers=workers)
+    )
+    entries = [entry for name in STRATA for entry in suite(name, given.count)]
+    whole = part(
+        given.out, "strata",
+        lambda: compare(POLICIES, entries, charge=given.charge, workers=workers),
+    )  # fmt: skip
+    natural: Results | None = None
+    if given.natural:
+        mix = suite("natural", given.natural)
+        natural = part(
+            given.out, "natural", lambda: compare(POLICIES, mix, charge=0, workers=workers)
+        )
+        write_report(natural, mix, given.out / "natural")
+    page = write_report(whole, entries, given.out / "strata", "layered", noise)
+    figures.rates_figure(whole).savefig(HERE / "figure.png", dpi=110)
+    drawn = figures.charged_figure(charged)
+    if drawn is not None:
+        drawn.savefig(HERE / "charged.png", dpi=110)
+    costs = {
+        name: json.loads((given.out / name / "cost.json").read_text())
+        for name in ("strata", "charged", "noise", "natural")
+        if (given.out / name / "cost.json").exists()
+    }
+    write_tables(HERE / "table.md", whole, charged, noise, natural, hashes, costs)
+    print((HERE / "table.md").read_text("utf-8"))
+    print(f"Open {page.resolve().as_uri()} in a browser.")
+
+
+if __name__ == "__main__":
+    main()
