@@ -62,29 +62,31 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("--count", type=int, default=1000, help="situations of a stratum")
+    parser.add_argument("--rare", type=int, help="of Q and U, if fewer")
     parser.add_argument("--natural", type=int, default=300, help="situations of the natural mix")
     parser.add_argument("--charge", type=int, default=100, help="of a stratum, for all policies")
     parser.add_argument("--blurred", type=int, default=100, help="of W and of Q, under noise")
     parser.add_argument("--workers", type=int)
     given = parser.parse_args()
-    workers, hashes = given.workers, {}
+    workers, hashes = given.workers, dict[str, str]()
+    counts = dict.fromkeys("LW", given.count) | dict.fromkeys("QU", given.rare or given.count)
 
     def suite(name: str, count: int) -> list[Entry]:
         entries = draw_suite(name, count, suites_folder(), workers)
         hashes[name] = f"{len(entries)}, {hash_of(entries)}"
         return entries
 
-    hard = {"W": suite("W", given.count)}
+    hard = {"W": suite("W", counts["W"])}
     charged = part(
         given.out, "charged",
         lambda: compare(CHARGED, hard["W"], charge=given.count, workers=workers),
     )  # fmt: skip
-    hard["Q"] = suite("Q", given.count)
+    hard["Q"] = suite("Q", counts["Q"])
     few = [entry for name in "WQ" for entry in hard[name][: given.blurred]]
     noise = part(
         given.out, "noise", lambda: compare_blurred(BLURRED, few, DEVIATIONS, workers=workers)
     )
-    entries = [entry for name in STRATA for entry in suite(name, given.count)]
+    entries = [entry for name in STRATA for entry in suite(name, counts[name])]
     whole = part(
         given.out, "strata",
         lambda: compare(POLICIES, entries, charge=given.charge, workers=workers),

@@ -15,8 +15,18 @@ if TYPE_CHECKING:
     from gcm_learn.envs.pool import Pool
     from gcm_learn.envs.settings import Settings, Weights
     from gcm_learn.envs.vector import CatchArms
+    from gcm_learn.envs.views import WithEmbedding, WithMap
 
-__all__ = ["Arena", "CatchArm", "CatchArms", "Pool", "Settings", "Weights"]
+__all__ = [
+    "Arena",
+    "CatchArm",
+    "CatchArms",
+    "Pool",
+    "Settings",
+    "Weights",
+    "WithEmbedding",
+    "WithMap",
+]
 
 _HOMES = {
     "Arena": "arena",
@@ -25,6 +35,8 @@ _HOMES = {
     "Pool": "pool",
     "Settings": "settings",
     "Weights": "settings",
+    "WithEmbedding": "views",
+    "WithMap": "views",
 }
 
 

@@ -81,6 +81,9 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
           most 0.9), and how near it comes until then (at most 0.5)
     ===== ==============================================================================
 
+    `WithMap` adds the picture of the situation's cognitive map, `WithEmbedding` an encoder's
+    embedding of the situation (`gcm_learn.envs`).
+
     **End.** A catch or a touch terminates the episode, the horizon truncates it. Both are
     found by the functions that verify plans, between steps too: a catch that is reported here is
     one that `gcm_learn.planners` would report.

@@ -15,6 +15,7 @@ from gcm_learn.evaluation.measures import Interval, Measures, declines, measured
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.plots import comparison_figures as figures
+from gcm_learn.plots.comparison_words import verdict, who
 from gcm_learn.plots.failures import failure_film, failures_figure
 from gcm_learn.plots.page import Picture, Section, Table, render
 
@@ -58,6 +59,7 @@ def write_report(
     reference = reference or _best(results)
     opening = _kept(figures.rates_figure(results), out / "rates.png", _opening_caption(results))
     sections = [
+        _who(results),
         _numbers(results),
         _paired(results, reference),
         *_thinking(results, out),
@@ -85,6 +87,7 @@ def _lead(results: Results) -> list[str]:
     )
     suites = ", ".join(sorted(set(one["suite"].tolist())))
     return [
+        verdict(results),
         f"{len(results.entrants)} ways to catch, all on the same {len(one)} situations of the "
         f"suite {suites}: {counts}. The oracle has decided the strata.",
         "A planner's catch has been verified before it counts, and what it cannot verify it "
@@ -95,7 +98,10 @@ def _lead(results: Results) -> list[str]:
 
 
 def _opening_caption(results: Results) -> str:
-    return "Share of situations that are caught, by stratum."
+    return (
+        "Share of situations that are caught, by what they take; the lines are 95 % intervals, "
+        "crosses the share in which an obstacle is touched."
+    )
 
 
 def percent(interval: Interval | None) -> str:
@@ -108,6 +114,12 @@ def percent(interval: Interval | None) -> str:
 
 def _number(value: float, form: str = ".2f") -> str:
     return format(value, form) if np.isfinite(value) else "–"
+
+
+def _who(results: Results) -> Section:
+    """A line for each entrant."""
+    rows = [list(row) for row in who(results.entrants)]
+    return Section("who", "Who they are", [], [Table(("entrant", "what it does"), rows)])
 
 
 def _numbers(results: Results) -> Section:

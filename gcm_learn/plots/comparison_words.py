@@ -1,0 +1,74 @@
+"""What the page of a comparison says about those that are compared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gcm_learn.evaluation.measures import measured
+from gcm_learn.evaluation.table import Results
+
+QUICK = 20.0  # median thinking that counts as quick [ms]
+
+WHO = {
+    "straight": "goes straight to where the target can be met first",
+    "straight-wait": "goes straight, but may wait before it starts",
+    "potential": "is pulled to the target and pushed away from obstacles",
+    "gcm": "cognitive map by the wave of the paper, and the way down its arrival times",
+    "marching": "the same map by causal marching instead of a wave",
+    "layered": "maps with several arrivals at a place, so that the hand may wait",
+    "layered-wave": "the wave, in which obstacles hold cells only while they are there",
+    "oracle": "searches space and time on fine lattices, slow: the yardstick",
+    "st-rrt-star": "random trees through space and time (OMPL), for a budget of time",
+    "recall": "bends remembered catches to the situation, and checks up to 20 of them",
+    "recall-1": "bends the one catch that it remembers best",
+    "hybrid": "recalls first, and plans as layered does when recall fails",
+    "clone": "network that imitates planned catches step by step",
+    "ppo": "network that learned in the arena from nothing (PPO)",
+    "ppo-clone": "the imitating network after it went on learning in the arena (PPO)",
+}
+
+
+def who(names: Sequence[str]) -> list[tuple[str, str]]:
+    """Entrants and what they do, as far as it is known."""
+    rows = []
+    for name in names:
+        bare, _, tries = name.partition("@")
+        words = WHO.get(bare, "")
+        if tries and words:
+            words = f"{words}; tried out {tries} times and verified before the hand moves"
+        if words:
+            rows.append((name, words))
+    return rows
+
+
+def verdict(results: Results) -> str:
+    """Who catches most, and who does of those that think quickly."""
+    reachable = results.where(results["stratum"] != "U")
+    if not len(reachable):
+        return "None of these situations can be caught."
+    all_of_them = [measured(reachable, name) for name in results.entrants]
+    best = max(all_of_them, key=lambda m: m.caught.value)
+    text = (
+        f"Of what can be caught, {best.entrant} catches most: {100 * best.caught.value:.0f} %, "
+        f"thinking for {_ms(best.latency)} (median)."
+    )
+    quick = [m for m in all_of_them if np.isfinite(m.latency) and m.latency <= QUICK]
+    if quick and best not in quick:
+        first = max(quick, key=lambda m: m.caught.value)
+        text += (
+            f" Of those that think for at most {QUICK:.0f} ms, {first.entrant} does: "
+            f"{100 * first.caught.value:.0f} % after {_ms(first.latency)}."
+        )
+    careless = max(all_of_them, key=lambda m: m.touched.value)
+    if careless.touched.value > 0.0:
+        text += (
+            f" {careless.entrant} touches an obstacle most often, in "
+            f"{100 * careless.touched.value:.0f} %."
+        )
+    return text
+
+
+def _ms(value: float) -> str:
+    return f"{value:.1f} ms" if value < 10.0 else f"{value:.0f} ms"
