@@ -44,15 +44,16 @@ def plan_for(arm: str, seed: int, steps: int) -> TrainingPlan:
     return plan_of(entry)
 
 
-def curve_of(folder: Path) -> np.ndarray:
-    """Steps and catches (n, 2) of a run."""
+def curve_of(folder: Path, steps: int) -> np.ndarray:
+    """Steps and catches (n, 2) of a run, so many steps of it."""
     rows = [json.loads(line) for line in (folder / "log.jsonl").read_text("utf-8").splitlines()]
-    return np.array([(row["steps"], row["caught"]) for row in rows])
+    return np.array([(row["steps"], row["caught"]) for row in rows if row["steps"] <= steps])
 
 
-def finished(out: Path, arm: str) -> list[np.ndarray]:
+def finished(out: Path, arm: str, steps: int) -> list[np.ndarray]:
     """Curves of the runs of an arm that have ended."""
-    return [curve_of(p) for p in sorted(out.glob(f"{arm}-*")) if (p / "card.md").exists()]
+    folders = [p for p in sorted(out.glob(f"{arm}-*")) if (p / "card.md").exists()]
+    return [curve_of(p, steps) for p in folders]
 
 
 def steps_to(curve: np.ndarray, rate: float) -> float:
@@ -72,7 +73,8 @@ def report(curves: dict[str, list[np.ndarray]]) -> str:
     final = {arm: [float(np.mean(c[-3:, 1])) for c in each] for arm, each in curves.items()}
     goal = SHARE * float(np.median(final["scratch"]))
     lines = [
-        f"| arm | seeds | final rate [%] | steps to {100 * goal:.0f} % (80 % of scratch's final "
+        "| arm | seeds | final rate [%], median (least to most) "
+        f"| steps to {100 * goal:.0f} % (80 % of scratch's final "
         "rate), median (least to most) | of scratch's |",
         "|---|---|---|---|---|",
     ]
@@ -81,7 +83,8 @@ def report(curves: dict[str, list[np.ndarray]]) -> str:
         needed = [steps_to(c, goal) for c in each]
         middle = float(np.median(needed))
         lines.append(
-            f"| {ARMS[arm]} | {len(each)} | {100 * np.median(final[arm]):.1f} | "
+            f"| {ARMS[arm]} | {len(each)} | {100 * np.median(final[arm]):.1f} "
+            f"({100 * min(final[arm]):.0f} to {100 * max(final[arm]):.0f}) | "
             f"{middle:,.0f} ({min(needed):,.0f} to {max(needed):,.0f}) | {middle / base:.2f} |"
         )
     return "\n".join(lines) + "\n"
@@ -112,7 +115,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--steps", type=int, default=15 * EVERY)
+    parser.add_argument("--steps", type=int, default=25 * EVERY)
     given = parser.parse_args()
     for seed in range(given.seeds):
         for arm in ARMS:
@@ -121,14 +124,7 @@ def main() -> None:
                 print(f"{arm}, seed {seed}", flush=True)
                 steps = given.steps if arm != "clone" else 3 * EVERY
                 train(plan_for(arm, seed, steps), folder, lambda text: None)
-            done = {
-                a: [
-                    curve_of(p)
-                    for p in sorted(given.out.glob(f"{a}-*"))
-                    if (p / "card.md").exists()
-                ]
-                for a in ARMS
-            }
+            done = {a: finished(given.out, a, given.steps) for a in ARMS}
             if all(done.values()):
                 (HERE / "table.md").write_text(report(done), "utf-8")
                 draw(done, HERE / "figure.png")

@@ -31,7 +31,7 @@ POLICIES = (
 STRATA = ("L", "W", "Q", "U")
 CHARGED = ("gcm", "layered", "recall", "hybrid")  # on all of W, for H1
 BLURRED = ("hybrid", "layered")
-DEVIATIONS = (0.005, 0.01, 0.02, 0.04)  # [forearms]
+DEVIATIONS = (0.005, 0.0075, 0.01, 0.02, 0.04)  # [forearms]
 
 
 def spent() -> float:

@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,10 +32,12 @@ _ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names()}
 _ANYWHERE: Mapping[str, Mapping[str, Any]] = {"random-planar": {}}
 
 FROZEN: Mapping[str, Mapping[int, str]] = {
-    "demo": {50: "a006b6434a79351f"},
-    "natural": {300: "9928515233428e58"},
-    "detour": {200: "50e20ca1007147ff"},
-    "wait": {150: "de0c7667b1c59a76"},
+    "demo": {50: "4b1d538bf1653227"},
+    "natural": {300: "be1df849b66b2fd6"},
+    "L": {300: "f19fd5215733d8a8"},
+    "W": {300: "4ebc8c176236a29d"},
+    "Q": {300: "499288c6b95524d9"},
+    "U": {300: "daceb4b193f594a7"},
 }
 """Hashes of the first situations of a suite, by how many."""
 
@@ -200,8 +202,11 @@ def _entry(values: dict[str, Any]) -> Entry:
 
 
 def hash_of(entries: list[Entry]) -> str:
-    """Hash of situations and strata, in order."""
+    """Hash of situations and strata, in order.
+
+    When the oracle catches is no part of it: that changes by a hair whenever it gets better.
+    """
     digest = hashlib.sha256()
     for entry in entries:
-        digest.update(f"{_line(entry)}\n".encode())
+        digest.update(f"{_line(replace(entry, earliest=math.inf))}\n".encode())
     return digest.hexdigest()[:16]
