@@ -69,13 +69,19 @@ class Evaluate:
         if self.reference is not None and self.reference not in names:
             raise CommandFailure(f"--reference {self.reference}: is not one of --policies")
         deviations = _deviations(self.noise)
-        folder = made_folder(self.out, option="--out")
         from gcm_learn.evaluation import compare, draw_suite
-        from gcm_learn.evaluation.suites import suites_folder
+        from gcm_learn.evaluation.entrants import entrant
+        from gcm_learn.evaluation.suites import check_suite, suites_folder
         from gcm_learn.plots.comparison import write_report
 
+        suites = list(dict.fromkeys(self.suite.split(",")))
+        for suite in suites:
+            check_suite(suite, self.count)
+        for name in names:
+            entrant(name)  # refused before anything is drawn or written
+        folder = made_folder(self.out, option="--out")
         entries, kept = [], self.suites or suites_folder()
-        for suite in dict.fromkeys(self.suite.split(",")):
+        for suite in suites:
             try:
                 with Progress(self.count, f"situations of {suite}") as progress:
                     entries += draw_suite(suite, self.count, kept, self.workers, progress.advance)

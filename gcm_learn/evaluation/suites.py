@@ -108,6 +108,14 @@ def suites_folder() -> Path:
     return Path(__file__).parents[2] / "data" / "suites"
 
 
+def check_suite(name: str, count: int) -> None:
+    """Refuse what is no suite, or more situations than it can have."""
+    if name not in suite_names():
+        raise UnknownNameError(f"suite: {name!r} is not one of {', '.join(suite_names())}")
+    if not 1 <= count <= LARGEST:
+        raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
+
+
 def draw_suite(
     name: str,
     count: int,
@@ -130,10 +138,7 @@ def draw_suite(
     SuiteError
         If what is there, or drawn, is not what was frozen.
     """
-    if name not in suite_names():
-        raise UnknownNameError(f"suite: {name!r} is not one of {', '.join(suite_names())}")
-    if not 1 <= count <= LARGEST:
-        raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
+    check_suite(name, count)
     path = folder / f"{name}.jsonl"
     entries = _read(path) if path.exists() else []
     if len(entries) < count:

@@ -166,6 +166,16 @@ def test_one_command_writes_a_page_that_needs_nothing_else(entries, tmp_path, ca
     assert main([*command[:2], "nobody", *command[3:]]) == 2
 
 
+@pytest.mark.parametrize(
+    ("option", "value"), [("--policies", "nobody"), ("--suite", "nowhere"), ("--count", "0")]
+)
+def test_what_cannot_be_compared_leaves_nothing_behind(option, value, tmp_path, capsys):
+    given = {"--policies": "straight", "--suite": "gate", "--count": "10"} | {option: value}
+    out = tmp_path / "out"
+    assert main(["evaluate", *sum(given.items(), ()), "--out", str(out)]) == 2
+    assert value in capsys.readouterr().err and not out.exists()
+
+
 def test_what_is_shipped_can_be_compared(tmp_path):
     from gcm_learn.plots.comparison_demo import build_comparison, shipped_entrants
 
