@@ -42,9 +42,13 @@ class Demo:
         if not 0 <= self.memory <= 2000:
             raise CommandFailure(f"--memory {self.memory}: must be from 0 to 2000")
         folder = made_folder(self.out, option="--out")
+        from gcm_learn.memory.shipped import models_folder
         from gcm_learn.plots.demo import build_demo
 
-        page = build_demo(folder, self.seed, self.random, _say)
+        remembers = self.memory > 0 and (models_folder() / "recall").exists()
+        wanted = {"memory": remembers, "comparison": self.compare > 0}
+        beside = [name for name, shown in wanted.items() if shown]
+        page = build_demo(folder, self.seed, self.random, _say, beside)
         recalled = self._recalled(folder)
         report = None
         if self.compare > 0:

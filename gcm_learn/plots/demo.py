@@ -46,7 +46,9 @@ class Solved:
     plans: dict[str, Plan]
 
 
-def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
+def build_demo(
+    out: Path, seed: int, n_random: int, progress: Progress, beside: Sequence[str] = ()
+) -> Path:
     """Solve the paper's scenes and random ones; write pictures and a page about them.
 
     Parameters
@@ -59,6 +61,8 @@ def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
         How many of them.
     progress : callable
         Called with a sentence at every step.
+    beside : sequence of str
+        Pages that will lie in the folder as well: names in `words.BESIDE`.
 
     Returns
     -------
@@ -82,6 +86,9 @@ def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
     if n_random > 0:
         progress(f"Solving {n_random} random situations")
         sections.append(_random_section(out, seed, n_random))
+    if beside:
+        told = [words.BESIDE[name] for name in beside]
+        sections.append(Section("beside", "Memory, and who catches what", told))
     sections.append(Section("more", "Your own situations", words.MORE))
     opening = next(_film(scene, "gcm") for scene in scenes if scene.situation.name == OPENING)
     page = out / "index.html"

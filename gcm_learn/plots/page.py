@@ -24,6 +24,7 @@ table { border-collapse: collapse; margin: 1rem 0; background: white; display: b
         overflow-x: auto; }
 th, td { border-bottom: 1px solid #e2e8f0; padding: .35rem .8rem; text-align: right; }
 th { color: #4a5568; font-weight: 600; font-size: .9rem; } td:first-child, th:first-child
+{ text-align: left; } td:nth-child(2):last-child, th:nth-child(2):last-child
 { text-align: left; } .swatch { display: inline-block; width: .9em; height: .9em;
 border-radius: 3px; margin: 0 .35em -.1em 0; } .key span { white-space: nowrap;
 margin-right: 1.1rem; } .key { max-width: none; }
@@ -112,7 +113,9 @@ def _section(section: Section) -> str:
 
 
 def _paragraph(text: str) -> str:
-    return "<p>" + re.sub("`([^`]+)`", r"<code>\1</code>", escape(text)) + "</p>"
+    """A paragraph; `code` and [text](address) are set as in Markdown."""
+    linked = re.sub(r"\[([^]]+)\]\(([^)]+)\)", r'<a href="\2">\1</a>', escape(text))
+    return "<p>" + re.sub("`([^`]+)`", r"<code>\1</code>", linked) + "</p>"
 
 
 def _table(table: Table) -> str:

@@ -127,6 +127,13 @@ READING = (
     "by that much. When no path is found in such a map, it is made again without.",
 )
 
+BESIDE = {
+    "memory": "What was caught can be remembered: [a memory of catches](memory/index.html) shows "
+    "them as points, each with its map, and answers new situations with them.",
+    "comparison": "[Who catches what](comparison/report.html) compares planners, memory and "
+    "trained policies on the same situations.",
+}
+
 MORE = (
     "The situations of this page are in `paper.jsonl` and `gate.jsonl` beside it, one JSON "
     "object a line: copy "

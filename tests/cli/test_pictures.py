@@ -27,8 +27,9 @@ def _in_folder(tmp_path, monkeypatch):
 def test_demo_says_where_its_page_is(tmp_path, capsys, monkeypatch):
     asked = []
 
-    def build_demo(out, seed, n_random, progress):
+    def build_demo(out, seed, n_random, progress, beside):
         asked.append((out, seed, n_random))
+        assert beside == []
         progress("fig1")
         return out / "index.html"
 

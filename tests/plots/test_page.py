@@ -84,3 +84,9 @@ def test_summary_figure_without_any_catch(planar_case, drawn):
     _, plan = planar_case
     failed = dataclasses.replace(plan, status="unreachable", catch_time=None, clearance=None)
     drawn(summary_figure([tally("a", [failed])]))
+
+
+def test_words_may_lead_to_other_pages():
+    section = Section("beside", "Beside", ["See [a <page>](memory/index.html) of `code`."])
+    text = render("title", [], Picture("a.png", "alt", "words"), [], [section])
+    assert '<a href="memory/index.html">a &lt;page&gt;</a> of <code>code</code>' in text
