@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import Any
 
 from gcm_learn.errors import SuiteError
-from gcm_learn.evaluation.contest import THREADS
+from gcm_learn.evaluation.crew import rows_of
 from gcm_learn.evaluation.entrants import Entrant, PlannerEntrant, entrant
 from gcm_learn.evaluation.noise import Habit, Noise, under_noise
 from gcm_learn.evaluation.statistics import Interval, wilson
@@ -69,21 +66,7 @@ def compare_blurred(
         if not 0.0 <= place <= 1.0:
             raise SuiteError(f"noise: must be from 0 to 1 forearms (got {place})")
     jobs = list(_jobs(names, entries, sorted({0.0, *deviations})))
-    workers = min(workers or len(os.sched_getaffinity(0)), len(jobs))
-    rows: list[dict[str, Any]] = []
-    if workers == 1:
-        for job in jobs:
-            rows += _do(job)
-            progress(len(job.entries))
-        return Results.of(_ordered(rows, names))
-    for variable in THREADS:
-        os.environ.setdefault(variable, "1")
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        running = {pool.submit(_do, job): job for job in jobs}
-        for future in as_completed(running):
-            rows += future.result()
-            progress(len(running[future].entries))
-    return Results.of(_ordered(rows, names))
+    return Results.of(_ordered(rows_of(jobs, _do, workers, progress), names))
 
 
 def episodes(names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]) -> int:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import lru_cache
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
 
 from gcm_learn.arm.kinematics import SIDE, elbow_of
 from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.evaluation.crew import rows_of
 from gcm_learn.evaluation.entrants import Entrant, Result, entrant
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
@@ -24,7 +22,6 @@ from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import LIMB, PART, pose_at, segment_distance
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 _CHUNK = 10  # situations that a process takes at once
 
 
@@ -69,21 +66,7 @@ def compare(
         entrant(name)  # refused here rather than in a process
     marks = _marked(entries, charge)
     jobs = list(_jobs(names, entries, marks))
-    rows: list[dict[str, Any]] = []
-    workers = min(workers or len(os.sched_getaffinity(0)), len(jobs))
-    if workers == 1:
-        for job in jobs:
-            rows += do(job)
-            progress(len(job.entries))
-        return Results.of(_ordered(rows, names))
-    for variable in THREADS:
-        os.environ.setdefault(variable, "1")
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        running = {pool.submit(do, job): job for job in jobs}
-        for future in as_completed(running):
-            rows += future.result()
-            progress(len(running[future].entries))
-    return Results.of(_ordered(rows, names))
+    return Results.of(_ordered(rows_of(jobs, do, workers, progress), names))
 
 
 def _marked(entries: Sequence[Entry], charge: int) -> list[bool]:

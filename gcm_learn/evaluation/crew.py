@@ -1,0 +1,60 @@
+"""Jobs of a comparison, shared among processes that take one thread each."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from typing import Any, Protocol, TypeVar
+
+from gcm_learn.evaluation.suites import Entry
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+class Piece(Protocol):
+    """Some situations to be answered at once."""
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The situations."""
+
+
+AnyPiece = TypeVar("AnyPiece", bound=Piece)
+Rows = list[dict[str, Any]]
+
+
+def rows_of(
+    jobs: Sequence[AnyPiece],
+    do: Callable[[AnyPiece], Rows],
+    workers: int | None,
+    progress: Callable[[int], object],
+) -> Rows:
+    """Rows of all jobs, in any order.
+
+    Parameters
+    ----------
+    jobs : sequence
+    do : callable
+        A function of a module: makes the rows of a job.
+    workers : int, optional
+        Processes; by default one for each core.
+    progress : callable
+        Told how many situations of a job are done.
+    """
+    rows: Rows = []
+    workers = min(workers or len(os.sched_getaffinity(0)), len(jobs))
+    if workers <= 1:
+        for job in jobs:
+            rows += do(job)
+            progress(len(job.entries))
+        return rows
+    for variable in THREADS:
+        os.environ.setdefault(variable, "1")
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        running = {pool.submit(do, job): job for job in jobs}
+        for future in as_completed(running):
+            rows += future.result()
+            progress(len(running[future].entries))
+    return rows
