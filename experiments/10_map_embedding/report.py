@@ -18,7 +18,8 @@ BASE = "raw neighbours"
 PAIRS = (("map", "raw, learned"), ("map", "way"), ("way and map", "way"))
 COLOURS = {
     "way": "#0b6e4f", "map": "#2b6cb0", "way and map": "#6b46c1", "raw, learned": "#dd6b20",
-    "raw neighbours": "#c1666b", "components of maps": "#d4a017", "random": "#7d8597",
+    "raw neighbours": "#c1666b", "components of maps": "#d4a017", "codes of maps": "#8a5a00",
+    "random": "#7d8597",
 }  # fmt: skip
 Line = dict[str, Any]
 

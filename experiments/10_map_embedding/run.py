@@ -22,6 +22,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 
+from autoencoder import AutoencoderIndex  # noqa: E402
 from report import write_figure, write_table  # noqa: E402
 from teaching import Lessons, filed, trained  # noqa: E402
 
@@ -76,10 +77,12 @@ def controls(school: School) -> dict[str, Memory]:
     """The memories filed without learning."""
     raw = np.array([raw_features(s) for s in school.situations])
     scale, pca, lots = Scale.of(raw), PcaIndex.fit(school.situations[:3000]), RandomIndex()
+    codes = AutoencoderIndex.fit(school.situations[:3000])
     traces = [Trace(k, g) for k, g in zip(school.traces, school.goals, strict=True)]
     return {
         "raw neighbours": filed(RawIndex(scale), nearest_rows(scale(raw)), school),
         "components of maps": filed(pca, pca.embed_memories(school.situations, traces), school),
+        "codes of maps": filed(codes, codes.embed_memories(school.situations, traces), school),
         "random": filed(lots, lots.embed_memories(school.situations, traces), school),
     }
 
