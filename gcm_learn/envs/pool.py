@@ -11,7 +11,7 @@ from gcm_learn.envs import kernels as k
 from gcm_learn.errors import ArenaError
 from gcm_learn.memory.features import own_axis
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.verification import HOLE_MARGIN, SAFETY, start_clearance
+from gcm_learn.planners.verification import HOLE_MARGIN, safety_of, start_clearance
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.canonical import Frame, canonical
@@ -73,7 +73,7 @@ def _arm_row(situation: Situation, bodies: Bodies) -> np.ndarray:
     problem = Problem(situation, "arena", bodies)
     row = np.zeros(k.ARM_COLUMNS)
     row[k.RHO], row[k.SPEED], row[k.THICKNESS] = arm.upper_arm, arm.max_hand_speed, arm.thickness
-    row[k.FLOOR] = arm.thickness + min(SAFETY, 0.5 * free)  # as the verification has it
+    row[k.FLOOR] = arm.thickness + safety_of(free)
     row[k.GRASP], row[k.HORIZON] = problem.reach, situation.horizon
     row[k.NEAR] = max(arm.inner_reach + HOLE_MARGIN, HUB)
     row[k.FAR], row[k.START] = arm.reach, arm.hand[0]

@@ -20,7 +20,7 @@ from gcm_learn.memory.traces import Trace, ring_share
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
 from gcm_learn.planners.interception import first_interception
 from gcm_learn.planners.timing import SPACING, refine
-from gcm_learn.planners.verification import SAFETY
+from gcm_learn.planners.verification import safety_of
 from gcm_learn.situation import Situation
 
 INSTANTS = 33  # at which the limb is looked at before the exact check
@@ -77,7 +77,7 @@ def query_of(problem: Problem) -> Query:
         elbow=joints[1],
         horizon=horizon,
         reach=problem.reach,
-        floor=arm.thickness + min(SAFETY, 0.5 * problem.start_clearance),
+        floor=arm.thickness + safety_of(problem.start_clearance),
         instant=problem.instant,
         soonest=max(float(soonest), 0.0),
     )

@@ -16,7 +16,7 @@ from gcm_learn.planners import oracle_kernels as kernels
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle_kernels import Desk, Front, Grid, Rules
 from gcm_learn.planners.oracle_moves import MOVES, PAST, RIM, STRETCH
-from gcm_learn.planners.verification import HOLE_MARGIN, SAFETY
+from gcm_learn.planners.verification import HOLE_MARGIN, safety_of
 from gcm_learn.situation.kernels import LIMB, PART
 from gcm_learn.situation.situation import Arm
 
@@ -185,7 +185,7 @@ def _rules(problem: Problem, h: float, exact: bool, waiting: bool, after: float)
     arm = problem.situation.arm
     touch, meet = arm.thickness, arm.grasp + h * math.sqrt(0.5)
     if exact:
-        touch += min(SAFETY, 0.5 * problem.start_clearance)
+        touch += safety_of(problem.start_clearance)
         meet = problem.reach + 2.0 * h
     return Rules(
         exact=exact,

@@ -36,7 +36,7 @@ from gcm_learn.planners.isolation import Tell, told
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.st_rrt_star_moves import Limits, Task
 from gcm_learn.planners.timing import straight_way
-from gcm_learn.planners.verification import HOLE_MARGIN, SAFETY
+from gcm_learn.planners.verification import HOLE_MARGIN, safety_of
 from gcm_learn.situation import Situation
 
 ITERATIONS = 1000
@@ -194,7 +194,7 @@ def _limits(problem: Problem) -> Limits:
         side=SIDE[arm.elbow],
         hole=max(min(arm.inner_reach + HOLE_MARGIN, nearest * (1.0 - 1e-9)), folded),
         far=max(arm.reach, nearest),
-        touch=arm.thickness + min(SAFETY, 0.5 * problem.start_clearance),
+        touch=arm.thickness + safety_of(problem.start_clearance),
         speed=arm.max_hand_speed,
         shoulder=joints[0],
         elbow=joints[1],

@@ -167,7 +167,7 @@ def verify(
         return Verdict(False, 0.0, reason)
     rho, side = arm.upper_arm, SIDE[arm.elbow]
     at_start = start_clearance(situation, bodies) if at_start is None else at_start
-    safety = min(SAFETY, 0.5 * at_start)
+    safety = safety_of(at_start)
     distance, when = least_distance(
         bodies, trajectory.time, trajectory.hand, rho, side, arm.thickness + safety, RESOLUTION
     )
@@ -176,6 +176,14 @@ def verify(
         return Verdict(False, distance - arm.thickness, reason, touched=float(when))
     free = np.inf if distance > 1e200 else distance - arm.thickness
     return Verdict(True, float(free), "")
+
+
+def safety_of(at_start: float) -> float:
+    """Clearance that a path must keep [forearm lengths], given that at t = 0.
+
+    Half of it where the limb begins nearer to an obstacle than SAFETY asks for.
+    """
+    return min(SAFETY, 0.5 * at_start)
 
 
 def start_clearance(situation: Situation, bodies: Bodies) -> float:
