@@ -37,6 +37,7 @@ class Arena:
         """Terms of the reward of the last step (count, 4)."""
         self.observations = np.zeros((n, s.width), np.float32)
         self._everyone = np.arange(n)
+        self._arms = tuple(self.state)
         self._rest = (  # what `play` is told the same of at every step
             CONTROLS[s.control], s.joint_rate, s.dt, s.weights.row, s.discount, s.slots, s.fan,
             self.outcomes, self.terms, self.observations,
@@ -62,7 +63,8 @@ class Arena:
         """Renew what arms are told; by default all."""
         s = self.settings
         chosen = self._everyone if arms is None else arms
-        observe_all(self.pool.world, self.state, chosen, s.slots, s.fan, s.dt, self.observations)
+        world = tuple(self.pool.world)
+        observe_all(world, self._arms, chosen, s.slots, s.fan, s.dt, self.observations)
         return self.observations
 
     def move(self, actions: np.ndarray) -> np.ndarray:
@@ -81,4 +83,4 @@ class Arena:
 
     def _play(self, actions: np.ndarray, first: int, last: int) -> None:
         """One step of some arms."""
-        play(self.pool.world, self.state, actions, *self._rest, first, last)
+        play(tuple(self.pool.world), self._arms, actions, *self._rest, first, last)

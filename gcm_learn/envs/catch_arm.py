@@ -14,7 +14,7 @@ from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.guidance import fields_of
 from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings, settings_of
+from gcm_learn.envs.settings import OUTCOMES, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.situation import Situation
@@ -197,12 +197,12 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         if not self._path:
             raise ArenaError("step: reset comes first")
         self._actions[0] = action
-        outcome = int(self.arena.move(self._actions)[0])
+        outcome = self.arena.move(self._actions).item()
         observation = self.arena.observations[0].copy()
         self._path.append(self._where())
-        info = self._info(outcome)
-        terms = self.arena.terms[0].tolist()
-        info["reward_terms"] = dict(zip(TERMS, terms, strict=True))
+        info, terms = self._info(outcome), self.arena.terms[0].tolist()
+        catch, touch, haste, guide = terms  # a literal costs a fourth of what a zip does
+        info["reward_terms"] = {"catch": catch, "touch": touch, "haste": haste, "guide": guide}
         if outcome != k.RUNNING:
             info["is_success"] = outcome == k.CAUGHT
         if self.render_mode == "human":

@@ -25,6 +25,8 @@ from gcm_learn.envs.kernels import (
     SPEED,
     THICKNESS,
     TURN_1,
+    State,
+    World,
     bodies_of,
     desk_for,
     step,
@@ -329,10 +331,14 @@ def _tell_obstacle(bodies, b, arms, s, e, at, t, x, y, c, sn, moments, gaps, pos
 
 @njit(cache=True, nogil=True)
 def observe_all(world, state, chosen, slots, fan, dt, out):
-    """Write what the arms `chosen` (k,) are told into their rows of `out`."""
-    desk = desk_for(world, state, 0, state.place.size)
+    """Write what the arms `chosen` (k,) are told into their rows of `out`.
+
+    World and state come as plain tuples: of named ones, finding the types takes as long as a step.
+    """
+    worlds, states = World(*world), State(*state)
+    desk = desk_for(worlds, states, 0, states.place.size)
     for k in range(chosen.size):
-        observe(world, state, chosen[k], slots, fan, dt, out, desk)
+        observe(worlds, states, chosen[k], slots, fan, dt, out, desk)
 
 
 @njit(cache=True, nogil=True)
@@ -340,9 +346,10 @@ def play(
     world, state, actions, control, joint_rate, dt, weights, discount, slots, fan, outcomes,
     rewards, out, first, last,
 ):  # fmt: skip
-    """Arms first to last - 1 make a step and are told of it."""
-    desk = desk_for(world, state, first, last)
+    """Arms first to last - 1 make a step and are told of it; tuples as of `observe_all`."""
+    worlds, states = World(*world), State(*state)
+    desk = desk_for(worlds, states, first, last)
     for e in range(first, last):
-        step(world, state, e, actions, control, joint_rate, dt, weights, discount, outcomes,
+        step(worlds, states, e, actions, control, joint_rate, dt, weights, discount, outcomes,
              rewards, desk)  # fmt: skip
-        observe(world, state, e, slots, fan, dt, out, desk)
+        observe(worlds, states, e, slots, fan, dt, out, desk)

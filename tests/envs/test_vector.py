@@ -22,12 +22,12 @@ def test_step_by_step_equal_to_single_ones(scenes, rng, options):
     arms = CatchArms(n, scenes, **options)
     env = CatchArm(arms.pool, **options)
     observations, _ = arms.reset(options={"index": np.arange(n)})
-    batch = [(observations, None, None, None)]
+    batch = [(observations, None, None, None, None)]
     actions = rng.uniform(-1.2, 1.2, (90, n, 2))
     alive, lasts = np.ones((91, n), bool), {}
     for k, action in enumerate(actions):
         observations, rewards, ended, late, info = arms.step(action)
-        batch.append((observations, rewards, ended, late))
+        batch.append((observations, rewards, ended, late, info["reward_terms"]))
         alive[k + 1] = alive[k] & ~(ended | late)
         for e in np.flatnonzero(alive[k] & (ended | late)):
             final = info["final_info"]
@@ -40,6 +40,8 @@ def test_step_by_step_equal_to_single_ones(scenes, rng, options):
         for k in range(lasts[e][0] + 1):
             one = env.step(actions[k, e])
             assert batch[k + 1][1][e] == one[1]
+            named = {name: terms[e] for name, terms in batch[k + 1][4].items()}
+            assert named == one[4]["reward_terms"]
             assert (batch[k + 1][2][e], batch[k + 1][3][e]) == (one[2], one[3])
             if alive[k + 1, e]:
                 np.testing.assert_array_equal(batch[k + 1][0][e], one[0])
