@@ -38,9 +38,11 @@ format: $(VENV)/.dev  ## rewrite the sources in the house style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets
+bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets and the arena
 	$(BIN)/python experiments/benchmarks/run.py
 	$(BIN)/python experiments/benchmarks/dataset.py
+	@$(BIN)/python -c 'import gymnasium' 2>/dev/null || $(PIP) --quiet gymnasium
+	$(BIN)/python experiments/benchmarks/arena.py
 
 clean:  ## remove what was built, except .venv
 	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

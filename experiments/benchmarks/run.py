@@ -1,6 +1,6 @@
 """Measure the engine on one core, side by side with what a user would take instead.
 
-    make bench                                          everything (about 4 minutes)
+    make bench             this (about 4 minutes), then datasets (`dataset.py`) and `arena.py`
     python experiments/benchmarks/run.py --situations 2000      fewer random situations
 
 Ratios are medians of paired runs in this one process: A, B, A, B, ...  Absolute times are only as
