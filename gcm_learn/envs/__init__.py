@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gcm_learn.envs.pool import Pool
     from gcm_learn.envs.settings import Settings, Weights
     from gcm_learn.envs.vector import CatchArms
-    from gcm_learn.envs.views import WithEmbedding, WithMap
+    from gcm_learn.envs.views import WithMap
 
 __all__ = [
     "Arena",
@@ -24,7 +24,6 @@ __all__ = [
     "Pool",
     "Settings",
     "Weights",
-    "WithEmbedding",
     "WithMap",
 ]
 
@@ -35,7 +34,6 @@ _HOMES = {
     "Pool": "pool",
     "Settings": "settings",
     "Weights": "settings",
-    "WithEmbedding": "views",
     "WithMap": "views",
 }
 

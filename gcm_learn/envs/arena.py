@@ -31,11 +31,12 @@ class Arena:
 
     def __post_init__(self) -> None:
         n, s = self.count, self.settings
+        self.pool = self.pool.prepared(s)
         self.state = k.State(np.zeros(n, np.int64), np.zeros((n, 2)), np.zeros(n))
         self.outcomes = np.zeros(n, np.int64)
         self.terms = np.zeros((n, k.TERMS))
         """Terms of the reward of the last step (count, 4)."""
-        self.observations = np.zeros((n, s.width), np.float32)
+        self.observations = np.zeros((n, s.width + self.pool.embeddings.shape[1]), np.float32)
         self._everyone = np.arange(n)
         self._arms = tuple(self.state)
         self._rest = (  # what `play` is told the same of at every step
@@ -57,6 +58,7 @@ class Arena:
         state.hand[arms, 0] = self.pool.world.arms[places, k.START]
         state.hand[arms, 1] = 0.0
         state.time[arms] = 0.0
+        self.observations[arms, self.settings.width :] = self.pool.embeddings[places]
         self.observe(arms)
 
     def observe(self, arms: np.ndarray | None = None) -> np.ndarray:

@@ -12,7 +12,6 @@ from gymnasium import spaces
 from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
-from gcm_learn.envs.guidance import fields_of
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
@@ -23,9 +22,15 @@ from gcm_learn.situation.canonical import Frame
 POOL = 256  # situations that an environment draws from a family, by default
 
 
-def box(width: int) -> spaces.Box:
+LARGEST = 10.0  # number of an observation
+FARTHEST = 100.0  # number of an embedding
+
+
+def box(arena: Arena) -> spaces.Box:
     """The space of observations."""
-    return spaces.Box(-10.0, 10.0, (width,), np.float32)
+    bounds = np.full(arena.observations.shape[1], LARGEST, np.float32)
+    bounds[arena.settings.width :] = FARTHEST
+    return spaces.Box(-bounds, bounds, dtype=np.float32)
 
 
 class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -81,8 +86,9 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
           most 0.9), and how near it comes until then (at most 0.5)
     ===== ==============================================================================
 
-    `WithMap` adds the picture of the situation's cognitive map, `WithEmbedding` an encoder's
-    embedding of the situation (`gcm_learn.envs`).
+    With ``embedding=True`` there follows how the encoder in the folder of models embeds the
+    situation, by what is known at t = 0 (within 100, the same during an episode). `WithMap` of
+    `gcm_learn.envs` adds the picture of the situation's cognitive map.
 
     **End.** A catch or a touch terminates the episode, the horizon truncates it. Both are
     found by the functions that verify plans, between steps too: a catch that is reported here is
@@ -116,8 +122,8 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     settings : Settings or mapping, optional
         Fields of `Settings`, and of `Weights` under "weights".
     control : {"hand", "joint"}
-    fan : bool
-        These two for short.
+    fan, embedding : bool
+        These three for short.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
@@ -132,15 +138,16 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         settings: Settings | Mapping[str, Any] | None = None,
         control: str | None = None,
         fan: bool | None = None,
+        embedding: bool | None = None,
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")
-        self.settings = settings_of(settings, control, fan)
+        self.settings = settings_of(settings, control, fan, embedding)
         made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        self.pool = with_fields(made, self.settings)
-        self.arena = Arena(self.pool, 1, self.settings)
+        self.arena = Arena(made, 1, self.settings)
+        self.pool = self.arena.pool
         self.render_mode = render_mode
-        self.observation_space = box(self.settings.width)
+        self.observation_space = box(self.arena)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self._path: list[tuple[float, float, float]] = []
         self._turns = dict[int, list[list[float]]]()
@@ -179,7 +186,7 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         if situation is not None:
             if not isinstance(situation, Situation):
                 raise ArenaError(f"options.situation: must be a situation (got {situation!r})")
-            self.arena.pool, index = with_fields(Pool.of([situation]), self.settings), 0
+            self.arena.pool, index = Pool.of([situation]).prepared(self.settings), 0
         elif index is None:
             index = int(self.np_random.integers(len(self.pool)))
         elif not 0 <= index < len(self.pool):
@@ -248,10 +255,3 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     def __getstate__(self) -> dict[str, Any]:
         """All but the window."""
         return {**self.__dict__, "_viewer": None}
-
-
-def with_fields(pool: Pool, settings: Settings) -> Pool:
-    """The pool with maps' times to go if the reward wants them."""
-    if settings.weights.guide == 0.0 or len(pool.world.fields):
-        return pool
-    return pool.guided(fields_of(pool.situations))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcm_learn.envs import kernels as k
+from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import ArenaError
 from gcm_learn.memory.features import own_axis
 from gcm_learn.planners.completion import Problem
@@ -29,6 +30,8 @@ class Pool:
     frames: tuple[Frame, ...]
     """How each of them was drawn."""
     world: k.World
+    embeddings: np.ndarray
+    """Of the situations (s, dim) float32; dim is 0 where nobody asked for them."""
 
     def __len__(self) -> int:
         return len(self.situations)
@@ -48,20 +51,34 @@ class Pool:
         packed = [pack(situation) for situation, _ in turned]
         arms = np.array([_arm_row(s, b) for (s, _), b in zip(turned, packed, strict=True)])
         world = _joined(packed, arms)
-        return cls(tuple(s for s, _ in turned), tuple(f for _, f in turned), world)
+        none = np.zeros((len(turned), 0), np.float32)
+        return cls(tuple(s for s, _ in turned), tuple(f for _, f in turned), world, none)
+
+    def prepared(self, settings: Settings) -> Pool:
+        """The same situations with what settings ask for: maps' times to go, embeddings."""
+        made = self
+        if settings.weights.guide != 0.0 and not len(self.world.fields):
+            from gcm_learn.envs.guidance import fields_of
+
+            made = made.guided(fields_of(self.situations))
+        if settings.embedding and not self.embeddings.shape[1]:
+            from gcm_learn.envs.views import embeddings_of
+
+            made = replace(made, embeddings=embeddings_of(self.situations))
+        return made
 
     def guided(self, fields: np.ndarray) -> Pool:
         """The same situations with times to go (s, n, n); see `guidance.fields_of`."""
         return replace(self, world=self.world._replace(fields=fields.astype(np.float32)))
 
     def part(self, chosen: Sequence[int] | np.ndarray) -> Pool:
-        """Some of the situations, packed anew; fields of times to go come with them."""
+        """Some of the situations, packed anew; times to go and embeddings come with them."""
         rows = [int(i) for i in chosen]
         made = Pool.of([self.situations[i] for i in rows])
         frames = tuple(self.frames[i] for i in rows)
         if len(self.world.fields):
             made = made.guided(self.world.fields[rows])
-        return replace(made, frames=frames)
+        return replace(made, frames=frames, embeddings=self.embeddings[rows])
 
 
 def _arm_row(situation: Situation, bodies: Bodies) -> np.ndarray:

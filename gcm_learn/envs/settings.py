@@ -56,6 +56,8 @@ class Settings:
     """Obstacles that are told, those that come nearest on the straight way first."""
     fan: bool = False
     """Whether the observation ends with how far the hand can go in each of 24 directions."""
+    embedding: bool = False
+    """Whether the observation ends with an encoder's embedding of the situation."""
     joint_rate: float = 2.0
     """Fastest joint under joint control, if the situation has no limit [hand speeds / forearm]."""
     discount: float = 0.99
@@ -76,7 +78,7 @@ class Settings:
 
     @property
     def width(self) -> int:
-        """Length of an observation."""
+        """Length of an observation without an embedding."""
         return (
             o.ARM + o.TARGET + self.slots * o.OBSTACLE + (rays.RAYS * rays.RAY if self.fan else 0)
         )
@@ -86,6 +88,7 @@ def settings_of(
     settings: Settings | Mapping[str, Any] | None,
     control: str | None = None,
     fan: bool | None = None,
+    embedding: bool | None = None,
 ) -> Settings:
     """Settings from their fields.
 
@@ -106,5 +109,5 @@ def settings_of(
                 raise ArenaError(f"settings.weights: {strange[0]!r} is not one of {TERMS}")
             values["weights"] = Weights(**weights)
         settings = Settings(**values)
-    given: dict[str, Any] = {"control": control, "fan": fan}
+    given: dict[str, Any] = {"control": control, "fan": fan, "embedding": embedding}
     return replace(settings, **{name: v for name, v in given.items() if v is not None})

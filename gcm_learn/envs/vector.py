@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
-from gcm_learn.envs.catch_arm import POOL, box, with_fields
+from gcm_learn.envs.catch_arm import POOL, box
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
@@ -44,6 +44,7 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         settings: Settings | Mapping[str, Any] | None = None,
         control: str | None = None,
         fan: bool | None = None,
+        embedding: bool | None = None,
         threads: int = 1,
         render_mode: str | None = None,
     ) -> None:
@@ -54,11 +55,11 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if render_mode is not None:
             raise ArenaError("render_mode: many arms are not drawn; use CatchArm")
         self.num_envs, self.render_mode = num_envs, None
-        self.settings = settings_of(settings, control, fan)
+        self.settings = settings_of(settings, control, fan, embedding)
         made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        self.pool = with_fields(made, self.settings)
-        self.arena = Arena(self.pool, num_envs, self.settings, threads)
-        self.single_observation_space = box(self.settings.width)
+        self.arena = Arena(made, num_envs, self.settings, threads)
+        self.pool = self.arena.pool
+        self.single_observation_space = box(self.arena)
         self.single_action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)

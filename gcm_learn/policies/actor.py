@@ -67,6 +67,7 @@ class Actor:
             "activation": self.activation,
             "squash": self.squash,
             "settings": settings_to_json(self.settings),
+            "encoder": _encoder_key(self.settings),
         }
         arrays: dict[str, Any] = {f"w{k}": w for k, (w, _) in enumerate(self.layers)}
         arrays |= {f"b{k}": b for k, (_, b) in enumerate(self.layers)}
@@ -95,6 +96,8 @@ class Actor:
             if header.get("format") != FORMAT:
                 raise PolicyError(f"{path}: is not {FORMAT} but {header.get('format')!r}")
             count = sum(name.startswith("w") for name in file.files)
+            settings = settings_from_json(header["settings"])
+            _check_encoder(path, settings, header.get("encoder", ""))
             return cls(
                 layers=tuple((file[f"w{k}"], file[f"b{k}"]) for k in range(count)),
                 mean=file["mean"],
@@ -103,8 +106,23 @@ class Actor:
                 activation=header["activation"],
                 squash=header["squash"],
                 spread=file["spread"],
-                settings=settings_from_json(header["settings"]),
+                settings=settings,
             )
+
+
+def _check_encoder(path: Path, settings: Settings, key: str) -> None:
+    """Refuse an actor that has learned from another encoder's embeddings."""
+    if settings.embedding and key != _encoder_key(settings):
+        raise PolicyError(f"{path}: was trained with another encoder than that of the models")
+
+
+def _encoder_key(settings: Settings) -> str:
+    """Of the encoder whose embeddings are told; empty if there is none."""
+    if not settings.embedding:
+        return ""
+    from gcm_learn.envs.views import encoder
+
+    return encoder().key
 
 
 def settings_to_json(settings: Settings) -> dict[str, Any]:

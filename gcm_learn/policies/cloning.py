@@ -1,4 +1,4 @@
-"""Behaviour cloning: a network learns which choice the demonstrations make."""
+"""Behaviour cloning: a network learns which choice the demonstrations make, or how they move."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from gcm_learn.policies.directions import choices_of
 from gcm_learn.seeding import rng
 
 LEAST_DEVIATION = 1e-3  # numbers that hardly vary are not blown up
+SPREAD = -1.5  # logarithm of the deviation of a cloned velocity that is drawn, before the tanh
 Report = Callable[[dict[str, float]], Any]
 
 
@@ -42,37 +43,48 @@ def clone(
     how: Cloning,
     seed: int,
     report: Report | None = None,
+    *,
+    choices: bool = True,
 ) -> Actor:
     """Train a clone.
 
     Parameters
     ----------
+    choices : bool
+        Whether its actions are choices of a direction (by cross-entropy), or velocities (by
+        squares), of which it learns the mean: where ways fork it is worse, but who acts by
+        velocities can begin with it.
     report : callable, optional
         Called after every epoch with its losses and accuracy.
     """
     told = demonstrations.observations
-    choices = choices_of(told, demonstrations.actions)
+    done = choices_of(told, demonstrations.actions) if choices else demonstrations.actions
     mean, deviation = told.mean(axis=0), np.maximum(told.std(axis=0), LEAST_DEVIATION)
     source = rng(seed)
     order = source.permutation(len(told))
     held = order[: max(int(how.held_out * len(told)), 1)]
     rest = order[len(held) :]
     torch.manual_seed(seed)
-    network = perceptron(told.shape[1], how.layers, RAYS)
+    network = perceptron(told.shape[1], how.layers, RAYS if choices else 2)
     optimiser = torch.optim.AdamW(network.parameters(), how.rate, weight_decay=how.decay)
     steps = how.epochs * -(-len(rest) // how.batch)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
 
     def batch_of(rows: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
         scaled = np.clip((told[rows] - mean) / deviation, -10.0, 10.0).astype(np.float32)
-        return torch.from_numpy(scaled), torch.from_numpy(choices[rows])
+        return torch.from_numpy(scaled), torch.from_numpy(done[rows])
+
+    def loss_of(scores: torch.Tensor, wanted: torch.Tensor) -> torch.Tensor:
+        if choices:
+            return nn.functional.cross_entropy(scores, wanted)
+        return nn.functional.mse_loss(torch.tanh(scores), wanted)
 
     for epoch in range(how.epochs):
         source.shuffle(rest)
         total = 0.0
         for at in range(0, len(rest), how.batch):
             inputs, wanted = batch_of(rest[at : at + how.batch])
-            loss = nn.functional.cross_entropy(network(inputs), wanted)
+            loss = loss_of(network(inputs), wanted)
             optimiser.zero_grad()
             loss.backward()
             optimiser.step()
@@ -81,14 +93,12 @@ def clone(
         if report is not None:
             with torch.no_grad():
                 inputs, wanted = batch_of(held)
-                scores = network(inputs)
-                lost = float(nn.functional.cross_entropy(scores, wanted))
-                right = float((scores.argmax(dim=1) == wanted).float().mean())
-            report({"epoch": epoch + 1, "loss": total / len(rest), "held_out_loss": lost,
-                    "accuracy": right})  # fmt: skip
+                lost = float(loss_of(network(inputs), wanted))
+            report({"epoch": epoch + 1, "loss": total / len(rest), "held_out_loss": lost})
     return Actor(
-        layers=layers_of(network), mean=mean, deviation=deviation, head="choice",
-        activation="relu", squash=False, spread=np.zeros(2), settings=settings,
+        layers=layers_of(network), mean=mean, deviation=deviation,
+        head="choice" if choices else "velocity", activation="relu", squash=not choices,
+        spread=np.full(2, SPREAD), settings=settings,
     )  # fmt: skip
 
 

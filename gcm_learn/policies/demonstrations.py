@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,26 +50,62 @@ def act_out(pool: Pool, ways: Sequence[Trajectory], settings: Settings) -> Demon
     Demonstrations
         Only of episodes that end with a catch: what corners cut by steps spoil is left out.
     """
+    told, done, whose, caught = [], [], [], np.zeros(len(pool), bool)
+    for moves in _moves(pool, ways, settings):
+        told.append(moves.told)
+        done.append(moves.actions)
+        whose.append(moves.arms)
+        caught[moves.arms] = moves.outcomes == k.CAUGHT
+    good = caught[np.concatenate(whose)]
+    return Demonstrations(
+        np.concatenate(told)[good], np.concatenate(done)[good], float(caught.mean())
+    )
+
+
+class Moves(NamedTuple):
+    """One step of those arms whose episode is not over."""
+
+    arms: np.ndarray
+    """Which they are (m,)."""
+    told: np.ndarray
+    """Before (m, width) float32."""
+    actions: np.ndarray
+    """(m, 2) float32."""
+    rewards: np.ndarray
+    """(m,) float32."""
+    following: np.ndarray
+    """What is told after (m, width) float32."""
+    outcomes: np.ndarray
+    """As the arena codes them (m,)."""
+
+
+def transitions(pool: Pool, ways: Sequence[Trajectory], settings: Settings) -> Moves:
+    """All steps of following plans, one after the other, for learners with a replay buffer.
+
+    What fails because steps cut corners is told, too: it comes with its reward.
+    """
+    return Moves(*map(np.concatenate, zip(*_moves(pool, ways, settings), strict=True)))
+
+
+def _moves(pool: Pool, ways: Sequence[Trajectory], settings: Settings) -> Iterator[Moves]:
+    """Follow plans, step by step."""
     n = len(pool)
     arena = Arena(pool, n, settings)
     arena.put(np.arange(n), np.arange(n))
     table = _Table(ways)
     speed = pool.world.arms[:, k.SPEED]
-    alive, outcomes = np.ones(n, bool), np.zeros(n, np.int64)
-    told, done, whose = [], [], []
+    alive = np.ones(n, bool)
     while alive.any():
         wanted = table.velocity(arena.state.time, arena.state.hand, settings.dt) / speed[:, None]
         actions = into_frame(arena.state.hand, wanted)
-        told.append(arena.observations[alive].copy())
-        done.append(actions[alive].astype(np.float32))
-        whose.append(np.flatnonzero(alive))
-        outcomes[alive] = arena.move(actions)[alive]
-        alive &= outcomes == k.RUNNING
+        arms, told = np.flatnonzero(alive), arena.observations[alive]
+        outcomes = arena.move(actions)[arms]
+        yield Moves(
+            arms, told, actions[arms].astype(np.float32),
+            arena.terms[arms].sum(axis=1).astype(np.float32), arena.observations[arms], outcomes,
+        )  # fmt: skip
+        alive[arms] = outcomes == k.RUNNING
         arena.state.time[~alive] = pool.world.arms[~alive, k.HORIZON]
-    good = (outcomes == k.CAUGHT)[np.concatenate(whose)]
-    return Demonstrations(
-        np.concatenate(told)[good], np.concatenate(done)[good], float((outcomes == k.CAUGHT).mean())
-    )
 
 
 def into_frame(hand: np.ndarray, vectors: np.ndarray) -> np.ndarray:

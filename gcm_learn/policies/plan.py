@@ -2,7 +2,7 @@
 
 One entry, named after the environment. What rl_zoo3 knows means what it means there; ours are
 `algo` (rl_zoo3 takes it from the file's name), `actions`, `situations`, `validation`, `settings`,
-`start`, `clone` and `seed`.
+`demonstrations`, `start` and `seed`.
 """
 
 from __future__ import annotations
@@ -57,6 +57,8 @@ class TrainingPlan:
     seed: int = 0
     settings: Settings = field(default_factory=lambda: Settings(fan=True))
     """Of the arena."""
+    demonstrations: bool = False
+    """Whether the replay buffer begins with catches that are acted out (sac, tqc)."""
     start: str = ""
     """Folder of a trained policy whose network is the start, e.g. a clone."""
     evaluate_every: int = 250_000
@@ -71,8 +73,13 @@ class TrainingPlan:
             raise PolicyError(f"actions: {self.actions!r} is not one of choice, velocity")
         if self.algo in ("sac", "tqc") and self.actions == "choice":
             raise PolicyError(f"actions: {self.algo} needs velocity")
+        if self.demonstrations and self.algo not in ("sac", "tqc"):
+            raise PolicyError(f"demonstrations: {self.algo} has no replay buffer for them")
         if self.algo != "clone" and self.n_timesteps < 1:
             raise PolicyError(f"n_timesteps: must be at least 1 (got {self.n_timesteps})")
+        gamma = self.hyperparameters.get("gamma", self.settings.discount)
+        if self.settings.weights.guide != 0.0 and gamma != self.settings.discount:
+            raise PolicyError(f"settings.discount: must be the learner's gamma ({gamma})")
         for name in ("n_envs", "evaluate_every"):
             if getattr(self, name) < 1:
                 raise PolicyError(f"{name}: must be at least 1 (got {getattr(self, name)})")

@@ -14,14 +14,17 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
+from gcm_learn.envs import kernels as k
 from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import MissingExtraError, PolicyError
 from gcm_learn.policies.actor import CLIP, Actor
 from gcm_learn.policies.cloning import layers_of
+from gcm_learn.policies.demonstrations import Moves
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.vec_env import ArenaVecEnv
 
 MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.pkl", "buffer.pkl"
+_SEEN = 1e12  # observations, after which new ones hardly move the statistics
 _EPSILON = 1e-8  # of VecNormalize
 _NETWORK = "256,256"
 
@@ -80,10 +83,8 @@ def begin_as(model: BaseAlgorithm, actor: Actor) -> None:
     The critic begins anew.
     """
     env = model.get_env()
-    if not isinstance(model, PPO) or not isinstance(env, VecNormalize):
-        raise PolicyError("start: only ppo can begin with a trained policy")
-    linear = [m for m in model.policy.mlp_extractor.policy_net if isinstance(m, nn.Linear)]
-    linear.append(model.policy.action_net)
+    assert isinstance(env, VecNormalize)
+    linear = [m for part in acting(model) for m in part.modules() if isinstance(m, nn.Linear)]
     shapes = [tuple(m.weight.shape) for m in linear]
     if shapes != [w.shape for w, _ in actor.layers]:
         raise PolicyError(f"start: its layers are {[w.shape for w, _ in actor.layers]}")
@@ -91,32 +92,51 @@ def begin_as(model: BaseAlgorithm, actor: Actor) -> None:
         for module, (weights, bias) in zip(linear, actor.layers, strict=True):
             module.weight.copy_(torch.from_numpy(weights))
             module.bias.copy_(torch.from_numpy(bias))
+        if not isinstance(model, PPO):  # whose spread depends on what is told
+            model.policy.actor.log_std.weight.zero_()
+            model.policy.actor.log_std.bias.copy_(torch.from_numpy(actor.spread))
     env.obs_rms.mean[:] = actor.mean
     env.obs_rms.var[:] = actor.deviation.astype(float) ** 2
-    env.obs_rms.count = 1e12  # statistics of the demonstrations: new ones hardly move them
+    env.obs_rms.count = _SEEN  # statistics of the demonstrations: new ones hardly move them
+
+
+def acting(model: BaseAlgorithm) -> tuple[nn.Module, ...]:
+    """The parts of the network that lead from what is told to the action."""
+    if isinstance(model, PPO):
+        return model.policy.mlp_extractor.policy_net, model.policy.action_net
+    return model.policy.actor.latent_pi, model.policy.actor.mu
+
+
+def show(model: BaseAlgorithm, moves: Moves) -> None:
+    """Put steps of demonstrations into the replay buffer of a learner that has one."""
+    env, buffer = model.get_env(), model.replay_buffer  # type: ignore[attr-defined]
+    assert isinstance(env, VecNormalize)
+    if env.obs_rms.count < _SEEN:
+        env.obs_rms.update(moves.told)
+    ended = moves.outcomes != k.RUNNING
+    nothing = [dict[str, bool]() for _ in range(env.num_envs)]
+    for first in range(0, len(moves.arms) - env.num_envs + 1, env.num_envs):
+        rows = slice(first, first + env.num_envs)
+        buffer.add(moves.told[rows], moves.following[rows], moves.actions[rows],
+                   moves.rewards[rows], ended[rows], nothing)  # fmt: skip
 
 
 def actor_of(model: BaseAlgorithm, plan: TrainingPlan) -> Actor:
     """The learner's present policy as plain arrays."""
     env = model.get_env()
     assert isinstance(env, VecNormalize)
-    width = plan.settings.width
+    width = env.observation_space.shape[0]
     mean, deviation = np.zeros(width), np.ones(width)
     if plan.normalize:
         mean, deviation = env.obs_rms.mean.copy(), np.sqrt(env.obs_rms.var + _EPSILON)
     choice, spread = plan.actions == "choice", np.zeros(2)
-    if isinstance(model, PPO):
-        policy = model.policy
-        layers = layers_of(policy.mlp_extractor.policy_net) + layers_of(policy.action_net)
-        if not choice:
-            spread = policy.log_std.detach().numpy().astype(float)
-    else:
-        policy = model.policy.actor
-        layers = layers_of(policy.latent_pi) + layers_of(policy.mu)
+    if isinstance(model, PPO) and not choice:
+        spread = model.policy.log_std.detach().numpy().astype(float)
+    layers = [layers_of(part) for part in acting(model)]
     return Actor(
-        layers=layers, mean=mean, deviation=deviation, head="choice" if choice else "velocity",
-        activation="relu", squash=not choice and plan.algo != "ppo", spread=spread,
-        settings=replace(plan.settings),
+        layers=layers[0] + layers[1], mean=mean, deviation=deviation,
+        head="choice" if choice else "velocity", activation="relu",
+        squash=not choice and plan.algo != "ppo", spread=spread, settings=replace(plan.settings),
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import torch
 
-from gcm_learn.envs.guidance import fields_of
+from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import PolicyError
 from gcm_learn.policies.actor import Actor, settings_to_json
 from gcm_learn.policies.card import write_card
 from gcm_learn.policies.cloning import Cloning, clone
-from gcm_learn.policies.demonstrations import act_out
+from gcm_learn.policies.demonstrations import act_out, transitions
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.score import score
 from gcm_learn.policies.situations import Lot, gather
@@ -70,12 +70,13 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
     _claim(run)
     torch.set_num_threads(1)
     judged = gather(plan.validation, plans=False, tell=lambda s: tell(f"validation: {s}"))
-    shown = gather(plan.situations, plans=plan.algo == "clone", tell=lambda s: tell(s))
+    asked = plan.algo == "clone" or plan.demonstrations
+    shown = gather(plan.situations, plans=asked, tell=lambda s: tell(s))
     judge = _Judge(run, judged.pool, judged.groups)
     if plan.algo == "clone":
         _clone(run, shown.shown(), judge)
     else:
-        _reinforce(run, _guided(plan, shown.pool, tell), judge)
+        _reinforce(run, shown, judge)
     write_card(folder, plan, judge.best, judge.scores, judge.sizes)
     return judge.scores
 
@@ -105,19 +106,14 @@ def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
     return values
 
 
-def _guided(plan: TrainingPlan, pool: Pool, tell: Told) -> Pool:
-    """The pool with maps' times to go if the reward wants them."""
-    if plan.settings.weights.guide == 0.0:
-        return pool
-    tell(f"making maps of {len(pool)} situations")
-    return pool.guided(fields_of(pool.situations))
-
-
 class _Judge:
     """Scores actors on the validation situations and keeps the best."""
 
     def __init__(self, run: Run, pool: Pool, groups: list[str]) -> None:
-        self.run, self.pool, self.groups = run, pool, groups
+        # The maps are of no use here: an actor is judged by what it does.
+        weights = replace(run.plan.settings.weights, guide=0.0)
+        self.plain = replace(run.plan.settings, weights=weights)
+        self.run, self.pool, self.groups = run, pool.prepared(self.plain), groups
         self.best, self.scores = 0, dict[str, float]()
         self.sizes = {g: groups.count(g) for g in sorted(set(groups))}
         path = run.folder / STATE
@@ -127,9 +123,7 @@ class _Judge:
 
     def see(self, actor: Actor, steps: int, more: dict[str, float]) -> None:
         """Score an actor; keep it if it is the best so far."""
-        # The maps are of no use here: an actor is judged by what it does.
-        plain = replace(actor.settings, weights=replace(actor.settings.weights, guide=0.0))
-        scores = score(replace(actor, settings=plain), self.pool, self.groups)
+        scores = score(replace(actor, settings=self.plain), self.pool, self.groups)
         self.run.log({"steps": steps, "seconds": round(self.run.seconds, 1), **scores, **more})
         self.run.tell(
             f"{steps} steps, {self.run.seconds:.0f} s: {scores['caught']:.1%} caught, "
@@ -144,11 +138,8 @@ class _Judge:
 
 def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
     """Act catches out and clone them."""
-    plan, parts = run.plan, []
-    for first in range(0, len(shown.situations), _PART):
-        rows = slice(first, first + _PART)
-        ways = [way for way in shown.ways[rows] if way is not None]
-        parts.append(act_out(Pool.of(shown.situations[rows]), ways, plan.settings))
+    plan = run.plan
+    parts = [act_out(pool, ways, plan.settings) for pool, ways in _parts(shown)]
     demonstrations = parts[0]
     for part in parts[1:]:
         demonstrations = demonstrations.joined(part)
@@ -165,19 +156,34 @@ def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
         run.log({"seconds": round(run.seconds, 1), **row})
         run.tell(f"epoch {row['epoch']:.0f}: loss {row['held_out_loss']:.3f} on what is held out")
 
-    judge.see(clone(demonstrations, plan.settings, how, plan.seed, report), 0, {})
+    choices = plan.actions == "choice"
+    made = clone(demonstrations, plan.settings, how, plan.seed, report, choices=choices)
+    judge.see(made, 0, {})
 
 
-def _reinforce(run: Run, pool: Pool, judge: _Judge) -> None:
+def _parts(shown: Lot) -> Iterator[tuple[Pool, list[Trajectory]]]:
+    """Situations and their catches, some at a time."""
+    for first in range(0, len(shown.situations), _PART):
+        rows = slice(first, first + _PART)
+        ways = [way for way in shown.ways[rows] if way is not None]
+        yield Pool.of(shown.situations[rows]), ways
+
+
+def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     """Let a learner act and learn, judged and kept every so often."""
     from gcm_learn.policies import reinforcement as rl
 
     plan, folder = run.plan, run.folder
+    pool = lot.pool.prepared(plan.settings)
     if (folder / rl.MODEL).exists():
         model = rl.go_on(plan, pool, folder)
         run.tell(f"going on after {model.num_timesteps} steps")
     else:
         model = rl.make(plan, pool, folder / "tensorboard")
+        if plan.demonstrations:
+            for part, ways in _parts(lot.shown()):
+                rl.show(model, transitions(part, ways, plan.settings))
+            run.tell(f"{model.replay_buffer.size() * plan.n_envs} steps of catches are shown")
         judge.see(rl.actor_of(model, plan), 0, {})
     while model.num_timesteps < plan.n_timesteps:
         left = plan.n_timesteps - model.num_timesteps

@@ -45,7 +45,7 @@ class ArenaVecEnv(VecEnv):
         self.arena, self.choices = Arena(pool, count, settings), choices
         velocity = spaces.Box(-1.0, 1.0, (2,), np.float32)
         actions = spaces.Discrete(RAYS) if choices else velocity
-        super().__init__(count, box(settings.width), actions)
+        super().__init__(count, box(self.arena), actions)
         self._source = rng(seed)
         self._actions = np.zeros((count, 2))
         self._sums, self._lengths = np.zeros(count), np.zeros(count, np.int64)
