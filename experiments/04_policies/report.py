@@ -1,0 +1,65 @@
+"""The table and the figure of what learners catch."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gcm_learn.plots import style
+
+if TYPE_CHECKING:
+    from run import Arm
+
+HELP = {"scratch": "from scratch", "guide": "guided by maps", "catches": "from planned catches"}
+COLOURS = {"scratch": style.FAINT, "guide": style.OBSTACLE, "catches": style.TARGET}
+NAMES = {"clone": "clone, choices", "velocity": "clone, velocities", "ppo": "PPO", "sac": "SAC",
+         "tqc": "TQC"}  # fmt: skip
+Row = tuple["Arm", Path, Mapping[str, float]]
+
+
+def write_report(folder: Path, rows: Sequence[Row]) -> None:
+    """Write table.md and figure.png."""
+    lines = [
+        "| learner | how | told | L | W | Q | touched | steps | minutes of a core |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for arm, place, scores in rows:
+        told = "state, embedding" if arm.embedding else "state"
+        caught = " | ".join(f"{100 * scores[f'caught {s}']:.1f}" for s in "LWQ")
+        state = json.loads((place / "state.json").read_text("utf-8"))
+        cost = json.loads((place / "cost.json").read_text("utf-8"))["minutes of a core"]
+        lines.append(
+            f"| {NAMES[arm.learner]} | {HELP[arm.help]} | {told} | {caught} "
+            f"| {100 * scores['touched']:.1f} | {state['best']:,} | {cost:.0f} |"
+        )
+    (folder / "table.md").write_text("\n".join(lines) + "\n", "utf-8")
+    _draw(rows, folder / "figure.png")
+
+
+def _draw(rows: Sequence[Row], path: Path) -> None:
+    """Learning curves: a panel for each learner, broken lines where an embedding is told."""
+    learners = [name for name in ("ppo", "sac", "tqc") if any(r[0].learner == name for r in rows)]
+    figure = style.new_figure(3.2 * len(learners), 3.0)
+    axes = np.atleast_1d(figure.subplots(1, len(learners), sharey=True))
+    for ax, learner in zip(axes, learners, strict=True):
+        for arm, place, _ in rows:
+            if arm.learner != learner:
+                continue
+            log = (place / "log.jsonl").read_text("utf-8").splitlines()
+            curve = np.array([(r["steps"], r["caught"]) for r in map(json.loads, log)])
+            ax.plot(
+                curve[:, 0] / 1e3, 100 * curve[:, 1], color=COLOURS[arm.help], lw=1.4,
+                ls="--" if arm.embedding else "-",
+                label=HELP[arm.help] + (", with embedding" if arm.embedding else ""),
+            )  # fmt: skip
+        ax.set_title(NAMES[learner], fontsize=style.SMALL + 1)
+        ax.set_xlabel("steps [thousands]", fontsize=style.SMALL)
+        ax.set_ylim(0, 100)
+        ax.spines[["top", "right"]].set_visible(False)
+    axes[0].set_ylabel("caught, validation [%]", fontsize=style.SMALL)
+    axes[0].legend(fontsize=style.SMALL, frameon=False, loc="lower right")
+    figure.savefig(path, dpi=130)
