@@ -10,8 +10,8 @@ from gcm_learn.maps import build_map
 from gcm_learn.wave import MarchingParams
 
 gymnasium = pytest.importorskip("gymnasium")
-from gcm_learn.envs import CatchArm, WithEmbedding, WithMap  # noqa: E402
-from gcm_learn.envs.views import map_image  # noqa: E402
+from gcm_learn.envs import CatchArm, CatchArms, WithMap  # noqa: E402
+from gcm_learn.envs.views import encoder, map_image  # noqa: E402
 
 
 def test_the_picture_says_what_the_map_does(scenes):
@@ -34,14 +34,22 @@ def test_the_picture_says_what_the_map_does(scenes):
 
 def test_the_embedding_is_the_situations(scenes):
     pytest.importorskip("safetensors")
-    env = WithEmbedding(CatchArm(scenes))
-    for index in (0, 12):
+    plain, env = CatchArm(scenes), CatchArm(scenes, embedding=True)
+    many = CatchArms(2, scenes, embedding=True)
+    width = plain.settings.width
+    batch, _ = many.reset(options={"index": np.array([12, 0])})
+    for index, row in ((0, 1), (12, 0)):
+        state, _ = plain.reset(options={"index": index})
         seen, _ = env.reset(options={"index": index})
-        width = env.arm.settings.width
-        np.testing.assert_array_equal(seen[:width], env.arm.arena.observations[0])
-        known = env.encoder.embed_situation(scenes[index])  # in the frame in which it was drawn
+        np.testing.assert_array_equal(seen[:width], state)
+        np.testing.assert_array_equal(seen, batch[row])
+        known = encoder().embed_situation(scenes[index])  # in the frame in which it was drawn
         np.testing.assert_allclose(seen[width:], known, rtol=1e-3, atol=1e-3)
         assert np.any(seen[width:] != 0.0)
+        later = env.step(np.zeros(2, np.float32))[0]
+        np.testing.assert_array_equal(later[width:], seen[width:])
+    other, _ = env.reset(options={"situation": scenes[5]})
+    np.testing.assert_array_equal(other, env.reset(options={"index": 5})[0])
 
 
 def test_checkers_accept_them(scenes):
@@ -49,7 +57,7 @@ def test_checkers_accept_them(scenes):
 
     check = pytest.importorskip("stable_baselines3.common.env_checker")
     pytest.importorskip("safetensors")
-    for env in (WithMap(CatchArm(scenes[:4])), WithEmbedding(CatchArm(scenes[:4]))):
+    for env in (WithMap(CatchArm(scenes[:4])), CatchArm(scenes[:4], embedding=True)):
         accept(env, skip_render_check=True)
         check.check_env(env)
     with pytest.raises(ArenaError, match="env: must be a CatchArm"):

@@ -34,6 +34,11 @@ def written(path, **changes):
         ({"situations": [{"count": 3}]}, "situations: each must have source"),
         ({"algo": "sac"}, "actions: sac needs velocity"),
         ({"settings": {"dt": 9}}, "dt: must be from 0.0001 to 1 s"),
+        ({"demonstrations": True}, "demonstrations: ppo has no replay buffer"),
+        (
+            {"gamma": 0.9, "settings": {"weights": {"guide": 1.0}}},
+            "settings.discount: must be the learner's gamma (0.9)",
+        ),
     ],
 )
 def test_bad_files_are_refused_in_one_line(tmp_path, changes, message):
@@ -86,6 +91,44 @@ def test_a_learner_goes_on_where_it_stopped(tmp_path):
     assert Actor.load(tmp_path / "run").head == "choice"
     with pytest.raises(PolicyError, match="another run, whose n_envs differ"):
         train(read_plan(written(path, n_envs=4)), tmp_path / "run", told.append)
+
+
+def test_a_replay_buffer_begins_with_the_catches_it_is_shown(tmp_path):
+    """A clone of velocities is SAC's start; what is shown are the arena's own steps."""
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies import reinforcement as rl
+    from gcm_learn.policies.actor import Actor
+    from gcm_learn.policies.demonstrations import transitions
+    from gcm_learn.policies.situations import gather
+    from gcm_learn.policies.training import train
+
+    small = {"situations": [{"source": "random-planar", "count": 40}], "validation": SOME,
+             "net_arch": "16,16", "actions": "velocity",
+             "settings": {"fan": True, "embedding": True}}  # fmt: skip
+    train(plan_of({"algo": "clone", "epochs": 3, **small}), tmp_path / "clone", lambda text: None)
+    start = Actor.load(tmp_path / "clone")
+    assert start.head == "velocity" and start.squash and start.settings.embedding
+    plan = plan_of({**small, "algo": "sac", "n_timesteps": 8, "n_envs": 4, "start":
+                    str(tmp_path / "clone"), "demonstrations": True})  # fmt: skip
+    shown = gather(plan.situations, plans=True).shown()
+    model = rl.make(plan, shown.pool.prepared(plan.settings), tmp_path)
+    actor = rl.actor_of(model, plan)
+    for mine, its in zip(actor.layers, start.layers, strict=True):
+        np.testing.assert_array_equal(mine[0], its[0])
+    moves = transitions(shown.pool, shown.ways, plan.settings)
+    rl.show(model, moves)
+    buffer, whole = model.replay_buffer, 4 * (len(moves.arms) // 4)
+    assert buffer.size() * 4 == whole
+    np.testing.assert_array_equal(buffer.observations[: buffer.size()].reshape(whole, -1),
+                                  moves.told[:whole])  # fmt: skip
+    # An arm is told after a step what it is told before its next one.
+    for arm in (0, 3):
+        rows = np.flatnonzero(moves.arms == arm)
+        np.testing.assert_array_equal(moves.following[rows[:-1]], moves.told[rows[1:]])
+    caught = moves.rewards[moves.outcomes == 1]
+    assert len(caught) > 0.9 * len(shown.situations) and np.all(caught > 0.8)
+    model.learn(8)
+    assert buffer.size() * 4 > whole
 
 
 def test_learners_act_as_their_arrays_do(tmp_path):
