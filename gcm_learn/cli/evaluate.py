@@ -26,8 +26,8 @@ class Evaluate:
     way is tried out and verified first"""
 
     suite: Annotated[str, arg(metavar="NAME")] = "demo"
-    """frozen situations: natural, detour, wait, families, faster, long-arm, demo, L, W, Q, U (of a
-    stratum, as families in turn yield them), or a family's name; several with commas"""
+    """frozen situations: demo, natural, L, W, Q, U (of a stratum, as families in turn yield
+    them), families, faster, long-arm, or a family's name; several with commas"""
 
     out: Annotated[Path, arg(metavar="DIR")] = Path("comparison")
     """folder for report.html, results.parquet and figures"""

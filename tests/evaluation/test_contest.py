@@ -9,12 +9,12 @@ import pytest
 
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
 from gcm_learn.cli import main
-from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
+from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
 from gcm_learn.evaluation.contest import compare
 from gcm_learn.evaluation.entrants import entrant
 from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
-from gcm_learn.evaluation.suites import Entry, draw_suite, hash_of
+from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged, resting
 from gcm_learn.planners import solve
@@ -127,23 +127,6 @@ def test_tables_are_kept(results, tmp_path):
             assert again[name].tolist() == column.tolist()
         else:
             np.testing.assert_array_equal(again[name], column)
-
-
-def test_suites_are_frozen(entries, tmp_path, monkeypatch):
-    lines = "".join(suites._line(replace(e, suite="demo")) + "\n" for e in entries)
-    (tmp_path / "demo.jsonl").write_text(lines)
-    read = draw_suite("demo", 5, tmp_path)
-    assert [e.situation for e in read] == [e.situation for e in entries[:5]]
-    monkeypatch.setattr(suites, "FROZEN", {"demo": {5: hash_of(read)}})
-    draw_suite("demo", 5, tmp_path)
-    (tmp_path / "demo.jsonl").write_text(lines.replace('"stratum": "W"', '"stratum": "L"'))
-    with pytest.raises(SuiteError, match="its first 5 have hash"):
-        draw_suite("demo", 5, tmp_path)
-    (tmp_path / "demo.jsonl").write_text("{}\n")
-    with pytest.raises(FileFormatError, match=r"demo.jsonl:1: is no entry of a suite"):
-        draw_suite("demo", 1, tmp_path)
-    with pytest.raises(UnknownNameError, match="suite: 'moon' is not one of"):
-        draw_suite("moon", 1, tmp_path)
 
 
 def test_unknown_entrants_are_refused():
