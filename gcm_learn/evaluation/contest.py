@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arm.clearance import RESOLUTION, least_distance
 from gcm_learn.arm.kinematics import SIDE, elbow_of
 from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.evaluation.crew import rows_of
@@ -22,7 +23,9 @@ from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import LIMB, PART, pose_at, segment_distance
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
+NO_OBSTACLE = 1e200  # a distance beyond this one says that there is none [forearm lengths]
 _CHUNK = 10  # situations that a process takes at once
+_POINTS = 101  # of each part of the limb, among which the touched one is looked for
 
 
 @dataclass(frozen=True)
@@ -145,6 +148,8 @@ def _movement(situation: Situation, result: Result) -> dict[str, Any]:
         return out
     spans = np.maximum(np.diff(way.time), 1e-12)
     out |= {"end": way.duration, "length": way.length, "clearance": result.clearance}
+    if result.clearance is None and result.outcome == "caught":
+        out["clearance"] = clearance_of(situation, way)
     if len(spans):
         steps = np.sqrt((np.diff(way.hand, axis=0) ** 2).sum(axis=1))
         turns = joint_turns(way.hand, arm.upper_arm, SIDE[arm.elbow], PARTS) / spans[:, None]
@@ -155,19 +160,49 @@ def _movement(situation: Situation, result: Result) -> dict[str, Any]:
     return out
 
 
+def clearance_of(situation: Situation, way: Trajectory) -> float:
+    """Least distance of the limb to the obstacles on a way, less its thickness [forearm lengths].
+
+    Infinite without obstacles.
+    """
+    arm = situation.arm
+    distance, _ = least_distance(
+        pack(situation), way.time, way.hand, arm.upper_arm, SIDE[arm.elbow], -1.0, RESOLUTION
+    )
+    return np.inf if distance > NO_OBSTACLE else float(distance) - arm.thickness
+
+
 def touched_part(situation: Situation, way: Trajectory) -> str:
     """Which part of the limb is nearer to an obstacle at the end of a way."""
-    arm, bodies = situation.arm, pack(situation)
-    x, y = way.hand[-1]
-    ex, ey = elbow_of(x, y, arm.upper_arm, SIDE[arm.elbow])
-    poses = np.zeros((len(situation.bodies), 12))
-    best = {"forearm": np.inf, "upper arm": np.inf}
+    elbow, hand = _limb_at_end(situation, way)
+    near = {
+        "forearm": _nearness(situation, way.duration, elbow, hand),
+        "upper arm": _nearness(situation, way.duration, np.zeros(2), elbow),
+    }
+    return min(near, key=lambda part: near[part])
+
+
+def touched_point(situation: Situation, way: Trajectory) -> np.ndarray:
+    """The point (2,) of the limb that is nearest to an obstacle at the end of a way."""
+    elbow, hand = _limb_at_end(situation, way)
+    shares = np.linspace(0.0, 1.0, _POINTS)[:, None]
+    points = np.concatenate([shares * elbow, elbow + shares * (hand - elbow)])
+    near = [_nearness(situation, way.duration, point, point) for point in points]
+    return np.asarray(points[int(np.argmin(near))])
+
+
+def _limb_at_end(situation: Situation, way: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """Elbow and hand, each (2,)."""
+    arm, hand = situation.arm, way.hand[-1]
+    return np.array(elbow_of(hand[0], hand[1], arm.upper_arm, SIDE[arm.elbow])), hand
+
+
+def _nearness(situation: Situation, time: float, start: np.ndarray, end: np.ndarray) -> float:
+    """Distance of a segment to the nearest obstacle at a time."""
+    bodies, poses = pack(situation), np.zeros((len(situation.bodies), 12))
+    best = np.inf
     for b in range(len(situation.bodies)):
-        if bodies.rows[b, PART] != LIMB:
-            continue
-        pose_at(bodies, b, way.duration, poses)
-        near = segment_distance(bodies, poses, b, ex, ey, x, y)
-        best["forearm"] = min(best["forearm"], near)
-        near = segment_distance(bodies, poses, b, 0.0, 0.0, ex, ey)
-        best["upper arm"] = min(best["upper arm"], near)
-    return min(best, key=lambda part: best[part])
+        if bodies.rows[b, PART] == LIMB:
+            pose_at(bodies, b, time, poses)
+            best = min(best, segment_distance(bodies, poses, b, *start, *end))
+    return float(best)

@@ -22,13 +22,15 @@ class Measures:
     caught: Interval
     touched: Interval
     forearm: float
-    """Share of touches with the forearm."""
+    """Share in which the forearm touches an obstacle."""
+    upper_arm: float
+    """Share in which the upper arm does."""
     ratio: float
     """Median of the catch's time over the oracle's, where both catch."""
     length: float
     """Median way of the hand at catches [forearm lengths]."""
     clearance: float
-    """Median least clearance of verified catches [forearm lengths]."""
+    """Median least clearance of catches [forearm lengths]."""
     peak_hand: float
     """Largest hand speed at catches [forearms/s]."""
     peak_joint: float
@@ -49,7 +51,6 @@ def measured(results: Results, entrant: str) -> Measures:
     end, earliest = mine["end"].astype(float), mine["earliest"].astype(float)
     both = caught & np.isfinite(earliest) & (earliest > 1e-3)
     joints = np.maximum(mine["peak_shoulder"].astype(float), mine["peak_elbow"].astype(float))
-    part = mine["part"][touched]
     charged = np.array([c is not None for c in mine["charged_own"]], dtype=bool)
     own = None
     if charged.any():
@@ -59,7 +60,8 @@ def measured(results: Results, entrant: str) -> Measures:
         count=n,
         caught=wilson(int(caught.sum()), n),
         touched=wilson(int(touched.sum()), n),
-        forearm=float(np.mean(part == "forearm")) if len(part) else float("nan"),
+        forearm=float(np.mean(mine["part"] == "forearm")) if n else float("nan"),
+        upper_arm=float(np.mean(mine["part"] == "upper arm")) if n else float("nan"),
         ratio=_median(end[both] / earliest[both]),
         length=_median(mine["length"].astype(float)[caught]),
         clearance=_median(mine["clearance"].astype(float)[caught]),

@@ -60,7 +60,7 @@ def animate(situation: Situation, plan: Plan, path: str | Path, *, frames: int =
         Number of instants, from the start to the catch.
     """
     images = list(_frames(situation, plan, frames))
-    palette = _palette(images[:: max(1, frames // 8)])
+    palette = palette_of(images[:: max(1, frames // 8)])
     films = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     films[0].save(
         path, format="GIF", save_all=True, append_images=films[1:], loop=0,
@@ -88,8 +88,8 @@ def _frames(situation: Situation, plan: Plan, frames: int) -> Iterator[Image.Ima
         yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
 
 
-def _palette(images: list[Image.Image]) -> Image.Image:
-    """Choose the colours for all frames: those of the style, their tints, and what else occurs."""
+def palette_of(images: list[Image.Image]) -> Image.Image:
+    """Colours for all frames of a film: those of the style, their tints, and what else occurs."""
     width, height = images[0].size
     strip = Image.new("RGB", (width, height * len(images)))
     for k, image in enumerate(images):

@@ -10,24 +10,17 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from gcm_learn.evaluation.blurred import blurred
-from gcm_learn.evaluation.measures import Interval, Measures, declines, measured, pairs
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.plots import comparison_figures as figures
+from gcm_learn.plots import comparison_tables as tables
 from gcm_learn.plots.comparison_words import verdict, who
-from gcm_learn.plots.failures import failure_film, failures_figure
+from gcm_learn.plots.failures import FILM, failure_film, failures_figure, failures_of
 from gcm_learn.plots.page import Picture, Section, Table, render
 
 PAGE = "report.html"
 TITLE = "Who catches what"
 SCALE, SHARPNESS = 80, 1.5  # [CSS pixels per inch], pixels of an image per CSS pixel
-STRATA = {
-    "L": "a straight line works",
-    "W": "a way round is needed",
-    "Q": "waiting is needed",
-    "U": "no catch is possible",
-}
 
 
 def write_report(
@@ -57,14 +50,13 @@ def write_report(
         The page; it needs no other file.
     """
     reference = reference or _best(results)
-    opening = _kept(figures.rates_figure(results), out / "rates.png", _opening_caption(results))
+    opening = _kept(figures.rates_figure(results), out / "rates.png", _OPENING)
     sections = [
         _who(results),
-        _numbers(results),
-        _paired(results, reference),
+        _numbers(results, out),
+        _paired(results, reference, out),
         *_thinking(results, out),
-        *_blurred(noise),
-        _speed(results, out),
+        *_blurred(noise, out),
         _by_family(results, out),
         *_failures(results, entries, out),
         *_learning(results, out),
@@ -75,6 +67,12 @@ def write_report(
     return page
 
 
+_OPENING = (
+    "Share of situations that are caught, by what they take; the lines are 95 % intervals, "
+    "crosses the share in which an obstacle is touched."
+)
+
+
 def _best(results: Results) -> str:
     rates = {n: np.mean(results.of_entrant(n)["outcome"] == "caught") for n in results.entrants}
     return max(rates, key=lambda name: rates[name])
@@ -83,99 +81,77 @@ def _best(results: Results) -> str:
 def _lead(results: Results) -> list[str]:
     one = results.of_entrant(results.entrants[0])
     counts = ", ".join(
-        f"{int((one['stratum'] == s).sum())} of {s} ({STRATA[s]})" for s in results.strata
+        f"{int((one['stratum'] == s).sum())} of {s} ({tables.STRATA[s]})" for s in results.strata
     )
-    suites = ", ".join(sorted(set(one["suite"].tolist())))
+    names = sorted(set(one["suite"].tolist()))
+    suites = f"suite{'s' * (len(names) > 1)} {', '.join(names)}"
     return [
         verdict(results),
         f"{len(results.entrants)} ways to catch, all on the same {len(one)} situations of the "
-        f"suite {suites}: {counts}. The oracle has decided the strata.",
+        f"{suites}: {counts}. The oracle has decided the strata.",
         "A planner's catch has been verified before it counts, and what it cannot verify it "
         "declines; an actor (a trained network that acts step by step) is not verified and may "
         "touch. With `@20` an actor's way is tried out with the predictor, up to 20 times, and "
-        "verified before the hand moves. Bars are 95 % intervals.",
+        "verified before the hand moves. Intervals are of 95 %.",
     ]
-
-
-def _opening_caption(results: Results) -> str:
-    return (
-        "Share of situations that are caught, by what they take; the lines are 95 % intervals, "
-        "crosses the share in which an obstacle is touched."
-    )
-
-
-def percent(interval: Interval | None) -> str:
-    """A share with its interval, in per cent."""
-    if interval is None or not np.isfinite(interval.value):
-        return "–"
-    low, high = 100 * interval.low, 100 * interval.high
-    return f"{100 * interval.value:.1f} ({low:.0f}–{high:.0f})"
-
-
-def _number(value: float, form: str = ".2f") -> str:
-    return format(value, form) if np.isfinite(value) else "–"
 
 
 def _who(results: Results) -> Section:
-    """A line for each entrant."""
+    """A line for each entrant, and what it is made of."""
     rows = [list(row) for row in who(results.entrants)]
-    return Section("who", "Who they are", [], [Table(("entrant", "what it does"), rows)])
+    made = tables.costs_table(results.entrants)
+    told = (
+        "The second table tells what some have learned and hold: remembered catches, or the "
+        "weights of a network; steps are those in the arena, minutes by the clock. Who is not in "
+        "it plans anew, from nothing but the situation."
+    )
+    text = [] if made is None else [told]
+    both = [Table(("entrant", "what it does"), rows), *([] if made is None else [made])]
+    return Section("who", "Who they are", text, both)
 
 
-def _numbers(results: Results) -> Section:
-    """Tables of everything measured: over reachable situations, and by stratum."""
-    reachable = results.where(results["stratum"] != "U")
-    columns = (
-        "entrant", "caught [%]", "touched [%]", "of these forearm [%]", "time / oracle",
-        "way [forearms]", "clearance", "peak hand [1/s]", "peak joint [rad/s]",
-        "latency, median [ms]", "95 %",
-    )  # fmt: skip
-    rows = [_row(measured(reachable, name)) for name in results.entrants]
-    strata = [s for s in results.strata if s != "U"]
-    extra = ("declines of U [%]",) if "U" in results.strata else ()
-    by_stratum = []
-    for name in results.entrants:
-        cells = [percent(measured(_of(results, s), name).caught) for s in strata]
-        by_stratum.append([name, *cells, *([percent(declines(results, name))] if extra else [])])
-    headings = ("entrant", *(f"{s} caught [%]" for s in strata), *extra)
+def _numbers(results: Results, out: Path) -> Section:
+    """What becomes of the situations, and tables of everything measured."""
     text = [
-        "First over all situations that can be caught at all, then by stratum. Times are those of "
-        "the catch over the oracle's, where both catch; latency is processor time on one core "
-        "before the hand moves (of actors, for one step).",
+        "Tables: catches by stratum, then everything over all situations that can be caught. Time "
+        "is that of the catch over the oracle's, where both catch (median); way and clearance are "
+        "medians of catches, peaks the fastest hand and the 95 % quantile of the fastest joint. "
+        "Latency is processor time on one core before the hand moves (of actors, for one step).",
         "To decline an unreachable situation is to touch nothing in it.",
     ]
-    tables = [Table(columns, rows), Table(headings, by_stratum)]
-    return Section("numbers", "In numbers", text, tables)
-
-
-def _of(results: Results, stratum: str) -> Results:
-    return results.where(results["stratum"] == stratum)
-
-
-def _row(m: Measures) -> list[str]:
-    return [
-        m.entrant, percent(m.caught), percent(m.touched), _number(100 * m.forearm, ".0f"),
-        _number(m.ratio, ".3f"), _number(m.length), _number(m.clearance, ".3f"),
-        _number(m.peak_hand), _number(m.peak_joint, ".0f"), _number(m.latency, ".1f"),
-        _number(m.latency_95, ".1f"),
+    there = tables.reachable(results)
+    outcomes = figures.outcomes_figure(results)
+    moves = figures.moves_figure(there)
+    pictures = [
+        _kept(outcomes, out / "outcomes.png", "What becomes of the situations of each stratum."),
+        _kept(
+            moves, out / "moves.png",
+            "How catches are thought out and made. Dots are medians, thick lines the middle half, "
+            "thin ones all but 5 % at either end.",
+        ),
     ]  # fmt: skip
+    listed = [tables.strata_table(results), tables.measures_table(there)]
+    return Section("numbers", "In numbers", text, [*listed, *tables.by_stratum(results)], pictures)
 
 
-def _paired(results: Results, reference: str) -> Section:
-    columns = ("entrant", "caught less [points]", "95 %", "only it", f"only {reference}", "p")
-    rows = []
-    for pair in pairs(results, reference):
-        d = pair.difference
-        span = f"{100 * d.low:.1f} to {100 * d.high:.1f}"
-        p = f"{pair.p:.3f}" if pair.p >= 1e-3 else f"{pair.p:.0e}"
-        more = f"{100 * d.value:+.1f}"
-        rows.append([pair.first, more, span, str(pair.only_first), str(pair.only_second), p])
+def _paired(results: Results, reference: str, out: Path) -> Section:
     text = [
         f"Each against {reference}, on the reachable situations: difference of catch rates with a "
         "bootstrap interval stratified by family, situations that only one of the two catches, and "
         "the exact test of McNemar."
     ]
-    return Section("pairs", "In pairs", text, [Table(columns, rows)])
+    strata = [s for s in results.strata if s != "U"]
+    folded = [
+        tables.pairs_table(tables.of_stratum(results, s), reference, f"{s}: {tables.STRATA[s]}")
+        for s in strata
+    ]
+    pictures = []
+    if len(results.entrants) > 1:
+        figure = figures.pairs_figure(results, reference)
+        caption = f"Points that each catches more or less than {reference}, by stratum."
+        pictures.append(_kept(figure, out / "pairs.png", caption))
+    listed = [tables.pairs_table(results, reference), *folded]
+    return Section("pairs", "In pairs", text, listed, pictures)
 
 
 def _thinking(results: Results, out: Path) -> list[Section]:
@@ -183,30 +159,29 @@ def _thinking(results: Results, out: Path) -> list[Section]:
     figure = figures.charged_figure(results)
     if figure is None:
         return []
-    rows = []
-    for name in results.entrants:
-        cells = [percent(measured(_of(results, s), name).own) for s in results.strata if s != "U"]
-        rows.append([name, *cells])
-    columns = ("entrant", *(f"{s}, own latency [%]" for s in results.strata if s != "U"))
     text = [
         "The world runs while an agent thinks: its hand rests, and what it does begins so much "
-        "later. The table charges every entrant its own latency of that situation."
+        "later. The last column charges every entrant its own latency of that situation. "
+        "Reachable situations."
     ]
-    caption = "Catches of reachable situations over the time that thinking takes."
+    caption = (
+        "Catches over the time that thinking takes, by stratum; stars: with the own latency "
+        "charged, at its median."
+    )
     picture = _kept(figure, out / "charged.png", caption)
-    return [Section("thinking", "While they think", text, [Table(columns, rows)], [picture])]
+    folded = [
+        tables.charged_table(tables.of_stratum(results, s), f"{s}: {tables.STRATA[s]}")
+        for s in results.strata
+        if s != "U"
+    ]
+    listed = [tables.charged_table(tables.reachable(results)), *folded]
+    return [Section("thinking", "While they think", text, listed, [picture])]
 
 
-def _blurred(noise: Results | None) -> list[Section]:
+def _blurred(noise: Results | None, out: Path) -> list[Section]:
     """Inexact perception, if it was measured."""
     if noise is None:
         return []
-    rows = [
-        [b.entrant, f"{b.noise:g}", b.way if b.noise else "exact", percent(b.caught),
-         _number(100 * b.touched, ".1f"), _number(100 * b.lost, ".1f")]
-        for b in blurred(noise)
-    ]  # fmt: skip
-    columns = ("entrant", "deviation [forearms]", "plans", "caught [%]", "touched [%]", "lost")
     text = [
         "Places of bodies are seen with errors of this standard deviation, velocities with twice "
         "the number in hand speeds, every 50 ms anew; the world judges what the hand does. "
@@ -214,41 +189,51 @@ def _blurred(noise: Results | None) -> list[Section]:
         "filter; with a margin the limb is planned as thicker by twice the deviation of what is "
         "known. Reachable situations."
     ]
-    return [Section("noise", "When they see inexactly", text, [Table(columns, rows)])]
-
-
-def _speed(results: Results, out: Path) -> Section:
-    caption = "Median latency and catches of reachable situations."
-    picture = _kept(figures.latency_figure(results), out / "latency.png", caption)
-    return Section("speed", "How fast they think", [], (), [picture])
+    caption = (
+        "Catches over the standard deviation of what is seen, by how it is dealt with; dashed: "
+        "touches."
+    )
+    picture = _kept(figures.noise_figure(noise), out / "noise.png", caption)
+    table = tables.noise_table(noise)
+    return [Section("noise", "When they see inexactly", text, [table], [picture])]
 
 
 def _by_family(results: Results, out: Path) -> Section:
-    caption = "Catches of reachable situations by family [%]."
-    picture = _kept(figures.families_figure(results), out / "families.png", caption)
-    return Section("families", "By family", [], (), [picture])
+    there = tables.reachable(results)
+    caption = "Caught by family [%]; in brackets, how many situations."
+    pictures = [_kept(figures.families_figure(there), out / "families.png", caption)]
+    if np.any(there["outcome"] == "touched"):
+        figure = figures.families_figure(there, "touched")
+        caption = "Touched an obstacle by family [%]; nothing is written where nobody did."
+        pictures.append(_kept(figure, out / "families-touched.png", caption))
+    text = ["Reachable situations. Everything that is measured is in the folded tables."]
+    return Section("families", "By family", text, tables.by_family(results), pictures)
 
 
 def _failures(results: Results, entries: Sequence[Entry], out: Path) -> list[Section]:
-    """Touches and misses, drawn, and two of them as films."""
-    figure = failures_figure(results, entries)
-    if figure is None:
+    """Touches and misses, drawn, and some of them as films."""
+    found = failures_of(results, entries)
+    if not found:
         return []
-    caption = "Bodies at the end, the arm where it touched; the ring is where it happened."
-    pictures = [_kept(figure, out / "failures.png", caption)]
-    film = failure_film(results, entries)
-    if film is not None:
-        name, pixels, data = film
-        pictures.append(Picture(_embedded(data, "gif"), name, pixels))
-    text = ["Reachable situations in which an actor touched an obstacle."]
+    caption = (
+        "Where it ended; pale: where bodies began. A ring marks the touch; who declined rested. "
+        "Grey: the way of somebody who catches, and its arm if it has not done so before."
+    )
+    pictures = [_kept(failures_figure(found), out / "failures.png", caption)]
+    for words, data in failure_film(found):
+        pictures.append(Picture(_embedded(data, "gif"), words, FILM))
+    text = ["Reachable situations in which an obstacle was touched, or that were not caught."]
     return [Section("failures", "What goes wrong", text, (), pictures)]
 
 
 def _learning(results: Results, out: Path) -> list[Section]:
-    figure = figures.learning_figure(results.entrants)
+    figure = figures.learning_figure(results)
     if figure is None:
         return []
-    caption = "Catches of validation situations during training."
+    caption = (
+        "Course of training, on each one's own situations set apart for validation; dashed: "
+        "touched. The best was kept."
+    )
     picture = _kept(figure, out / "learning.png", caption)
     return [Section("learning", "How they learned", [], (), [picture])]
 

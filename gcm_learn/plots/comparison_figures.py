@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
+from gcm_learn.evaluation.blurred import HABITS, blurred
 from gcm_learn.evaluation.contest import DELAYS
-from gcm_learn.evaluation.measures import charged_curve, measured
+from gcm_learn.evaluation.costs import log_of
+from gcm_learn.evaluation.measures import charged_curve, measured, pairs
 from gcm_learn.evaluation.table import Results
-from gcm_learn.memory.shipped import models_folder
 from gcm_learn.plots import style
 
-COLOURS = colormaps["tab20"].colors  # type: ignore[attr-defined]
+_PAIRED = colormaps["tab20"].colors  # type: ignore[attr-defined]
+COLOURS = (*_PAIRED[::2], *_PAIRED[1::2])  # strong ones first
 NAMES = {"L": "L: straight line", "W": "W: way round", "Q": "Q: waiting", "U": "U: unreachable"}
-LOG = "log.jsonl"
+OUTCOMES = (
+    ("caught", "#3d7f93"),
+    ("declined or late", "#d9e0e8"),
+    ("touched by forearm", style.EFFECTIVE),
+    ("touched by upper arm", "#f0a36b"),
+)
+TOUCHES = LinearSegmentedColormap.from_list("touches", ["#fffdfc", "#f3b9a5", style.EFFECTIVE])
+FULL_TOUCH = 50.0  # share of touches that has the darkest colour [%]
+Colour = tuple[float, float, float]
 
 
-def colour_of(results: Results, name: str) -> tuple[float, float, float]:
+def colour_of(results: Results, name: str) -> Colour:
     """The same colour for an entrant in all figures."""
     return COLOURS[results.entrants.index(name) % len(COLOURS)]
 
@@ -32,15 +43,22 @@ def _plain(ax: Axes, heading: str) -> None:
     ax.tick_params(labelsize=style.SMALL, colors=style.INK)
 
 
+def _strata(results: Results) -> list[str]:
+    return [s for s in results.strata if s != "U"]
+
+
+def _of(results: Results, stratum: str) -> Results:
+    return results.where(results["stratum"] == stratum)
+
+
 def rates_figure(results: Results) -> Figure:
     """Catch rates with intervals, one panel for each stratum that can be caught."""
-    strata = [s for s in results.strata if s != "U"]
-    names = results.entrants
+    strata, names = _strata(results), results.entrants
     figure = style.new_figure(2.0 + 3.2 * len(strata), 0.9 + 0.27 * len(names))
     panels = figure.subplots(1, len(strata), sharey=True, squeeze=False)[0]
     rows = np.arange(len(names))[::-1]
     for ax, stratum in zip(panels, strata, strict=True):
-        part = results.where(results["stratum"] == stratum)
+        part = _of(results, stratum)
         for row, name in zip(rows, names, strict=True):
             m = measured(part, name)
             colour = colour_of(results, name)
@@ -56,96 +74,238 @@ def rates_figure(results: Results) -> Figure:
     return figure
 
 
+def outcomes_figure(results: Results) -> Figure:
+    """What becomes of the situations of every stratum, as bars that add up to all of them."""
+    strata, names = results.strata, results.entrants
+    figure = style.new_figure(2.0 + 2.6 * len(strata), 1.3 + 0.27 * len(names))
+    panels = figure.subplots(1, len(strata), sharey=True, squeeze=False)[0]
+    rows = np.arange(len(names))[::-1]
+    for ax, stratum in zip(panels, strata, strict=True):
+        part = _of(results, stratum)
+        for row, name in zip(rows, names, strict=True):
+            m, left = measured(part, name), 0.0
+            shares = [m.caught.value, 0.0, m.forearm, m.upper_arm]
+            shares[1] = 1.0 - sum(shares)
+            for share, (_, colour) in zip(shares, OUTCOMES, strict=True):
+                ax.barh(row, 100 * share, left=left, color=colour, height=0.75, lw=0)
+                left += 100 * share
+        _plain(ax, f"{NAMES[stratum]} ({m.count})")
+        ax.set_xlim(0, 100)
+        ax.set_xlabel("situations [%]", fontsize=style.SMALL)
+    panels[0].set_yticks(rows, names, fontsize=style.SMALL)
+    patches = [panels[0].barh(0, 0, color=colour, label=name) for name, colour in OUTCOMES]
+    figure.legend(
+        handles=patches, loc="outside upper center", ncols=4, fontsize=style.SMALL, frameon=False
+    )
+    return figure
+
+
+def moves_figure(results: Results) -> Figure:
+    """How catches are thought out and made: latency, time, way, clearance and joint speed."""
+    names = results.entrants
+    figure = style.new_figure(13.6, 1.1 + 0.27 * len(names))
+    panels = figure.subplots(1, 5, sharey=True)
+    headings = ("thinking", "time to catch", "way of the hand", "least clearance", "fastest joint")
+    units = ("latency [ms]", "over the oracle's", "[forearms]", "[forearms]", "[rad/s]")
+    rows = np.arange(len(names))[::-1]
+    for row, name in zip(rows, names, strict=True):
+        colour = colour_of(results, name)
+        for ax, values in zip(panels, _movements(results.of_entrant(name)), strict=True):
+            if len(values):
+                low, early, middle, late, high = np.quantile(values, (0.05, 0.25, 0.5, 0.75, 0.95))
+                ax.plot([low, high], [row, row], color=colour, lw=1)
+                ax.plot([early, late], [row, row], color=colour, lw=4, alpha=0.6)
+                ax.plot(middle, row, "o", color=colour, ms=5)
+    for ax, heading, unit in zip(panels, headings, units, strict=True):
+        _plain(ax, heading)
+        ax.grid(axis="x", color=style.FAINT, lw=0.4, alpha=0.6)
+        ax.set_xlabel(unit, fontsize=style.SMALL)
+    for ax in (panels[0], panels[4]):
+        ax.set_xscale("log")
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+        ax.xaxis.set_major_formatter(lambda value, place: f"{value:g}")
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    panels[0].set_yticks(rows, names, fontsize=style.SMALL)
+    panels[0].set_ylim(-0.6, len(names) - 0.4)
+    return figure
+
+
+def _movements(mine: Results) -> list[np.ndarray]:
+    """Latencies of an entrant, and measures of its catches, each as far as it is a number."""
+    caught = mine.where(mine["outcome"] == "caught")
+    earliest = np.maximum(caught["earliest"].astype(float), 1e-3)
+    joints = np.fmax(caught["peak_shoulder"].astype(float), caught["peak_elbow"].astype(float))
+    columns = [
+        mine["latency_ms"].astype(float), caught["end"].astype(float) / earliest,
+        caught["length"].astype(float), caught["clearance"].astype(float), joints,
+    ]  # fmt: skip
+    return [column[np.isfinite(column)] for column in columns]
+
+
+def pairs_figure(results: Results, reference: str) -> Figure:
+    """Differences to one entrant with their intervals, one panel for each stratum."""
+    strata = _strata(results)
+    names = [name for name in results.entrants if name != reference]
+    figure = style.new_figure(2.0 + 3.2 * len(strata), 0.9 + 0.27 * len(names))
+    panels = figure.subplots(1, len(strata), sharex=True, sharey=True, squeeze=False)[0]
+    rows = np.arange(len(names))[::-1]
+    for ax, stratum in zip(panels, strata, strict=True):
+        ax.axvline(0.0, color=style.INK, lw=0.8)
+        for row, pair in zip(rows, pairs(_of(results, stratum), reference), strict=True):
+            d, colour = pair.difference, colour_of(results, pair.first)
+            ax.plot([100 * d.low, 100 * d.high], [row, row], color=colour, lw=2)
+            ax.plot(100 * d.value, row, "o", color=colour, ms=5)
+        _plain(ax, NAMES[stratum])
+        ax.grid(axis="x", color=style.FAINT, lw=0.4, alpha=0.6)
+        ax.set_xlabel(f"points against {reference}", fontsize=style.SMALL)
+    panels[0].set_yticks(rows, names, fontsize=style.SMALL)
+    return figure
+
+
 def charged_figure(results: Results) -> Figure | None:
     """Catches over charged time by stratum; None if that was not measured."""
-    strata = [s for s in results.strata if s != "U"]
-    figure = style.new_figure(1.6 + 3.2 * len(strata), 3.2)
+    strata, names = _strata(results), results.entrants
+    figure = style.new_figure(1.6 + 3.2 * len(strata), max(3.2, 0.5 + 0.2 * len(names)))
     panels = figure.subplots(1, len(strata), sharey=True, squeeze=False)[0]
     drawn = False
     for ax, stratum in zip(panels, strata, strict=True):
-        part = results.where(results["stratum"] == stratum)
-        for name in results.entrants:
+        part = _of(results, stratum)
+        for place, name in enumerate(names):
             curve = charged_curve(part, name)
-            if curve:
-                drawn = True
-                shares = [100 * point.value for point in curve]
-                colour = colour_of(results, name)
-                ax.plot(
-                    1e3 * np.array(DELAYS), shares, "o-", ms=3, lw=1.4, color=colour, label=name
-                )
+            if not curve:
+                continue
+            drawn = True
+            shares = [100 * point.value for point in curve]
+            colour, m = colour_of(results, name), measured(part, name)
+            # Thinner ones above wider ones: curves that coincide are all seen.
+            width = 1.2 + 2.4 * (1.0 - place / max(len(names) - 1, 1))
+            ax.plot(1e3 * np.array(DELAYS), shares, lw=width, color=colour, label=name)
+            if m.own is not None:
+                ax.plot(min(m.latency, 1e3 * DELAYS[-1]), 100 * m.own.value, "*", color=colour,
+                        ms=10, mec="white", mew=0.6, zorder=5)  # fmt: skip
         _plain(ax, NAMES[stratum])
-        ax.set_ylim(-2, 102)
+        ax.set_ylim(-2, 104)
+        ax.grid(axis="y", color=style.FAINT, lw=0.4, alpha=0.6)
         ax.set_xlabel("thinking [ms]", fontsize=style.SMALL)
+    if not drawn:
+        return None
     panels[0].set_ylabel("caught [%]", fontsize=style.SMALL)
     handles, labels = panels[-1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", fontsize=style.SMALL, frameon=False)
-    return figure if drawn else None
-
-
-def latency_figure(results: Results) -> Figure:
-    """Latency against catches of reachable situations."""
-    figure = style.new_figure(6.4, 3.6)
-    ax = figure.subplots()
-    part = results.where(results["stratum"] != "U")
-    for name in results.entrants:
-        m = measured(part, name)
-        ax.plot(max(m.latency, 1e-2), 100 * m.caught.value, "o", color=colour_of(results, name))
-        ax.annotate(
-            name, (max(m.latency, 1e-2), 100 * m.caught.value), xytext=(5, 3),
-            textcoords="offset points", fontsize=style.SMALL, color=style.INK,
-        )  # fmt: skip
-    ax.set_xscale("log")
-    _plain(ax, "thinking and catching")
-    ax.margins(x=0.2)
-    ax.set_ylim(0, 105)
-    ax.set_xlabel("median latency [ms]", fontsize=style.SMALL)
-    ax.set_ylabel("caught of reachable [%]", fontsize=style.SMALL)
     return figure
 
 
-def families_figure(results: Results) -> Figure:
-    """Catches by family as a table of colours."""
-    part = results.where(results["stratum"] != "U")
-    families, names = part.families, results.entrants
-    shares = np.full((len(families), len(names)), np.nan)
+def families_figure(results: Results, outcome: str = "caught") -> Figure:
+    """Shares of an outcome by family as a table of colours; reachable situations."""
+    results = results.where(results["stratum"] != "U")
+    families, names = results.families, results.entrants
+    shares, counts = np.full((len(families), len(names)), np.nan), [0] * len(families)
     for j, name in enumerate(names):
-        mine = part.of_entrant(name)
+        mine = results.of_entrant(name)
         for i, family in enumerate(families):
             here = mine["family"] == family
-            if here.any():
-                shares[i, j] = 100 * np.mean(mine["outcome"][here] == "caught")
-    figure = style.new_figure(2.4 + 0.62 * len(names), 1.4 + 0.3 * len(families))
+            counts[i] = int(here.sum())
+            shares[i, j] = 100 * np.mean(mine["outcome"][here] == outcome)
+    touches = outcome == "touched"
+    colours, most = (TOUCHES, FULL_TOUCH) if touches else (style.MAP_COLOURS, 100.0)
+    figure = style.new_figure(2.6 + 0.55 * len(names), 1.4 + 0.3 * len(families))
     ax = figure.subplots()
-    ax.imshow(shares, vmin=0, vmax=100, cmap=style.MAP_COLOURS, aspect="auto")
+    ax.imshow(shares, vmin=0, vmax=most, cmap=colours, aspect="auto")
     for i, j in np.ndindex(shares.shape):
-        if np.isfinite(shares[i, j]):
-            ink = "white" if shares[i, j] > 60 else style.INK
-            ax.text(j, i, f"{shares[i, j]:.0f}", ha="center", va="center", fontsize=8, color=ink)
+        ink = "white" if shares[i, j] > 0.6 * most else style.INK
+        text = "" if touches and shares[i, j] == 0.0 else f"{shares[i, j]:.0f}"
+        ax.text(j, i, text, ha="center", va="center", fontsize=8, color=ink)
     ax.set_xticks(range(len(names)), names, rotation=40, ha="right", fontsize=style.SMALL)
-    ax.set_yticks(range(len(families)), families, fontsize=style.SMALL)
+    labels = [f"{family} ({count})" for family, count in zip(families, counts, strict=True)]
+    ax.set_yticks(range(len(families)), labels, fontsize=style.SMALL)
     ax.tick_params(length=0)
+    style.title(ax, f"{outcome} [%]")
     return figure
 
 
-def learning_figure(names: Sequence[str]) -> Figure | None:
-    """Learning curves of the actors that have a log of steps."""
-    curves: dict[str, np.ndarray] = {}
-    for bare in dict.fromkeys(name.partition("@")[0] for name in names):
-        path = models_folder() / bare / LOG
-        if path.exists():
-            rows = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
-            points = [(r["steps"], r["caught"]) for r in rows if "steps" in r]
+def noise_figure(noise: Results) -> Figure:
+    """Catches over errors of perception by how they are dealt with, a panel for each planner."""
+    names, found = noise.entrants, blurred(noise)
+    columns = min(len(names), 4)
+    rows = -(-len(names) // columns)
+    figure = style.new_figure(2.4 + 2.7 * columns, 0.5 + 2.5 * rows)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    for ax in panels[len(names) :]:
+        ax.axis("off")
+    for ax, name in zip(panels, names, strict=False):
+        mine = [b for b in found if b.entrant == name]
+        exact = next(b for b in mine if b.noise == 0.0)
+        for way, colour in zip(HABITS, COLOURS, strict=False):
+            points = [exact, *(b for b in mine if b.way == way and b.noise > 0.0)]
+            across = [b.noise for b in points]
+            ax.plot(across, [100 * b.caught.value for b in points], "o-", ms=3, color=colour,
+                    label=way)  # fmt: skip
+            ax.plot(across, [100 * b.touched for b in points], "--", lw=1, color=colour)
+        _plain(ax, name)
+        ax.set_ylim(-2, 104)
+        ax.grid(axis="y", color=style.FAINT, lw=0.4, alpha=0.6)
+        ax.set_xlabel("error [forearms]", fontsize=style.SMALL)
+    panels[0].set_ylabel("caught, touched (dashed) [%]", fontsize=style.SMALL)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", fontsize=style.SMALL, frameon=False)
+    return figure
+
+
+def learning_figure(results: Results) -> Figure | None:
+    """How the trained actors that take part learned, as far as their logs tell."""
+    logs: dict[str, tuple[str, list[dict[str, Any]]]] = {}
+    for name in results.entrants:
+        logs.setdefault(name.partition("@")[0], (name, log_of(name.partition("@")[0])))
+    panels = []
+    for heading, across, up, down, unit in (
+        ("learning in the arena", "steps", "caught", "touched", "validation [%]"),
+        ("learning to imitate", "epoch", "accuracy", "", "choices as shown, held out [%]"),
+    ):
+        curves = {}
+        for name, rows in logs.values():
+            points = [
+                (r[across], r[up], r.get(down, np.nan)) for r in rows if {across, up} <= set(r)
+            ]
             if len(points) > 1:
-                curves[bare] = np.array(points)
-    if not curves:
+                curves[name] = np.array(points, dtype=float)
+        if curves:
+            panels.append((heading, across, unit, curves))
+    if not panels:
         return None
-    figure = style.new_figure(6.4, 3.2)
-    ax = figure.subplots()
-    for name, curve in curves.items():
-        ax.plot(curve[:, 0] / 1e6, 100 * curve[:, 1], "o-", ms=3, label=name)
-    _plain(ax, "learning curves")
-    ax.set_ylim(0, 102)
-    ax.set_xlabel("steps [millions]", fontsize=style.SMALL)
-    ax.set_ylabel("caught, validation [%]", fontsize=style.SMALL)
-    ax.legend(fontsize=style.SMALL, frameon=False)
+    figure = style.new_figure(0.6 + 5.2 * len(panels), 3.2)
+    for ax, drawn in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+        _draw_course(ax, results, *drawn)
     return figure
+
+
+def _draw_course(
+    ax: Axes,
+    results: Results,
+    heading: str,
+    across: str,
+    unit: str,
+    curves: dict[str, np.ndarray],
+) -> None:
+    """Curves (n, 3) of what is learned and, dashed, touched; each named at its end."""
+    for name, curve in curves.items():
+        colour = colour_of(results, name)
+        ax.plot(curve[:, 0], 100 * curve[:, 1], "o-", ms=3, color=colour)
+        ax.plot(curve[:, 0], 100 * curve[:, 2], "--", lw=1, color=colour)
+        ax.annotate(
+            name.partition("@")[0], (curve[-1, 0], 100 * curve[-1, 1]), xytext=(5, 0),
+            textcoords="offset points", fontsize=style.SMALL, color=colour, va="center",
+        )  # fmt: skip
+    _plain(ax, heading)
+    ax.set_ylim(0, 102)
+    ax.margins(x=0.14)
+    ax.set_xlabel(across, fontsize=style.SMALL)
+    ax.set_ylabel(unit, fontsize=style.SMALL)
+    ax.xaxis.set_major_formatter(lambda value, place: _thousands(value))
+
+
+def _thousands(value: float) -> str:
+    """1,500 as 1.5k, 2,000,000 as 2M."""
+    for size, letter in ((1e6, "M"), (1e3, "k")):
+        if abs(value) >= size:
+            return f"{value / size:g}{letter}"
+    return f"{value:g}"

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
+from gcm_learn.evaluation.costs import configuration_of
 from gcm_learn.evaluation.measures import measured
 from gcm_learn.evaluation.table import Results
 
@@ -35,12 +37,22 @@ def who(names: Sequence[str]) -> list[tuple[str, str]]:
     rows = []
     for name in names:
         bare, _, tries = name.partition("@")
-        words = WHO.get(bare, "")
+        words = WHO.get(bare, "") or _of_model(bare)
         if tries and words:
             words = f"{words}; tried out {tries} times and verified before the hand moves"
         if words:
             rows.append((name, words))
     return rows
+
+
+def _of_model(bare: str) -> str:
+    """What the configuration of a trained network tells; nothing if there is none."""
+    config = configuration_of(bare)
+    if "algo" not in config:
+        return ""
+    words = f"network trained in the arena ({config['algo'].upper()})"
+    start = Path(config.get("start", "")).name
+    return f"{words}, begun as {start}" if start else words
 
 
 def verdict(results: Results) -> str:

@@ -1,97 +1,195 @@
-"""Failures of a comparison, drawn."""
+"""What goes wrong in a comparison: reachable situations that were touched or missed, and films."""
 
 from __future__ import annotations
 
 import io
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gcm_learn.envs.viewer import Viewer
-from gcm_learn.evaluation.entrants import ActorEntrant, Result, entrant
+from gcm_learn.arm.kinematics import elbow_position
+from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.evaluation.contest import touched_point
+from gcm_learn.evaluation.entrants import entrant
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.plots import style
-from gcm_learn.plots.workspace import draw_arm, draw_bodies, draw_courses, draw_workspace
+from gcm_learn.plots.animation import palette_of
+from gcm_learn.plots.workspace import draw_arm, draw_bodies, draw_courses
 
 MOST = 8  # failures that are drawn
+FILMS = 3  # of them as films
 COLUMNS = 4
-FRAMES, FRAME_TIME = 30, 60  # of a film, [ms]
+FRAMES, FRAME_TIME, HOLD = 30, 70, 1200  # of a film, [ms], [ms]
 FILM = 320  # [pixels]
+LONGEST_PLAN = 500.0  # who thinks for longer is not asked how it catches [ms]
+ORDER = ("touched", "late", "declined", "start_blocked")
 
 
-def failures_figure(results: Results, entries: Sequence[Entry]) -> Figure | None:
-    """Touches of actors, each where it ended; None if there is none."""
-    found = _touches(results, entries)
-    if not found:
-        return None
+@dataclass(frozen=True)
+class Failure:
+    """A situation that can be caught, and somebody who did not catch."""
+
+    name: str
+    entry: Entry
+    outcome: str
+    part: str | None
+    """Of the limb that touched."""
+    way: Trajectory | None
+    """What the hand did; None if it rested."""
+    better: str
+    """Somebody who catches, if there is one."""
+    example: Trajectory | None
+    """How that catches."""
+
+    @property
+    def duration(self) -> float:
+        """Until it is over [s]: the touch, or the catch of somebody else, or the horizon."""
+        if self.way is not None:
+            return self.way.duration
+        return self.entry.situation.horizon if self.example is None else self.example.duration
+
+    @property
+    def words(self) -> str:
+        """What happened."""
+        return f"touches with the {self.part}" if self.part else self.outcome.replace("_", " ")
+
+
+def failures_of(results: Results, entries: Sequence[Entry], most: int = MOST) -> list[Failure]:
+    """Failures in reachable situations, of entrants in turns.
+
+    Who touches comes first, then who fails seldom, for its failures tell more; of each, touches and
+    families that are not there yet.
+    """
+    known = {(e.suite, e.index): e for e in entries}
+    lost = results.where((results["outcome"] != "caught") & (results["stratum"] != "U"))
+    left: dict[str, list[tuple[str, str | None, Entry]]] = {}
+    for k in range(len(lost)):
+        entry = known.get((str(lost["suite"][k]), int(lost["index"][k])))
+        if entry is not None:
+            row = (str(lost["outcome"][k]), lost["part"][k], entry)
+            left.setdefault(str(lost["entrant"][k]), []).append(row)
+    turns = sorted(left, key=lambda n: (min(ORDER.index(r[0]) for r in left[n]), len(left[n])))
+    found: list[Failure] = []
+    while len(found) < most and any(left.values()):
+        for name in [n for n in turns if left[n]][: most - len(found)]:
+            shown = [f.entry.family for f in found]
+            row = min(left[name], key=lambda r: (ORDER.index(r[0]), shown.count(r[2].family)))
+            left[name].remove(row)
+            found.append(_failure(results, name, *row))
+    return found
+
+
+def _failure(results: Results, name: str, outcome: str, part: str | None, entry: Entry) -> Failure:
+    """Play it again, and let somebody who caught show how: the one that catches most."""
+    way = entrant(name).run(entry.situation).trajectory
+    here = (results["suite"] == entry.suite) & (results["index"] == entry.index)
+    there = results.where(
+        here & (results["outcome"] == "caught") & (results["latency_ms"] <= LONGEST_PLAN)
+    )
+    catches = Counter(results["entrant"][results["outcome"] == "caught"].tolist())
+    for better in sorted(there.entrants, key=lambda other: -catches[other]):
+        result = entrant(better).run(entry.situation)
+        if result.outcome == "caught":
+            return Failure(name, entry, outcome, part, way, better, result.trajectory)
+    return Failure(name, entry, outcome, part, way, "", None)
+
+
+def failures_figure(found: Sequence[Failure]) -> Figure:
+    """Each where it ended."""
     rows = -(-len(found) // COLUMNS)
-    figure = style.new_figure(3.0 * COLUMNS, 3.2 * rows)
+    figure = style.new_figure(3.3 * COLUMNS, 3.6 * rows)
     panels = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
     for ax in panels[len(found) :]:
         ax.axis("off")
-    for ax, (name, entry, result) in zip(panels, found, strict=False):
-        way, situation = result.trajectory, entry.situation
-        assert way is not None
-        draw_workspace(ax, situation)
-        for line in ax.lines:
-            line.set_alpha(0.25)
-        draw_courses(ax, situation, way.duration)
-        draw_bodies(ax, situation, way.duration)
-        draw_arm(ax, situation.arm, way.hand[-1])
-        ax.plot(*way.hand.T, color=style.PATH, lw=1.4)
-        ax.plot(*way.hand[-1], "o", mfc="none", mec=style.EFFECTIVE, ms=14, mew=1.6)
-        style.title(ax, f"{name}: {entry.family}, {entry.stratum}, {way.duration:.2f} s")
+    for ax, failure in zip(panels, found, strict=False):
+        situation, arm = failure.entry.situation, failure.entry.situation.arm
+        style.frame(ax, arm.upper_arm)
+        draw_bodies(ax, situation, 0.0, alpha=0.25)
+        draw_courses(ax, situation, failure.duration)
+        draw_bodies(ax, situation, failure.duration)
+        _draw_example(ax, failure, failure.duration)
+        draw_arm(ax, arm, arm.hand if failure.way is None else failure.way.hand[-1])
+        if failure.way is not None:
+            ax.plot(*failure.way.hand.T, color=style.PATH, lw=1.4)
+        _mark_touch(ax, failure)
+        told = f"{failure.entry.family}, {failure.entry.stratum}"
+        style.title(ax, f"{failure.name}: {failure.words}\n{told}, {failure.duration:.2f} s")
     return figure
 
 
-def failure_film(results: Results, entries: Sequence[Entry]) -> tuple[str, int, bytes] | None:
-    """The first of them as a film: what it shows, its width and the bytes of a GIF."""
-    found = _touches(results, entries)
-    if not found:
-        return None
-    name, entry, result = found[0]
-    way = result.trajectory
-    assert way is not None
-    viewer, frames = Viewer(False), []
-    for t in np.linspace(0.0, way.duration, FRAMES):
-        behind = way.hand[way.time <= t]
-        path = np.vstack([behind, way.hand_at(t)[None]])
-        picture = viewer.show(entry.situation, float(t), path)
-        assert picture is not None
-        frames.append(Image.fromarray(picture).resize((FILM, FILM)).quantize(64))
+def failure_film(found: Sequence[Failure], most: int = FILMS) -> list[tuple[str, bytes]]:
+    """Some of them as films, of entrants and families that differ: words, and bytes of a GIF."""
+    chosen: list[Failure] = []
+    for failure in sorted(found, key=lambda f: ORDER.index(f.outcome)):
+        seen = {f.name for f in chosen} | {f.entry.family for f in chosen}
+        if len(chosen) < most and not {failure.name, failure.entry.family} & seen:
+            chosen.append(failure)
+    return [(_caption(failure), _film(failure)) for failure in chosen]
+
+
+def _caption(failure: Failure) -> str:
+    slower = FRAMES * FRAME_TIME * 1e-3 / max(failure.duration, 1e-3)
+    text = f"{failure.name} in {failure.entry.family} ({failure.entry.stratum}): {failure.words}"
+    if failure.example is not None:
+        text += f"; {failure.better} catches (grey)"
+    return f"{text}. {slower:.1f} times slower."
+
+
+def _film(failure: Failure) -> bytes:
+    """An animated GIF."""
+    figure = Figure(figsize=(FILM / style.DPI, FILM / style.DPI), dpi=style.DPI)
+    canvas, ax = FigureCanvasAgg(figure), figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    frames = []
+    for t in np.linspace(0.0, failure.duration, FRAMES):
+        ax.clear()
+        _draw_moment(ax, failure, float(t))
+        canvas.draw()
+        frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+    palette = palette_of(frames[:: FRAMES // 6])
+    drawn = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     buffer = io.BytesIO()
-    frames[0].save(
-        buffer, "GIF", save_all=True, append_images=frames[1:] + [frames[-1]] * 8,
-        duration=FRAME_TIME, loop=0,
+    drawn[0].save(
+        buffer, "GIF", save_all=True, append_images=drawn[1:], loop=0,
+        duration=[FRAME_TIME] * (FRAMES - 1) + [HOLD],
     )  # fmt: skip
-    slower = FRAMES * FRAME_TIME * 1e-3 / max(way.duration, 1e-3)
-    part = _part(results, name, entry)
-    text = f"{name} in {entry.family}, {slower:.0f} times slower: it touches with the {part}."
-    return text, FILM, buffer.getvalue()
+    return buffer.getvalue()
 
 
-def _part(results: Results, name: str, entry: Entry) -> str:
-    here = (results["entrant"] == name) & (results["index"] == entry.index)
-    here &= results["suite"] == entry.suite
-    return str(results["part"][here][0])
+def _draw_moment(ax: Axes, failure: Failure, t: float) -> None:
+    situation, way = failure.entry.situation, failure.way
+    style.frame(ax, situation.arm.upper_arm)
+    draw_bodies(ax, situation, t)
+    _draw_example(ax, failure, t)
+    hand = np.asarray(situation.arm.hand) if way is None else way.hand_at(t)
+    if way is not None:
+        ax.plot(*np.vstack([way.hand[way.time <= t], hand]).T, color=style.PATH, lw=1.4)
+    draw_arm(ax, situation.arm, hand)
+    if t >= failure.duration:
+        _mark_touch(ax, failure)
+    text = f"{failure.name}  {t:.2f} s"
+    ax.text(0.01, 0.99, text, transform=ax.transAxes, va="top", fontsize=style.TITLE,
+            color=style.INK, path_effects=[style.HALO], zorder=20)  # fmt: skip
 
 
-def _touches(results: Results, entries: Sequence[Entry]) -> list[tuple[str, Entry, Result]]:
-    """Touches of actors in reachable situations, evenly from all actors."""
-    known = {(e.suite, e.index): e for e in entries}
-    rows: dict[str, list[Entry]] = {}
-    for k in np.flatnonzero((results["outcome"] == "touched") & (results["stratum"] != "U")):
-        entry = known.get((str(results["suite"][k]), int(results["index"][k])))
-        if entry is not None:
-            rows.setdefault(str(results["entrant"][k]), []).append(entry)
-    found: list[tuple[str, Entry, Result]] = []
-    actors = {name: made for name in rows if isinstance(made := entrant(name), ActorEntrant)}
-    for turn in range(MOST):
-        for name, made in actors.items():
-            if turn < len(rows[name]) and len(found) < MOST:
-                entry = rows[name][turn]
-                found.append((name, entry, made.run(entry.situation)))
-    return found
+def _draw_example(ax: Axes, failure: Failure, t: float) -> None:
+    """The way of somebody who catches, in grey, and its arm at a time up to the catch."""
+    if failure.example is None:
+        return
+    ax.plot(*failure.example.hand.T, color=style.FAINT, lw=1.4, ls=(0, (1, 1.5)), zorder=3)
+    if t <= failure.example.duration:
+        arm, hand = failure.entry.situation.arm, failure.example.hand_at(t)
+        limb = np.array([(0.0, 0.0), elbow_position(hand, arm.upper_arm, arm.elbow), hand])
+        ax.plot(*limb.T, "o-", color=style.FAINT, lw=3.0, ms=6.0, alpha=0.7, zorder=5.5)
+
+
+def _mark_touch(ax: Axes, failure: Failure) -> None:
+    if failure.outcome == "touched" and failure.way is not None:
+        point = touched_point(failure.entry.situation, failure.way)
+        ax.plot(*point, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)

@@ -21,10 +21,11 @@ figure img { max-width: 100%; height: auto; }
 figcaption { color: #4a5568; font-size: .9rem; text-align: left; margin-top: .5rem;
              width: 0; min-width: 100%; }
 table { border-collapse: collapse; margin: 1rem 0; background: white; display: block;
-        overflow-x: auto; }
+        overflow-x: auto; width: fit-content; max-width: 100%; }
+summary { cursor: pointer; color: #2b6cb0; }
 th, td { border-bottom: 1px solid #e2e8f0; padding: .35rem .8rem; text-align: right; }
 th { color: #4a5568; font-weight: 600; font-size: .9rem; } td:first-child, th:first-child
-{ text-align: left; } td:nth-child(2):last-child, th:nth-child(2):last-child
+{ text-align: left; white-space: nowrap; } td:nth-child(2):last-child, th:nth-child(2):last-child
 { text-align: left; } .swatch { display: inline-block; width: .9em; height: .9em;
 border-radius: 3px; margin: 0 .35em -.1em 0; } .key span { white-space: nowrap;
 margin-right: 1.1rem; } .key { max-width: none; }
@@ -48,11 +49,13 @@ class Table:
 
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
+    fold: str = ""
+    """If there is such a line, the table opens when it is clicked."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page: heading, paragraphs, then tables, then pictures.
+    """A part of the page: heading, paragraphs, then tables, then pictures, then folded tables.
 
     In paragraphs, `words between backticks` are set as code.
     """
@@ -107,8 +110,9 @@ def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tupl
 def _section(section: Section) -> str:
     parts = [f'<h2 id="{section.anchor}">{escape(section.heading)}</h2>']
     parts += [_paragraph(text) for text in section.paragraphs]
-    parts += [_table(table) for table in section.tables]
+    parts += [_table(table) for table in section.tables if not table.fold]
     parts.append(_pictures(section.pictures))
+    parts += [_folded(table) for table in section.tables if table.fold]
     return "\n".join(part for part in parts if part)
 
 
@@ -124,6 +128,10 @@ def _table(table: Table) -> str:
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
     )
     return f"<table><tr>{head}</tr>{rows}</table>"
+
+
+def _folded(table: Table) -> str:
+    return f"<details><summary>{escape(table.fold)}</summary>{_table(table)}</details>"
 
 
 def _pictures(pictures: Sequence[Picture]) -> str:

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
+from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.cli import main
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
-from gcm_learn.evaluation.contest import compare
+from gcm_learn.evaluation.contest import clearance_of, compare, touched_part, touched_point
 from gcm_learn.evaluation.entrants import entrant
 from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
 from gcm_learn.evaluation.suites import Entry
@@ -75,6 +76,30 @@ def test_rows_say_what_the_planners_say(results, entries):
                 assert mine["peak_hand"][k] <= limit * (1 + 1e-6)
     assert np.all(results["latency_ms"] > 0.0)
     assert not np.any(results["outcome"] == "touched")
+
+
+def test_clearances_are_those_of_the_verification(entries):
+    for entry in entries:
+        plan = solve(entry.situation, "layered")
+        if plan.caught:
+            assert clearance_of(entry.situation, plan.trajectory) == pytest.approx(
+                plan.clearance, abs=2e-4
+            )
+
+
+def test_the_touched_point_is_where_the_limb_is_met():
+    far = moving("ball", "target", (-1.0, 1.0), (0.0, 0.0))
+    way = Trajectory.of_hand(np.array([0.0, 0.5]), np.full((2, 2), (1.5, 0.0)))
+    elbow = np.array([0.75, -np.sqrt(1.0 - 0.75**2)])  # of two equal limbs, right elbow
+    for centre, part in ((1.1, "forearm"), (0.4, "upper arm")):
+        joint = elbow if part == "forearm" else np.zeros(2)
+        along = (np.array([1.5, 0.0]) if part == "forearm" else elbow) - joint
+        foot = joint + along * (centre - joint[0]) / along[0]
+        off = 0.08 * np.array([-along[1], along[0]])
+        rock = moving("rock", "obstacle", tuple(foot + off), (0.0, 0.0), radius=0.05)
+        situation = scene(far, rock)
+        assert touched_part(situation, way) == part
+        np.testing.assert_allclose(touched_point(situation, way), foot, atol=0.006)
 
 
 def test_measures_follow_from_the_rows(results):

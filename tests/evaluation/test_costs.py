@@ -1,0 +1,41 @@
+"""What entrants are made of."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from gcm_learn.evaluation import costs as module
+from gcm_learn.evaluation.costs import costs
+from gcm_learn.memory.shipped import models_folder, shipped_memory
+from gcm_learn.policies.planner import shipped_actor
+
+
+def test_entrants_share_what_they_hold():
+    found = costs(["layered", "clone", "recall", "clone@20", "hybrid", "straight"])
+    assert [cost.entrants for cost in found] == [("clone", "clone@20"), ("recall", "hybrid")]
+
+
+def test_a_memory():
+    (cost,) = costs(["recall"])
+    memory = shipped_memory("recall")
+    assert cost.memories == len(memory) and cost.weights is None and cost.steps is None
+    files = [p for p in (models_folder() / "recall").rglob("*") if p.suffix != ".json"]
+    assert cost.size == pytest.approx(sum(p.stat().st_size for p in files), rel=1e-3)
+    encoder = json.loads((models_folder() / "encoder" / "metrics.json").read_text())
+    assert cost.minutes == encoder["seconds"] / 60 and cost.situations == encoder["memories"]
+
+
+def test_an_actor():
+    (cost,) = costs(["ppo-clone"])
+    layers = shipped_actor("ppo-clone").layers
+    assert cost.weights == sum(w.size + b.size for w, b in layers)
+    assert cost.start == "clone" and cost.situations == 21_000
+    assert cost.steps == max(row["steps"] for row in module.log_of("ppo-clone"))
+
+
+def test_a_course_that_was_taken_up_again_took_all_its_parts():
+    rows = [{"seconds": s} for s in (10.0, 50.0, 5.0, 8.0, 2.0)]
+    assert module._minutes(rows) == pytest.approx((50.0 + 8.0 + 2.0) / 60)
+    assert module._minutes([]) is None

@@ -1,0 +1,134 @@
+"""The report of a comparison: its tables, its failures and their films."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from gcm_learn import families
+from gcm_learn.evaluation.contest import compare
+from gcm_learn.evaluation.measures import measured
+from gcm_learn.evaluation.suites import Entry, draw_suite, suites_folder
+from gcm_learn.evaluation.table import Results
+from gcm_learn.plots import comparison_figures as figures
+from gcm_learn.plots import comparison_tables as tables
+from gcm_learn.plots import failures
+from gcm_learn.plots.comparison import write_report
+
+NAMES = ["straight", "layered", "clone"]
+
+
+@pytest.fixture(scope="module")
+def entries() -> list[Entry]:
+    """Situations of all strata, among them touches of the clone."""
+    return draw_suite("demo", 24, suites_folder())
+
+
+@pytest.fixture(scope="module")
+def results(entries) -> Results:
+    """What becomes of them."""
+    return compare(NAMES, entries, charge=1, workers=1)
+
+
+@pytest.fixture(scope="module")
+def found(results, entries):
+    """Failures of the comparison."""
+    return failures.failures_of(results, entries)
+
+
+def with_outcomes(results, entrant, outcomes, parts):
+    """The results with other outcomes of an entrant."""
+    columns = {name: column.copy() for name, column in results.columns.items()}
+    here = np.flatnonzero(columns["entrant"] == entrant)[: len(outcomes)]
+    columns["outcome"][here], columns["part"][here] = outcomes, parts
+    return Results(columns)
+
+
+def test_touches_are_told_by_part(results):
+    outcomes, parts = ["touched"] * 3 + ["caught"], ["forearm", "forearm", "upper arm", None]
+    made = with_outcomes(results, "straight", outcomes, parts)
+    mine = made.where((made["entrant"] == "straight") & (np.cumsum(np.ones(len(made))) <= 4))
+    m = measured(mine, "straight")
+    assert (m.forearm, m.upper_arm, m.touched.value) == (0.5, 0.25, 0.75)
+    (row,) = tables.measures_table(mine).rows
+    assert row[2:4] == ["50.0", "25.0"]
+
+
+def test_all_measures_are_told_by_stratum_and_by_family(results):
+    by_stratum, by_family = tables.by_stratum(results), tables.by_family(results)
+    assert [table.fold[0] for table in by_stratum] == results.strata
+    there = results.where(results["stratum"] != "U")
+    assert [table.fold.split()[0] for table in by_family] == there.families
+    for table in (*by_stratum, *by_family):
+        assert [row[0] for row in table.rows] == NAMES
+        assert all(len(row) == len(tables.MEASURES) for row in table.rows)
+    share = np.mean(results.of_entrant("layered")["stratum"] == "W") * 24
+    assert f"({share:.0f} situations)" in by_stratum[results.strata.index("W")].fold
+
+
+def test_bars_of_outcomes_add_up(results):
+    figure = figures.outcomes_figure(results)
+    for ax in figure.axes[: len(results.strata)]:
+        widths = np.array([patch.get_width() for patch in ax.patches])
+        assert np.all(widths >= -1e-9)
+        assert widths.sum() == pytest.approx(100.0 * len(NAMES))
+
+
+def test_failures_are_failures_and_somebody_shows_how_to_catch(found, results):
+    assert 3 <= len(found) <= failures.MOST
+    outcomes = {(r[0], r[1]): r[2] for r in zip(results["entrant"], results["index"],
+                                                results["outcome"], strict=True)}  # fmt: skip
+    for failure in found:
+        assert failure.outcome == outcomes[failure.name, failure.entry.index] != "caught"
+        assert failure.entry.stratum != "U"
+        assert failure.better == "layered" and failure.example is not None
+    touched = [failure for failure in found if failure.outcome == "touched"]
+    assert touched and found[0] is touched[0], "who touches comes first"
+
+
+def test_films_show_different_entrants_and_families(found):
+    films = failures.failure_film(found)
+    assert len(films) == 2  # layered catches all, so that two are left
+    assert "touches with the" in films[0][0] and "layered catches (grey)" in films[0][0]
+    for _, data in films:
+        film = Image.open(io.BytesIO(data))
+        assert film.size == (failures.FILM, failures.FILM)
+        assert len(data) < 400_000
+        moved = []
+        for frame in range(film.n_frames):
+            film.seek(frame)
+            moved.append(np.asarray(film.convert("RGB")))
+        assert np.any(moved[0] != moved[-1])
+        assert tuple(moved[0][0, -1]) == (255, 255, 255)
+
+
+def test_one_page_holds_everything(results, entries, tmp_path):
+    text = write_report(results, entries, tmp_path).read_text()
+    assert "src=" in text and all(part.startswith("data:") for part in text.split('src="')[1:])
+    assert len(text) < 4_000_000
+    for anchor in ("who", "numbers", "pairs", "thinking", "families", "failures", "learning"):
+        assert f'<h2 id="{anchor}">' in text
+    assert text.count("<details>") == len(tables.by_family(results)) + 4 + 3 + 3
+    quiet = Results({**results.columns, "outcome": np.full(len(results), "caught", object)})
+    assert '<h2 id="failures">' not in write_report(quiet, entries, tmp_path).read_text()
+
+
+def test_what_was_not_measured_is_left_out(results):
+    columns = dict(results.columns)
+    for name in columns:
+        if name.startswith("charged"):
+            columns[name] = np.full(len(results), None, object)
+    assert figures.charged_figure(Results(columns)) is None
+    planners = results.where(results["entrant"] != "clone")
+    assert figures.learning_figure(planners) is None
+    assert figures.learning_figure(results) is not None
+
+
+def test_a_family_that_is_not_there_has_no_row(results):
+    figure = figures.families_figure(results)
+    rows = [label.get_text().split()[0] for label in figure.axes[0].get_yticklabels()]
+    assert rows == results.where(results["stratum"] != "U").families
+    assert set(rows) <= set(families.family_names())
