@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from report import write_tables
 
 from gcm_learn.evaluation import Entry, Results, compare, draw_suite
@@ -25,11 +26,11 @@ from gcm_learn.plots.comparison import write_report
 
 HERE = Path(__file__).parent
 POLICIES = (
-    "straight", "straight-wait", "potential", "gcm", "marching", "layered", "recall", "recall-1",
-    "hybrid", "clone", "ppo-clone", "ppo-clone@20",
+    "straight", "straight-wait", "potential", "gcm", "marching", "layered", "splines-random",
+    "recall-random", "recall-raw", "recall-1", "recall", "hybrid", "clone", "ppo-clone",
+    "ppo-clone@20", "sac-clone",
 )  # fmt: skip
-STRATA = ("L", "W", "Q", "U")
-CHARGED = ("gcm", "layered", "recall", "hybrid")  # on all of W, for H1
+DRAWN = ("gcm", "layered", "recall-raw", "recall", "hybrid", "ppo-clone")  # in the charged figure
 BLURRED = ("hybrid", "layered")
 DEVIATIONS = (0.005, 0.0075, 0.01, 0.02, 0.04)  # [forearms]
 
@@ -64,7 +65,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1000, help="situations of a stratum")
     parser.add_argument("--rare", type=int, help="of Q and U, if fewer")
     parser.add_argument("--natural", type=int, default=300, help="situations of the natural mix")
-    parser.add_argument("--charge", type=int, default=100, help="of a stratum, for all policies")
+    parser.add_argument("--charge", type=int, default=100, help="of L, Q and U; of W it is all")
     parser.add_argument("--blurred", type=int, default=100, help="of W and of Q, under noise")
     parser.add_argument("--workers", type=int)
     given = parser.parse_args()
@@ -76,21 +77,20 @@ def main() -> None:
         hashes[name] = f"{len(entries)}, {hash_of(entries)}"
         return entries
 
-    hard = {"W": suite("W", counts["W"])}
-    charged = part(
-        given.out, "charged",
-        lambda: compare(CHARGED, hard["W"], charge=given.count, workers=workers),
+    drawn = {name: suite(name, counts[name]) for name in counts}
+    detours = part(
+        given.out, "W",
+        lambda: compare(POLICIES, drawn["W"], charge=given.count, workers=workers),
     )  # fmt: skip
-    hard["Q"] = suite("Q", counts["Q"])
-    few = [entry for name in "WQ" for entry in hard[name][: given.blurred]]
+    others = [entry for name in "LQU" for entry in drawn[name]]
+    rest = part(
+        given.out, "L, Q and U",
+        lambda: compare(POLICIES, others, charge=given.charge, workers=workers),
+    )  # fmt: skip
+    few = [entry for name in "WQ" for entry in drawn[name][: given.blurred]]
     noise = part(
         given.out, "noise", lambda: compare_blurred(BLURRED, few, DEVIATIONS, workers=workers)
     )
-    entries = [entry for name in STRATA for entry in suite(name, counts[name])]
-    whole = part(
-        given.out, "strata",
-        lambda: compare(POLICIES, entries, charge=given.charge, workers=workers),
-    )  # fmt: skip
     natural: Results | None = None
     if given.natural:
         mix = suite("natural", given.natural)
@@ -98,17 +98,17 @@ def main() -> None:
             given.out, "natural", lambda: compare(POLICIES, mix, charge=0, workers=workers)
         )
         write_report(natural, mix, given.out / "natural")
-    page = write_report(whole, entries, given.out / "strata", "layered", noise)
+    whole = Results.joined(detours, rest)
+    page = write_report(whole, [*drawn["W"], *others], given.out / "all", "layered", noise)
     figures.rates_figure(whole).savefig(HERE / "figure.png", dpi=110)
-    drawn = figures.charged_figure(charged)
-    if drawn is not None:
-        drawn.savefig(HERE / "charged.png", dpi=110)
+    figure = figures.charged_figure(detours.where(np.isin(detours["entrant"], DRAWN)))
+    if figure is not None:
+        figure.savefig(HERE / "charged.png", dpi=110)
     costs = {
-        name: json.loads((given.out / name / "cost.json").read_text())
-        for name in ("strata", "charged", "noise", "natural")
-        if (given.out / name / "cost.json").exists()
+        path.parent.name: json.loads(path.read_text())
+        for path in sorted(given.out.glob("*/cost.json"))
     }
-    write_tables(HERE / "table.md", whole, charged, noise, natural, hashes, costs)
+    write_tables(HERE / "table.md", whole, detours, noise, natural, hashes, costs)
     print((HERE / "table.md").read_text("utf-8"))
     print(f"Open {page.resolve().as_uri()} in a browser.")
 

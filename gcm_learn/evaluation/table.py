@@ -47,6 +47,11 @@ class Results:
         """Those that there are."""
         return sorted(set(self["family"].tolist()))
 
+    @classmethod
+    def joined(cls, *parts: Results) -> Results:
+        """Rows of several, one after the other; all have the same columns."""
+        return cls({n: np.concatenate([part[n] for part in parts]) for n in parts[0].columns})
+
     def where(self, keep: np.ndarray) -> Results:
         """The rows of a mask (n,)."""
         return Results({name: column[keep] for name, column in self.columns.items()})

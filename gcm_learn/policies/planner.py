@@ -51,7 +51,7 @@ class ActorPlanner:
         if answer is not None:
             return answer
         turned, frame = canonical(situation)
-        pool, here = Pool.of([turned]), np.zeros(1, np.int64)
+        pool, here = Pool.of([turned]).prepared(self.actor.settings), np.zeros(1, np.int64)
         found = [play(self.actor, pool, here)]
         if self.tries > 1:
             source = seeding.rng(self.seed, _number(turned))

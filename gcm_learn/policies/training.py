@@ -110,7 +110,7 @@ class _Judge:
     """Scores actors on the validation situations and keeps the best."""
 
     def __init__(self, run: Run, pool: Pool, groups: list[str]) -> None:
-        # The maps are of no use here: an actor is judged by what it does.
+        # Maps are for learning only: without them an actor is judged, kept and used.
         weights = replace(run.plan.settings.weights, guide=0.0)
         self.plain = replace(run.plan.settings, weights=weights)
         self.run, self.pool, self.groups = run, pool.prepared(self.plain), groups
@@ -123,7 +123,8 @@ class _Judge:
 
     def see(self, actor: Actor, steps: int, more: dict[str, float]) -> None:
         """Score an actor; keep it if it is the best so far."""
-        scores = score(replace(actor, settings=self.plain), self.pool, self.groups)
+        actor = replace(actor, settings=self.plain)
+        scores = score(actor, self.pool, self.groups)
         self.run.log({"steps": steps, "seconds": round(self.run.seconds, 1), **scores, **more})
         self.run.tell(
             f"{steps} steps, {self.run.seconds:.0f} s: {scores['caught']:.1%} caught, "

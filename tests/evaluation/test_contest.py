@@ -30,6 +30,15 @@ def moving(name, role, position, velocity, radius=0.1):
     return Body(role, name, Disc(radius), motion)
 
 
+def test_parts_of_a_comparison_join(results):
+    first = results["entrant"] == results.entrants[0]
+    whole = Results.joined(results.where(first), results.where(~first))
+    assert len(whole) == len(results) and whole.entrants == results.entrants
+    for name, column in whole.columns.items():
+        assert column.dtype == results[name].dtype
+    assert np.array_equal(whole["outcome"], results["outcome"])
+
+
 def scene(*bodies):
     """A situation with the hand at (1.5, 0)."""
     return Situation("scene", 1.0, Arm((1.5, 0.0), 3.0), bodies)
