@@ -12,7 +12,7 @@ import numpy as np
 
 from gcm_learn.envs.settings import Settings, settings_of
 from gcm_learn.errors import PolicyError
-from gcm_learn.policies.directions import velocities
+from gcm_learn.policies.directions import turned, velocities
 
 FORMAT = "gcm-learn/actor@1"
 FILE = "actor.npz"
@@ -30,10 +30,10 @@ class Actor:
     deviation: np.ndarray
     """Of observations (width,)."""
     head: Literal["choice", "velocity"]
-    """Whether the last layer scores choices, or is the action."""
+    """Whether the last layer scores choices, or is a velocity; see `directions`."""
     activation: Literal["relu", "tanh"]
     squash: bool
-    """Whether the action is the tanh of the last layer."""
+    """Whether the velocity is the tanh of the last layer."""
     spread: np.ndarray
     """Logarithm of the deviations of sampled actions (2,); of no use to choices."""
     settings: Settings
@@ -57,7 +57,8 @@ class Actor:
             return velocities(observations, scores.argmax(axis=1))
         if rng is not None:
             scores = scores + np.exp(self.spread) * rng.standard_normal(scores.shape)
-        return np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)
+        aimed = np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)
+        return turned(observations, aimed)
 
     def save(self, folder: Path) -> Path:
         """Write it into a folder as arrays; returns the file."""

@@ -14,7 +14,7 @@ from gcm_learn.envs.fan import RAYS
 from gcm_learn.envs.settings import Settings
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import Demonstrations
-from gcm_learn.policies.directions import choices_of
+from gcm_learn.policies.directions import aimed_of, choices_of
 from gcm_learn.seeding import rng
 
 LEAST_DEVIATION = 1e-3  # numbers that hardly vary are not blown up
@@ -58,7 +58,7 @@ def clone(
         Called after every epoch with its losses and accuracy.
     """
     told = demonstrations.observations
-    done = choices_of(told, demonstrations.actions) if choices else demonstrations.actions
+    done = (choices_of if choices else aimed_of)(told, demonstrations.actions)
     mean, deviation = told.mean(axis=0), np.maximum(told.std(axis=0), LEAST_DEVIATION)
     source = rng(seed)
     order = source.permutation(len(told))

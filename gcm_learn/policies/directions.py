@@ -1,9 +1,11 @@
-"""Actions as a choice: one of 24 directions at full speed, or to rest.
+"""Actions of policies: a choice of a direction, or a velocity, both seen from the straight way.
 
-The first direction leads straight to where the target can be met, the others follow
-counter-clockwise: they are the rays of the observation's fan, so what is told of a ray is told of a
-choice. A choice can have several good answers, left and right of an obstacle; a mean of them would
-lead into it.
+A choice is one of 24 directions at full speed, or to rest. The first direction leads straight to
+where the target can be met, the others follow counter-clockwise: they are the rays of the
+observation's fan, so what is told of a ray is told of a choice. A choice can have several good
+answers, left and right of an obstacle; a mean of them would lead into it. A velocity has its first
+axis in the first direction, so that (1, 0) catches where nothing is in the way: who has to find out
+about targets and about the frame of the moment at once hardly ever meets one at first.
 """
 
 from __future__ import annotations
@@ -31,6 +33,22 @@ def choices_of(observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
     angle = np.arctan2(actions[:, 1], actions[:, 0]) - _straight(observations)
     nearest = np.round(angle * (REST / (2.0 * np.pi))).astype(np.int64) % REST
     return np.where(np.hypot(*actions.T) < _SLOW, REST, nearest)
+
+
+def turned(observations: np.ndarray, aimed: np.ndarray) -> np.ndarray:
+    """Actions (n, 2) of the arena of velocities (n, 2) as seen from the straight way."""
+    return _rotated(aimed, _straight(observations))
+
+
+def aimed_of(observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
+    """The reverse of `turned`."""
+    return _rotated(actions, -_straight(observations))
+
+
+def _rotated(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = vectors.T
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def _straight(observations: np.ndarray) -> np.ndarray:

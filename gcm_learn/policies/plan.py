@@ -54,6 +54,7 @@ class TrainingPlan:
     normalize: bool = True
     """Whether observations are scaled by their running mean and deviation."""
     actions: Literal["choice", "velocity"] = "choice"
+    """Both as seen from the straight way to the target; see `directions`."""
     seed: int = 0
     settings: Settings = field(default_factory=lambda: Settings(fan=True))
     """Of the arena."""

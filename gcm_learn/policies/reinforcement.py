@@ -20,6 +20,7 @@ from gcm_learn.errors import MissingExtraError, PolicyError
 from gcm_learn.policies.actor import CLIP, Actor
 from gcm_learn.policies.cloning import layers_of
 from gcm_learn.policies.demonstrations import Moves
+from gcm_learn.policies.directions import aimed_of
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.vec_env import ArenaVecEnv
 
@@ -113,11 +114,12 @@ def show(model: BaseAlgorithm, moves: Moves) -> None:
     assert isinstance(env, VecNormalize)
     if env.obs_rms.count < _SEEN:
         env.obs_rms.update(moves.told)
+    aimed = aimed_of(moves.told, moves.actions).astype(np.float32)
     ended = moves.outcomes != k.RUNNING
     nothing = [dict[str, bool]() for _ in range(env.num_envs)]
     for first in range(0, len(moves.arms) - env.num_envs + 1, env.num_envs):
         rows = slice(first, first + env.num_envs)
-        buffer.add(moves.told[rows], moves.following[rows], moves.actions[rows],
+        buffer.add(moves.told[rows], moves.following[rows], aimed[rows],
                    moves.rewards[rows], ended[rows], nothing)  # fmt: skip
 
 

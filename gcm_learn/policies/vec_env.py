@@ -15,7 +15,7 @@ from gcm_learn.envs.catch_arm import box
 from gcm_learn.envs.fan import RAYS
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES, Settings
-from gcm_learn.policies.directions import velocities
+from gcm_learn.policies.directions import turned, velocities
 from gcm_learn.seeding import rng
 
 
@@ -34,7 +34,7 @@ class ArenaVecEnv(VecEnv):
     seed : int
         Of the order in which situations come.
     choices : bool
-        Whether actions are choices of a direction instead of velocities.
+        Whether actions are choices of a direction instead of velocities, see `directions`.
     """
 
     render_mode = None
@@ -62,7 +62,7 @@ class ArenaVecEnv(VecEnv):
     def step_async(self, actions: np.ndarray) -> None:
         """Note what to do."""
         observations = self.arena.observations
-        self._actions = velocities(observations, actions) if self.choices else actions.astype(float)
+        self._actions = (velocities if self.choices else turned)(observations, actions)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Do it."""

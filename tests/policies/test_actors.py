@@ -17,7 +17,7 @@ from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.verification import verify
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import act_out
-from gcm_learn.policies.directions import MEETING, REST, choices_of, velocities
+from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, turned, velocities
 from gcm_learn.policies.planner import ActorPlanner
 from gcm_learn.policies.rollout import play
 from gcm_learn.situation.canonical import canonical
@@ -32,8 +32,7 @@ def straight_actor(head="choice"):
         weights, bias = np.zeros((RAYS, width), np.float32), np.zeros(RAYS, np.float32)
         bias[0] = 3.0
     else:
-        weights, bias = np.zeros((2, width), np.float32), np.zeros(2, np.float32)
-        weights[0, MEETING] = weights[1, MEETING + 1] = 1.0
+        weights, bias = np.zeros((2, width), np.float32), np.array([1.0, 0.0], np.float32)
     return Actor(
         layers=((weights, bias),), mean=np.zeros(width), deviation=np.ones(width), head=head,
         activation="relu", squash=False, spread=np.zeros(2), settings=SETTINGS,
@@ -56,6 +55,9 @@ def test_choices_are_directions_from_the_meeting(rng):
     first = velocities(observations, np.zeros(200, int))
     meeting = observations[:, MEETING : MEETING + 2]
     np.testing.assert_allclose(first, meeting / np.hypot(*meeting.T)[:, None], atol=1e-6)
+    ahead = np.tile([1.0, 0.0], (200, 1))
+    np.testing.assert_allclose(turned(observations, ahead), first, atol=1e-6)
+    np.testing.assert_allclose(turned(observations, aimed_of(observations, actions)), actions)
 
 
 def test_an_actor_that_goes_straight_catches_what_the_straight_line_does(drawn):
