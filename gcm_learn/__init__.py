@@ -9,6 +9,7 @@
 from gcm_learn import compiled, registration
 
 compiled.keep_apart()  # before the first kernel is made
+compiled.save_in_turn()
 
 from gcm_learn.arm import Lattice, Trajectory
 from gcm_learn.errors import GcmError, SituationError

@@ -43,17 +43,21 @@ class Demo:
             raise CommandFailure(f"--memory {self.memory}: must be from 0 to 2000")
         folder = made_folder(self.out, option="--out")
         from gcm_learn.memory.shipped import models_folder
+        from gcm_learn.plots.ahead import compile_ahead
+        from gcm_learn.plots.comparison_demo import RECALLING, build_comparison, shipped_entrants
         from gcm_learn.plots.demo import build_demo
 
         remembers = self.memory > 0 and (models_folder() / "recall").exists()
         wanted = {"memory": remembers, "comparison": self.compare > 0}
         beside = [name for name, shown in wanted.items() if shown]
+        later = shipped_entrants() if self.compare > 0 else list(RECALLING) if remembers else []
+        ahead = compile_ahead(later[::-1])  # planners last: they are compiled here meanwhile
         page = build_demo(folder, self.seed, self.random, _say, beside)
+        if ahead is not None:
+            ahead.join()
         recalled = self._recalled(folder)
         report = None
         if self.compare > 0:
-            from gcm_learn.plots.comparison_demo import build_comparison
-
             report = build_comparison(folder / "comparison", self.compare, _say)
         print(f"Open {page.resolve().as_uri()} in a browser.")
         if recalled is not None:

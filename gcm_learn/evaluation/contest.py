@@ -95,7 +95,7 @@ def _ordered(rows: list[dict[str, Any]], names: Sequence[str]) -> list[dict[str,
 
 
 @lru_cache(maxsize=32)
-def _warm(name: str) -> Entrant:
+def warmed(name: str) -> Entrant:
     """An entrant that has answered once: what is compiled or loaded then is no thinking."""
     from gcm_learn.families import draw
 
@@ -107,7 +107,7 @@ def _warm(name: str) -> Entrant:
 
 def do(job: Job) -> list[dict[str, Any]]:
     """The rows of a job."""
-    made = _warm(job.name)
+    made = warmed(job.name)
     return [
         row_of(made, entry, charge) for entry, charge in zip(job.entries, job.charge, strict=True)
     ]

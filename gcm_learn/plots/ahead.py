@@ -1,0 +1,32 @@
+"""What the demo's last parts run, compiled by another process while the first ones are made."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+from collections.abc import Sequence
+from multiprocessing import get_context
+from multiprocessing.process import BaseProcess
+
+from gcm_learn.evaluation.contest import warmed
+
+
+def compile_ahead(names: Sequence[str]) -> BaseProcess | None:
+    """Start compiling what entrants run; join the process before they are needed.
+
+    None if there are no names, or a single core, where a second process would only be in the way.
+    """
+    if not names or len(os.sched_getaffinity(0)) < 2:
+        return None
+    process = get_context("spawn").Process(target=_compile, args=(tuple(names),), daemon=True)
+    process.start()
+    return process
+
+
+def _compile(names: Sequence[str]) -> None:
+    """Let entrants answer once; what goes wrong here is said by whoever needs them."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the demo itself is interrupted, and ends this
+    for name in names:
+        with contextlib.suppress(Exception):
+            warmed(name)
