@@ -62,6 +62,8 @@ def _told(share: Share) -> str:
         text.append(f"split {share.split}")
     if share.strata:
         text.append(f"strata {', '.join(share.strata)}")
+    if share.families:
+        text.append(f"families {', '.join(share.families)}")
     if share.reachable:
         text.append("only what `layered` catches")
     return ", ".join(text)

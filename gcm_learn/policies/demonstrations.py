@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,16 +23,14 @@ class Demonstrations:
     """(m, width) float32."""
     actions: np.ndarray
     """(m, 2) float32: velocities in the frame of the moment, in hand speeds."""
-    caught: float
-    """Share of the plans that still catch when they are acted out in steps."""
+    caught: np.ndarray
+    """Which of the plans still catch when they are acted out in steps (n,)."""
 
-    def joined(self, other: Demonstrations) -> Demonstrations:
-        """Both, one after the other."""
-        return Demonstrations(
-            np.concatenate([self.observations, other.observations]),
-            np.concatenate([self.actions, other.actions]),
-            0.5 * (self.caught + other.caught),
-        )
+    @classmethod
+    def joined(cls, parts: Iterable[Demonstrations]) -> Demonstrations:
+        """Several, one after the other."""
+        columns = zip(*((p.observations, p.actions, p.caught) for p in parts), strict=True)
+        return cls(*map(np.concatenate, columns))
 
 
 def act_out(pool: Pool, ways: Sequence[Trajectory], settings: Settings) -> Demonstrations:
@@ -57,9 +55,7 @@ def act_out(pool: Pool, ways: Sequence[Trajectory], settings: Settings) -> Demon
         whose.append(moves.arms)
         caught[moves.arms] = moves.outcomes == k.CAUGHT
     good = caught[np.concatenate(whose)]
-    return Demonstrations(
-        np.concatenate(told)[good], np.concatenate(done)[good], float(caught.mean())
-    )
+    return Demonstrations(np.concatenate(told)[good], np.concatenate(done)[good], caught)
 
 
 class Moves(NamedTuple):

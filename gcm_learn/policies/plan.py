@@ -30,6 +30,8 @@ class Share:
     """How many of them."""
     strata: tuple[str, ...] = ()
     """Of a dataset, only records of these."""
+    families: tuple[str, ...] = ()
+    """The same of families."""
     reachable: bool = False
     """Of a family or file, only what `layered` catches."""
     split: str = "train"
@@ -143,7 +145,8 @@ def _share(item: Mapping[str, Any], name: str) -> Share:
     for whole in ("count", "seed"):
         if whole in values:
             values[whole] = int(float(values[whole]))
-    values["strata"] = tuple(values.get("strata", ()))
+    for names in ("strata", "families"):
+        values[names] = tuple(values.get(names, ()))
     return Share(**values)
 
 

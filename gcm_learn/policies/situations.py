@@ -84,6 +84,8 @@ def _records(share: Share) -> Lot:
     found = dataset.open(share.source).where(split=share.split)
     if share.strata:
         found = found.where(stratum=share.strata)
+    if share.families:
+        found = found.where(family=share.families)
     lot = Lot([], [], [])
     for k in range(min(share.count, len(found))):
         record = found[k]

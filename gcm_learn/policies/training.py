@@ -18,7 +18,7 @@ from gcm_learn.errors import PolicyError
 from gcm_learn.policies.actor import Actor, settings_to_json
 from gcm_learn.policies.card import write_card
 from gcm_learn.policies.cloning import Cloning, clone
-from gcm_learn.policies.demonstrations import act_out, transitions
+from gcm_learn.policies.demonstrations import Demonstrations, act_out, transitions
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.score import score
 from gcm_learn.policies.situations import Lot, gather
@@ -102,7 +102,10 @@ def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
     values["settings"] = settings_to_json(plan.settings)
     values["hyperparameters"] = dict(plan.hyperparameters)
     for name in ("situations", "validation"):
-        values[name] = [dict(vars(share), strata=list(share.strata)) for share in values[name]]
+        values[name] = [
+            dict(vars(share), strata=list(share.strata), families=list(share.families))
+            for share in values[name]
+        ]
     return values
 
 
@@ -140,11 +143,13 @@ class _Judge:
 def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
     """Act catches out and clone them."""
     plan = run.plan
-    parts = [act_out(pool, ways, plan.settings) for pool, ways in _parts(shown)]
-    demonstrations = parts[0]
-    for part in parts[1:]:
-        demonstrations = demonstrations.joined(part)
-    run.tell(f"{len(demonstrations.actions)} steps of {len(shown.situations)} catches")
+    demonstrations = Demonstrations.joined(
+        act_out(pool, ways, plan.settings) for pool, ways in _parts(shown)
+    )
+    run.tell(
+        f"{len(demonstrations.actions)} steps of {demonstrations.caught.sum()} catches; "
+        f"{len(shown.situations)} were planned"
+    )
     values = dict(plan.hyperparameters)
     layers = tuple(int(n) for n in str(values.pop("net_arch", "256,256")).split(","))
     counts = {name: int(values.pop(name)) for name in ("epochs", "batch") if name in values}
