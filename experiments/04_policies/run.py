@@ -38,8 +38,8 @@ PPO = {
 SAC = {
     "algo": "sac", "actions": "velocity", "n_timesteps": 200_000, "n_envs": 32,
     "learning_starts": 5000, "buffer_size": 600_000, "batch_size": 256, "train_freq": 1,
-    "gradient_steps": 8, "learning_rate": 5e-4, "net_arch": "128,128", "gamma": 0.99,
-    "evaluate_every": 20_000,
+    "gradient_steps": 8, "learning_rate": 5e-4, "ent_coef": "auto_0.01", "net_arch": "128,128",
+    "gamma": 0.99, "evaluate_every": 20_000,
 }  # fmt: skip
 CLONE = {"algo": "clone", "epochs": 12, "batch": 2048, "rate": 1e-3}
 LEARNERS: dict[str, dict[str, Any]] = {
