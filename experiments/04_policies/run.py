@@ -36,7 +36,7 @@ PPO = {
     "evaluate_every": 50_000,
 }  # fmt: skip
 SAC = {
-    "algo": "sac", "actions": "velocity", "n_timesteps": 200_000, "n_envs": 32,
+    "algo": "sac", "actions": "velocity", "n_timesteps": 100_000, "n_envs": 32,
     "learning_starts": 5000, "buffer_size": 600_000, "batch_size": 256, "train_freq": 1,
     "gradient_steps": 8, "learning_rate": 5e-4, "ent_coef": "auto_0.01", "net_arch": "128,128",
     "gamma": 0.99, "evaluate_every": 20_000,
@@ -92,9 +92,9 @@ CLONES = [Arm(learner, "catches", e) for e in (False, True) for learner in ("clo
 ARMS = [
     Arm(learner, help_, embedding)
     for embedding in (False, True)
-    for help_ in ("scratch", "catches", "guide")
     for learner in ("ppo", "sac")
-] + [Arm("tqc", "catches"), Arm("tqc", "scratch")]
+    for help_ in ("scratch", "guide", "catches")
+] + [Arm("tqc", "scratch")]
 
 
 def do(arm: Arm, out: Path, seed: int) -> str:
