@@ -7,8 +7,8 @@ Numba renews a cached function when its own file changes, but not when a functio
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -57,8 +57,13 @@ def save_in_turn() -> None:
     """Let processes that compile at once write to numba's cache one after the other.
 
     A function's index is read, added to and written back. Of two processes that do so at once one
-    entry is lost, or both number their code alike and one is kept under the other's name.
+    entry is lost, or both number their code alike and one is kept under the other's name. Only
+    where the system has such locks.
     """
+    if os.name != "posix":
+        return
+    import fcntl
+
     plain = IndexDataCacheFile.save
     if getattr(plain, "in_turn", False):
         return
