@@ -28,7 +28,7 @@ HERE = Path(__file__).parent
 POLICIES = (
     "straight", "straight-wait", "potential", "gcm", "marching", "layered", "splines-random",
     "recall-random", "recall-raw", "recall-1", "recall", "hybrid", "clone", "ppo-clone",
-    "ppo-clone@20", "sac-clone",
+    "ppo-clone@20", "sac",
 )  # fmt: skip
 DRAWN = ("gcm", "layered", "recall-raw", "recall", "hybrid", "ppo-clone")  # in the charged figure
 BLURRED = ("hybrid", "layered")

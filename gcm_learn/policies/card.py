@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -59,7 +60,8 @@ def write_card(
 def _told(share: Share) -> str:
     text = [f"{share.count} of {share.source}"]
     if Path(share.source).is_dir():
-        text.append(f"split {share.split}")
+        manifest = json.loads((Path(share.source) / "manifest.json").read_text("utf-8"))
+        text.append(f"hash {manifest['hash'][:16]}, split {share.split}")
     if share.strata:
         text.append(f"strata {', '.join(share.strata)}")
     if share.families:
@@ -74,4 +76,4 @@ def _interval(share: float, n: int) -> str:
     z = 1.96
     middle = (share + z * z / (2 * n)) / (1 + z * z / n)
     half = z / (1 + z * z / n) * np.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return f"{share:.1%} ({middle - half:.1%} to {middle + half:.1%})"
+    return f"{share:.1%} ({max(middle - half, 0.0):.1%} to {middle + half:.1%})"
