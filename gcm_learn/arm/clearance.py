@@ -13,12 +13,15 @@ from gcm_learn.situation.kernels import (
     HAND,
     PART,
     REACH,
+    SWING,
     Bodies,
     arm_distance,
     drift,
+    glide,
     pose_at,
     segment_distance,
     segment_point2,
+    swing,
 )
 
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearm lengths]
@@ -67,23 +70,39 @@ def limb_sweep(x0, y0, x1, y1, rho):
     return max(np.sqrt(length2), rho * (turn + variation))
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _distance_at(bodies, b, t, x, y, rho, side, poses):
     pose_at(bodies, b, t, poses)
     ex, ey = elbow_of(x, y, rho, side)
     return arm_distance(bodies, poses, b, x, y, ex, ey)
 
 
-@njit(cache=True)
-def _ball_distance(bodies, b, t, x, y, ex, ey, poses):
-    """Bound a limb's distance to body b from below, by the ball that holds it; exact for discs."""
-    pose_at(bodies, b, t, poses)
-    px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
-    d2 = min(segment_point2(px, py, ex, ey, x, y), segment_point2(px, py, 0.0, 0.0, ex, ey))
-    return max(np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH], 0.0)
+@njit(cache=True, _nrt=False, forceinline=True)
+def _balls_by(centre, bodies, b, time, hand, elbow, poses, bound):
+    """`_balls` of a body whose centre is found by a function: `glide` or `swing`."""
+    nearest, reach = 0, bodies.rows[b, REACH]
+    for k in range(time.size):
+        x, y, z = centre(bodies, b, time[k], poses)
+        d2 = segment_point2(x, y, elbow[k, 0], elbow[k, 1], hand[k, 0], hand[k, 1])
+        d2 = min(d2, segment_point2(x, y, 0.0, 0.0, elbow[k, 0], elbow[k, 1]))
+        bound[b, k] = max(np.sqrt(d2 + z * z) - reach, 0.0)
+        if bound[b, k] < bound[b, nearest]:
+            nearest = k
+    return nearest
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
+def _balls(bodies, b, time, hand, elbow, poses, bound):
+    """Bound a limb's distance to body b at all samples from below, by the ball that holds it.
+
+    Written into `bound`; exact for discs. Returns the sample with the smallest bound.
+    """
+    if bodies.rows[b, SWING] >= 0.0:
+        return _balls_by(swing, bodies, b, time, hand, elbow, poses, bound)
+    return _balls_by(glide, bodies, b, time, hand, elbow, poses, bound)
+
+
+@njit(cache=True, _nrt=False)
 def _at_samples(bodies, time, hand, elbow, floor, poses, bound):
     """Smallest distance at the samples, and when; where it is not above `floor`, the first such.
 
@@ -97,14 +116,7 @@ def _at_samples(bodies, time, hand, elbow, floor, poses, bound):
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
             continue
-        nearest = 0
-        for k in range(time.size):
-            bound[b, k] = _ball_distance(
-                bodies, b, time[k], hand[k, 0], hand[k, 1], elbow[k, 0], elbow[k, 1], poses
-            )
-            if bound[b, k] < bound[b, nearest]:
-                nearest = k
-        k = nearest
+        k = _balls(bodies, b, time, hand, elbow, poses, bound)
         if bound[b, k] < enough:
             pose_at(bodies, b, time[k], poses)
             x, y, ex, ey = hand[k, 0], hand[k, 1], elbow[k, 0], elbow[k, 1]
@@ -177,7 +189,7 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
     return best, when
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _low_by_parts(bodies, b, x0, y0, x1, y1, rho, side, sweep, enough, poses):
     """Bound the distance of limb and resting body b over a straight piece of a path, part by part.
 
@@ -208,7 +220,7 @@ def _low_by_parts(bodies, b, x0, y0, x1, y1, rho, side, sweep, enough, poses):
     return low
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def least_in_segment(
     bodies, b, time, hand, k, d0, d1, rho, side, floor, resolution, best, when, looks, poses, stack
 ):

@@ -142,76 +142,120 @@ def _fill(
         out[at + 12], out[at + 13] = speed / (speed + shoulder), speed / (speed + elbow)
 
 
+class Limbs(NamedTuple):
+    """Limbs whose hands are at the directions and rings of the lattice."""
+
+    joints: np.ndarray  # (rings, DIRECTIONS, 4): hand, elbow
+    away2: np.ndarray  # (rings, DIRECTIONS): of the hand from where it starts, squared
+    longest: np.ndarray  # (rings,): of hand and elbow the distance from the shoulder that is larger
+    bend: np.ndarray  # (rings,): direction of the elbow from that of the hand
+
+
+@njit(cache=True)
+def _limbs(angle, start, rho, side, near, far):
+    """Limbs of a lattice that begins in the direction `angle`."""
+    rings, n, step = RINGS.size, DIRECTIONS, 2.0 * np.pi / DIRECTIONS
+    made = Limbs(np.empty((rings, n, 4)), np.empty((rings, n)), np.empty(rings), np.empty(rings))
+    for i in range(rings):
+        r = near + RINGS[i] * (far - near)
+        made.longest[i] = max(r, rho)
+        ex, ey = elbow_of(r, 0.0, rho, side)
+        made.bend[i] = side * np.arctan2(ey, ex)
+    for j in range(n):
+        c, s = np.cos(angle + side * step * j), np.sin(angle + side * step * j)
+        cosine = np.cos(step * j)
+        for i in range(rings):
+            r = near + RINGS[i] * (far - near)
+            ex, ey = elbow_of(r, 0.0, rho, side)
+            made.joints[i, j, 0], made.joints[i, j, 1] = r * c, r * s
+            made.joints[i, j, 2], made.joints[i, j, 3] = ex * c - ey * s, ex * s + ey * c
+            made.away2[i, j] = r * r + start * start - 2.0 * r * start * cosine
+    return made
+
+
 @njit(cache=True)
 def _look_at_cells(
     bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, obstacles, out
 ):
     """Fill in how little room each body leaves the limb in cells that the hand can have come to."""
+    limbs = _limbs(angle, start, rho, side, near, far)
     rings, step = RINGS.size, 2.0 * np.pi / DIRECTIONS
-    c, s, cosine = np.empty(DIRECTIONS), np.empty(DIRECTIONS), np.empty(DIRECTIONS)
-    for j in range(DIRECTIONS):
-        c[j], s[j] = np.cos(angle + side * step * j), np.sin(angle + side * step * j)
-        cosine[j] = np.cos(step * j)
+    close = np.empty(DIRECTIONS, dtype=np.int64)
     for k in range(LENGTHS.size):
         poses_at(bodies, min(LENGTHS[k] / speed, horizon), poses)
         limit = (LENGTHS[k] + SLACK) ** 2
-        for i in range(rings):
-            r = near + RINGS[i] * (far - near)
-            ex, ey = elbow_of(r, 0.0, rho, side)
-            bend = side * np.arctan2(ey, ex)
-            at = (k * rings + i) * DIRECTIONS
-            for o in range(obstacles.size):
-                b = obstacles[o]
-                low, high = _turns(bodies, poses, b, angle, side, max(r, rho), bend, thickness)
-                first, last = int(np.ceil(low / step)), int(np.floor(high / step))
-                for turn in range(first, min(last, first + DIRECTIONS - 1) + 1):
-                    j = turn % DIRECTIONS
-                    if r * r + start * start - 2.0 * r * start * cosine[j] <= limit:
-                        hx, hy = r * c[j], r * s[j]
-                        bx, by = ex * c[j] - ey * s[j], ex * s[j] + ey * c[j]
-                        out[o, at + j] = _closeness(bodies, poses, b, hx, hy, bx, by, thickness)
+        for o in range(obstacles.size):
+            b = obstacles[o]
+            ball = bodies.rows[b, REACH] + thickness + ROOM
+            away, middle, half = _sector(poses, b, angle, side, ball)
+            for i in range(rings):
+                if away > limbs.longest[i] + ball:
+                    continue
+                first, last = 0, DIRECTIONS - 1
+                if away > ball:  # the limb lies within the sector of hand and elbow
+                    first = int(np.ceil((middle - half - max(limbs.bend[i], 0.0)) / step))
+                    last = int(np.floor((middle + half - min(limbs.bend[i], 0.0)) / step))
+                    last = min(last, first + DIRECTIONS - 1)
+                at = (k * rings + i) * DIRECTIONS
+                _look_at_ring(
+                    bodies, poses, b, limbs, i, first, last, limit, ball, thickness, close,
+                    out, o, at,
+                )  # fmt: skip
 
 
-@njit(cache=True)
-def _turns(bodies, poses, b, angle, side, longest, bend, thickness):
-    """Directions of hands between which the limb may be within ROOM of a body, low > high if none.
-
-    The limb lies within the sector of hand and elbow, whose direction is `bend` from the hand's,
-    and no farther from the shoulder than `longest`.
-    """
+@njit(cache=True, _nrt=False, forceinline=True)
+def _sector(poses, b, angle, side, ball):
+    """Distance of a ball about body b from the shoulder, its direction, and half its width."""
     x, y = poses[b, 0], poses[b, 1]
     away = np.sqrt(x * x + y * y)
-    ball = bodies.rows[b, REACH] + thickness + ROOM
-    if away > longest + ball:
-        return 1.0, 0.0
     if away <= ball:
-        return 0.0, 2.0 * np.pi
-    middle = side * (np.arctan2(y, x) - angle)
-    half = np.arcsin(ball / away)
-    return middle - half - max(bend, 0.0), middle + half - min(bend, 0.0)
+        return away, 0.0, np.pi
+    return away, side * (np.arctan2(y, x) - angle), np.arcsin(ball / away)
 
 
-@njit(cache=True)
-def _closeness(bodies, poses, b, hx, hy, ex, ey, thickness):
-    """Number of a cell: how little room body b leaves the limb."""
-    px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
-    d2 = min(segment_point2(px, py, ex, ey, hx, hy), segment_point2(px, py, 0.0, 0.0, ex, ey))
-    disc = bodies.rows[b, KIND] == DISC
-    if not disc:
-        d2 += pz * pz
-    ball = bodies.rows[b, REACH] + thickness + ROOM
-    if d2 >= ball * ball:
-        return 0.0
-    if disc:
-        room = np.sqrt(d2) - bodies.rows[b, REACH] - thickness
-    else:
+@njit(cache=True, _nrt=False, forceinline=True)
+def _look_at_ring(
+    bodies, poses, b, limbs, i, first, last, limit, ball, thickness, close, out, o, at
+):  # fmt: skip
+    """Fill in the cells of a ring from direction `first` to `last`.
+
+    Balls are asked first, in a loop that calls nothing.
+    """
+    px, py, pz, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
+    disc, count = bodies.rows[b, KIND] == DISC, 0
+    z2 = 0.0 if disc else pz * pz
+    for turn in range(first, last + 1):
+        j = turn % DIRECTIONS
+        if limbs.away2[i, j] > limit:
+            continue
+        hx, hy = limbs.joints[i, j, 0], limbs.joints[i, j, 1]
+        ex, ey = limbs.joints[i, j, 2], limbs.joints[i, j, 3]
+        d2 = segment_point2(px, py, ex, ey, hx, hy)
+        d2 = min(d2, segment_point2(px, py, 0.0, 0.0, ex, ey)) + z2
+        if d2 >= ball * ball:
+            continue
+        if disc:
+            out[o, at + j] = _closeness(np.sqrt(d2) - reach - thickness)
+        else:
+            close[count] = j
+            count += 1
+    for c in range(count):
+        j = close[c]
+        hx, hy = limbs.joints[i, j, 0], limbs.joints[i, j, 1]
+        ex, ey = limbs.joints[i, j, 2], limbs.joints[i, j, 3]
         room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - thickness
+        out[o, at + j] = _closeness(room)
+
+
+@njit(cache=True, forceinline=True)
+def _closeness(room):
+    """Number of a cell: how little room is left."""
     if room <= TOUCHING:
         return TOUCH
     return max(1.0 - room / ROOM, 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _nearest_target(bodies, poses, x, y):
     """The target that is nearest at t = 0."""
     best, least = -1, 1e300
@@ -225,7 +269,7 @@ def _nearest_target(bodies, poses, x, y):
     return best
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _track(poses, target, angle, side, near, far, out, at):
     """Fill in where the target is: direction, share of the ring, distance from the plane."""
     px, py = poses[target, 0], poses[target, 1]

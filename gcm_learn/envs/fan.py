@@ -25,7 +25,7 @@ RAY_Y = np.append(np.sin(2.0 * np.pi * np.arange(RAYS - 1) / (RAYS - 1)), 0.0)
 REACHES = np.array([0.06, 0.12, 0.2, 0.3, 0.45, 0.65, 0.9])  # ways along a ray [forearm lengths]
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _exact_gap(bodies, b, row, table, hx, hy, ex, ey, poses):
     """Distance of the limb to body b, whose pose is a row of a table."""
     for q in range(12):

@@ -86,7 +86,7 @@ def bodies_of(world, s):
     return Bodies(rows, world.vertices, world.angles, world.arms[s, ANGLE_STEP])
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _wish(arms, s, x, y, span, first, second, control, joint_rate):
     """Where the hand would be after `span` seconds, whatever the limits."""
     if control == HAND_VELOCITY:
@@ -187,7 +187,7 @@ def advance(world, state, e, first, second, control, joint_rate, dt, desk):
     return outcome
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _shorten(time, way, end):
     """End a segment earlier."""
     share = (end - time[0]) / (time[1] - time[0]) if time[1] > time[0] else 0.0
@@ -196,7 +196,7 @@ def _shorten(time, way, end):
     time[1] = end
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def time_to_go(world, s, x, y):
     """Time to go as a share of the horizon, from the situation's field; 1 where it is not known."""
     n = world.fields.shape[1]

@@ -13,19 +13,18 @@ from numba import njit
 from gcm_learn.arm.clearance import limb_sweep
 from gcm_learn.arm.kinematics import elbow_of
 from gcm_learn.situation.kernels import (
-    ACCELERATION,
     DISC,
     HAND,
     KIND,
     PART,
-    POSITION,
     REACH,
     SWING,
     TOP_SPEED,
-    VELOCITY,
     arm_distance,
+    glide,
     pose_at,
     segment_point2,
+    swing,
 )
 
 # Columns of a table of moments: the limb then, and a body.
@@ -35,28 +34,7 @@ _CLOSE = 0.15  # nearer than this, bodies count instead of the balls that hold t
 _SLACK = 1e-9  # against rounding where a bound is as good as an answer [forearm lengths]
 
 
-@njit(cache=True, forceinline=True)
-def glide(bodies, b, t, poses):
-    """Centre (3) at time t of a body that does not swing: the first half of `pose_at`.
-
-    It writes no poses; it is called as `swing` is.
-    """
-    rows, half = bodies.rows, 0.5 * t * t
-    return (
-        rows[b, POSITION] + rows[b, VELOCITY] * t + rows[b, ACCELERATION] * half,
-        rows[b, POSITION + 1] + rows[b, VELOCITY + 1] * t + rows[b, ACCELERATION + 1] * half,
-        rows[b, POSITION + 2] + rows[b, VELOCITY + 2] * t + rows[b, ACCELERATION + 2] * half,
-    )
-
-
-@njit(cache=True)
-def swing(bodies, b, t, poses):
-    """Centre (3) at time t of a body that swings; its pose is left in `poses`."""
-    pose_at(bodies, b, t, poses)
-    return poses[b, 0], poses[b, 1], poses[b, 2]
-
-
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def _rooms(bodies, b, count, moments):
     """Write the room between limb and ball at the first `count` moments, centres being there."""
     reach = bodies.rows[b, REACH]
@@ -67,7 +45,7 @@ def _rooms(bodies, b, count, moments):
         moments[k, ROOM] = np.sqrt(d2 + moments[k, Z] * moments[k, Z]) - reach
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def follow(bodies, b, count, moments):
     """Write where body b is at the first `count` moments, and the room between limb and ball.
 
@@ -91,7 +69,7 @@ def follow(bodies, b, count, moments):
     return enough
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def exactly(bodies, b, count, moments, poses, least_only):
     """`follow`, with distances to bodies themselves where those are near.
 
@@ -115,7 +93,7 @@ def exactly(bodies, b, count, moments, poses, least_only):
         least = min(least, max(moments[k, ROOM], 0.0))
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _exact(bodies, b, k, moments, poses):
     """Distance of the limb to body b itself at moment k."""
     pose_at(bodies, b, moments[k, TIME], poses)
@@ -123,14 +101,14 @@ def _exact(bodies, b, k, moments, poses):
     return arm_distance(bodies, poses, b, hx, hy, moments[k, ELBOW_X], moments[k, ELBOW_Y])
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def place_limb(moments, k, t, x, y, rho):
     """Write a moment: time, hand and elbow."""
     moments[k, TIME], moments[k, HAND_X], moments[k, HAND_Y] = t, x, y
     moments[k, ELBOW_X], moments[k, ELBOW_Y] = elbow_of(x, y, rho, 1.0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def stays_free(bodies, time, way, rho, floor, moments, poses):
     """Tell whether no obstacle can come as near as `floor` to the limb on a straight way.
 
@@ -154,7 +132,7 @@ def stays_free(bodies, time, way, rho, floor, moments, poses):
     return not close or _stays_free_exactly(bodies, span, sweep, floor, moments, poses)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _stays_free_exactly(bodies, span, sweep, floor, moments, poses):
     """`stays_free`, asking the bodies themselves where their balls are near."""
     for b in range(bodies.rows.shape[0]):
@@ -167,7 +145,7 @@ def _stays_free_exactly(bodies, span, sweep, floor, moments, poses):
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def stays_away(bodies, time, way, reach):
     """Tell whether no target can come within `reach` of the hand on a straight way.
 

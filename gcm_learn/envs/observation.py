@@ -42,9 +42,7 @@ from gcm_learn.envs.nearness import (
     Y,
     exactly,
     follow,
-    glide,
     place_limb,
-    swing,
 )
 from gcm_learn.situation.kernels import (
     ACCELERATION,
@@ -57,7 +55,9 @@ from gcm_learn.situation.kernels import (
     SWING,
     TOP_SPEED,
     VELOCITY,
+    glide,
     pose_at,
+    swing,
 )
 
 ARM, TARGET, OBSTACLE = 10, 17, 20  # numbers of the arm, the target, an obstacle
@@ -84,7 +84,7 @@ def _missing(px, py, pz, radius, wait, x, y, speed, grasp, near, far):
     return max(away, r - far - reach, near - reach - r)
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def _meeting_by(centre, bodies, b, since, x, y, arms, s, poses):
     """`meeting` of a body whose centre is found by a function: `glide` or `swing`."""
     end, speed, grasp = arms[s, HORIZON], arms[s, SPEED], arms[s, GRASP]
@@ -113,7 +113,7 @@ def _meeting_by(centre, bodies, b, since, x, y, arms, s, poses):
     return end, False, px, py
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def meeting(bodies, b, since, x, y, arms, s, poses):
     """About when and where a straight way from (x, y) first meets target b.
 
@@ -132,12 +132,12 @@ def meeting(bodies, b, since, x, y, arms, s, poses):
     return _meeting_by(glide, bodies, b, since, x, y, arms, s, poses)
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def _put(out, e, k, value):
     out[e, k] = min(max(value, -_EXTREME), _EXTREME)
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def _put_turned(out, e, k, c, s, x, y):
     """Write the vector (x, y), turned into the frame of the moment."""
     _put(out, e, k, c * x + s * y)
@@ -186,7 +186,7 @@ def observe(world, state, e, slots, fan, dt, out, desk):
         tell_fan(bodies, arms, s, e, t, x, y, dx, dy, at, poses, out)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _tell_arm(arms, s, e, x, y, t, c, sn, dt, out):
     rho, speed = arms[s, RHO], arms[s, SPEED]
     ex, ey = elbow_of(x, y, rho, 1.0)
@@ -202,7 +202,7 @@ def _tell_arm(arms, s, e, x, y, t, c, sn, dt, out):
         out[e, 8 + k] = 1.0 / (1.0 + limit / speed) if limit > 0.0 else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _swing_motion(bodies, b, t, poses):
     """Velocity (3) and acceleration (2) of a body that swings, by differences."""
     h = 1e-3
@@ -214,7 +214,7 @@ def _swing_motion(bodies, b, t, poses):
     return (x1 - x0) / h, (y1 - y0) / h, (z1 - z0) / h, ax, ay
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def _motion(bodies, b, t, speed, c, sn, poses, out, e, at):
     """Write velocity (3) and acceleration (2) of body b."""
     body = bodies.rows
@@ -230,7 +230,7 @@ def _motion(bodies, b, t, speed, c, sn, poses, out, e, at):
     _put_turned(out, e, at + 3, c, sn, ax / speed**2, ay / speed**2)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _tell_target(bodies, b, arms, s, e, t, x, y, c, sn, when, found, gx, gy, poses, out):
     at, speed = ARM, arms[s, SPEED]
     if bodies.rows[b, SWING] >= 0.0:
@@ -252,7 +252,7 @@ def _tell_target(bodies, b, arms, s, e, t, x, y, c, sn, when, found, gx, gy, pos
     _put(out, e, at + 16, np.sqrt(gx * gx + gy * gy))
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _look_ahead(bodies, arms, s, t, x, y, when, gx, gy, moments, gaps, poses):
     """How near each obstacle comes to the limb on the straight way to the meeting, and when.
 
@@ -285,7 +285,7 @@ def _look_ahead(bodies, arms, s, t, x, y, when, gx, gy, moments, gaps, poses):
             _note(b, moments, gaps)
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def _note(b, moments, gaps):
     """Write the least room of all moments, when it is, and that of the first."""
     least, late = 1e300, 0
@@ -297,7 +297,7 @@ def _note(b, moments, gaps):
     gaps[b, NOW] = max(moments[0, ROOM], 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _tell_obstacle(bodies, b, arms, s, e, at, t, x, y, c, sn, moments, gaps, poses, out):
     speed, floor, gap = arms[s, SPEED], arms[s, FLOOR], gaps[b, LEAST]
     if bodies.rows[b, KIND] == DISC and bodies.rows[b, SWING] < 0.0:

@@ -19,7 +19,7 @@ from gcm_learn.memory.kernels import Query
 from gcm_learn.memory.traces import Trace, ring_share
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
 from gcm_learn.planners.interception import first_interception
-from gcm_learn.planners.timing import SPACING, refine
+from gcm_learn.planners.timing import SPACING, refine, spread
 from gcm_learn.planners.verification import safety_of
 from gcm_learn.situation import Situation
 
@@ -104,13 +104,8 @@ def adapt(problem: Problem, trace: Trace, how: Adaptation = DEFAULT) -> Attempt 
 
 def attempt_at(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
     """A bent path (m,), (m, 2) as an attempt, with samples near enough for joints, too."""
-    steps = np.hypot(*np.diff(hand, axis=0).T)
-    pieces = np.maximum(np.ceil(steps / SPACING), np.diff(time) > 0.0).astype(int)
-    ends = np.concatenate([[0], np.cumsum(pieces)])
-    at = np.interp(np.arange(ends[-1] + 1), ends, np.arange(len(ends)))
-    knots = np.arange(len(time))
-    time, x, y = (np.interp(at, knots, column) for column in (time, *hand.T))
-    time, hand = refine(problem.situation.arm, time, np.stack([x, y], axis=-1))
+    arm = problem.situation.arm
+    time, hand = refine(arm, *spread(time, hand, SPACING))
     return attempt_of(problem, time, hand, int(body))
 
 

@@ -10,19 +10,18 @@ from gcm_learn.arm.kinematics import elbow_of
 from gcm_learn.memory.kernels import HUB
 from gcm_learn.planners.verification import nearest_to_shoulder
 from gcm_learn.situation.kernels import (
-    ACCELERATION,
     DISC,
     HAND,
     KIND,
     PART,
-    POSITION,
     REACH,
     SWING,
-    VELOCITY,
     arm_distance,
     drift,
+    glide,
     pose_at,
     segment_point2,
+    swing,
 )
 
 _ORDER = (2, 0, 1, 3)  # in which instants are looked at, of every four: far ones first
@@ -42,14 +41,14 @@ def holds(query, time, hand, count):
     return not _touches_at_a_look(query, time, hand, count) and _is_free(query, time, hand, count)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _ball_distance(query, b, x, y, z, hx, hy, ex, ey):
     """Distance of the limb to the ball that holds body b, whose centre is at (x, y, z)."""
     d2 = min(segment_point2(x, y, ex, ey, hx, hy), segment_point2(x, y, 0.0, 0.0, ex, ey))
     return np.sqrt(d2 + z * z) - query.bodies.rows[b, REACH]
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _touches_at_a_look(query, time, hand, count):
     """Whether the limb touches an obstacle at one of the instants of the table."""
     instants, n = query.table.shape[0], query.bodies.rows.shape[0]
@@ -121,21 +120,17 @@ def _is_free(query, time, hand, count):
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _ball_at(query, b, t, hx, hy, ex, ey, poses):
     """Distance of the limb to the ball of body b at time t."""
-    body = query.bodies.rows
-    if body[b, SWING] >= 0.0:
-        pose_at(query.bodies, b, t, poses)
-        return _ball_distance(query, b, poses[b, 0], poses[b, 1], poses[b, 2], hx, hy, ex, ey)
-    half = 0.5 * t * t
-    x = body[b, POSITION] + body[b, VELOCITY] * t + body[b, ACCELERATION] * half
-    y = body[b, POSITION + 1] + body[b, VELOCITY + 1] * t + body[b, ACCELERATION + 1] * half
-    z = body[b, POSITION + 2] + body[b, VELOCITY + 2] * t + body[b, ACCELERATION + 2] * half
+    if query.bodies.rows[b, SWING] >= 0.0:
+        x, y, z = swing(query.bodies, b, t, poses)
+    else:
+        x, y, z = glide(query.bodies, b, t, poses)
     return _ball_distance(query, b, x, y, z, hx, hy, ex, ey)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _exactly(query, b, t, hx, hy, poses):
     """Distance of the limb to body b at time t."""
     pose_at(query.bodies, b, t, poses)

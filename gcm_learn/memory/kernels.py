@@ -94,7 +94,7 @@ def _wrapped(angle):
     return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def shares(traces, m, near, far, out):
     """Share of its length that trace m has behind it at every knot, for rims of the ring.
 
@@ -118,7 +118,7 @@ def shares(traces, m, near, far, out):
         out[k] /= total
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _lay(traces, m, query, style, share, base):
     """Trace m with its start moved to the hand: (angle, share) or, bent in x and y, (x, y)."""
     n = traces.shape[1]
@@ -134,7 +134,7 @@ def _lay(traces, m, query, style, share, base):
             base[k, 0], base[k, 1] = r * np.cos(a) + left * width, r * np.sin(a)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _ends_by(goals, m, query, goal_x, goal_y, style):
     """By how much the end of memory m has to be moved when the target is at the goal."""
     width = query.far - query.near
@@ -149,21 +149,21 @@ def _ends_by(goals, m, query, goal_x, goal_y, style):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _lowest(query):
     """Share of the ring below which no path is bent."""
     low = max(_HOLE, HUB - query.near) / (query.far - query.near)
     return min(low, query.ring)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _highest(query):
     """Share of the ring above which no path is bent."""
     high = 1.0 - _RIM if query.shoulder > 0.0 else 1.0 - 1e-9
     return max(high, query.ring)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def bend(base, query, style, share, end, hand):
     """Write a path that starts at the hand and whose end is moved.
 
@@ -195,7 +195,7 @@ def bend(base, query, style, share, end, hand):
         hand[k, 0], hand[k, 1] = r * np.cos(a), r * np.sin(a)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _soonest_end(traces, m, query, tempo, style, base, share, end):
     """When a path whose end is so moved can be at its end: nearly, and without trigonometry."""
     column = EARLIEST if tempo == HURRY else TIME
@@ -236,7 +236,7 @@ def _pace(traces, m, query, tempo, hand, time):
     return time[n - 1]
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _away(query, b, poses, t):
     """How long target b surely stays out of reach, of the ring or of a straight hand [s]."""
     size = query.bodies.rows[b, REACH] + query.reach
@@ -341,7 +341,7 @@ def adapt(traces, goals, m, query, style, tempo, desk):
     return _first_knot_at_a_target(query, desk, body)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def keep(desk, t):
     """Keep the path that was just bent and timed as the best, with the hand at its end until t."""
     n = desk.hand.shape[0] - 1

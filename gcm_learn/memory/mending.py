@@ -58,7 +58,7 @@ def _bump(share, top):
     return np.sin(0.5 * np.pi * min(max(s, 0.0), 1.0)) ** 2
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _room(query, g, x, y, enough):
     """Least distance of the limb to any obstacle at instant g of the table, or more than enough."""
     bodies, poses = query.bodies, query.table[g]
@@ -76,7 +76,7 @@ def _room(query, g, x, y, enough):
     return least
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _at(time, hand, count, t):
     """Segment and position in it of a path at time t."""
     k = 0
@@ -87,7 +87,7 @@ def _at(time, hand, count, t):
     return k, s
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _touching(query, time, hand, count):
     """First and last instant of the table of the first time that the limb touches; -1 if none."""
     step = query.horizon / (query.table.shape[0] - 1)

@@ -125,7 +125,7 @@ def first_that_holds(traces, goals, offer, query, styles, mends, tries, novelty,
             _learn(offer, i, regret)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _most_promising(offer):
     """Position of the largest score that is left, the first of equal ones; -1 if none is."""
     best = -1
@@ -135,7 +135,7 @@ def _most_promising(offer):
     return best
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _learn(offer, failed, regret):
     """Take from all scores what the failure of one says: more, the nearer their direction is."""
     own = _length(offer.places, failed)
@@ -148,7 +148,7 @@ def _learn(offer, failed, regret):
             offer.scores[i] -= regret * cosine**4
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _length(places, i):
     total = 0.0
     for j in range(places.shape[1]):
@@ -156,7 +156,7 @@ def _length(places, i):
     return np.sqrt(total)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _keep(failed, row, query, time, hand, count):
     """Note a path; samples that it does not have are its last one."""
     for k in range(failed.shape[1]):
@@ -165,7 +165,7 @@ def _keep(failed, row, query, time, hand, count):
         failed[row, k, 2] = query.speed * time[j]
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _known(failed, rows, query, time, hand, count, novelty):
     """Whether one of the noted paths is everywhere as near as `novelty`, time included."""
     limit = novelty * novelty

@@ -173,7 +173,7 @@ def first_interception(bodies, x, y, start, since, end, speed, reach, near, far,
     return best, body, bx, by
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _away_until(bodies, poses, b, reach, near, far):
     """How long a target cannot be within reach of any hand, by the ball that holds it [s].
 

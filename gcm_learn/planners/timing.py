@@ -93,6 +93,40 @@ def _refine(time, hand, rho, side, tolerance):
     return new_time, new_hand
 
 
+@njit(cache=True)
+def spread(time, hand, spacing):
+    """The same path with samples at most `spacing` apart; of two equal ones the first is left out.
+
+    Parameters
+    ----------
+    time, hand : (n,), (n, 2) ndarray
+    spacing : float
+        [forearm lengths]
+
+    Returns
+    -------
+    time, hand : (m,), (m, 2) ndarray
+    """
+    n = time.size
+    pieces = np.zeros(n, dtype=np.int64)
+    for k in range(n - 1):
+        length = np.hypot(hand[k + 1, 0] - hand[k, 0], hand[k + 1, 1] - hand[k, 1])
+        waits = 1 if time[k + 1] > time[k] else 0
+        pieces[k] = max(int(np.ceil(length / spacing)), waits)
+    total = pieces.sum() + 1
+    new_time, new_hand = np.empty(total), np.empty((total, 2))
+    m = 0
+    for k in range(n - 1):
+        for p in range(pieces[k]):
+            s = (p * (1.0 / pieces[k]) + k) - k  # rounded as a position on the whole path
+            new_time[m] = time[k] + s * (time[k + 1] - time[k])
+            for a in range(2):
+                new_hand[m, a] = hand[k, a] + s * (hand[k + 1, a] - hand[k, a])
+            m += 1
+    new_time[m], new_hand[m] = time[n - 1], hand[n - 1]
+    return new_time, new_hand
+
+
 def straight_way(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Samples (m, 2) of a straight way, at most SPACING apart, both ends included."""
     pieces = max(int(np.ceil(np.hypot(*(end - start)) / SPACING)), 1)

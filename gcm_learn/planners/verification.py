@@ -91,7 +91,7 @@ def joint_turns(hand, rho, side, parts):
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def nearest_to_shoulder(hand):
     """Smallest distance of a polyline (n, 2) to the origin."""
     best = np.sqrt(hand[0, 0] ** 2 + hand[0, 1] ** 2)
@@ -113,7 +113,7 @@ FAULTS = {
 }
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _fault(time, hand, joints, start, horizon, near, far, fastest):
     """First of the promises about the hand's path that is not kept, NOTHING if all are."""
     last = time.size - 1

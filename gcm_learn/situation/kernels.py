@@ -5,7 +5,8 @@ limb always lies in z = 0 and a planar body is one whose z never matters.  A pos
 12 numbers: the centre (3) and the rotation body -> plane, row by row (9).
 
 Kernels take whole arrays and a body's index, never a row: in numba a view costs two atomic counts,
-more than a distance to a disc.
+more than a distance to a disc. Handing arrays on costs as much for each of them, so what allocates
+nothing is compiled without counting (``_nrt=False``; numba refuses it where an array is made).
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ class Bodies(NamedTuple):
     angle_step: float  # time step of that grid [s]
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def rotate(bodies, b, t, out):
     """Write exp([spin t]) @ turn of body b into out[b, 3:12] (Rodrigues' formula)."""
     body = bodies.rows
@@ -75,7 +76,7 @@ def rotate(bodies, b, t, out):
         out[b, 9 + k] = r20 * p + r21 * q + r22 * u
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def swing_angle(bodies, b, t):
     """Angle of pendulum b at time t: cubic Hermite interpolation in its table."""
     table, step = bodies.angles, bodies.angle_step
@@ -89,7 +90,7 @@ def swing_angle(bodies, b, t):
     return start + q * (3 * s2 - 2 * s3) + dq * (s3 - s2)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _swing_pose(bodies, b, t, out):
     body = bodies.rows
     angle = swing_angle(bodies, b, t)
@@ -103,38 +104,56 @@ def _swing_pose(bodies, b, t, out):
         out[b, 3 + 3 * k + 2] = along
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
+def glide(bodies, b, t, poses):
+    """Centre (3) at time t [s] of body b, which does not swing.
+
+    It writes no poses: it is called as `swing` is, from loops that are there for either.
+    """
+    rows, half = bodies.rows, 0.5 * t * t
+    return (
+        rows[b, POSITION] + rows[b, VELOCITY] * t + rows[b, ACCELERATION] * half,
+        rows[b, POSITION + 1] + rows[b, VELOCITY + 1] * t + rows[b, ACCELERATION + 1] * half,
+        rows[b, POSITION + 2] + rows[b, VELOCITY + 2] * t + rows[b, ACCELERATION + 2] * half,
+    )
+
+
+@njit(cache=True, _nrt=False)
+def swing(bodies, b, t, poses):
+    """Centre (3) at time t [s] of body b, which swings; its pose is left in `poses`."""
+    _swing_pose(bodies, b, t, poses)
+    return poses[b, 0], poses[b, 1], poses[b, 2]
+
+
+@njit(cache=True, _nrt=False, forceinline=True)
 def centre_at(bodies, b, t, out):
     """Write body b's centre at time t [s] into out[b, :3]; a pendulum's whole pose with it.
 
     Returns whether `rotate` has still to write the rest of its pose.
     """
-    body = bodies.rows
-    if body[b, SWING] >= 0.0:
+    kind = bodies.rows[b, KIND]
+    if bodies.rows[b, SWING] >= 0.0:
         _swing_pose(bodies, b, t, out)
         return False
-    half = 0.5 * t * t
-    for k in range(3):
-        start = body[b, POSITION + k]
-        out[b, k] = start + body[b, VELOCITY + k] * t + body[b, ACCELERATION + k] * half
-    return body[b, KIND] != DISC and body[b, KIND] != SPHERE
+    out[b, 0], out[b, 1], out[b, 2] = glide(bodies, b, t, out)
+    return kind != DISC and kind != SPHERE
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def pose_at(bodies, b, t, out):
     """Write body b's pose at time t [s] into out[b] (n, 12)."""
     if centre_at(bodies, b, t, out):
         rotate(bodies, b, t, out)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def poses_at(bodies, t, out):
     """Write every body's pose at time t into out (n, 12)."""
     for b in range(bodies.rows.shape[0]):
         pose_at(bodies, b, t, out)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def drift(bodies, b, t0, t1):
     """Bound how far any point of body b travels between t0 and t1.
 
@@ -152,7 +171,7 @@ def drift(bodies, b, t0, t1):
     return (np.sqrt(max(v0, v1)) + np.sqrt(w) * body[b, REACH]) * (t1 - t0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def segment_point2(px, py, ax, ay, bx, by):
     """Squared distance of point p to segment a-b in the plane."""
     dx, dy = bx - ax, by - ay
@@ -165,7 +184,7 @@ def segment_point2(px, py, ax, ay, bx, by):
     return wx * wx + wy * wy
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
     """Tell whether the plane segments a-b and c-d properly cross."""
     d1 = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
@@ -175,7 +194,7 @@ def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
     return d1 * d2 < 0.0 and d3 * d4 < 0.0
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def _off_edge2(wx, wy, dx, dy, inverse):
     """Squared distance of w to the segment from the origin to d, whose inverse squared length."""
     s = min(max((wx * dx + wy * dy) * inverse, 0.0), 1.0)
@@ -183,7 +202,7 @@ def _off_edge2(wx, wy, dx, dy, inverse):
     return wx * wx + wy * wy
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _segment_polygon(bodies, poses, b, ax, ay, bx, by):
     """Distance of the plane segment a-b to a filled polygon (0 when they meet)."""
     # Work in the body's frame: two points move instead of all vertices.
@@ -214,7 +233,7 @@ def _segment_polygon(bodies, poses, b, ax, ay, bx, by):
     return 0.0 if inside else np.sqrt(best)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _to_body(poses, b, x, y):
     """Coordinates of the plane point (x, y, 0) in body b's frame."""
     dx, dy, dz = x - poses[b, 0], y - poses[b, 1], -poses[b, 2]
@@ -225,7 +244,7 @@ def _to_body(poses, b, x, y):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def segment_distance(bodies, poses, b, ax, ay, bx, by):
     """Distance of the plane segment a-b to body b at its pose; 0 when they meet."""
     kind = bodies.rows[b, KIND]
@@ -245,7 +264,7 @@ def segment_distance(bodies, poses, b, ax, ay, bx, by):
     return segment_cylinder(p, q, radius, length)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
     """Distance of body b to the limb, the longer way round, for bodies that are no discs.
 
@@ -266,7 +285,7 @@ def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
     return found
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, _nrt=False, forceinline=True)
 def arm_distance(bodies, poses, b, hx, hy, ex, ey):
     """Distance of body b to what it can touch: the hand (targets) or the whole limb (obstacles).
 
@@ -287,7 +306,7 @@ def arm_distance(bodies, poses, b, hx, hy, ex, ey):
     return max(np.sqrt(min(forearm, upper_arm)) - bodies.rows[b, SIZE], 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch):
     """Bound `arm_distance` less `gap` at t [s] from below: by the ball while far, else exactly.
 

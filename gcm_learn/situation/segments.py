@@ -9,13 +9,13 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _excess(p, half):
     """How far p lies beyond [-half, half], with its sign."""
     return p - half if p > half else (p + half if p < -half else 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def segment_box(p, q, size):
     """Distance of segment p-q to a box, both in the box's frame.
 
@@ -55,7 +55,7 @@ def segment_box(p, q, size):
     return np.sqrt(total)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def segment_axis(p, q, half_length):
     """Distance of segment p-q to the segment of the z axis between -half_length and half_length."""
     dx, dy, dz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
@@ -73,7 +73,7 @@ def segment_axis(p, q, half_length):
     return np.sqrt(x * x + y * y + w * w)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _cylinder_slope(p, d, s, radius, half_length):
     """Half the derivative of the squared distance to a cylinder at p + s d."""
     x, y, z = p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]
@@ -84,7 +84,7 @@ def _cylinder_slope(p, d, s, radius, half_length):
     return g
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def segment_cylinder(p, q, radius, half_length):
     """Distance of segment p-q to a cylinder: the root of the slope of a convex function.
 

@@ -20,7 +20,14 @@ from gcm_learn.planners.interception import (
     may_be_reached,
     target_distance,
 )
-from gcm_learn.planners.timing import keep_limits, refine, segment_times, straight_way
+from gcm_learn.planners.timing import (
+    SPACING,
+    keep_limits,
+    refine,
+    segment_times,
+    spread,
+    straight_way,
+)
 from gcm_learn.situation import Arm
 from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.kernels import poses_at
@@ -75,6 +82,24 @@ def test_a_straight_way_is_straight_and_dense(start, end):
     steps = np.diff(way, axis=0)
     assert np.linalg.norm(steps, axis=1).max() <= 0.02 + 1e-12
     np.testing.assert_allclose(steps, np.tile(steps[0], (len(steps), 1)), atol=1e-12)
+
+
+@given(st.integers(0, 10_000))
+def test_a_path_spread_is_the_same_movement(seed):
+    """Against two interpolations; waits keep both ends, a sample that is there twice goes."""
+    r = seeding.rng(seed, 5)
+    moves, gaps = r.normal(0.0, 0.03, (12, 2)), r.uniform(0.0, 0.1, 12)
+    moves[r.random(12) < 0.3] = 0.0
+    gaps[r.random(12) < 0.3] = 0.0
+    hand, time = np.cumsum(moves, axis=0), np.cumsum(gaps)
+    new_time, new_hand = spread(time, hand, SPACING)
+    pieces = np.ceil(np.hypot(*np.diff(hand, axis=0).T) / SPACING)
+    pieces = np.maximum(pieces, np.diff(time) > 0.0).astype(int)
+    ends = np.concatenate([[0], np.cumsum(pieces)])
+    at = np.interp(np.arange(ends[-1] + 1), ends, np.arange(12))
+    for new, old in ((new_time, time), (new_hand[:, 0], hand[:, 0]), (new_hand[:, 1], hand[:, 1])):
+        np.testing.assert_array_equal(new, np.interp(at, np.arange(12), old))
+    assert np.hypot(*np.diff(new_hand, axis=0).T).max(initial=0.0) <= SPACING * (1.0 + 1e-9)
 
 
 @given(st.integers(0, 10**6), st.sampled_from(["right", "left"]))
