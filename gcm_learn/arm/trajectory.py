@@ -46,7 +46,7 @@ class Trajectory:
                 f"trajectory needs shapes (n,), (n, 2), (n, 2), got "
                 f"{self.time.shape}, {self.hand.shape}, {self.joints.shape}"
             )
-        if n == 0 or np.any(np.diff(self.time) < 0.0):
+        if n == 0 or (self.time[1:] < self.time[:-1]).any():
             raise ValueError("trajectory times must not decrease and there must be at least one")
 
     @classmethod

@@ -92,24 +92,21 @@ def look(situation: Situation, bodies: Bodies | None = None) -> Look:
     packed = pack(situation) if bodies is None else bodies
     x, y = arm.hand
     joints = arm.max_joint_speed or (0.0, 0.0)
-    context = np.zeros(CONTEXT, dtype=np.float32)
-    obstacles = np.flatnonzero(packed.rows[:, PART] != HAND)
-    cells = np.zeros((len(obstacles), CELLS), dtype=np.float32)
-    _fill(
+    context, cells = _look(
         packed, x, y, arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach,
-        arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp, obstacles,
-        context, cells,
+        arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp,
     )  # fmt: skip
-    return Look(context, cells[cells.any(axis=1)])
+    return Look(context, cells)
 
 
 @njit(cache=True)
-def _fill(
-    bodies, x, y, rho, side, near, far, speed, shoulder, elbow, horizon, thickness, grasp,
-    obstacles, out, cells,
+def _look(
+    bodies, x, y, rho, side, near, far, speed, shoulder, elbow, horizon, thickness, grasp
 ):  # fmt: skip
-    """Fill in all features."""
-    poses = np.zeros((bodies.rows.shape[0], 12))
+    """Context and cells, as of `Look`."""
+    poses, out = np.zeros((bodies.rows.shape[0], 12)), np.zeros(CONTEXT, dtype=np.float32)
+    obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
+    cells = np.zeros((obstacles.size, CELLS), dtype=np.float32)
     angle = np.arctan2(y, x)
     start = np.sqrt(x * x + y * y)
     if obstacles.size > 0:
@@ -140,6 +137,10 @@ def _fill(
     out[at + 11] = bodies.rows[target, REACH] * 5.0
     if shoulder > 0.0:  # slow joints count, fast ones are as good as no limit
         out[at + 12], out[at + 13] = speed / (speed + shoulder), speed / (speed + elbow)
+    near_ones = np.empty(obstacles.size, dtype=np.bool_)
+    for o in range(obstacles.size):
+        near_ones[o] = cells[o].any()
+    return out, cells[near_ones]
 
 
 class Limbs(NamedTuple):

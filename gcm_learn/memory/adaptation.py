@@ -9,6 +9,7 @@ than planning anew; what it breaks is found by the verification that every plan 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -40,7 +41,7 @@ class Adaptation:
     mends: int = 1
     """How often a path that touches is pushed aside, which makes it another path to check."""
 
-    @property
+    @cached_property
     def ways(self) -> np.ndarray:
         """Codes (s, 2) of the styles and tempos in which each memory is tried, in order."""
         tempos = ("hurry", "keep") if self.tempo == "both" else (self.tempo,)

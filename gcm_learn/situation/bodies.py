@@ -40,11 +40,11 @@ def pack(situation: Situation) -> Bodies:
         Arrays indexed as ``situation.bodies``.
     """
     frame, origin = plane_frame(situation.plane)
-    rows = np.zeros((len(situation.bodies), k.COLUMNS))
+    made: list[list[float]] = []  # lists, because writing into parts of arrays takes longer
     vertices: list[tuple[float, float]] = []
     swings: list[Pendulum] = []
-    for row, body in zip(rows, situation.bodies, strict=True):
-        motion, shape = body.motion, body.shape
+    for body in situation.bodies:
+        motion, shape, row = body.motion, body.shape, [0.0] * k.COLUMNS
         row[k.KIND] = _KIND[type(shape)]
         row[k.PART] = k.HAND if body.role == "target" else k.LIMB
         row[k.SIZE : k.SIZE + 3] = _size(shape)
@@ -59,10 +59,12 @@ def pack(situation: Situation) -> Bodies:
         else:
             _place_planar(row, motion)
         if isinstance(shape, Disc | Sphere):  # nobody can see them spin
-            row[k.SPIN : k.SPIN + 3] = 0.0
+            row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
         row[k.FIRST] = len(vertices)
         vertices.extend(shape.vertices if isinstance(shape, Polygon) else ())
         row[k.LAST] = len(vertices)
+        made.append(row)
+    rows = np.array(made, dtype=float).reshape(-1, k.COLUMNS)
     step, angles = _swing_tables(swings, situation.horizon)
     _bound_speeds(rows, angles, situation.horizon)
     return Bodies(rows, np.array(vertices, dtype=float).reshape(-1, 2), angles, step)
@@ -115,7 +117,7 @@ def plane_frame(plane: Plane | None) -> tuple[np.ndarray, np.ndarray]:
     return np.array([plane.x, plane.y, normal]), np.asarray(plane.origin)
 
 
-def _place_planar(row: np.ndarray, motion: PlanarQuadratic) -> None:
+def _place_planar(row: list[float], motion: PlanarQuadratic) -> None:
     row[k.POSITION : k.POSITION + 2] = motion.position
     row[k.VELOCITY : k.VELOCITY + 2] = motion.velocity
     row[k.ACCELERATION : k.ACCELERATION + 2] = motion.acceleration
@@ -125,7 +127,7 @@ def _place_planar(row: np.ndarray, motion: PlanarQuadratic) -> None:
 
 
 def _place_solid(
-    row: np.ndarray, motion: SolidQuadratic, frame: np.ndarray, origin: np.ndarray
+    row: list[float], motion: SolidQuadratic, frame: np.ndarray, origin: np.ndarray
 ) -> None:
     row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.position) - origin)
     row[k.VELOCITY : k.VELOCITY + 3] = frame @ motion.velocity
@@ -134,7 +136,7 @@ def _place_solid(
     row[k.TURN : k.TURN + 9] = (frame @ rotation_of(motion.orientation)).ravel()
 
 
-def _place_swing(row: np.ndarray, motion: Pendulum, frame: np.ndarray, origin: np.ndarray) -> None:
+def _place_swing(row: list[float], motion: Pendulum, frame: np.ndarray, origin: np.ndarray) -> None:
     row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.pivot) - origin)
     row[k.HANG] = motion.hang_distance
     row[k.DOWN : k.DOWN + 3] = frame @ motion.down
@@ -152,18 +154,21 @@ def _size(shape: object) -> tuple[float, float, float]:
     return (0.0, 0.0, 0.0)
 
 
-def _bound_speeds(rows: np.ndarray, angles: np.ndarray, horizon: float) -> None:
+@njit(cache=True)
+def _bound_speeds(rows, angles, horizon):
     """Fill in the largest speed of any point of each body during [0, horizon]."""
-    velocity = rows[:, k.VELOCITY : k.VELOCITY + 3]
-    late = velocity + rows[:, k.ACCELERATION : k.ACCELERATION + 3] * horizon
-    spin = np.sqrt((rows[:, k.SPIN : k.SPIN + 3] ** 2).sum(axis=1))
-    # Speed is convex in time under constant acceleration: its maximum is at an end.
-    straight = np.sqrt(np.maximum((velocity**2).sum(axis=1), (late**2).sum(axis=1)))
-    rows[:, k.TOP_SPEED] = straight + spin * rows[:, k.REACH]
-    for row in rows:
-        if row[k.SWING] >= 0:
-            rate = np.abs(angles[int(row[k.SWING]), :, 1]).max() * (1.0 + 1e-6)
-            row[k.TOP_SPEED] = rate * (row[k.HANG] + row[k.REACH])
+    for b in range(rows.shape[0]):
+        early, late, spin = 0.0, 0.0, 0.0
+        for i in range(3):
+            velocity = rows[b, k.VELOCITY + i]
+            early += velocity**2
+            late += (velocity + rows[b, k.ACCELERATION + i] * horizon) ** 2
+            spin += rows[b, k.SPIN + i] ** 2
+        # Speed is convex in time under constant acceleration: its maximum is at an end.
+        rows[b, k.TOP_SPEED] = np.sqrt(max(early, late)) + np.sqrt(spin) * rows[b, k.REACH]
+        if rows[b, k.SWING] >= 0.0:
+            rate = np.abs(angles[int(rows[b, k.SWING]), :, 1]).max() * (1.0 + 1e-6)
+            rows[b, k.TOP_SPEED] = rate * (rows[b, k.HANG] + rows[b, k.REACH])
 
 
 def _swing_tables(swings: list[Pendulum], horizon: float) -> tuple[float, np.ndarray]:
