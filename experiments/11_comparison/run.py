@@ -99,6 +99,7 @@ def main() -> None:
         )
         write_report(natural, mix, given.out / "natural")
     whole = Results.joined(detours, rest)
+    (given.out / "all").mkdir(exist_ok=True)
     page = write_report(whole, [*drawn["W"], *others], given.out / "all", "layered", noise)
     figures.rates_figure(whole).savefig(HERE / "figure.png", dpi=110)
     figure = figures.charged_figure(detours.where(np.isin(detours["entrant"], DRAWN)))
