@@ -26,8 +26,13 @@ WHO = {
     "recall": "bends remembered catches to the situation, and checks up to 20 of them",
     "recall-1": "bends the one catch that it remembers best",
     "hybrid": "recalls first, and plans as layered does when recall fails",
+    "recall-raw": "finds memories by what situations are made of, not by what an encoder learned",
+    "recall-pca": "finds memories by principal components of maps",
+    "recall-random": "bends up to 20 memories drawn at random: what checking alone is worth",
+    "splines-random": "checks up to 20 smooth ways drawn at random: what checking alone is worth",
     "clone": "network that imitates planned catches step by step",
     "ppo": "network that learned in the arena from nothing (PPO)",
+    "sac": "network of velocities that learned in the arena from nothing (SAC)",
     "ppo-clone": "the imitating network after it went on learning in the arena (PPO)",
 }
 
