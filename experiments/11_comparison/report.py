@@ -10,7 +10,7 @@ from gcm_learn.evaluation import Results
 from gcm_learn.evaluation.blurred import blurred
 from gcm_learn.evaluation.contest import DELAYS
 from gcm_learn.evaluation.measures import declines, measured
-from gcm_learn.evaluation.statistics import Interval, difference, mcnemar, stratified
+from gcm_learn.evaluation.statistics import Interval, chance, difference, mcnemar, stratified
 
 ALLOWED = 20.0  # thinking that H1 grants [ms]
 
@@ -98,8 +98,7 @@ def thinking(charged: Results) -> list[str]:
     for words, (a, b) in pairs.items():
         d, (only_a, only_b, p) = difference(a, b, groups), mcnemar(a, b)
         points = f"{100 * d.value:+.1f} ({100 * d.low:.1f} to {100 * d.high:.1f})"
-        chance = f"{p:.3f}" if p >= 1e-3 else f"{p:.0e}"
-        lines.append(line(words, points, str(only_a), str(only_b), chance))
+        lines.append(line(words, points, str(only_a), str(only_b), chance(p)))
     return lines
 
 

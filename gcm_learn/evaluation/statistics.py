@@ -11,6 +11,7 @@ from gcm_learn.seeding import rng
 
 Z = 1.959964  # of a two-sided 95 % interval
 DRAWS = 2000  # of a bootstrap
+SMALLEST = 1e-99  # probability that is told; what is smaller is not worked out to that accuracy
 
 
 class Interval(NamedTuple):
@@ -46,6 +47,13 @@ def stratified(hits: np.ndarray, groups: np.ndarray) -> Interval:
         total += source.binomial(len(here), here.mean(), size=DRAWS)
     low, high = np.percentile(total / len(hits), [2.5, 97.5])
     return Interval(float(hits.mean()), float(low), float(high))
+
+
+def chance(p: float) -> str:
+    """A probability as it is written."""
+    if p < SMALLEST:
+        return f"< {SMALLEST:.0e}"
+    return f"{p:.3f}" if p >= 1e-3 else f"{p:.0e}"
 
 
 def mcnemar(first: np.ndarray, second: np.ndarray) -> tuple[int, int, float]:

@@ -159,10 +159,11 @@ def _thinking(results: Results, out: Path) -> list[Section]:
     figure = figures.charged_figure(results)
     if figure is None:
         return []
+    strata = figures.charged_strata(results)
     text = [
         "The world runs while an agent thinks: its hand rests, and what it does begins so much "
         "later. The last column charges every entrant its own latency of that situation. "
-        "Reachable situations."
+        f"Measured on situations of {', '.join(strata)}."
     ]
     caption = (
         "Catches over the time that thinking takes, by stratum; stars: with the own latency "
@@ -171,8 +172,7 @@ def _thinking(results: Results, out: Path) -> list[Section]:
     picture = _kept(figure, out / "charged.png", caption)
     folded = [
         tables.charged_table(tables.of_stratum(results, s), f"{s}: {tables.STRATA[s]}")
-        for s in results.strata
-        if s != "U"
+        for s in (strata if len(strata) > 1 else ())
     ]
     listed = [tables.charged_table(tables.reachable(results)), *folded]
     return [Section("thinking", "While they think", text, listed, [picture])]

@@ -162,19 +162,25 @@ def pairs_figure(results: Results, reference: str) -> Figure:
     return figure
 
 
+def charged_strata(results: Results) -> list[str]:
+    """Those that can be caught and in which thinking was charged."""
+    names = results.entrants
+    return [s for s in _strata(results) if any(charged_curve(_of(results, s), n) for n in names)]
+
+
 def charged_figure(results: Results) -> Figure | None:
     """Catches over charged time by stratum; None if that was not measured."""
-    strata, names = _strata(results), results.entrants
+    strata, names = charged_strata(results), results.entrants
+    if not strata:
+        return None
     figure = style.new_figure(1.6 + 3.2 * len(strata), max(3.2, 0.5 + 0.2 * len(names)))
     panels = figure.subplots(1, len(strata), sharey=True, squeeze=False)[0]
-    drawn = False
     for ax, stratum in zip(panels, strata, strict=True):
         part = _of(results, stratum)
         for place, name in enumerate(names):
             curve = charged_curve(part, name)
             if not curve:
                 continue
-            drawn = True
             shares = [100 * point.value for point in curve]
             colour, m = colour_of(results, name), measured(part, name)
             # Thinner ones above wider ones: curves that coincide are all seen.
@@ -187,8 +193,6 @@ def charged_figure(results: Results) -> Figure | None:
         ax.set_ylim(-2, 104)
         ax.grid(axis="y", color=style.FAINT, lw=0.4, alpha=0.6)
         ax.set_xlabel("thinking [ms]", fontsize=style.SMALL)
-    if not drawn:
-        return None
     panels[0].set_ylabel("caught [%]", fontsize=style.SMALL)
     handles, labels = panels[-1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", fontsize=style.SMALL, frameon=False)

@@ -17,6 +17,7 @@ from gcm_learn.evaluation.measures import (
     measured,
     pairs,
 )
+from gcm_learn.evaluation.statistics import chance
 from gcm_learn.evaluation.table import Results
 from gcm_learn.plots.page import Table
 
@@ -112,7 +113,7 @@ def pairs_table(results: Results, reference: str, fold: str = "") -> Table:
     rows = []
     for pair in pairs(results, reference):
         d = pair.difference
-        p = f"{pair.p:.3f}" if pair.p >= 1e-3 else f"{pair.p:.0e}"
+        p = chance(pair.p)
         span = f"{100 * d.low:+.1f} to {100 * d.high:+.1f}"
         more = f"{100 * d.value:+.1f}"
         rows.append([pair.first, more, span, str(pair.only_first), str(pair.only_second), p])

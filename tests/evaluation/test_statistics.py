@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from gcm_learn.evaluation.statistics import difference, mcnemar, wilson
+from gcm_learn.evaluation.statistics import chance, difference, mcnemar, wilson
 
 
 def test_wilson_is_that_of_the_books():
@@ -46,3 +46,7 @@ def test_strata_of_a_group_are_never_mixed():
     first = groups == "a"
     d = difference(first, np.zeros(100, bool), groups)
     assert d == (0.5, 0.5, 0.5)
+
+
+def test_probabilities_are_told_as_people_write_them():
+    assert [chance(p) for p in (0.25, 0.0004, 0.0)] == ["0.250", "4e-04", "< 1e-99"]
