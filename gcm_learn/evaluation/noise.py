@@ -21,6 +21,7 @@ from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES, Settings
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.planners import Planner
+from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.policies.demonstrations import into_frame
 from gcm_learn.situation import Situation
 from gcm_learn.situation.later import later
@@ -172,10 +173,32 @@ class _Agent:
             seen, share = self._memory.joined(seen, t), self._memory.share
         tries = [self.noise.careful(seen, share), seen] if self.noise.caution > 0.0 else [seen]
         for situation in tries:
-            plan = self.planner.plan(situation)
-            if plan.caught:
-                self._way, self._since = plan.trajectory, t
+            kept, new = self._kept(situation, t), self.planner.plan(situation).trajectory
+            if kept is None or (new is not None and new.duration < kept.duration):
+                kept = new
+            if kept is not None:
+                self._way, self._since = kept, t
                 return
+
+    def _kept(self, situation: Situation, t: float) -> Trajectory | None:
+        """What is left of the present way, if it catches by what is known now.
+
+        Who gives up a good way for every new one that is no earlier gets nowhere.
+        """
+        at = t - self._since
+        if self._way is None or at >= self._way.duration - 1e-9:
+            return None
+        rest = self._way.time > at
+        time = np.append(0.0, self._way.time[rest] - at)
+        hand = np.vstack([situation.arm.hand, self._way.hand[rest]])
+        left = Trajectory.of_hand(time, hand, situation.arm.upper_arm, situation.arm.elbow)
+        problem = Problem(situation, "kept")
+        for index, body in enumerate(situation.bodies):
+            if body.role == "target":
+                plan, _ = checked(problem, Attempt(left, index))
+                if plan is not None:
+                    return plan.trajectory
+        return None
 
     def velocity(self, t: float, hand: np.ndarray) -> np.ndarray:
         """Velocity (2,) that keeps to the plan for a step; rest where there is none, or no more."""
