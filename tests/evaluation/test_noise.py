@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gcm_learn import families
+from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.evaluation.noise import Habit, Noise, _Memory, under_noise
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.planners import get_planner
@@ -78,3 +81,28 @@ def test_a_pendulum_is_remembered_too(rng):
             off["last"].append(seen.bodies[b].motion.angle - angle)
             off["known"].append(joined.bodies[b].motion.angle - angle)
     assert swings and np.std(off["known"]) < 0.8 * np.std(off["last"])
+
+
+class Waverer:
+    """Goes straight at first, and at every later look wants to rest for long."""
+
+    def __init__(self):
+        self.asked = 0
+
+    def plan(self, situation):
+        plan = get_planner("straight").plan(situation)
+        self.asked += 1
+        if self.asked == 1:
+            return plan
+        arm = situation.arm
+        rest = Trajectory.of_hand(
+            np.array([0.0, 9.0]), np.array([arm.hand, arm.hand]), arm.upper_arm, arm.elbow
+        )
+        return replace(plan, status="caught", trajectory=rest)
+
+
+def test_a_way_that_still_holds_is_kept():
+    for entry in entries_of(6):
+        waverer = Waverer()
+        assert under_noise(waverer, [entry], Noise(0.0), Habit(replan=True)) == ["caught"]
+        assert waverer.asked > 1
