@@ -1,4 +1,4 @@
-"""Does guidance by cognitive maps, or a cloned start, halve the steps that PPO needs (H5)?
+"""Does guidance by cognitive maps, or a cloned start, halve the steps that learners need (H5)?
 
 python experiments/06_guidance/run.py OUT   needs models/clone; goes on where it was stopped
 
@@ -19,25 +19,40 @@ from gcm_learn.policies.training import train
 
 HERE = Path(__file__).parent
 EVERY = 8192  # steps between evaluations: one update of PPO
+OFTEN = 2000  # the same of SAC
 ARMS = {
-    "scratch": "from scratch",
-    "guide": "guided by maps' time to go",
-    "clone": "begun as the clone of planned catches",
+    "scratch": "PPO from scratch",
+    "guide": "PPO guided by maps' time to go",
+    "clone": "PPO begun as the clone of planned catches",
+    "sac-scratch": "SAC from scratch",
+    "sac-guide": "SAC guided by maps' time to go",
 }
+STEPS = {"scratch": 25 * EVERY, "guide": 25 * EVERY, "clone": 3 * EVERY,
+         "sac-scratch": 25 * OFTEN, "sac-guide": 25 * OFTEN}  # fmt: skip
+BASES = {arm: "sac-scratch" if arm.startswith("sac") else "scratch" for arm in ARMS}
+PPO = {
+    "algo": "ppo", "n_envs": 64, "n_steps": 128, "batch_size": 1024, "n_epochs": 4,
+    "learning_rate": 3e-4, "ent_coef": 0.003, "net_arch": "256,256", "gae_lambda": 0.95,
+    "evaluate_every": EVERY,
+}  # fmt: skip
+SAC = {
+    "algo": "sac", "actions": "velocity", "n_envs": 32, "learning_starts": 2000,
+    "buffer_size": 60_000, "batch_size": 256, "train_freq": 1, "gradient_steps": 8,
+    "learning_rate": 5e-4, "ent_coef": "auto_0.01", "net_arch": "128,128",
+    "evaluate_every": OFTEN,
+}  # fmt: skip
 SHARE = 0.8  # of the final rate
 
 
 def plan_for(arm: str, seed: int, steps: int) -> TrainingPlan:
     """The run of an arm of the experiment; only what it is about differs."""
     entry = {
-        "algo": "ppo", "n_timesteps": steps, "n_envs": 64, "n_steps": 128, "batch_size": 1024,
-        "n_epochs": 4, "learning_rate": 3e-4, "ent_coef": 0.003, "net_arch": "256,256",
-        "gamma": 0.99, "gae_lambda": 0.95, "evaluate_every": EVERY, "seed": seed,
-        "situations": [{"source": "random-planar", "count": 3000}],
+        **(SAC if arm.startswith("sac") else PPO), "n_timesteps": steps, "gamma": 0.99,
+        "seed": seed, "situations": [{"source": "random-planar", "count": 3000}],
         "validation": [
             {"source": "random-planar", "count": 300, "reachable": True, "seed": 2}
         ],
-        "settings": {"fan": True, "weights": {"guide": 1.0 if arm == "guide" else 0.0}},
+        "settings": {"fan": True, "weights": {"guide": 1.0 if "guide" in arm else 0.0}},
     }  # fmt: skip
     if arm == "clone":
         entry["start"] = "models/clone"

@@ -55,7 +55,7 @@ def clone(
         squares), of which it learns the mean: where ways fork it is worse, but who acts by
         velocities can begin with it.
     report : callable, optional
-        Called after every epoch with its losses and accuracy.
+        Called after every epoch with its losses and, of choices, the accuracy.
     """
     told = demonstrations.observations
     done = (choices_of if choices else aimed_of)(told, demonstrations.actions)
@@ -93,8 +93,12 @@ def clone(
         if report is not None:
             with torch.no_grad():
                 inputs, wanted = batch_of(held)
-                lost = float(loss_of(network(inputs), wanted))
-            report({"epoch": epoch + 1, "loss": total / len(rest), "held_out_loss": lost})
+                scores = network(inputs)
+                row = {"epoch": epoch + 1, "loss": total / len(rest)}
+                row["held_out_loss"] = float(loss_of(scores, wanted))
+                if choices:
+                    row["accuracy"] = float((scores.argmax(dim=1) == wanted).float().mean())
+            report(row)
     return Actor(
         layers=layers_of(network), mean=mean, deviation=deviation,
         head="choice" if choices else "velocity", activation="relu", squash=not choices,
