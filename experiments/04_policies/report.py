@@ -24,17 +24,17 @@ Row = tuple["Arm", Path, Mapping[str, float]]
 def write_report(folder: Path, rows: Sequence[Row]) -> None:
     """Write table.md and figure.png."""
     lines = [
-        "| learner | how | told | L | W | Q | touched | steps | minutes of a core |",
+        "| learner | how | told | validation | L | W | Q | touched | best after steps |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for arm, place, scores in rows:
         told = "state, embedding" if arm.embedding else "state"
         caught = " | ".join(f"{100 * scores[f'caught {s}']:.1f}" for s in "LWQ")
         state = json.loads((place / "state.json").read_text("utf-8"))
-        cost = json.loads((place / "cost.json").read_text("utf-8"))["minutes of a core"]
         lines.append(
-            f"| {NAMES[arm.learner]} | {HELP[arm.help]} | {told} | {caught} "
-            f"| {100 * scores['touched']:.1f} | {state['best']:,} | {cost:.0f} |"
+            f"| {NAMES[arm.learner]} | {HELP[arm.help]} | {told} "
+            f"| {100 * state['scores']['caught']:.1f} | {caught} "
+            f"| {100 * scores['touched']:.1f} | {state['best']:,} |"
         )
     (folder / "table.md").write_text("\n".join(lines) + "\n", "utf-8")
     _draw(rows, folder / "figure.png")
@@ -61,5 +61,6 @@ def _draw(rows: Sequence[Row], path: Path) -> None:
         ax.set_ylim(0, 100)
         ax.spines[["top", "right"]].set_visible(False)
     axes[0].set_ylabel("caught, validation [%]", fontsize=style.SMALL)
-    axes[0].legend(fontsize=style.SMALL, frameon=False, loc="lower right")
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[-1].legend(handles, labels, fontsize=style.SMALL, frameon=False, loc="lower right")
     figure.savefig(path, dpi=130)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -101,10 +100,7 @@ def do(arm: Arm, out: Path, seed: int) -> str:
     """Train an arm to its end."""
     folder = out / arm.name
     if not (folder / "card.md").exists():
-        since = time.process_time()
         train(arm.plan(out, seed), folder, lambda text: None)
-        cost = {"minutes of a core": round((time.process_time() - since) / 60, 2)}
-        (folder / "cost.json").write_text(json.dumps(cost) + "\n")
     return arm.name
 
 
