@@ -43,7 +43,7 @@ def write_report(folder: Path, rows: Sequence[Row]) -> None:
 def _draw(rows: Sequence[Row], path: Path) -> None:
     """Learning curves: a panel for each learner, broken lines where an embedding is told."""
     learners = [name for name in ("ppo", "sac", "tqc") if any(r[0].learner == name for r in rows)]
-    figure = style.new_figure(3.2 * len(learners), 3.0)
+    figure = style.new_figure(3.2 * len(learners), 3.4)
     axes = np.atleast_1d(figure.subplots(1, len(learners), sharey=True))
     for ax, learner in zip(axes, learners, strict=True):
         for arm, place, _ in rows:
@@ -62,5 +62,7 @@ def _draw(rows: Sequence[Row], path: Path) -> None:
         ax.spines[["top", "right"]].set_visible(False)
     axes[0].set_ylabel("caught, validation [%]", fontsize=style.SMALL)
     handles, labels = axes[0].get_legend_handles_labels()
-    axes[-1].legend(handles, labels, fontsize=style.SMALL, frameon=False, loc="lower right")
+    figure.legend(
+        handles, labels, ncols=3, fontsize=style.SMALL, frameon=False, loc="outside lower center"
+    )
     figure.savefig(path, dpi=130)
