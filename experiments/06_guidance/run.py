@@ -28,7 +28,7 @@ ARMS = {
     "sac-guide": "SAC guided by maps' time to go",
 }
 STEPS = {"scratch": 25 * EVERY, "guide": 25 * EVERY, "clone": 3 * EVERY,
-         "sac-scratch": 25 * OFTEN, "sac-guide": 25 * OFTEN}  # fmt: skip
+         "sac-scratch": 20 * OFTEN, "sac-guide": 20 * OFTEN}  # fmt: skip
 COLOURS = {"scratch": style.FAINT, "guide": style.OBSTACLE, "clone": style.TARGET,
            "sac-scratch": style.FAINT, "sac-guide": style.OBSTACLE}  # fmt: skip
 BASES = {arm: "sac-scratch" if arm.startswith("sac") else "scratch" for arm in ARMS}
