@@ -20,7 +20,7 @@ from gcm_learn.evaluation.thinking import charged
 from gcm_learn.planners.verification import PARTS, joint_turns
 from gcm_learn.situation import Situation
 from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import LIMB, PART, pose_at, segment_distance
+from gcm_learn.situation.kernels import LIMB, PART, Bodies, pose_at, segment_distance
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
 NO_OBSTACLE = 1e200  # a distance beyond this one says that there is none [forearm lengths]
@@ -175,9 +175,10 @@ def clearance_of(situation: Situation, way: Trajectory) -> float:
 def touched_part(situation: Situation, way: Trajectory) -> str:
     """Which part of the limb is nearer to an obstacle at the end of a way."""
     elbow, hand = _limb_at_end(situation, way)
+    bodies, poses = _posed(situation, way.duration)
     near = {
-        "forearm": _nearness(situation, way.duration, elbow, hand),
-        "upper arm": _nearness(situation, way.duration, np.zeros(2), elbow),
+        "forearm": _nearness(bodies, poses, elbow, hand),
+        "upper arm": _nearness(bodies, poses, np.zeros(2), elbow),
     }
     return min(near, key=lambda part: near[part])
 
@@ -187,7 +188,8 @@ def touched_point(situation: Situation, way: Trajectory) -> np.ndarray:
     elbow, hand = _limb_at_end(situation, way)
     shares = np.linspace(0.0, 1.0, _POINTS)[:, None]
     points = np.concatenate([shares * elbow, elbow + shares * (hand - elbow)])
-    near = [_nearness(situation, way.duration, point, point) for point in points]
+    bodies, poses = _posed(situation, way.duration)
+    near = [_nearness(bodies, poses, point, point) for point in points]
     return np.asarray(points[int(np.argmin(near))])
 
 
@@ -197,12 +199,16 @@ def _limb_at_end(situation: Situation, way: Trajectory) -> tuple[np.ndarray, np.
     return np.array(elbow_of(hand[0], hand[1], arm.upper_arm, SIDE[arm.elbow])), hand
 
 
-def _nearness(situation: Situation, time: float, start: np.ndarray, end: np.ndarray) -> float:
-    """Distance of a segment to the nearest obstacle at a time."""
+def _posed(situation: Situation, time: float) -> tuple[Bodies, np.ndarray]:
+    """Bodies, and where they are at a time (n, 12)."""
     bodies, poses = pack(situation), np.zeros((len(situation.bodies), 12))
-    best = np.inf
-    for b in range(len(situation.bodies)):
-        if bodies.rows[b, PART] == LIMB:
-            pose_at(bodies, b, time, poses)
-            best = min(best, segment_distance(bodies, poses, b, *start, *end))
-    return float(best)
+    for b in range(len(poses)):
+        pose_at(bodies, b, time, poses)
+    return bodies, poses
+
+
+def _nearness(bodies: Bodies, poses: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
+    """Distance of a segment to the nearest obstacle."""
+    obstacles = np.flatnonzero(bodies.rows[:, PART] == LIMB)
+    near = (segment_distance(bodies, poses, b, *start, *end) for b in obstacles)
+    return float(min(near, default=np.inf))
