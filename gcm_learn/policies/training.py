@@ -180,6 +180,8 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     from gcm_learn.policies import reinforcement as rl
 
     plan, folder = run.plan, run.folder
+    if plan.settings.weights.guide != 0.0:
+        run.tell(f"making maps of {len(lot.situations)} situations")
     pool = lot.pool.prepared(plan.settings)
     if (folder / rl.MODEL).exists():
         model = rl.go_on(plan, pool, folder)
