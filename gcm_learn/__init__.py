@@ -6,15 +6,12 @@
 'caught'
 """
 
-from gcm_learn import compiled, registration
-
-compiled.keep_apart()  # before the first kernel is made
-compiled.save_in_turn()
-
-from gcm_learn.arm import Lattice, Trajectory
+from gcm_learn import registration
 from gcm_learn.errors import GcmError, SituationError
 from gcm_learn.families import paper_scene
+from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, build_map
+from gcm_learn.motion import Trajectory
 from gcm_learn.planners import Plan, get_planner, planner_names, solve
 from gcm_learn.seeding import rng
 from gcm_learn.situation import (

@@ -1,7 +1,10 @@
-"""Where compiled kernels are kept: one folder for each state of their sources.
+"""Compiled kernels and where their code is kept: numba's `njit`, cached by content.
 
 Numba renews a cached function when its own file changes, but not when a function that it calls does
-(the callee is compiled into the caller).  After an update such a cache would silently run old code.
+(the callee is compiled into the caller), and it keeps code beside the sources, where an installed
+package must not write.  Here code lies in the user's cache folder, under the hash of a module's
+source and of all modules of this package that it imports: a change renews what depends on it and
+nothing else, and checkouts of the same sources share their code.
 """
 
 from __future__ import annotations
@@ -9,71 +12,167 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import config
-from numba.core.caching import IndexDataCacheFile
+import numba
+from numba.core import config
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
-FOLDERS = ("situation", "arm", "wave", "maps", "planners")  # whose functions make maps and plans
-CONSTANTS = "params.py"  # what holds numbers for compiled functions and none of these itself
-ABOVE = ("encoder", "memory", "envs")  # whose compiled functions call them
-LOCK = "saving.lock"  # in a folder of numba's cache
+PACKAGE = Path(__file__).parent
+LOCK = "saving.lock"  # in a folder of compiled code
+_IMPORT = re.compile(
+    r"^ *(?:from (gcm_learn[\w.]*) import (\([^)]*\)|[^\n(]*)|import (gcm_learn[\w.]*))", re.M
+)
 
 
-def sources_hash(folders: Sequence[str] = FOLDERS) -> str:
-    """Hash of the sources in some folders; by default those that maps and plans depend on."""
+def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
+    """Compile a function when it is first called, as ``numba.njit(cache=True)`` does.
+
+    Parameters
+    ----------
+    function : callable
+    **options
+        Numba's own.
+    """
+    if function is None:
+        return lambda later: njit(later, **options)
+    made = numba.njit(**options)(function)
+    if not config.DISABLE_JIT:
+        made._cache = _Cache(function)
+    return made
+
+
+def folder() -> Path:
+    """Where compiled code is kept: ``NUMBA_CACHE_DIR`` if that is set, else the user's cache."""
+    if config.CACHE_DIR:
+        return Path(config.CACHE_DIR)
+    from platformdirs import user_cache_path
+
+    return user_cache_path("gcm_learn", appauthor=False) / "kernels"
+
+
+@cache
+def source_hash(module: str) -> str:
+    """Hash of a module's source and of all modules of the package that it imports, and so on."""
     digest = hashlib.sha256()
-    for folder in folders:
-        for path in sorted((Path(__file__).parent / folder).glob("*.py")):
+    for path in sorted(_sources_of(module)):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def sources_hash(folders: Sequence[str]) -> str:
+    """Hash of the sources in some folders of the package."""
+    digest = hashlib.sha256()
+    for name in folders:
+        for path in sorted((PACKAGE / name).rglob("*.py")):
             digest.update(path.name.encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def compiled_hash() -> str:
-    """Hash of the sources that hold compiled functions, or constants that they take from elsewhere.
-
-    Tests hold the constants that they import to that.
-    """
-    digest = hashlib.sha256()
-    for folder in FOLDERS + ABOVE:
-        for path in sorted((Path(__file__).parent / folder).glob("*.py")):
-            source = path.read_bytes()
-            if b"njit" in source or path.name == CONSTANTS:
-                digest.update(path.name.encode())
-                digest.update(source)
-    return digest.hexdigest()[:16]
+def _sources_of(module: str) -> set[Path]:
+    """The file of a module and of all that it imports from the package."""
+    found: set[Path] = set()
+    waiting = [module]
+    while waiting:
+        path = _path_of(waiting.pop())
+        if path is not None and path not in found:
+            found.add(path)
+            waiting += _imports_of(path)
+    return found
 
 
-def keep_apart() -> None:
-    """Point numba's cache at the folder of the present sources, unless the user has chosen one."""
-    if not config.CACHE_DIR:
-        config.CACHE_DIR = str(Path(__file__).parent / "__pycache__" / f"kernels-{compiled_hash()}")
+@cache
+def _path_of(module: str) -> Path | None:
+    """File of a module of the package, None if the name is something else."""
+    place = PACKAGE.joinpath(*module.split(".")[1:])
+    if place == PACKAGE:
+        return None  # the package's front door imports everything
+    for path in (place.with_suffix(".py"), place / "__init__.py"):
+        if path.is_file():
+            return path
+    return None
 
 
-def save_in_turn() -> None:
-    """Let processes that compile at once write to numba's cache one after the other.
+@cache
+def _imports_of(path: Path) -> list[str]:
+    """Modules of the package that a file imports; names that are no modules do no harm."""
+    found = []
+    for parent, names, whole in _IMPORT.findall(path.read_text(encoding="utf-8")):
+        found.append(whole or parent)
+        found += [f"{parent}.{name}" for name in re.findall(r"\w+", names)]
+    return found
+
+
+class _Locator:
+    """Tells numba where the code of a function lies."""
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        self._py_file = py_file
+        self._line = py_func.__code__.co_firstlineno
+        self._stamp = source_hash(py_func.__module__)
+        self._folder = folder() / f"{py_func.__module__.removeprefix('gcm_learn.')}-{self._stamp}"
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Locator:
+        """As numba asks for it."""
+        return cls(py_func, py_file)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder; numba asks before it saves."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        """The folder."""
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        """What code is stale without."""
+        return self._stamp
+
+    def get_disambiguator(self) -> str:
+        """Tells functions of one name apart."""
+        return str(self._line)
+
+
+class _CacheImpl(CompileResultCacheImpl):
+    _locator_classes = (_Locator,)
+
+
+class _CacheFile(IndexDataCacheFile):
+    """Lets processes that compile at once save one after the other.
 
     A function's index is read, added to and written back. Of two processes that do so at once one
-    entry is lost, or both number their code alike and one is kept under the other's name. Only
-    where the system has such locks.
+    entry is lost, or both number their code alike and one is kept under the other's name.
     """
-    if os.name != "posix":
-        return
-    import fcntl
 
-    plain = IndexDataCacheFile.save
-    if getattr(plain, "in_turn", False):
-        return
+    def save(self, key: Any, data: Any) -> None:
+        """Save a new entry."""
+        from filelock import FileLock
 
-    def save(self: Any, key: Any, data: Any) -> None:
         with contextlib.ExitStack() as stack:
             with contextlib.suppress(OSError):  # saving itself says what is wrong with the folder
-                lock = stack.enter_context(open(Path(self._cache_path) / LOCK, "w"))
-                fcntl.flock(lock, fcntl.LOCK_EX)
-            plain(self, key, data)
+                stack.enter_context(FileLock(os.path.join(self._cache_path, LOCK)))
+            super().save(key, data)
 
-    save.in_turn = True  # type: ignore[attr-defined]
-    IndexDataCacheFile.save = save  # type: ignore[method-assign]
+
+class _Cache(FunctionCache):
+    """Numba's cache of a function, in our place, and no reason to fail if that cannot be used."""
+
+    _impl_class = _CacheImpl
+
+    def __init__(self, py_func: Callable[..., Any]) -> None:
+        super().__init__(py_func)
+        self._cache_file = _CacheFile(
+            self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp()
+        )
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the code of a signature; where the folder cannot be written to it is not kept."""
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)

@@ -15,8 +15,8 @@ import gcm_learn
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "gcm_learn").rglob("*.py"))
 LAYERS = """
-    cli plots evaluation policies envs memory encoder dataset families planners maps wave arm
-    situation
+    cli plots evaluation policies envs recall dataset families planners maps wave handspace motion
+    collision scene situation
 """.split()
 
 LONGEST_MODULE = 400
@@ -50,7 +50,7 @@ def skeleton(tmp_path):
 def test_contracts_accept_what_is_allowed(skeleton):
     (skeleton / "plots" / "maps.py").write_text("import matplotlib\nfrom gcm_learn import maps\n")
     (skeleton / "envs" / "viewer.py").write_text("import matplotlib.pyplot\nimport gymnasium\n")
-    (skeleton / "encoder" / "network.py").write_text("import torch.nn\n")
+    (skeleton / "recall" / "network.py").write_text("import torch.nn\n")
     done = lint_imports(skeleton.parent)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -61,7 +61,7 @@ def test_contracts_accept_what_is_allowed(skeleton):
         ("wave/lattice.py", "from gcm_learn import maps"),
         ("situation/shapes.py", "import gcm_learn.planners.registry"),
         ("maps/cognitive_map.py", "def late():\n    import gcm_learn.planners"),
-        ("arm/kinematics.py", "import matplotlib.pyplot"),
+        ("scene/limb.py", "import matplotlib.pyplot"),
         ("cli/solve.py", "def late():\n    import matplotlib"),
         ("maps/path.py", "import torch"),
         ("evaluation/rollout.py", "import stable_baselines3"),

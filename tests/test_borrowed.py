@@ -13,7 +13,6 @@ from numba.core.runtime import _nrt_python, rtsys
 
 import gcm_learn
 from gcm_learn import families, get_planner
-from gcm_learn.compiled import ABOVE, FOLDERS
 from gcm_learn.situation import Situation
 
 MAKERS = {"array", "copy", "empty", "full", "ones", "zeros", "append", "Bodies", "World", "State"}
@@ -29,11 +28,13 @@ def drawn() -> list[Situation]:
 
 def functions() -> Iterator[CPUDispatcher]:
     """Yield all compiled functions of the package."""
-    for folder in FOLDERS + ABOVE:
-        for path in sorted((Path(gcm_learn.__file__).parent / folder).glob("*.py")):
-            if "njit" in path.read_text():
-                module = importlib.import_module(f"gcm_learn.{folder}.{path.stem}")
-                yield from (f for f in vars(module).values() if isinstance(f, CPUDispatcher))
+    root = Path(gcm_learn.__file__).parent
+    for path in sorted(root.rglob("*.py")):
+        if "@njit" in path.read_text() and path.name != "compiled.py":
+            module = importlib.import_module(
+                ".".join(("gcm_learn", *path.relative_to(root).with_suffix("").parts))
+            )
+            yield from (f for f in vars(module).values() if isinstance(f, CPUDispatcher))
 
 
 def makes_arrays(function: CPUDispatcher) -> bool:

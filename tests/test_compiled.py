@@ -2,37 +2,77 @@
 
 from __future__ import annotations
 
+import textwrap
 from concurrent.futures import ThreadPoolExecutor
 
+import numba
 import pytest
-from numba.core.caching import IndexDataCacheFile
 
-import gcm_learn
 from gcm_learn import compiled
 
 
 def test_many_who_save_at_once_lose_nothing(tmp_path):
     """Threads stand for processes: each opens the lock and the files for itself."""
-    assert gcm_learn.compiled is compiled  # whose import made saving take turns
     keys = [f"signature {k}" for k in range(60)]
 
     def save(key):
-        IndexDataCacheFile(str(tmp_path), "kernel", "stamp").save(key, f"code of {key}")
+        compiled._CacheFile(str(tmp_path), "kernel", "stamp").save(key, f"code of {key}")
 
     with ThreadPoolExecutor(6) as pool:
         list(pool.map(save, keys))
-    cache = IndexDataCacheFile(str(tmp_path), "kernel", "stamp")
+    cache = compiled._CacheFile(str(tmp_path), "kernel", "stamp")
     assert [cache.load(key) for key in keys] == [f"code of {key}" for key in keys]
 
 
 def test_a_folder_that_is_gone_is_said_by_saving_itself(tmp_path):
-    gone = IndexDataCacheFile(str(tmp_path / "gone"), "kernel", "stamp")
+    gone = compiled._CacheFile(str(tmp_path / "gone"), "kernel", "stamp")
     with pytest.raises(OSError, match="kernel") as error:
         gone.save("signature", "code")
     assert compiled.LOCK not in str(error.value) and not (tmp_path / "gone").exists()
 
 
-def test_taking_turns_twice_is_taking_turns():
-    before = IndexDataCacheFile.save
-    compiled.save_in_turn()
-    assert IndexDataCacheFile.save is before
+def test_numba_itself_is_left_as_it_is():
+    plain = numba.njit(cache=True)(lambda x: x)
+    assert type(plain._cache) is numba.core.caching.FunctionCache
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """Three modules: a imports b inside brackets, b a constant of c."""
+    package = tmp_path / "gcm_learn"
+    (package / "wave").mkdir(parents=True)
+    for name, text in {
+        "a": "from gcm_learn.wave import (\n    b as other,\n)",
+        "b": "import math\nfrom gcm_learn.wave.c import ONE",
+        "c": "ONE = 1",
+        "d": "ALONE = 1",
+    }.items():
+        (package / "wave" / f"{name}.py").write_text(textwrap.dedent(text))
+    monkeypatch.setattr(compiled, "PACKAGE", package)
+    _forget()
+    yield package
+    _forget()
+
+
+def _forget():
+    for function in (compiled.source_hash, compiled._path_of, compiled._imports_of):
+        function.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("changed", "renewed"), [("a", "a"), ("b", "ab"), ("c", "abc"), ("d", "d")]
+)
+def test_a_change_renews_what_depends_on_it_and_nothing_else(package, changed, renewed):
+    before = {name: compiled.source_hash(f"gcm_learn.wave.{name}") for name in "abcd"}
+    with open(package / "wave" / f"{changed}.py", "a") as stream:
+        stream.write("\nMORE = 2\n")
+    _forget()
+    after = {name: compiled.source_hash(f"gcm_learn.wave.{name}") for name in "abcd"}
+    assert "".join(name for name in "abcd" if before[name] != after[name]) == renewed
+
+
+def test_code_is_kept_where_numba_is_told_to_keep_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    assert compiled.folder() == tmp_path
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", "")
+    assert compiled.PACKAGE not in compiled.folder().parents

@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.arm.lattice import Lattice, hand_space
+from gcm_learn.handspace.lattice import Lattice, hand_space
+from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
-from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import Bodies
 from gcm_learn.wave import Front, LayeredFront, Task, WaveParams, front_speed, kappa_of
 from gcm_learn.wave.kernels import FREE
 

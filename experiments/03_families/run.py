@@ -17,10 +17,10 @@ sys.path[:0] = [str(HERE.parents[1])]
 
 from gcm_learn import seeding  # noqa: E402
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
+from gcm_learn.motion.verification import start_clearance  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
-from gcm_learn.planners.verification import start_clearance  # noqa: E402
+from gcm_learn.scene.packing import pack  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
-from gcm_learn.situation.bodies import pack  # noqa: E402
 
 SEED = 20
 PLANNERS = {"straight": "L", "marching": "W", "layered": "Q"}

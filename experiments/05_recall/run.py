@@ -26,8 +26,8 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 from report import write_figure, write_table  # noqa: E402
 
 from gcm_learn import dataset, get_planner, seeding  # noqa: E402
-from gcm_learn.encoder import Encoder, load_encoder  # noqa: E402
-from gcm_learn.memory import (  # noqa: E402  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
+    Encoder,
     HybridPlanner,
     Index,
     Memory,
@@ -36,13 +36,14 @@ from gcm_learn.memory import (  # noqa: E402  # noqa: E402
     RecallPlanner,
     SplinesPlanner,
     Trace,
+    load_encoder,
     trace_of,
     unverified,
 )
-from gcm_learn.memory.features import raw_features  # noqa: E402
-from gcm_learn.memory.index import Scale, nearest_rows  # noqa: E402
-from gcm_learn.memory.pca import PcaIndex  # noqa: E402
-from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
+from gcm_learn.recall.index import Scale, nearest_rows  # noqa: E402
+from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
+from gcm_learn.recall.pca import PcaIndex  # noqa: E402
+from gcm_learn.recall.raw_features import raw_features  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 
 STRATA = ("L", "W", "Q")

@@ -27,14 +27,13 @@ from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # n
 
 from gcm_learn import dataset, seeding  # noqa: E402
 from gcm_learn.dataset import Record  # noqa: E402
-from gcm_learn.encoder import Encoder, load_encoder  # noqa: E402
-from gcm_learn.memory import Memory, Trace, trace_of, transfer  # noqa: E402
-from gcm_learn.memory.features import raw_features  # noqa: E402
-from gcm_learn.memory.index import Scale  # noqa: E402
-from gcm_learn.memory.passing import passing  # noqa: E402
-from gcm_learn.memory.pca import COMPONENTS, map_picture  # noqa: E402
-from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
-from gcm_learn.memory.traces import ring_share  # noqa: E402
+from gcm_learn.recall import Encoder, Memory, Trace, load_encoder, trace_of, transfer  # noqa: E402  # noqa: E402
+from gcm_learn.recall.index import Scale  # noqa: E402
+from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
+from gcm_learn.recall.passing import passing  # noqa: E402
+from gcm_learn.recall.pca import COMPONENTS, map_picture  # noqa: E402
+from gcm_learn.recall.raw_features import raw_features  # noqa: E402
+from gcm_learn.recall.waypoints import ring_share  # noqa: E402
 
 K = 16  # clusters of k-means
 LEAST, FEW = 40, 8  # members of a cluster of HDBSCAN; principal components that it is asked in

@@ -26,10 +26,16 @@ sys.path[:0] = [str(HERE.parents[1])]
 
 from gcm_learn import dataset  # noqa: E402
 from gcm_learn.dataset.case import planner_of  # noqa: E402
-from gcm_learn.encoder import load_encoder  # noqa: E402
 from gcm_learn.evaluation.statistics import stratified  # noqa: E402
-from gcm_learn.memory import Coverage, Index, Memory, RawIndex, grow  # noqa: E402
-from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
+    Coverage,
+    Index,
+    Memory,
+    RawIndex,
+    grow,
+    load_encoder,
+)
+from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 
 MIXES = {"natural": ("L", "W", "Q", "U"), "W and Q": ("W", "Q")}

@@ -24,24 +24,25 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 from report import write_example, write_figure, write_table  # noqa: E402
 
 from gcm_learn import dataset, seeding  # noqa: E402
-from gcm_learn.arm.kinematics import SIDE, elbow_of  # noqa: E402
+from gcm_learn.collision.distance import arm_distance  # noqa: E402
 from gcm_learn.dataset import Record  # noqa: E402
 from gcm_learn.dataset.case import planner_of  # noqa: E402
-from gcm_learn.encoder import load_encoder  # noqa: E402
-from gcm_learn.memory import (  # noqa: E402
+from gcm_learn.plots.maps import birth  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
     Index,
     Memory,
     RandomIndex,
     RawIndex,
     RecallPlanner,
     Trace,
+    load_encoder,
     trace_of,
 )
-from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
-from gcm_learn.plots.maps import birth  # noqa: E402
+from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
+from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at  # noqa: E402
+from gcm_learn.scene.limb import SIDE, elbow_of  # noqa: E402
+from gcm_learn.scene.packing import pack  # noqa: E402
 from gcm_learn.situation import Body, PlanarQuadratic, Situation  # noqa: E402
-from gcm_learn.situation.bodies import pack  # noqa: E402
-from gcm_learn.situation.kernels import HAND, PART, TOP_SPEED, arm_distance, pose_at  # noqa: E402
 
 STRATA = ("L", "W", "Q")
 POSES = {"twins, one pose": 1, "twins, five poses": 5}

@@ -9,12 +9,12 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.memory import Trace
-from gcm_learn.memory.features import raw_features
-from gcm_learn.memory.index import nearest_rows
-from gcm_learn.memory.pca import COMPONENTS, RIDGE, PcaIndex, _inputs, map_picture
+from gcm_learn.recall import Trace
+from gcm_learn.recall.index import nearest_rows
+from gcm_learn.recall.pca import COMPONENTS, RIDGE, PcaIndex, _inputs, map_picture
+from gcm_learn.recall.raw_features import raw_features
+from gcm_learn.scene.bodies import Bodies
 from gcm_learn.situation import Situation
-from gcm_learn.situation.kernels import Bodies
 
 WIDTH, EPOCHS, BATCH, RATE = 256, 30, 64, 1e-3
 

@@ -27,18 +27,25 @@ from report import write_figure, write_table  # noqa: E402
 from teaching import Lessons, filed, trained  # noqa: E402
 
 from gcm_learn import dataset, seeding  # noqa: E402
-from gcm_learn.arm.clearance import clearance  # noqa: E402
-from gcm_learn.encoder import EncoderConfig, pictures  # noqa: E402
 from gcm_learn.families.random_planar import RandomPlanar  # noqa: E402
 from gcm_learn.maps import build_map  # noqa: E402
-from gcm_learn.memory import Memory, RandomIndex, RawIndex, RecallPlanner, Trace  # noqa: E402
-from gcm_learn.memory.features import COUNT, raw_features  # noqa: E402
-from gcm_learn.memory.index import Scale, nearest_rows  # noqa: E402
-from gcm_learn.memory.lessons import School  # noqa: E402
-from gcm_learn.memory.pca import PcaIndex  # noqa: E402
-from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
+from gcm_learn.motion.clearance import clearance  # noqa: E402
 from gcm_learn.planners import Plan  # noqa: E402
 from gcm_learn.planners.completion import Problem  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402  # noqa: E402
+    EncoderConfig,
+    Memory,
+    RandomIndex,
+    RawIndex,
+    RecallPlanner,
+    Trace,
+    pictures,
+)
+from gcm_learn.recall.index import Scale, nearest_rows  # noqa: E402
+from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
+from gcm_learn.recall.pca import PcaIndex  # noqa: E402
+from gcm_learn.recall.raw_features import COUNT, raw_features  # noqa: E402
+from gcm_learn.recall.transfer_labels import School  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 from gcm_learn.wave import MarchingParams  # noqa: E402
 

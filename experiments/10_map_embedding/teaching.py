@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from gcm_learn.encoder import Encoder, EncoderConfig, training
-from gcm_learn.encoder.lesson import Best, Lesson
-from gcm_learn.encoder.training import Effort, Trainer
-from gcm_learn.memory import Index, Memory
-from gcm_learn.memory.lessons import School
+from gcm_learn.recall import Encoder, EncoderConfig, Index, Memory, training
+from gcm_learn.recall.training import Effort, Trainer
+from gcm_learn.recall.training_data import Best, Lesson
+from gcm_learn.recall.transfer_labels import School
 
 # Of the weights over the steps: the package's average is for long runs, and would here still hold
 # much of the weights at random that training starts from.

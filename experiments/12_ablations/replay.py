@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.memory import Trace, path_of
+from gcm_learn.motion.interception import first_catch
 from gcm_learn.planners.completion import Problem, attempt_of, checked, timed
-from gcm_learn.planners.interception import first_catch
+from gcm_learn.recall import Trace, path_of
 
 RIM = 1e-3  # distance that hands keep from the rims of the ring [forearm lengths]
 

@@ -27,11 +27,18 @@ from replay import replayed  # noqa: E402
 from teaching import Lessons, filed, trained  # noqa: E402
 
 from gcm_learn import dataset  # noqa: E402
-from gcm_learn.encoder import EncoderConfig, load_encoder  # noqa: E402
-from gcm_learn.memory import Adaptation, Memory, RecallPlanner, Trace, unverified  # noqa: E402
-from gcm_learn.memory.lessons import School  # noqa: E402
-from gcm_learn.memory.recall import LearnedIndex  # noqa: E402
 from gcm_learn.planners.completion import Problem  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402  # noqa: E402
+    Adaptation,
+    EncoderConfig,
+    Memory,
+    RecallPlanner,
+    Trace,
+    load_encoder,
+    unverified,
+)
+from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
+from gcm_learn.recall.transfer_labels import School  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 from gcm_learn.situation.canonical import canonical  # noqa: E402
 

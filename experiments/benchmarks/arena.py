@@ -24,9 +24,9 @@ import numpy as np
 
 from gcm_learn import families, rng
 from gcm_learn.envs import CatchArms, Pool
-from gcm_learn.planners.verification import start_clearance
+from gcm_learn.motion.verification import start_clearance
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
 
 BODIES, SITUATIONS = 3, 256
 CORES = os.cpu_count() or 1

@@ -29,11 +29,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng  # noqa: E402
-from gcm_learn.arm.lattice import hand_space  # noqa: E402
-from gcm_learn.arm.occupancy import occupied_cells  # noqa: E402
 from gcm_learn.families import random_planar  # noqa: E402
+from gcm_learn.handspace.lattice import hand_space  # noqa: E402
+from gcm_learn.handspace.occupied import occupied_cells  # noqa: E402
+from gcm_learn.scene.packing import pack  # noqa: E402
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation  # noqa: E402
-from gcm_learn.situation.bodies import pack  # noqa: E402
 from gcm_learn.wave import (  # noqa: E402
     Task,
     front_speed,

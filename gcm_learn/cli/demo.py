@@ -42,10 +42,10 @@ class Demo:
         if not 0 <= self.memory <= 2000:
             raise CommandFailure(f"--memory {self.memory}: must be from 0 to 2000")
         folder = made_folder(self.out, option="--out")
-        from gcm_learn.memory.shipped import models_folder
         from gcm_learn.plots.ahead import compile_ahead
         from gcm_learn.plots.comparison_demo import RECALLING, build_comparison, shipped_entrants
         from gcm_learn.plots.demo import build_demo
+        from gcm_learn.recall.shipped import models_folder
 
         remembers = self.memory > 0 and (models_folder() / "recall").exists()
         wanted = {"memory": remembers, "comparison": self.compare > 0}

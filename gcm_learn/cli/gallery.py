@@ -11,7 +11,7 @@ from tyro.conf import Positional, arg
 from gcm_learn.cli.extras import dataset_package
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder
-from gcm_learn.memory.disk import is_memory
+from gcm_learn.recall.disk import is_memory
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class Gallery:
 
     def _show_memory(self) -> int:
         folder = made_folder(self.out, option="--out")
-        from gcm_learn.memory import Memory
         from gcm_learn.plots.memory_page import write_memory_page
+        from gcm_learn.recall import Memory
 
         page = write_memory_page(Memory.load(self.folder), folder, count=100 * self.each)
         print(f"Open {page.resolve().as_uri()} in a browser.")

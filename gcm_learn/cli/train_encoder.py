@@ -64,9 +64,9 @@ class TrainEncoder:
             if value is not None and value < 1:
                 raise CommandFailure(f"--{name} {value}: must be at least 1")
         records, trainers = dataset_package().open(self.dataset), _training()
-        from gcm_learn.encoder import EncoderConfig, load_encoder
-        from gcm_learn.memory.lessons import School
-        from gcm_learn.memory.model_card import write_model
+        from gcm_learn.recall import EncoderConfig, load_encoder
+        from gcm_learn.recall.model_card import write_model
+        from gcm_learn.recall.transfer_labels import School
 
         config = EncoderConfig(dim=self.dim, memory=self.memory, seed=self.seed)
         total = len(records.where(split="train"))
@@ -96,7 +96,7 @@ class TrainEncoder:
 def _training() -> ModuleType:
     """The module that needs torch."""
     try:
-        return importlib.import_module("gcm_learn.encoder.training")
+        return importlib.import_module("gcm_learn.recall.training")
     except ImportError as error:
         raise CommandFailure(
             f"train-encoder needs {error.name}: pip install 'gcm_learn[learn,data]'"

@@ -11,10 +11,10 @@ from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
 from gcm_learn.planners import FrontPlanner, Plan, Planner, gcm, get_planner, marching
 from gcm_learn.planners.completion import Problem, straight_plan
+from gcm_learn.planners.feedback import Exploration, Lessons
 from gcm_learn.planners.fronts import Explore, Params
 from gcm_learn.planners.layered import layered
-from gcm_learn.planners.lessons import Exploration, Lessons
-from gcm_learn.planners.oracle import Bounds, bounds, stratum
+from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams, march_layers
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gcm_learn.arm.kinematics import elbow_position
 from gcm_learn.dataset.reader import Dataset
 from gcm_learn.dataset.record import Record
 from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.planners import Plan
+from gcm_learn.scene.bodies import poses_at
+from gcm_learn.scene.limb import elbow_position
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import poses_at
 
 if TYPE_CHECKING:
     from minari import MinariDataset

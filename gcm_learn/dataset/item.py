@@ -11,10 +11,10 @@ from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of, split_of
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners import Plan
+from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import Frame, canonical
-from gcm_learn.situation.kernels import TOP_SPEED
 
 AUDIT = 1  # salt of the lot that decides which items the oracle labels as well
 LONGEST_ERROR = 300  # characters

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from gcm_learn.situation import Body, Disc, Pendulum, PlanarQuadratic, Polygon, Situation
-from gcm_learn.situation.bodies import rotation_of
+from gcm_learn.situation.frames import rotation_of
 from gcm_learn.situation.motion import SolidQuadratic
 from gcm_learn.situation.shapes import Box, Capsule, Cylinder, Sphere
 

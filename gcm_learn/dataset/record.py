@@ -12,11 +12,11 @@ from typing import Any, cast
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.arm.lattice import Lattice
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.dataset.schema import LABELS, UNREACHED, plan_column
+from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.maps.cognitive_map import Contact
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import Plan
 from gcm_learn.situation import Situation, situation_from_json
 from gcm_learn.situation.canonical import Frame

@@ -25,7 +25,19 @@ KEY = b"gcm-learn"
 ROW_GROUP = 100  # records that are read together
 MOST_ERRORS = 20  # that a summary quotes
 _WORDS = ("family", "stratum", "split", "structure", "oracle_stratum", "contact_body")
-_MADE_BY = (*compiled.FOLDERS, "families", "dataset")
+_MADE_BY = (
+    "situation",
+    "scene",
+    "collision",
+    "motion",
+    "handspace",
+    "wave",
+    "maps",
+    "planners",
+    "families",
+    "families",
+    "dataset",
+)
 
 
 class DamagedShardError(DatasetError):

@@ -12,11 +12,11 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from gcm_learn.arm.lattice import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.dataset import checks
 from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.errors import FamilyError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
+from gcm_learn.handspace.lattice import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.planners import planner_names
 from gcm_learn.situation import Situation
 

@@ -19,8 +19,8 @@ from gcm_learn.dataset.splits import lot_of
 from gcm_learn.dataset.warming import warm_up
 from gcm_learn.dataset.workers import LocalPool
 from gcm_learn.errors import DatasetError, GcmError
-from gcm_learn.planners.verification import verify
-from gcm_learn.situation.bodies import pack
+from gcm_learn.motion.verification import verify
+from gcm_learn.scene.packing import pack
 
 MOST_FAULTS = 20  # that a report quotes
 REMAKE = 2  # salt of the lot that decides which item of a shard is made again

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
-import tempfile
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from typing import IO
 
+from filelock import FileLock
 from llvmlite import binding
-from numba import config
 
-from gcm_learn.compiled import compiled_hash
+from gcm_learn import compiled
 from gcm_learn.dataset.case import Case
 from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.spec import DatasetSpec
@@ -28,11 +23,20 @@ def warm_up(spec: DatasetSpec) -> None:
     Where none of this machine's kind has compiled before, one process after another does so:
     numba's cache on disk is not made for many that compile at once.
     """
-    done = _folder() / f"warm-{compiled_hash()}-{binding.get_host_cpu_name()}"
+    folder = compiled.folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        turn = FileLock(folder / "warming.lock")
+        with turn:
+            pass
+    except OSError:  # nothing can be kept there, so nobody has to wait
+        _run(spec)
+        return
+    done = folder / f"warm-{compiled.source_hash(__name__)}-{binding.get_host_cpu_name()}"
     if done.exists():
         _run(spec)
         return
-    with _turn():
+    with turn:
         _run(spec)
         with contextlib.suppress(OSError):
             done.touch()
@@ -60,28 +64,3 @@ def _scenes() -> tuple[Situation, Situation]:
     lid = Body("obstacle", "lid", Disc(0.4), still)
     arm = Arm((1.3, 0.0), 3.0)
     return Situation("free", 1.0, arm, (ball,)), Situation("covered", 1.0, arm, (ball, lid))
-
-
-def _folder() -> Path:
-    """Where compiled code is kept, if that may be written to."""
-    folder = Path(config.CACHE_DIR or tempfile.gettempdir())
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return Path(tempfile.gettempdir())
-    return folder
-
-
-@contextlib.contextmanager
-def _turn() -> Iterator[None]:
-    """Wait until no other process is in here."""
-    with _lock() as stream:
-        fcntl.flock(stream, fcntl.LOCK_EX)
-        yield
-
-
-def _lock() -> IO[str]:
-    try:
-        return open(_folder() / "warming.lock", "a")
-    except OSError:
-        return open(Path(tempfile.gettempdir()) / "gcm-learn-warming.lock", "a")

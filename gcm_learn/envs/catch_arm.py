@@ -9,13 +9,13 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import Frame
 

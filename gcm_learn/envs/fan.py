@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.kinematics import elbow_of
+from gcm_learn.collision.distance import arm_distance, segment_point2
+from gcm_learn.compiled import njit
 from gcm_learn.envs.kernels import FAR, FLOOR, HORIZON, NEAR, RHO, SPEED
-from gcm_learn.situation.kernels import (
-    DISC,
-    HAND,
-    KIND,
-    PART,
-    REACH,
-    arm_distance,
-    pose_at,
-    segment_point2,
-)
+from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at
+from gcm_learn.scene.limb import elbow_of
 
 RAY = 2  # numbers of a ray
 RAYS = 25  # directions, the first to the meeting with the target, and last to rest
@@ -25,7 +17,7 @@ RAY_Y = np.append(np.sin(2.0 * np.pi * np.arange(RAYS - 1) / (RAYS - 1)), 0.0)
 REACHES = np.array([0.06, 0.12, 0.2, 0.3, 0.45, 0.65, 0.9])  # ways along a ray [forearm lengths]
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _exact_gap(bodies, b, row, table, hx, hy, ex, ey, poses):
     """Distance of the limb to body b, whose pose is a row of a table."""
     for q in range(12):
@@ -33,7 +25,7 @@ def _exact_gap(bodies, b, row, table, hx, hy, ex, ey, poses):
     return arm_distance(bodies, poses, b, hx, hy, ex, ey)
 
 
-@njit(cache=True)
+@njit
 def tell_fan(bodies, arms, s, e, t, x, y, c, sn, at, poses, out):
     """For every ray how far the hand can go before the limb touches, and how near it comes.
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.lattice import hand_space
+from gcm_learn.compiled import njit
+from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, march_layers
@@ -77,7 +77,7 @@ def time_to_go(cognitive_map: CognitiveMap, walls: np.ndarray, speed: float) -> 
     return np.where(cells < _FAR, cells * lattice.spacing / speed, _FAR)
 
 
-@njit(cache=True)
+@njit
 def sweep(cells, open_cells):
     """Fill in distances [cells] to those that are 0, by Godunov's scheme, until nothing changes."""
     n = cells.shape[0]

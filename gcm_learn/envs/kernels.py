@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.clearance import least_distance
-from gcm_learn.arm.kinematics import elbow_of
+from gcm_learn.collision.sweep import least_distance
+from gcm_learn.compiled import njit
 from gcm_learn.envs.nearness import MOMENT_COLUMNS, stays_away, stays_free
-from gcm_learn.planners.interception import first_catch
-from gcm_learn.planners.verification import PARTS, joint_turns, nearest_to_shoulder
-from gcm_learn.situation.kernels import COLUMNS, Bodies
+from gcm_learn.motion.interception import first_catch
+from gcm_learn.motion.verification import PARTS, joint_turns, nearest_to_shoulder
+from gcm_learn.scene.bodies import COLUMNS, Bodies
+from gcm_learn.scene.limb import elbow_of
 
 HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # what an action is
 RUNNING, CAUGHT, TOUCHED, LATE = range(4)  # how an episode stands
@@ -68,7 +68,7 @@ class Desk(NamedTuple):
     gaps: np.ndarray  # (n, 3): see `observation`
 
 
-@njit(cache=True)
+@njit
 def desk_for(world, state, first, last):
     """Room for arms first to last - 1."""
     most = 1
@@ -79,14 +79,14 @@ def desk_for(world, state, first, last):
     return Desk(np.empty(2), np.empty((2, 2)), np.zeros((most, 12)), moments, np.empty((most, 3)))
 
 
-@njit(cache=True)
+@njit
 def bodies_of(world, s):
     """The bodies of situation s, as all kernels of situations want them."""
     rows = world.rows[world.first[s] : world.first[s + 1]]
     return Bodies(rows, world.vertices, world.angles, world.arms[s, ANGLE_STEP])
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _wish(arms, s, x, y, span, first, second, control, joint_rate):
     """Where the hand would be after `span` seconds, whatever the limits."""
     if control == HAND_VELOCITY:
@@ -107,7 +107,7 @@ def _wish(arms, s, x, y, span, first, second, control, joint_rate):
     return rho * np.cos(shoulder) + np.cos(both), rho * np.sin(shoulder) + np.sin(both)
 
 
-@njit(cache=True)
+@njit
 def _too_fast(arms, s, span, way):
     """How many times too fast a joint would have to be; at most 1 is allowed."""
     if arms[s, TURN_1] <= 0.0:
@@ -117,7 +117,7 @@ def _too_fast(arms, s, span, way):
     return max(first, turns[0, 1] * _JOINT_SLACK / (arms[s, TURN_2] * span))
 
 
-@njit(cache=True)
+@njit
 def reach_out(arms, s, x, y, span, first, second, control, joint_rate, way):
     """Write into `way` (2, 2) how far the hand gets from (x, y) within the limits.
 
@@ -145,7 +145,7 @@ def reach_out(arms, s, x, y, span, first, second, control, joint_rate, way):
     way[1, 0], way[1, 1] = x, y
 
 
-@njit(cache=True)
+@njit
 def advance(world, state, e, first, second, control, joint_rate, dt, desk):
     """Move arm e on by a step and judge it.
 
@@ -187,7 +187,7 @@ def advance(world, state, e, first, second, control, joint_rate, dt, desk):
     return outcome
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _shorten(time, way, end):
     """End a segment earlier."""
     share = (end - time[0]) / (time[1] - time[0]) if time[1] > time[0] else 0.0
@@ -196,7 +196,7 @@ def _shorten(time, way, end):
     time[1] = end
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def time_to_go(world, s, x, y):
     """Time to go as a share of the horizon, from the situation's field; 1 where it is not known."""
     n = world.fields.shape[1]
@@ -211,7 +211,7 @@ def time_to_go(world, s, x, y):
     return (1.0 - fy) * low + fy * high
 
 
-@njit(cache=True)
+@njit
 def step(world, state, e, actions, control, joint_rate, dt, weights, discount, outcomes, rewards,
          desk):  # fmt: skip
     """One step of arm e.

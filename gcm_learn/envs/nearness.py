@@ -8,11 +8,11 @@ which costs several times what it computes here.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.clearance import limb_sweep
-from gcm_learn.arm.kinematics import elbow_of
-from gcm_learn.situation.kernels import (
+from gcm_learn.collision.distance import arm_distance, segment_point2
+from gcm_learn.collision.sweep import limb_sweep
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import (
     DISC,
     HAND,
     KIND,
@@ -20,12 +20,11 @@ from gcm_learn.situation.kernels import (
     REACH,
     SWING,
     TOP_SPEED,
-    arm_distance,
     glide,
     pose_at,
-    segment_point2,
     swing,
 )
+from gcm_learn.scene.limb import elbow_of
 
 # Columns of a table of moments: the limb then, and a body.
 TIME, HAND_X, HAND_Y, ELBOW_X, ELBOW_Y, X, Y, Z, ROOM = range(9)
@@ -34,7 +33,7 @@ _CLOSE = 0.15  # nearer than this, bodies count instead of the balls that hold t
 _SLACK = 1e-9  # against rounding where a bound is as good as an answer [forearm lengths]
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def _rooms(bodies, b, count, moments):
     """Write the room between limb and ball at the first `count` moments, centres being there."""
     reach = bodies.rows[b, REACH]
@@ -45,7 +44,7 @@ def _rooms(bodies, b, count, moments):
         moments[k, ROOM] = np.sqrt(d2 + moments[k, Z] * moments[k, Z]) - reach
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def follow(bodies, b, count, moments):
     """Write where body b is at the first `count` moments, and the room between limb and ball.
 
@@ -69,7 +68,7 @@ def follow(bodies, b, count, moments):
     return enough
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def exactly(bodies, b, count, moments, poses, least_only):
     """`follow`, with distances to bodies themselves where those are near.
 
@@ -93,7 +92,7 @@ def exactly(bodies, b, count, moments, poses, least_only):
         least = min(least, max(moments[k, ROOM], 0.0))
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _exact(bodies, b, k, moments, poses):
     """Distance of the limb to body b itself at moment k."""
     pose_at(bodies, b, moments[k, TIME], poses)
@@ -101,14 +100,14 @@ def _exact(bodies, b, k, moments, poses):
     return arm_distance(bodies, poses, b, hx, hy, moments[k, ELBOW_X], moments[k, ELBOW_Y])
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def place_limb(moments, k, t, x, y, rho):
     """Write a moment: time, hand and elbow."""
     moments[k, TIME], moments[k, HAND_X], moments[k, HAND_Y] = t, x, y
     moments[k, ELBOW_X], moments[k, ELBOW_Y] = elbow_of(x, y, rho, 1.0)
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def stays_free(bodies, time, way, rho, floor, moments, poses):
     """Tell whether no obstacle can come as near as `floor` to the limb on a straight way.
 
@@ -132,7 +131,7 @@ def stays_free(bodies, time, way, rho, floor, moments, poses):
     return not close or _stays_free_exactly(bodies, span, sweep, floor, moments, poses)
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _stays_free_exactly(bodies, span, sweep, floor, moments, poses):
     """`stays_free`, asking the bodies themselves where their balls are near."""
     for b in range(bodies.rows.shape[0]):
@@ -145,7 +144,7 @@ def _stays_free_exactly(bodies, span, sweep, floor, moments, poses):
     return True
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def stays_away(bodies, time, way, reach):
     """Tell whether no target can come within `reach` of the hand on a straight way.
 

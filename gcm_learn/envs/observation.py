@@ -9,9 +9,8 @@ same. Everything follows from the situation at t = 0 and the laws of motion.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.kinematics import elbow_of
+from gcm_learn.compiled import njit
 from gcm_learn.envs.fan import tell_fan
 from gcm_learn.envs.kernels import (
     FAR,
@@ -44,7 +43,7 @@ from gcm_learn.envs.nearness import (
     follow,
     place_limb,
 )
-from gcm_learn.situation.kernels import (
+from gcm_learn.scene.bodies import (
     ACCELERATION,
     DISC,
     HAND,
@@ -59,6 +58,7 @@ from gcm_learn.situation.kernels import (
     pose_at,
     swing,
 )
+from gcm_learn.scene.limb import elbow_of
 
 ARM, TARGET, OBSTACLE = 10, 17, 20  # numbers of the arm, the target, an obstacle
 LEAST, LATE, NOW = range(3)  # of an obstacle on the straight way: least distance, when, at first
@@ -68,7 +68,7 @@ _FARTHEST = 2.0  # distances are told up to this
 _EXTREME = 10.0  # no number is larger
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def _missing(px, py, pz, radius, wait, x, y, speed, grasp, near, far):
     """What is missing for a hand at (x, y) to be at a target at p after `wait` seconds.
 
@@ -84,7 +84,7 @@ def _missing(px, py, pz, radius, wait, x, y, speed, grasp, near, far):
     return max(away, r - far - reach, near - reach - r)
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def _meeting_by(centre, bodies, b, since, x, y, arms, s, poses):
     """`meeting` of a body whose centre is found by a function: `glide` or `swing`."""
     end, speed, grasp = arms[s, HORIZON], arms[s, SPEED], arms[s, GRASP]
@@ -113,7 +113,7 @@ def _meeting_by(centre, bodies, b, since, x, y, arms, s, poses):
     return end, False, px, py
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def meeting(bodies, b, since, x, y, arms, s, poses):
     """About when and where a straight way from (x, y) first meets target b.
 
@@ -132,19 +132,19 @@ def meeting(bodies, b, since, x, y, arms, s, poses):
     return _meeting_by(glide, bodies, b, since, x, y, arms, s, poses)
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def _put(out, e, k, value):
     out[e, k] = min(max(value, -_EXTREME), _EXTREME)
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def _put_turned(out, e, k, c, s, x, y):
     """Write the vector (x, y), turned into the frame of the moment."""
     _put(out, e, k, c * x + s * y)
     _put(out, e, k + 1, c * y - s * x)
 
 
-@njit(cache=True)
+@njit
 def observe(world, state, e, slots, fan, dt, out, desk):
     """Write what arm e is told into row e of `out`."""
     s, arms = state.place[e], world.arms
@@ -186,7 +186,7 @@ def observe(world, state, e, slots, fan, dt, out, desk):
         tell_fan(bodies, arms, s, e, t, x, y, dx, dy, at, poses, out)
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _tell_arm(arms, s, e, x, y, t, c, sn, dt, out):
     rho, speed = arms[s, RHO], arms[s, SPEED]
     ex, ey = elbow_of(x, y, rho, 1.0)
@@ -202,7 +202,7 @@ def _tell_arm(arms, s, e, x, y, t, c, sn, dt, out):
         out[e, 8 + k] = 1.0 / (1.0 + limit / speed) if limit > 0.0 else 0.0
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _swing_motion(bodies, b, t, poses):
     """Velocity (3) and acceleration (2) of a body that swings, by differences."""
     h = 1e-3
@@ -214,7 +214,7 @@ def _swing_motion(bodies, b, t, poses):
     return (x1 - x0) / h, (y1 - y0) / h, (z1 - z0) / h, ax, ay
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def _motion(bodies, b, t, speed, c, sn, poses, out, e, at):
     """Write velocity (3) and acceleration (2) of body b."""
     body = bodies.rows
@@ -230,7 +230,7 @@ def _motion(bodies, b, t, speed, c, sn, poses, out, e, at):
     _put_turned(out, e, at + 3, c, sn, ax / speed**2, ay / speed**2)
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _tell_target(bodies, b, arms, s, e, t, x, y, c, sn, when, found, gx, gy, poses, out):
     at, speed = ARM, arms[s, SPEED]
     if bodies.rows[b, SWING] >= 0.0:
@@ -252,7 +252,7 @@ def _tell_target(bodies, b, arms, s, e, t, x, y, c, sn, when, found, gx, gy, pos
     _put(out, e, at + 16, np.sqrt(gx * gx + gy * gy))
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _look_ahead(bodies, arms, s, t, x, y, when, gx, gy, moments, gaps, poses):
     """How near each obstacle comes to the limb on the straight way to the meeting, and when.
 
@@ -285,7 +285,7 @@ def _look_ahead(bodies, arms, s, t, x, y, when, gx, gy, moments, gaps, poses):
             _note(b, moments, gaps)
 
 
-@njit(cache=True, _nrt=False, forceinline=True)
+@njit(_nrt=False, forceinline=True)
 def _note(b, moments, gaps):
     """Write the least room of all moments, when it is, and that of the first."""
     least, late = 1e300, 0
@@ -297,7 +297,7 @@ def _note(b, moments, gaps):
     gaps[b, NOW] = max(moments[0, ROOM], 0.0)
 
 
-@njit(cache=True, _nrt=False)
+@njit(_nrt=False)
 def _tell_obstacle(bodies, b, arms, s, e, at, t, x, y, c, sn, moments, gaps, poses, out):
     speed, floor, gap = arms[s, SPEED], arms[s, FLOOR], gaps[b, LEAST]
     if bodies.rows[b, KIND] == DISC and bodies.rows[b, SWING] < 0.0:
@@ -329,7 +329,7 @@ def _tell_obstacle(bodies, b, arms, s, e, at, t, x, y, c, sn, moments, gaps, pos
     out[e, at + 19] = np.sqrt(moments[1, X] ** 2 + moments[1, Y] ** 2)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def observe_all(world, state, chosen, slots, fan, dt, out):
     """Write what the arms `chosen` (k,) are told into their rows of `out`.
 
@@ -341,7 +341,7 @@ def observe_all(world, state, chosen, slots, fan, dt, out):
         observe(worlds, states, chosen[k], slots, fan, dt, out, desk)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def play(
     world, state, actions, control, joint_rate, dt, weights, discount, slots, fan, outcomes,
     rewards, out, first, last,

@@ -10,13 +10,13 @@ import numpy as np
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import ArenaError
-from gcm_learn.memory.features import own_axis
+from gcm_learn.motion.verification import HOLE_MARGIN, safety_of, start_clearance
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.verification import HOLE_MARGIN, safety_of, start_clearance
+from gcm_learn.recall.raw_features import own_axis
+from gcm_learn.scene.bodies import FIRST, LAST, SWING, Bodies
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.canonical import Frame, canonical
-from gcm_learn.situation.kernels import FIRST, LAST, SWING, Bodies
 
 HUB = 0.015  # distance that hands keep from the shoulder, where joints jump [forearm lengths]
 

@@ -10,9 +10,9 @@ from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import ArenaError
 from gcm_learn.families import Family, draw, get_family
 from gcm_learn.families.registry import family_names
-from gcm_learn.planners.verification import start_clearance
+from gcm_learn.motion.verification import start_clearance
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation, read_situations
-from gcm_learn.situation.bodies import pack
 
 Source = str | Path | Family | Situation | Sequence[Situation]
 SALT = 77  # of the draws for pools, so that item k of a family is not in all of them

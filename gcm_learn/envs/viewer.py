@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arm.kinematics import elbow_position
+from gcm_learn.scene.limb import elbow_position
+from gcm_learn.scene.outlines import outline
 from gcm_learn.situation import Situation
-from gcm_learn.situation.outlines import outline
 
 SIZE_INCHES, DPI = 4.8, 100
 ARM, TARGET, OBSTACLE, WAY = "#2d3748", "#2f855a", "#c05621", "#3182ce"

@@ -24,7 +24,7 @@ from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams
 
 if TYPE_CHECKING:
-    from gcm_learn.encoder.towers import Encoder
+    from gcm_learn.recall.towers import Encoder
 
 CELLS = 80  # along a side of a map
 OBSTACLE, UNREACHED, LAST, FIRST = 0, 32, 64, 255  # brightness of cells
@@ -33,8 +33,8 @@ OBSTACLE, UNREACHED, LAST, FIRST = 0, 32, 64, 255  # brightness of cells
 @cache
 def encoder() -> Encoder:
     """The one in the folder of models."""
-    from gcm_learn.encoder.files import load_encoder
-    from gcm_learn.memory.shipped import models_folder
+    from gcm_learn.recall.encoder_files import load_encoder
+    from gcm_learn.recall.shipped import models_folder
 
     return load_encoder(models_folder() / "encoder")
 

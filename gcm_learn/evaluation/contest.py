@@ -9,18 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arm.clearance import RESOLUTION, least_distance
-from gcm_learn.arm.kinematics import SIDE, elbow_of
-from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.collision.distance import segment_distance
+from gcm_learn.collision.sweep import least_distance
 from gcm_learn.evaluation.crew import rows_of
 from gcm_learn.evaluation.entrants import Entrant, Result, entrant
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
-from gcm_learn.planners.verification import PARTS, joint_turns
+from gcm_learn.motion.clearance import RESOLUTION
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.verification import PARTS, joint_turns
+from gcm_learn.scene.bodies import LIMB, PART, Bodies, pose_at
+from gcm_learn.scene.limb import SIDE, elbow_of
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import LIMB, PART, Bodies, pose_at, segment_distance
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
 NO_OBSTACLE = 1e200  # a distance beyond this one says that there is none [forearm lengths]

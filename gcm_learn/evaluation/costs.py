@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from gcm_learn.evaluation.entrants import PlannerEntrant, entrant
-from gcm_learn.memory import Memory
-from gcm_learn.memory.disk import MANIFEST
-from gcm_learn.memory.shipped import models_folder
 from gcm_learn.policies.actor import FILE
 from gcm_learn.policies.planner import actor_names, shipped_actor
+from gcm_learn.recall import Memory
+from gcm_learn.recall.disk import MANIFEST
+from gcm_learn.recall.shipped import models_folder
 
 CONFIG, LOG, METRICS = "config.json", "log.jsonl", "metrics.json"
 

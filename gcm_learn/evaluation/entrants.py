@@ -8,10 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import Planner, get_planner, planner_names
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.planner import ActorPlanner, actor_names, shipped_actor

@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import OUTCOMES, Settings
 from gcm_learn.evaluation.suites import Entry
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import Planner
 from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.policies.demonstrations import into_frame
+from gcm_learn.scene.later import later
 from gcm_learn.situation import Situation
-from gcm_learn.situation.later import later
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 
 LOOK = 0.05  # between two looks [s]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arm.clearance import least_distance
-from gcm_learn.arm.kinematics import SIDE
+from gcm_learn.collision.sweep import least_distance
 from gcm_learn.evaluation.entrants import Entrant
+from gcm_learn.motion.interception import first_catch
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.interception import first_catch
+from gcm_learn.scene.later import later
+from gcm_learn.scene.limb import SIDE
 from gcm_learn.situation import Situation
-from gcm_learn.situation.later import later
 
 _ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
 

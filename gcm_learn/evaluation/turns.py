@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from gcm_learn import families
+from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.fronts import marching
-from gcm_learn.planners.oracle import bounds, stratum
-from gcm_learn.planners.straight import StraightPlanner
+from gcm_learn.planners.oracle.bounds import bounds, stratum
 from gcm_learn.situation import situation_to_json
 from gcm_learn.situation.canonical import canonical
 

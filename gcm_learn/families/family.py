@@ -22,9 +22,9 @@ from gcm_learn.families.ranges import (
     pick_angle,
     span,
 )
-from gcm_learn.planners.verification import start_clearance
+from gcm_learn.motion.verification import start_clearance
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Arm, Pendulum, Situation
-from gcm_learn.situation.bodies import pack
 
 ATTEMPTS = 50  # draws until the limb starts free; after that many the last one is given
 TINY = 1e-3  # what must be positive is at least this

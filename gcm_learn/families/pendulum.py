@@ -22,8 +22,8 @@ from gcm_learn.families.ranges import (
     pick_sign,
     span,
 )
+from gcm_learn.scene.packing import integrate_swing
 from gcm_learn.situation import Arm, Body, Capsule, Pendulum, Situation, Sphere
-from gcm_learn.situation.bodies import integrate_swing
 
 _STEPS = 100  # of the integration back to t = 0; the error of a swing is far below 1e-6 rad
 

@@ -23,7 +23,7 @@ from gcm_learn.situation import (
     SolidShape,
     Sphere,
 )
-from gcm_learn.situation.bodies import rotation_of
+from gcm_learn.situation.frames import rotation_of
 
 Vector3 = tuple[float, float, float]
 

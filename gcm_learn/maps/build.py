@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arm.lattice import Lattice
+from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps.cognitive_map import CognitiveMap, Contact
+from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import Bodies
 from gcm_learn.wave import (
     LayeredFront,
     MarchingParams,

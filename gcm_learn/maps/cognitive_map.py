@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gcm_learn.arm.lattice import Lattice
 from gcm_learn.errors import FileFormatError
+from gcm_learn.handspace.lattice import Lattice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from gcm_learn.compiled import njit
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
 STRIDE = 0.35  # length of a step [cells]
 NEAR = 1.5  # from here the path runs straight to the hand [cells]
 
 
-@njit(cache=True)
+@njit
 def _slope(before, here, after):
     """Derivative of arrival along an axis at a reached cell, from reached neighbours only.
 
@@ -27,7 +27,7 @@ def _slope(before, here, after):
     return 0.0
 
 
-@njit(cache=True)
+@njit
 def gradient(arrival, x, y):
     """Arrival and its gradient at a point, in cells: (value or -1, d/dx, d/dy).
 
@@ -56,7 +56,7 @@ def gradient(arrival, x, y):
     return value / total, gx / total, gy / total
 
 
-@njit(cache=True)
+@njit
 def _lowest_neighbour(arrival, x, y):
     """Reached cell with the earliest arrival among the nine around a point: (value, x, y)."""
     n = arrival.shape[0]
@@ -69,7 +69,7 @@ def _lowest_neighbour(arrival, x, y):
     return best, bx, by
 
 
-@njit(cache=True)
+@njit
 def descend_kernel(arrival, x, y, hand_x, hand_y, points):
     """Follow the gradient from (x, y) to the hand; all positions in cells.
 

@@ -8,21 +8,21 @@ from functools import cached_property
 
 import numpy as np
 
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.planners.interception import first_catch, first_interception, may_be_reached
-from gcm_learn.planners.plan import Plan, Status
-from gcm_learn.planners.timing import keep_limits, refine, segment_times, straight_way
-from gcm_learn.planners.verification import (
+from gcm_learn.motion.interception import first_catch, first_interception, may_be_reached
+from gcm_learn.motion.timing import keep_limits, refine, segment_times, straight_way
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.verification import (
     CATCH_SAFETY,
     HOLE_MARGIN,
     Verdict,
     start_clearance,
     verify,
 )
+from gcm_learn.planners.plan import Plan, Status
+from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, Bodies
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import HAND, PART, TOP_SPEED, Bodies
 from gcm_learn.situation.situation import Arm
 
 _INSTANT = 5e-4  # resolution of interceptions: the way of hand and target in it [forearm lengths]

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeAlias, TypeVar
 
-from gcm_learn.arm.lattice import LARGEST_LATTICE
+from gcm_learn.handspace.lattice import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
+from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt, Problem, finish, judged, straight_plan
-from gcm_learn.planners.lessons import Exploration, Lessons
+from gcm_learn.planners.feedback import Exploration, Lessons
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.verification import Verdict
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 

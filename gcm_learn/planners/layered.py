@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from gcm_learn.maps import layered_map, task_of
+from gcm_learn.motion.timing import segment_times, straight_way
 from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
+from gcm_learn.planners.feedback import Exploration, Lessons
 from gcm_learn.planners.fronts import FrontPlanner, Rung, finer, first_arrival, without_margin
-from gcm_learn.planners.lessons import Exploration, Lessons
-from gcm_learn.planners.timing import segment_times, straight_way
 from gcm_learn.situation.situation import Arm
 from gcm_learn.wave import LayeredFront, MarchingParams, Task, march_layers
 

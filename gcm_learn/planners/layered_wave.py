@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.kinematics import SIDE, joints_of
+from gcm_learn.compiled import njit
 from gcm_learn.maps import task_of
 from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.feedback import Exploration, Lessons
 from gcm_learn.planners.fronts import FrontPlanner, wave_rungs
 from gcm_learn.planners.layered import explored
-from gcm_learn.planners.lessons import Exploration, Lessons
+from gcm_learn.scene.limb import SIDE, joints_of
 from gcm_learn.wave import LayeredFront, Task, WaveParams, propagate_layers
 
 EARLY = 0.75  # a cell may be passed so long before the front is at its centre [crossings]
@@ -59,7 +59,7 @@ def straightened(front: LayeredFront, task: Task) -> LayeredFront:
     return replace(front, via=via)
 
 
-@njit(cache=True)
+@njit
 def _safe_at(i, j, t, early, arrival, end, last, before):
     """Tell whether a cell is in one of its safe intervals, and reached, at time t [s]."""
     s = last[i, j]
@@ -70,7 +70,7 @@ def _safe_at(i, j, t, early, arrival, end, last, before):
     return False
 
 
-@njit(cache=True)
+@njit
 def _under_way(way, limits, rho, side):
     """Least times (m,) at the points of a way (m, 2), from its start [s]."""
     time = np.zeros(way.shape[0])
@@ -85,7 +85,7 @@ def _under_way(way, limits, rho, side):
     return np.cumsum(time)
 
 
-@njit(cache=True)
+@njit
 def _is_straight(a, b, cells, arrival, end, last, before, hand, limits, centres, rho, side):
     """Tell whether the hand can go straight from state a (-1: from where it starts) to state b.
 
@@ -114,7 +114,7 @@ def _is_straight(a, b, cells, arrival, end, last, before, hand, limits, centres,
     return True
 
 
-@njit(cache=True)
+@njit
 def _straighten(via, cells, arrival, end, met, hand, limits, centres, rho, side):
     """Change `via` so that the way to state `met` has few bends.
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.maps import CognitiveMap
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.situation import Situation
 
 FORMAT = "gcm-learn/solution@1"

@@ -6,15 +6,15 @@ import importlib
 from collections.abc import Callable
 
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.planners.baselines.potential import PotentialPlanner
+from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
+from gcm_learn.planners.baselines.straight import StraightPlanner
+from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
-from gcm_learn.planners.oracle import OraclePlanner
+from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import Plan, Planner
-from gcm_learn.planners.potential import PotentialPlanner
-from gcm_learn.planners.st_rrt_star import STRRTStarPlanner
-from gcm_learn.planners.straight import StraightPlanner
-from gcm_learn.planners.straight_wait import StraightWaitPlanner
 from gcm_learn.situation import Situation
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
@@ -34,7 +34,7 @@ _PLANNERS: dict[str, Callable[[], Planner]] = {
 # them is asked for; its name is all that is known of it here.
 _ABOVE = dict.fromkeys(
     ("hybrid", "recall", "recall-1", "recall-pca", "recall-random", "recall-raw", "splines-random"),
-    "gcm_learn.memory.planners",
+    "gcm_learn.recall.planners",
 )
 
 

@@ -27,11 +27,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.motion.interception import first_catch, first_interception
+from gcm_learn.motion.timing import keep_limits, refine, straight_way
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of, checked
-from gcm_learn.planners.interception import first_catch, first_interception
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.timing import keep_limits, refine, straight_way
 from gcm_learn.situation import Situation
 from gcm_learn.situation.checks import positive
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from gcm_learn.evaluation import compare, draw_suite
 from gcm_learn.evaluation.suites import suites_folder
-from gcm_learn.memory.disk import MANIFEST
-from gcm_learn.memory.shipped import models_folder
 from gcm_learn.plots.comparison import write_report
 from gcm_learn.policies.planner import actor_names
+from gcm_learn.recall.disk import MANIFEST
+from gcm_learn.recall.shipped import models_folder
 
 PLANNERS = ("straight", "gcm", "marching", "layered")
 RECALLING = ("recall", "hybrid")

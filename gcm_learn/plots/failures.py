@@ -13,15 +13,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gcm_learn.arm.kinematics import elbow_position
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.evaluation.contest import touched_point
 from gcm_learn.evaluation.entrants import entrant
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.plots import style
 from gcm_learn.plots.animation import palette_of
 from gcm_learn.plots.workspace import draw_arm, draw_bodies, draw_courses
+from gcm_learn.scene.limb import elbow_position
 
 MOST = 8  # failures that are drawn
 FILMS = 3  # of them as films

@@ -13,8 +13,8 @@ from gcm_learn.families import draw, family_names
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots import style
 from gcm_learn.plots.workspace import draw_arm, draw_bodies, draw_courses
+from gcm_learn.scene.outlines import outline
 from gcm_learn.situation import Situation
-from gcm_learn.situation.outlines import outline
 
 MOST = 200  # draws that are looked through for one worth showing
 GHOSTS = 4  # instants at which the bodies are drawn, the last one being the catch

@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gcm_learn.arm.extended import extended_obstacle
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.families.paper import CAPTION_INSTANTS, KAPPA, PAPER_SCENES
+from gcm_learn.handspace.extended import extended_obstacle
 from gcm_learn.maps import build_map
 from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
@@ -28,8 +28,8 @@ from gcm_learn.plots.workspace import (
     draw_targets,
     draw_workspace,
 )
+from gcm_learn.scene.packing import pose
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pose
 from gcm_learn.wave import WaveParams
 
 PANEL = 3.1  # [inches]

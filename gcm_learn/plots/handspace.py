@@ -10,8 +10,8 @@ from matplotlib.colors import to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.patches import Circle
 
-from gcm_learn.arm.lattice import Lattice
-from gcm_learn.arm.occupancy import occupied_cells
+from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.handspace.occupied import occupied_cells
 from gcm_learn.plots import style
 from gcm_learn.plots.workspace import draw_body
 from gcm_learn.situation import Arm, Situation

@@ -22,18 +22,18 @@ from gcm_learn import seeding
 from gcm_learn.evaluation import draw_suite
 from gcm_learn.evaluation.suites import suites_folder
 from gcm_learn.maps import CognitiveMap, build_map
-from gcm_learn.memory import Memory, RecallPlanner, Trace, path_of
-from gcm_learn.memory.disk import MANIFEST
-from gcm_learn.memory.passing import passing_of
-from gcm_learn.memory.shipped import models_folder, shipped_memory
 from gcm_learn.plots import style
 from gcm_learn.plots.maps import walls
 from gcm_learn.plots.memory_script import PAGE
+from gcm_learn.recall import Memory, RecallPlanner, Trace, path_of
+from gcm_learn.recall.disk import MANIFEST
+from gcm_learn.recall.passing import passing_of
+from gcm_learn.recall.shipped import models_folder, shipped_memory
+from gcm_learn.scene.bodies import poses_at
+from gcm_learn.scene.outlines import outline
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import PLANAR, Disc, Situation
-from gcm_learn.situation.bodies import pack
 from gcm_learn.situation.canonical import canonical
-from gcm_learn.situation.kernels import poses_at
-from gcm_learn.situation.outlines import outline
 from gcm_learn.wave import MarchingParams
 
 SHOWN = 600  # memories on a page

@@ -13,7 +13,7 @@ from gcm_learn.plots.workspace import draw_arm, draw_bodies
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
-    from gcm_learn.arm.trajectory import Trajectory
+    from gcm_learn.motion.trajectory import Trajectory
 
 PALEST = 0.25  # share of colour of the earliest pose
 

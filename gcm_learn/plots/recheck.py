@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcm_learn.arm.clearance import clearance
-from gcm_learn.arm.kinematics import elbow_position
-from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.collision.distance import arm_distance
+from gcm_learn.motion.clearance import clearance
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.scene.bodies import poses_at
+from gcm_learn.scene.limb import elbow_position
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
-from gcm_learn.situation.bodies import pack
-from gcm_learn.situation.kernels import arm_distance, poses_at
 
 if TYPE_CHECKING:
     from gcm_learn.planners.plan import Plan

@@ -15,12 +15,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
-from gcm_learn.arm.kinematics import elbow_position
 from gcm_learn.plots import style
 from gcm_learn.plots.solids import faces
 from gcm_learn.plots.workspace import body_colour
+from gcm_learn.scene.limb import elbow_position
+from gcm_learn.scene.packing import pose
 from gcm_learn.situation import PLANAR, Cylinder, Plane, Situation, Sphere
-from gcm_learn.situation.bodies import pose
 
 LIGHT = np.array([0.35, 0.4, 0.85])  # to the light, in the camera's frame: right, up, nearer
 HEADROOM = 3.6  # [forearms] what figures show above the shoulder; a long cord goes on

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from gcm_learn.plots import style
 
 if TYPE_CHECKING:
-    from gcm_learn.arm.trajectory import Trajectory, Wait
+    from gcm_learn.motion.trajectory import Trajectory, Wait
 
 SHORTEST = 0.02  # share of the movement: shorter rests are not to be seen
 NEAR = 0.15  # [forearms] rests so close together share a mark

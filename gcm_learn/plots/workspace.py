@@ -7,11 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon as Patch
 
-from gcm_learn.arm.kinematics import elbow_position
 from gcm_learn.plots import style
+from gcm_learn.scene.limb import elbow_position
+from gcm_learn.scene.outlines import outline
+from gcm_learn.scene.packing import pose
 from gcm_learn.situation import Arm, Body, Situation
-from gcm_learn.situation.bodies import pose
-from gcm_learn.situation.outlines import outline
 
 
 def draw_workspace(

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import Settings
+from gcm_learn.motion.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.pool import Pool
-from gcm_learn.memory.shipped import models_folder
+from gcm_learn.motion.timing import refine
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.timing import refine
 from gcm_learn.policies.actor import FILE, Actor
 from gcm_learn.policies.rollout import play
+from gcm_learn.recall.shipped import models_folder
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import canonical
 from gcm_learn.situation.json_format import situation_to_json

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.sources import SALT
 from gcm_learn.errors import PolicyError
 from gcm_learn.families import draw, family_names
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.plan import Plan
 from gcm_learn.policies.plan import Share

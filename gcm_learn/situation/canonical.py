@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.situation.bodies import plane_frame, rotation_of
+from gcm_learn.situation.frames import plane_frame, rotation_of
 from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import Polygon, Shape
 from gcm_learn.situation.situation import Body, Plane, Situation

@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from numba import njit
 
+from gcm_learn.compiled import njit
 from gcm_learn.errors import SituationError
 
 Point = tuple[float, float]
@@ -17,7 +17,7 @@ _ROUNDING = 3.3306690738754716e-16
 _UNDERFLOW = 1e-290
 
 
-@njit(cache=True)
+@njit
 def _sure_orientation(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> int:
     """Return `orientation` where rounding leaves no doubt, else 0."""
     left = (ax - cx) * (by - cy)
@@ -68,7 +68,7 @@ def check_polygon(vertices: list[Point], field: str) -> None:
     _check_direction(vertices, field)
 
 
-@njit(cache=True)
+@njit
 def _surely_convex(vertices: np.ndarray) -> bool:
     """Whether a polygon (n, 2) surely turns left at every corner, and in all of them once round.
 
@@ -113,7 +113,7 @@ def _check_crossings(vertices: list[Point], field: str) -> None:
         pair = _next_suspects(edges, order, *pair)
 
 
-@njit(cache=True)
+@njit
 def _next_suspects(edges: np.ndarray, order: np.ndarray, i: int, j: int) -> tuple[int, int]:
     """Next places in `order` after (i, j), i < j, whose edges are not surely apart.
 

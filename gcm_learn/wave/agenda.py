@@ -7,9 +7,9 @@ Lengths are in cells, times in crossings of a cell.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.wave.intervals import NEVER, last_use, next_free
+from gcm_learn.collision.intervals import NEVER, last_use, next_free
+from gcm_learn.compiled import njit
 from gcm_learn.wave.marching import (
     BUCKETS,
     PER_CELL,
@@ -32,7 +32,7 @@ CELL, SOURCE, VIA = 0, 1, 2
 ARRIVAL, END = 0, 1
 
 
-@njit(cache=True)
+@njit
 def push(k, time, kind, bucket, queue, counts):
     """Put cell k into the bucket of a time, not before the one being worked on."""
     # One turn of the buckets is all that the queue can tell apart: later visits ask again.
@@ -50,7 +50,7 @@ def push(k, time, kind, bucket, queue, counts):
     counts[slot] = entry
 
 
-@njit(cache=True)
+@njit
 def way_in(k, time, n, turns, circle, latest, states, spans):
     """State of a neighbour in which the hand can wait to be in cell k at `time`; -1 if none.
 
@@ -72,7 +72,7 @@ def way_in(k, time, n, turns, circle, latest, states, spans):
     return best
 
 
-@njit(cache=True)
+@njit
 def keep_useful(
     count, ways, end, when, explore, speed, kappa, lookback, limb, places, cells, start, origins,
     limits, since,
@@ -96,7 +96,7 @@ def keep_useful(
     return useful
 
 
-@njit(cache=True)
+@njit
 def keep_free(count, room, blocked, places, cells, start, origins, limits):
     """Drop the blocked ones of `count` cells, and what there is no `room` for; returns the rest."""
     free = 0
@@ -109,7 +109,7 @@ def keep_free(count, room, blocked, places, cells, start, origins, limits):
     return free
 
 
-@njit(cache=True)
+@njit
 def seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queue, counts):
     """Reach the cells around the hand straight from it."""
     W = n + 2
@@ -125,7 +125,7 @@ def seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queu
                 push(k, away, ARRIVE, 0, queue, counts)
 
 
-@njit(cache=True)
+@njit
 def pop(
     slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states, spans,
     queue, counts, places, cells, start, origins, turn_of,
@@ -174,7 +174,7 @@ def pop(
     return count
 
 
-@njit(cache=True)
+@njit
 def put_off(
     count, which, moments, places, cells, bodies, limb, gap, kappa, limits, lookback, bucket,
     status, again, queue, counts, scratch,
@@ -188,7 +188,7 @@ def put_off(
             )  # fmt: skip
 
 
-@njit(cache=True)
+@njit
 def come_back(
     k, m, time, bodies, limb, gap, kappa, limit, lookback, bucket, status, again, queue, counts,
     scratch,

@@ -7,10 +7,11 @@ after an obstacle has gone is another state.  What obstacles do to cells is in `
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.occupancy import blocked_cells
-from gcm_learn.situation.kernels import poses_at
+from gcm_learn.collision.intervals import meet, safe_until
+from gcm_learn.collision.occupancy import blocked_cells
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.inhibition import (
     ARRIVAL,
     END,
@@ -32,7 +33,6 @@ from gcm_learn.wave.inhibition import (
     seconds,
     turn_page,
 )
-from gcm_learn.wave.intervals import meet, safe_until
 from gcm_learn.wave.kernels import crossed, every_block, find_runs, next_door
 from gcm_learn.wave.params import EXCITED
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
@@ -44,7 +44,7 @@ UP_R, UP_Z = (np.float32(v) for v in EXCITED)
 ROOT2 = float(np.sqrt(2.0))
 
 
-@njit(cache=True)
+@njit
 def way_back(k, m, when, ground, book):
     """State from which the front came to a cell: where its arrivals fall off most steeply.
 
@@ -74,7 +74,7 @@ def way_back(k, m, when, ground, book):
     return best
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def stirs(B, start, plane):
     """Tell whether any cell of a block feels the front for the first time."""
     count, a = np.int32(0), np.uint64(5 * plane)
@@ -83,7 +83,7 @@ def stirs(B, start, plane):
     return count > 0
 
 
-@njit(cache=True)
+@njit
 def feel(watch, watched, tau, ground, world, book, batch):
     """Inhibit cells in which an obstacle is when the front comes near.
 
@@ -115,7 +115,7 @@ def feel(watch, watched, tau, ground, world, book, batch):
             inhibit(batch.cells[i], now, ground, world, book)
 
 
-@njit(cache=True)
+@njit
 def reached(watch, watched, tau, ground, book, batch):
     """Find the cells that crossed the threshold since the last look; returns how many.
 
@@ -149,7 +149,7 @@ def reached(watch, watched, tau, ground, book, batch):
     return count
 
 
-@njit(cache=True)
+@njit
 def admit(count, tau, ground, world, book, batch):
     """Inhibit those of the cells just reached that an obstacle came to; returns how many are left.
 
@@ -179,7 +179,7 @@ def admit(count, tau, ground, world, book, batch):
     return free
 
 
-@njit(cache=True)
+@njit
 def settle(count, ground, world, book, batch, best):
     """Make states of cells that are reached; returns the first meeting (state or -1, body, time).
 
@@ -211,7 +211,7 @@ def settle(count, ground, world, book, batch, best):
     return (total + index if index >= 0 else -1), body, time
 
 
-@njit(cache=True)
+@njit
 def set_out(disc, away, ground, world, book, batch):
     """Excite the hand's cell and, as far as it is free, the disc around it.
 
@@ -257,7 +257,7 @@ def set_out(disc, away, ground, world, book, batch):
     return count
 
 
-@njit(cache=True)
+@njit
 def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, explore):
     """Run the wave until a target is met or the horizon; the buffer must be prepared.
 

@@ -16,10 +16,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.situation.kernels import Bodies
-from gcm_learn.wave.intervals import NEVER, next_free
+from gcm_learn.collision.intervals import NEVER, next_free
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import Bodies
 from gcm_learn.wave.kernels import insulate, live_weight
 from gcm_learn.wave.params import HAND_POTENTIAL, REST
 from gcm_learn.wave.stencil import BLOCK, LEFT
@@ -95,7 +95,7 @@ class Batch(NamedTuple):
     blocked: np.ndarray
 
 
-@njit(cache=True)
+@njit
 def seconds(tau, world):
     """Time [s] at a mental time [tau]."""
     last = world.clock.size - 1
@@ -106,7 +106,7 @@ def seconds(tau, world):
     return world.clock[i] + (place - i) * (world.clock[i + 1] - world.clock[i])
 
 
-@njit(cache=True)
+@njit
 def mental(t, world):
     """Mental time [tau] at a time [s], the last one if there are many."""
     last = world.clock.size - 1
@@ -116,13 +116,13 @@ def mental(t, world):
     return TICK * (i + (t - world.clock[i]) / (world.clock[i + 1] - world.clock[i]))
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def entry_of(m, n, W):
     """Place of a cell in a plane of the buffer."""
     return (m // n + 1) * W + m % n + LEFT
 
 
-@njit(cache=True)
+@njit
 def make_date(m, tau, ground, book):
     """Note that a cell's turn comes at the first look from `tau` on, in the future at any rate."""
     look = book.tally[LOOK]
@@ -134,7 +134,7 @@ def make_date(m, tau, ground, book):
     book.tally[PENDING] += 1
 
 
-@njit(cache=True)
+@njit
 def inhibit(m, t, ground, world, book):
     """Put a cell to rest for as long as an obstacle is there, from t [s] on."""
     B, W, plane = ground.B, ground.W, ground.plane
@@ -155,7 +155,7 @@ def inhibit(m, t, ground, world, book):
         make_date(m, mental(free, world) + 0.5 * ground.slowness, ground, book)
 
 
-@njit(cache=True)
+@njit
 def release(m, tau, ground, book):
     """Undo the inhibition of a cell; it is at rest, and its neighbours may excite it."""
     B, W, plane = ground.B, ground.W, ground.plane
@@ -170,14 +170,14 @@ def release(m, tau, ground, book):
     wake(k, m, ground)
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def wake(k, m, ground):
     """Have a cell's block stepped, and its neighbours': to `find_runs` the cell is in motion."""
     ground.active[k // ground.W, (m % ground.n) // BLOCK] = True
     ground.B[k + ground.plane] = ground.B[k] + np.float32(1.0)
 
 
-@njit(cache=True)
+@njit
 def turn_page(tau, ground, world, book):
     """Do what is due at this look; returns whether anything has to wake up.
 
@@ -206,7 +206,7 @@ def turn_page(tau, ground, world, book):
     return woken
 
 
-@njit(cache=True)
+@njit
 def leap(ground, world, book):
     """Number of looks until the next date; the horizon if there is none."""
     soonest = int(min((mental(world.end, world) - ground.start) / ground.lag + 2.0, 1e15))
@@ -216,7 +216,7 @@ def leap(ground, world, book):
     return max(soonest - book.tally[LOOK] - 1, 0)
 
 
-@njit(cache=True)
+@njit
 def hold_up(runs, lo, hi, ground):
     """Clamp reached cells that lose their excitation, as the hand's neuron is clamped.
 

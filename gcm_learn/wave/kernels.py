@@ -8,10 +8,10 @@ of cells near the front are stepped: ahead of it the lattice rests, behind it it
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.occupancy import blocked_cells, met_targets
-from gcm_learn.situation.kernels import poses_at
+from gcm_learn.collision.occupancy import blocked_cells, met_targets
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 FREE, FROZEN, CONTACT = 0, 1, 2  # what became of a cell
@@ -20,7 +20,7 @@ CONSTANTS = 8  # length of the array of float constants below
 STEP, DIFFUSION, EPSILON, THRESHOLD, KAPPA, GRASP, QUIET, SHORTEST = range(CONSTANTS)
 
 
-@njit(cache=True)
+@njit
 def live_weight(points, corner):
     """Weight of an edge or corner neighbour in the discrete Laplacian."""
     if points == 5:
@@ -28,7 +28,7 @@ def live_weight(points, corner):
     return np.float32(1.0 / 6.0 if corner else 4.0 / 6.0)
 
 
-@njit(cache=True)
+@njit
 def prepare(B, n, W, plane, points, inside, rate, step, rest_r, rest_z):
     """Fill the buffer for a lattice at rest: no-flux at its border and outside the ring.
 
@@ -55,7 +55,7 @@ def prepare(B, n, W, plane, points, inside, rate, step, rest_r, rest_z):
             B[k + 5 * plane] = -1.0
 
 
-@njit(cache=True)
+@njit
 def excite(B, n, W, plane, hand_cell, hand_x, hand_y, spacing, radius, slowness, limb, inside):
     """Clamp the hand's neuron and excite a disc of `radius` [cells] around the hand."""
     for m in range(n * n):
@@ -71,7 +71,7 @@ def excite(B, n, W, plane, hand_cell, hand_x, hand_y, spacing, radius, slowness,
     B[k + 5 * plane] = 0.0
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def insulate(B, k, W, plane, points):
     """Cut a cell out of the lattice: it neither changes nor is seen by its neighbours."""
     B[k] = B[k + plane] = 0.0
@@ -82,14 +82,14 @@ def insulate(B, k, W, plane, points):
                 B[k + di * W + dj + 4 * plane] -= live_weight(points, di != 0 and dj != 0)
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def hold(B, k, plane):
     """Stop a cell's dynamics and leave its potential to be seen (Eq. 10 with q = 0)."""
     B[k + plane] = B[k]
     B[k + 3 * plane] = 0.0
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def next_door(B, k, W, plane):
     """Arrival of the earliest edge neighbour that passes the front on, -1 if none.
 
@@ -104,7 +104,7 @@ def next_door(B, k, W, plane):
     return best
 
 
-@njit(cache=True)
+@njit
 def find_runs(B, W, plane, active, quiet, threshold, lo, hi, watch):
     """Renew the set of active blocks; returns the numbers of runs and of watched blocks.
 
@@ -153,7 +153,7 @@ def find_runs(B, W, plane, active, quiet, threshold, lo, hi, watch):
     return runs, watched
 
 
-@njit(cache=True)
+@njit
 def every_block(n, W, blocks, lo, hi, watch):
     """List every block of every row as active and watched."""
     for i in range(n):
@@ -164,7 +164,7 @@ def every_block(n, W, blocks, lo, hi, watch):
     return n, n * blocks
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def crossed(B, start, plane, level):
     """Tell whether any cell of a block is above a level and has no arrival yet."""
     count = np.int32(0)
@@ -174,7 +174,7 @@ def crossed(B, start, plane, level):
     return count > 0
 
 
-@njit(cache=True)
+@njit
 def arrivals(B, n, W, plane, watch, watched, threshold, step, tau, lag, found, since, when):
     """Find and record the cells that crossed the threshold since the last look.
 
@@ -217,7 +217,7 @@ def arrivals(B, n, W, plane, watch, watched, threshold, step, tau, lag, found, s
     return count
 
 
-@njit(cache=True)
+@njit
 def judge(
     found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
     blocked, body, met, scratch,
@@ -255,7 +255,7 @@ def judge(
     return contact, contact_body, contact_time
 
 
-@njit(cache=True)
+@njit
 def freeze(B, n, W, plane, points, found, count, state, held):
     """Take the frozen and contacted ones among the cells just found out of the dynamics."""
     for i in range(count):
@@ -269,7 +269,7 @@ def freeze(B, n, W, plane, points, found, count, state, held):
             insulate(B, k, W, plane, points)
 
 
-@njit(cache=True)
+@njit
 def propagate(
     B, n, W, plane, blocks, points, limb, gap, bodies, c, held, explore, tau0, tau_end, ignore,
     state,

@@ -15,10 +15,11 @@ cells that are reached.  Lengths are in cells, times in crossings of a cell.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.arm.occupancy import blocked_cells
-from gcm_learn.situation.kernels import poses_at
+from gcm_learn.collision.intervals import NEVER, meet, shorten, target_ways
+from gcm_learn.collision.occupancy import blocked_cells
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.agenda import (
     ARRIVAL,
     ARRIVE,
@@ -37,7 +38,6 @@ from gcm_learn.wave.agenda import (
     put_off,
     seed,
 )
-from gcm_learn.wave.intervals import NEVER, meet, shorten, target_ways
 from gcm_learn.wave.kernels import GRASP, KAPPA, SHORTEST
 from gcm_learn.wave.marching import (
     BEYOND,
@@ -53,7 +53,7 @@ from gcm_learn.wave.marching import (
 )
 
 
-@njit(cache=True)
+@njit
 def offset(source, i, j, W, hand_i, hand_j, states):
     """Vector (di, dj) from cell (i, j) to a source."""
     if source == FROM_HAND:
@@ -63,13 +63,13 @@ def offset(source, i, j, W, hand_i, hand_j, states):
     return float(row - i), float(k - row * W - j)
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def waits_in(k, time, latest, spans):
     """Tell whether the hand has come to cell k and may be there at `time`."""
     return latest[k] >= 0 and spans[latest[k], END] >= time
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def bend(s, k, q, di, dj, n, now, turns, circle, latest, spans):
     """When the front of state s in cell k is in the neighbour q = k + (di, dj), going round a cell.
 
@@ -101,7 +101,7 @@ def bend(s, k, q, di, dj, n, now, turns, circle, latest, spans):
     return best, home
 
 
-@njit(cache=True)
+@njit
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
     first, last, n, hand_i, hand_j, turns, circle, states, spans, latest, status, tent, again,
     source_of, via_of, queue, counts, bucket,
@@ -180,7 +180,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
             push(q, time, ARRIVE, bucket, queue, counts)
 
 
-@njit(cache=True)
+@njit
 def write_down(
     total, free, kappa, end, places, start, until, limits, origins, states, spans, latest, status,
     passing,
@@ -198,7 +198,7 @@ def write_down(
         passing[i] = not lasts
 
 
-@njit(cache=True)
+@njit
 def march_layers(
     n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, explore, speed, end,
     ignore, states, spans, refused,

@@ -15,9 +15,9 @@ parents in the same way (Daniel, Nash, Koenig and Felner, Theta*, JAIR 39, 2010)
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from gcm_learn.situation.kernels import poses_at
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.kernels import FREE, KAPPA, judge
 
 # A cell of the padded lattice; CLOSED: frozen or nearer than the arm can reach, BEYOND: farther.
@@ -46,13 +46,13 @@ def _members() -> np.ndarray:
 MEMBERS = _members()
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def row_of(k, W):
     """K // W by a multiplication: a division by a variable costs more than the rest of a cell."""
     return int((k + 0.5) * (1.0 / W))
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def away_from(source, i, j, W, hand_i, hand_j):
     """Vector (di, dj) from cell (i, j) to a source."""
     if source == HAND_SOURCE:
@@ -61,7 +61,7 @@ def away_from(source, i, j, W, hand_i, hand_j):
     return float(row - i), float(source - row * W - j)
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def step_time(turns, circle, m, a, b, share, length):
     """Time of a straight step of `length` cells to cell m [crossings].
 
@@ -79,13 +79,13 @@ def step_time(turns, circle, m, a, b, share, length):
     return min(max(length, shoulder, elbow), SLOWEST)
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def bare(k, n):
     """Index without padding of cell k of the padded lattice."""
     return k - 2 * row_of(k, n + 2) - n - 1
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def bend(k, q, di, dj, n, turns, circle, tent, status):
     """When the front of cell k is in its neighbour q = k + (di, dj), going round a cell.
 
@@ -117,7 +117,7 @@ def bend(k, q, di, dj, n, turns, circle, tent, status):
     return time, source
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
     places, found, count, state, n, hand_i, hand_j, turns, circle, tent, origin, status, queue,
     counts, bucket,
@@ -227,7 +227,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
             counts[0] += 1
 
 
-@njit(cache=True)
+@njit
 def closed_rim(n, spacing, reach, inside):
     """Status ((n + 2)^2,) of a padded lattice before marching: UNKNOWN where the hand can be.
 
@@ -245,7 +245,7 @@ def closed_rim(n, spacing, reach, inside):
     return status
 
 
-@njit(cache=True)
+@njit
 def seed(n, W, hand_i, hand_j, turns, circle, tent, origin, status, queue, counts):
     """Put the hand's cell, or the nearest where the hand can be, into the queue.
 
@@ -272,7 +272,7 @@ def seed(n, W, hand_i, hand_j, turns, circle, tent, origin, status, queue, count
                     counts[0] += 1
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def pop(slot, n, tent, status, queue, counts, end, lookback, places, found, since, when):
     """Accept the cells waiting in a bucket; returns how many."""
     count = 0
@@ -298,7 +298,7 @@ def pop(slot, n, tent, status, queue, counts, end, lookback, places, found, sinc
     return count
 
 
-@njit(cache=True, forceinline=True)
+@njit(forceinline=True)
 def close(places, found, when, count, state, status, arrival):
     """Write down the arrivals of accepted cells and close the frozen ones."""
     for f in range(count):
@@ -307,7 +307,7 @@ def close(places, found, when, count, state, status, arrival):
             status[places[f]] = CLOSED
 
 
-@njit(cache=True)
+@njit
 def march(
     n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, explore, end, ignore,
     state,

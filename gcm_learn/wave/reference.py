@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.arm.kinematics import SIDE
-from gcm_learn.arm.lattice import Lattice, hand_space
-from gcm_learn.situation import kernels as k
-from gcm_learn.situation.kernels import Bodies
+from gcm_learn.collision.distance import arm_distance
+from gcm_learn.handspace.lattice import Lattice, hand_space
+from gcm_learn.scene import bodies as k
+from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.limb import SIDE
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
 from gcm_learn.wave.solver import (
@@ -302,4 +303,4 @@ def _kernel_distance(bodies: Bodies, b: int, limb: np.ndarray, t: float) -> floa
     """As `distances`, for bodies that are no discs."""
     poses = np.zeros((bodies.rows.shape[0], 12))
     k.pose_at(bodies, b, t, poses)
-    return float(k.arm_distance(bodies, poses, b, *limb))
+    return float(arm_distance(bodies, poses, b, *limb))

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gcm_learn.arm.lattice import hand_space
-from gcm_learn.situation import kernels as k
+from gcm_learn.handspace.lattice import hand_space
+from gcm_learn.scene import bodies as k
 from gcm_learn.wave.excitation import FELT
 from gcm_learn.wave.inhibition import SADDLE, TICK
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams

@@ -10,8 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from gcm_learn.arm.lattice import HandSpace, Lattice, cell_joints, hand_space
-from gcm_learn.situation.kernels import COLUMNS, Bodies
+from gcm_learn.handspace.lattice import HandSpace, Lattice, cell_joints, hand_space
+from gcm_learn.scene.bodies import COLUMNS, Bodies
 from gcm_learn.wave import kernels, layered, marching, stencil
 from gcm_learn.wave.params import REST, WaveParams
 from gcm_learn.wave.task import Task

@@ -14,7 +14,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from gcm_learn.compiled import njit
 
 BLOCK = 16  # cells of a row that are switched on and off together: one wide vector register
 LEFT = 8
@@ -58,7 +59,7 @@ def _stencil(width: int, points: int) -> Callable:
     f4 = np.float32
     seventh, two, four, seven, sixth = f4(1 / 7), f4(2), f4(4), f4(7), f4(1 / 6)
 
-    @njit(cache=True)
+    @njit
     def two_steps(B, lo, hi, runs, d, eps):
         """Advance B[lo:hi] of every run twice: plane 0 -> plane 1 -> plane 0.
 
@@ -93,7 +94,7 @@ _five_176, _nine_176 = _stencil(176, 5), _stencil(176, 9)
 _five_336, _nine_336 = _stencil(336, 5), _stencil(336, 9)
 
 
-@njit(cache=True)
+@njit
 def two_steps(B, lo, hi, runs, d, eps, width, points):
     """Advance runs of cells by two Euler steps on a lattice of one of the WIDTHS."""
     if width == 96:

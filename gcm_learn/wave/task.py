@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.arm.kinematics import joint_angles
-from gcm_learn.arm.lattice import Lattice, cell_joints, hand_space
-from gcm_learn.situation.kernels import Bodies
+from gcm_learn.handspace.lattice import Lattice, cell_joints, hand_space
+from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.limb import joint_angles
 
 
 @dataclass(frozen=True)

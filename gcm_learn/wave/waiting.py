@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.arm.lattice import HandSpace, Lattice, hand_space
+from gcm_learn.handspace.lattice import HandSpace, Lattice, hand_space
 from gcm_learn.wave import excitation, inhibition, kernels, stencil
 from gcm_learn.wave.params import REST, WaveParams
 from gcm_learn.wave.solver import (

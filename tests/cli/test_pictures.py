@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gcm_learn.cli import main
-from gcm_learn.memory import Memory, RandomIndex
+from gcm_learn.recall import Memory, RandomIndex
 
 
 class Picture:

@@ -10,8 +10,8 @@ import pytest
 from gcm_learn import dataset
 from gcm_learn.dataset.exports import ARM, PER_BODY, STEP, episode_of, export_minari, export_npz
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.scene.packing import pose
 from gcm_learn.situation import situation_from_json
-from gcm_learn.situation.bodies import pose
 
 
 def test_an_archive_needs_nothing_but_numpy(records, tmp_path):

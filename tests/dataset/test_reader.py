@@ -15,8 +15,8 @@ from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.schema import counts_of
 from gcm_learn.dataset.shards import KEY, shard_name
 from gcm_learn.errors import DatasetError, UnknownNameError
-from gcm_learn.planners.verification import verify
-from gcm_learn.situation.bodies import pack
+from gcm_learn.motion.verification import verify
+from gcm_learn.scene.packing import pack
 from gcm_learn.wave import MarchingParams
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from gcm_learn import families, seeding
-from gcm_learn.planners.verification import start_clearance
-from gcm_learn.situation.bodies import pack
+from gcm_learn.motion.verification import start_clearance
+from gcm_learn.scene.packing import pack
 
 NAMES = ("random-planar", "gate", "moving-point", "pendulum", "falling-solid", "spinning")
 

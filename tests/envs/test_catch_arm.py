@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from gcm_learn import planners
-from gcm_learn.arm.clearance import clearance
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.errors import ArenaError
+from gcm_learn.motion.clearance import clearance
+from gcm_learn.motion.timing import refine
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.timing import refine
-from gcm_learn.planners.verification import verify
-from gcm_learn.situation.bodies import pack
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned
 

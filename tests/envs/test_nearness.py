@@ -7,12 +7,13 @@ import pickle
 import numpy as np
 import pytest
 
-from gcm_learn.arm.clearance import least_distance
-from gcm_learn.arm.kinematics import elbow_of
-from gcm_learn.planners.interception import first_catch
-from gcm_learn.situation.bodies import pack
+from gcm_learn.collision.distance import arm_distance
+from gcm_learn.collision.sweep import least_distance
+from gcm_learn.motion.interception import first_catch
+from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, pose_at
+from gcm_learn.scene.limb import elbow_of
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
-from gcm_learn.situation.kernels import DISC, HAND, KIND, PART, arm_distance, pose_at
 
 pytest.importorskip("gymnasium")
 from gcm_learn.envs import nearness as near

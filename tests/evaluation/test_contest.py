@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.cli import main
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
@@ -18,9 +17,10 @@ from gcm_learn.evaluation.measures import charged_curve, declines, measured, pai
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged, resting
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.verification import start_clearance
 from gcm_learn.planners import solve
-from gcm_learn.planners.verification import start_clearance
-from gcm_learn.situation.bodies import pack
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from gcm_learn.evaluation import costs as module
 from gcm_learn.evaluation.costs import costs
-from gcm_learn.memory.shipped import models_folder, shipped_memory
 from gcm_learn.policies.planner import shipped_actor
+from gcm_learn.recall.shipped import models_folder, shipped_memory
 
 
 def test_entrants_share_what_they_hold():

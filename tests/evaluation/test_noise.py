@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.evaluation.noise import Habit, Noise, _Memory, under_noise
 from gcm_learn.evaluation.suites import Entry
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import get_planner
+from gcm_learn.scene.later import later
 from gcm_learn.situation.canonical import canonical
-from gcm_learn.situation.later import later
 
 
 def entries_of(count):

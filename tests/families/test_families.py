@@ -20,10 +20,10 @@ from gcm_learn.families import (
     random_planar,
     read_family,
 )
+from gcm_learn.motion.verification import start_clearance
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.verification import start_clearance
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import situation_from_json, situation_to_json
-from gcm_learn.situation.bodies import pack
 
 NAMES = family_names()
 AIMED = [name for name in NAMES if hasattr(get_family(name), "aimed")]

@@ -20,8 +20,10 @@ from gcm_learn.families.layout import (
     way_time,
 )
 from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, planar_body, solid_body
+from gcm_learn.motion.verification import start_clearance
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.verification import start_clearance
+from gcm_learn.scene.bodies import TOP_SPEED
+from gcm_learn.scene.packing import pack, pose
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -33,8 +35,6 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
 )
-from gcm_learn.situation.bodies import pack, pose
-from gcm_learn.situation.kernels import TOP_SPEED
 
 PLANNERS = [get_planner(name) for name in ("straight", "marching", "layered")]
 STRATA = "LWQ"

@@ -9,6 +9,8 @@ import pytest
 
 from gcm_learn.families import paper
 from gcm_learn.planners import solve
+from gcm_learn.scene.cuts import cut_outline
+from gcm_learn.scene.packing import pose
 from gcm_learn.situation import (
     Box,
     Disc,
@@ -17,8 +19,6 @@ from gcm_learn.situation import (
     situation_from_json,
     situation_to_json,
 )
-from gcm_learn.situation.bodies import pose
-from gcm_learn.situation.cuts import cut_outline
 
 
 def body_index(situation: Situation, name: str) -> int:
@@ -61,7 +61,7 @@ def test_hand_speed_gives_the_papers_time_scale():
 
 def test_fig1_direct_way_is_barred():
     """The forearm crosses the point somewhere on the straight way of the hand."""
-    from gcm_learn.arm.kinematics import elbow_position
+    from gcm_learn.scene.limb import elbow_position
 
     situation = paper.fig1()
     start = np.array(situation.arm.hand)
@@ -77,8 +77,8 @@ def test_fig1_direct_way_is_barred():
 
 
 def test_fig2_images_overlap_and_obstacles_do_not():
-    from gcm_learn.arm.lattice import Lattice
-    from gcm_learn.arm.occupancy import occupied_cells
+    from gcm_learn.handspace.lattice import Lattice
+    from gcm_learn.handspace.occupied import occupied_cells
 
     situation = paper.fig2()
     target = situation.targets

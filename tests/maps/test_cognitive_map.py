@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.arm import Lattice
-from gcm_learn.arm.lattice import hand_space
-from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn.errors import FileFormatError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
+from gcm_learn.handspace import Lattice
+from gcm_learn.handspace.lattice import hand_space
+from gcm_learn.handspace.occupied import occupied_cells
 from gcm_learn.maps import CognitiveMap, Contact, build_map, layered_map, task_of
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams, march_layers

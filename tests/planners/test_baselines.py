@@ -7,9 +7,9 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.planners.potential import PotentialPlanner
-from gcm_learn.planners.straight import StraightPlanner
-from gcm_learn.planners.straight_wait import StraightWaitPlanner
+from gcm_learn.planners.baselines.potential import PotentialPlanner
+from gcm_learn.planners.baselines.straight import StraightPlanner
+from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
 from tests.referee import judge
 

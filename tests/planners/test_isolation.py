@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from gcm_learn.planners.isolation import told
+from gcm_learn.planners.baselines.isolation import told
 
 LONG = 20.0  # [s]
 

@@ -13,9 +13,9 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.oracle import OraclePlanner, bounds, earliest_catch, stratum
-from gcm_learn.planners.oracle_moves import BETWEEN, MOVES, SHARES, STRETCH
-from gcm_learn.planners.reachable_set import ReachableSet
+from gcm_learn.planners.oracle.bounds import OraclePlanner, bounds, earliest_catch, stratum
+from gcm_learn.planners.oracle.moves import BETWEEN, MOVES, SHARES, STRETCH
+from gcm_learn.planners.oracle.reachable_set import ReachableSet
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
 from tests.referee import judge
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from gcm_learn import solve
-from gcm_learn.arm import Trajectory
-from gcm_learn.planners.verification import verify
+from gcm_learn.motion import Trajectory
+from gcm_learn.motion.verification import verify
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -22,7 +23,6 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
 )
-from gcm_learn.situation.bodies import pack
 from tests.referee import judge, windings, within_grasp
 
 REST = (0.0, 0.0)

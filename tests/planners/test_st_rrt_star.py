@@ -13,11 +13,11 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner, _limits
+from gcm_learn.planners.baselines.st_rrt_star_moves import draw_goal, leg_holds
+from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.oracle import bounds
-from gcm_learn.planners.st_rrt_star import STRRTStarPlanner, _limits
-from gcm_learn.planners.st_rrt_star_moves import draw_goal, leg_holds
-from gcm_learn.planners.straight import StraightPlanner
+from gcm_learn.planners.oracle.bounds import bounds
 from gcm_learn.situation import Arm, Body, Disc, Situation
 from tests.extras import INSTALLED
 from tests.planners.test_baselines import FREE, GATE, OPENS, TRAP, body, goal, scene
@@ -173,7 +173,7 @@ def test_one_budget_is_a_run_of_its_own():
 
 @needs_ompl
 def test_it_ends_when_nothing_better_is_to_be_expected():
-    from gcm_learn.planners import st_rrt_star_search as library
+    from gcm_learn.planners.baselines import st_rrt_star_search as library
 
     searches = []
     for situation in (FREE, GATE):
@@ -187,7 +187,7 @@ def test_it_ends_when_nothing_better_is_to_be_expected():
 
 @needs_ompl
 def test_what_was_found_before_a_crash_counts(monkeypatch):
-    from gcm_learn.planners import st_rrt_star_search as library
+    from gcm_learn.planners.baselines import st_rrt_star_search as library
 
     improved = library.Search._improved
 

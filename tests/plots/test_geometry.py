@@ -8,8 +8,8 @@ import pytest
 from gcm_learn.families import paper
 from gcm_learn.plots.scene3d import beside_plane, camera, to_world
 from gcm_learn.plots.solids import faces
+from gcm_learn.scene.outlines import outline
 from gcm_learn.situation import Box, Capsule, Cylinder, Plane, Sphere
-from gcm_learn.situation.outlines import outline
 
 SOLIDS = [
     Sphere(0.3),

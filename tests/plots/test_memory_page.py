@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 from gcm_learn.families.examples import gate_scene
-from gcm_learn.memory import Memory, RawIndex, RecallPlanner, trace_of
 from gcm_learn.planners import solve
 from gcm_learn.plots import memory_page
 from gcm_learn.plots.memory_page import UNIT, principal_places, write_memory_page
+from gcm_learn.recall import Memory, RawIndex, RecallPlanner, trace_of
 from gcm_learn.situation.canonical import canonical
 
 

@@ -11,9 +11,9 @@ from matplotlib.colors import to_hex, to_rgba
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 
 from gcm_learn import plots
-from gcm_learn.arm.lattice import Lattice
-from gcm_learn.arm.occupancy import occupied_cells
 from gcm_learn.families import paper
+from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.handspace.occupied import occupied_cells
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots import style
 from gcm_learn.plots.demo import engines_figure

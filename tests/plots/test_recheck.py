@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from gcm_learn.arm.trajectory import Trajectory
+from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.plots.recheck import broken_promise
 
 

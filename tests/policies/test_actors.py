@@ -13,8 +13,8 @@ from gcm_learn.envs.fan import RAYS
 from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import PolicyError
+from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.verification import verify
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import act_out
 from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, turned, velocities

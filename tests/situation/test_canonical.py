@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 
 from gcm_learn import rng as generator
 from gcm_learn import solve
-from gcm_learn.arm.trajectory import Trajectory
 from gcm_learn.families import random_planar
 from gcm_learn.families.random_solid import random_rotation, random_solid
-from gcm_learn.planners.verification import verify
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.verification import verify
+from gcm_learn.scene.packing import pack, pose
 from gcm_learn.situation import situation_to_json
-from gcm_learn.situation.bodies import pack, pose, rotation_of
 from gcm_learn.situation.canonical import Frame, canonical, quaternion_of
+from gcm_learn.situation.frames import rotation_of
 from tests.strategies import unit_vectors
 from tests.transforms import carried, mirrored, turned
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arm.lattice import Lattice
+from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
-from gcm_learn.situation.bodies import pack
 from gcm_learn.wave import Task, kappa_of
 
 SPEED = 3.4  # kappa is about 1/400 s on 80 cells

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.arm.lattice import Lattice, hand_space
 from gcm_learn.errors import LatticeError
+from gcm_learn.handspace.lattice import Lattice, hand_space
 from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of, march, propagate
 from tests.wave.scenes import SPEED, arrival_tau, away, disc, scene, task_of
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.arm.kinematics import joint_angles
-from gcm_learn.arm.lattice import Lattice, hand_space
+from gcm_learn.handspace.lattice import Lattice, hand_space
+from gcm_learn.scene.limb import joint_angles
 from gcm_learn.wave import MarchingParams, Task, WaveParams, march, march_layers, propagate
 from gcm_learn.wave.reference import propagate_reference
 from tests.wave.scenes import disc, scene, task_of

@@ -1,0 +1,1 @@
+"""What can be asked of a scene: distance, clearance, free intervals, the sweep of a motion."""

@@ -1,0 +1,139 @@
+"""Ask, don't rasterise: does the limb with its hand in this cell touch a body, now or lately?"""
+
+from __future__ import annotations
+
+from gcm_learn.collision.distance import arm_distance, room_at
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, SIZE, TOP_SPEED
+
+FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearm lengths]
+MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
+
+
+@njit
+def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
+    """First instant in [t0, t1] at which body b is within `gap` of a limb at rest, or -1.
+
+    Conservative advancement: from a distance d above the gap, nothing can happen before the
+    body has travelled d - gap.  It stops refining below `shortest` [s], or what a faster body
+    needs for FINEST, within MOST_LOOKS.
+    """
+    t = t0
+    speed = bodies.rows[b, TOP_SPEED]
+    if speed > 0.0:
+        shortest = min(shortest, max(FINEST / speed, (t1 - t0) / MOST_LOOKS))
+    while True:
+        room = room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch)
+        if room <= 0.0:
+            return t
+        if t >= t1 or speed == 0.0:
+            return -1.0
+        t = min(t + max(room / speed, shortest), t1)
+
+
+@njit(forceinline=True)
+def _limb_point2(x, y, hx, hy, ex, ey, shrink):
+    """Squared distance of a point to the limb; shrink is 1 / length^2 of the upper arm.
+
+    Known lengths (the forearm's is 1) spare the divisions of the general distance to a segment.
+    """
+    dx, dy, wx, wy = hx - ex, hy - ey, x - ex, y - ey
+    s = min(max(wx * dx + wy * dy, 0.0), 1.0)
+    wx, wy = wx - s * dx, wy - s * dy
+    s = min(max((x * ex + y * ey) * shrink, 0.0), 1.0)
+    ux, uy = x - s * ex, y - s * ey
+    return min(wx * wx + wy * wy, ux * ux + uy * uy)
+
+
+@njit
+def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, blocked, scratch):
+    """Mark the cells whose limb an obstacle comes near at any instant of a span of time.
+
+    Parameters
+    ----------
+    poses : (n, 12) ndarray
+        Poses at time `now`: one evaluation serves all cells that a front reaches together.
+    limb : (m, 4) ndarray
+        Hand x, y and elbow x, y of every cell.
+    gap : (m,) ndarray
+        Distance at which an obstacle counts as touching.
+    cells, since : (count,) ndarray
+        Cells to look at and the time [s] since when each must have been free.
+    now, shortest : float
+        End of the span; resolution at which it is searched [s].
+    blocked : (count,) bool ndarray
+        Filled.
+    scratch : (n, 12) ndarray
+        Room for poses at other instants.
+    """
+    blocked[:count] = False
+    if count == 0:
+        return
+    shrink = 1.0 / (limb[cells[0], 2] ** 2 + limb[cells[0], 3] ** 2)
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        speed, disc = bodies.rows[b, TOP_SPEED], bodies.rows[b, KIND] == DISC
+        radius, reach = bodies.rows[b, SIZE], bodies.rows[b, REACH]
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+        for i in range(count):
+            m = cells[i]
+            if blocked[i]:
+                continue
+            hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
+            travel = speed * (now - since[i])
+            if disc:  # the common case, decided without a root or a call
+                d2 = _limb_point2(x, y, hx, hy, ex, ey, shrink)
+                near, far = radius + gap[m], radius + gap[m] + travel
+                if d2 > far * far:
+                    continue
+                if d2 <= near * near:
+                    blocked[i] = True
+                    continue
+            else:
+                d2 = _limb_point2(x, y, hx, hy, ex, ey, shrink) + z * z
+                far = reach + gap[m] + travel
+                if d2 > far * far:  # the ball that holds the body spares most of its corners
+                    continue
+                room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap[m]
+                if room > travel:
+                    continue
+                if room <= 0.0:
+                    blocked[i] = True
+                    continue
+            t = first_touch(bodies, b, hx, hy, ex, ey, gap[m], since[i], now, shortest, scratch)
+            blocked[i] = t >= 0.0
+
+
+@njit
+def met_targets(bodies, poses, limb, gap, cells, since, count, now, shortest, body, when, scratch):
+    """Find for every cell the first target that comes within `gap` of a hand resting there.
+
+    Parameters
+    ----------
+    gap : float
+        Distance at which a target counts as met.
+    body : (count,) int64 ndarray
+        Filled with the target's index, -1 if none.
+    when : (count,) ndarray
+        Filled with the time [s] where there is one.
+
+    The others are those of `blocked_cells`.
+    """
+    body[:count] = -1
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        speed, radius = bodies.rows[b, TOP_SPEED], bodies.rows[b, REACH] + gap
+        disc = bodies.rows[b, KIND] == DISC
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+        for i in range(count):
+            hx, hy = limb[cells[i], 0], limb[cells[i], 1]
+            far = speed * (now - since[i])
+            if (hx - x) ** 2 + (hy - y) ** 2 + z * z > (radius + far) ** 2:
+                continue
+            if not disc and arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
+                continue
+            t = first_touch(bodies, b, hx, hy, hx, hy, gap, since[i], now, shortest, scratch)
+            if t >= 0.0 and (body[i] < 0 or t < when[i]):
+                body[i], when[i] = b, t

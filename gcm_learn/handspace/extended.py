@@ -1,0 +1,106 @@
+"""Extended obstacles as curves (Eqs. 4-9): what a point of the world is in hand-space.
+
+Planning asks cells instead (`arm.occupancy`); these curves draw figures and test that predicate.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcm_learn.scene.limb import SIDE
+
+
+def reach_angle(point: ArrayLike, upper_arm: float = 1.0) -> float:
+    """phi_max of Eq. 5, with its argument clipped (erratum 2).
+
+    Parameters
+    ----------
+    point : (2,) array_like
+        Point obstacle [forearm lengths].
+
+    Returns
+    -------
+    float
+        Largest angle between upper arm and point at which the forearm can still touch it [rad].
+    """
+    r = float(np.hypot(*np.asarray(point, dtype=float)))
+    cosine = (upper_arm**2 + r * r - 1.0) / (2.0 * upper_arm * r)
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def extended_obstacle(
+    point: ArrayLike, upper_arm: float = 1.0, elbow: str = "right", n: int = 64
+) -> np.ndarray:
+    """Image of a point under the forearm: E(x) of Eq. 9, sampled.
+
+    Parameters
+    ----------
+    point : (2,) array_like
+        Point obstacle with 0 < |x| < upper_arm + 1; |x| = upper_arm is singular (erratum 4).
+    upper_arm : float
+        rho.
+    elbow : {"right", "left"}
+        "right" is the paper's arm, phi in [-phi_max, 0] (erratum 3); "left" is its mirror image.
+    n : int
+        Number of samples.
+
+    Returns
+    -------
+    (n, 2) ndarray
+        Hand positions at which the forearm touches the point, from the point itself outwards (to
+        (rho + 1) x/|x|, or to (rho - 1) x/|x| for a point within the upper arm's reach).
+    """
+    x = np.asarray(point, dtype=float)
+    r = float(np.hypot(*x))
+    phi = np.linspace(-reach_angle(x, upper_arm), 0.0, n)
+    # Eq. 4 with erratum 1: the distance of elbow and obstacle is |x_e - x|.
+    distance = np.sqrt(np.maximum(upper_arm**2 + r * r - 2.0 * upper_arm * r * np.cos(phi), 1e-18))[
+        :, None
+    ]
+    side = SIDE[elbow]
+    turned = np.stack([np.cos(phi), side * np.sin(phi)], axis=-1)
+    rotation = np.array([[x[0], -x[1]], [x[1], x[0]]]) / r  # Eq. 7
+    return x / distance - upper_arm * (1.0 / distance - 1.0) * turned @ rotation.T  # Eq. 8
+
+
+def upper_arm_image(
+    point: ArrayLike, upper_arm: float = 1.0, elbow: str = "right", n: int = 64
+) -> np.ndarray:
+    """Image of a point under the upper arm (erratum 6): an arc, empty beyond the elbow's reach.
+
+    Returns
+    -------
+    (n, 2) ndarray or (0, 2) ndarray
+        Hand positions at which the upper arm points at the obstacle, from (rho + 1) x/|x| to
+        (rho - 1) x/|x|.
+    """
+    x = np.asarray(point, dtype=float)
+    r = float(np.hypot(*x))
+    if r >= upper_arm or r == 0.0:
+        return np.zeros((0, 2))
+    psi = np.arctan2(x[1], x[0]) + SIDE[elbow] * np.linspace(0.0, np.pi, n)
+    return upper_arm * x / r + np.stack([np.cos(psi), np.sin(psi)], axis=-1)
+
+
+def extended_outline(
+    outline: ArrayLike, upper_arm: float = 1.0, elbow: str = "right", n: int = 64
+) -> list[np.ndarray]:
+    """Images of the points of a body's outline: the curves that sweep its extended obstacle.
+
+    Parameters
+    ----------
+    outline : (m, 2) array_like
+        Boundary points of a disc or polygon; those out of reach are left out.
+
+    Returns
+    -------
+    list of (n, 2) ndarray
+        Forearm curves, then upper-arm arcs.
+    """
+    points = np.asarray(outline, dtype=float)
+    radius = np.hypot(points[:, 0], points[:, 1])
+    points = points[(radius < upper_arm + 1.0) & (radius > 1e-9)]
+    curves = [extended_obstacle(p, upper_arm, elbow, n) for p in points]
+    arcs = [upper_arm_image(p, upper_arm, elbow, n) for p in points]
+    return curves + [arc for arc in arcs if len(arc)]

@@ -1,0 +1,214 @@
+"""Where hand and target can meet: along a path, or straight ahead."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.collision.distance import segment_distance
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import (
+    DISC,
+    FIRST,
+    HAND,
+    KIND,
+    LAST,
+    PART,
+    POLYGON,
+    REACH,
+    SIZE,
+    SPHERE,
+    TOP_SPEED,
+    pose_at,
+)
+from gcm_learn.scene.cuts import cut, point_polygon_distance, region_distance
+
+NOWHERE = 1e300
+_PROBE = 1e-6  # finite difference for the direction of the nearest point [forearm lengths]
+
+
+@njit
+def target_distance(bodies, poses, b, x, y):
+    """Signed distance of a hand at (x, y) to a target's region in the plane; NOWHERE if empty.
+
+    The region of a solid is its cut with the arm plane.
+    """
+    kind = bodies.rows[b, KIND]
+    dx, dy = x - poses[b, 0], y - poses[b, 1]
+    radius = bodies.rows[b, SIZE]
+    if kind == DISC:
+        return np.sqrt(dx * dx + dy * dy) - radius
+    if kind == SPHERE:
+        left = radius * radius - poses[b, 2] ** 2
+        return np.sqrt(dx * dx + dy * dy) - np.sqrt(left) if left >= 0.0 else NOWHERE
+    if kind == POLYGON:
+        c, s = poses[b, 3], poses[b, 6]
+        vertices = bodies.vertices[int(bodies.rows[b, FIRST]) : int(bodies.rows[b, LAST])]
+        return point_polygon_distance(c * dx + s * dy, -s * dx + c * dy, vertices)
+    discs, polygon = cut(
+        int(kind),
+        bodies.rows[b, SIZE : SIZE + 3].copy(),
+        poses[b, :3].copy(),
+        poses[b, 3:].copy().reshape((3, 3)),
+    )
+    return region_distance(x, y, discs, polygon)
+
+
+@njit
+def first_catch(bodies, time, hand, reach, shortest):
+    """First moment along a timed path at which a target is within `reach` of the hand.
+
+    Conservative advancement on the distance to the solid, which cannot jump; within reach of that,
+    steps of `shortest` [s] until the hand is within reach of the cut.
+
+    Returns
+    -------
+    time : float
+        -1 if there is none.
+    body : int
+    """
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    best, body = -1.0, -1
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        k, t = 0, time[0]
+        while best < 0.0 or t < best:
+            while k + 2 < time.size and time[k + 1] <= t:
+                k += 1
+            last = k + 1 if k + 1 < time.size else k
+            span = time[last] - time[k]
+            s = min(max((t - time[k]) / span, 0.0), 1.0) if span > 0.0 else 1.0
+            x = hand[k, 0] + s * (hand[last, 0] - hand[k, 0])
+            y = hand[k, 1] + s * (hand[last, 1] - hand[k, 1])
+            pose_at(bodies, b, t, poses)
+            room = segment_distance(bodies, poses, b, x, y, x, y) - max(reach, 0.0)
+            if room <= 0.0 and target_distance(bodies, poses, b, x, y) <= reach:
+                best, body = t, b
+                break
+            if t >= time[-1]:
+                break
+            speed = bodies.rows[b, TOP_SPEED]
+            if span > 0.0:
+                speed += (
+                    np.sqrt((hand[last, 0] - hand[k, 0]) ** 2 + (hand[last, 1] - hand[k, 1]) ** 2)
+                    / span
+                )
+            step = room / speed if room > 0.0 and speed > 0.0 else 0.0
+            # The hand's speed is known for this segment only: do not step beyond its end.
+            end = time[last] if time[last] > t else time[-1]
+            t = min(t + max(step, shortest), max(end, t + shortest), time[-1])
+    return best, body
+
+
+@njit
+def approach(bodies, poses, b, x, y, reach, far):
+    """Point within `reach` of the target nearest to (x, y): (px, py, found)."""
+    d = target_distance(bodies, poses, b, x, y)
+    if d >= NOWHERE:
+        return x, y, False
+    if d > reach:
+        gx = target_distance(bodies, poses, b, x + _PROBE, y)
+        gx -= target_distance(bodies, poses, b, x - _PROBE, y)
+        gy = target_distance(bodies, poses, b, x, y + _PROBE)
+        gy -= target_distance(bodies, poses, b, x, y - _PROBE)
+        size = np.sqrt(gx * gx + gy * gy)
+        if size == 0.0:
+            return x, y, False
+        # A hair deeper than the nearest point, against the rounding of the direction.
+        x -= (d - reach + 1e-9) * gx / size
+        y -= (d - reach + 1e-9) * gy / size
+    r = np.sqrt(x * x + y * y)
+    if r > far:
+        x, y = x * far / r, y * far / r
+    return x, y, target_distance(bodies, poses, b, x, y) <= reach
+
+
+@njit
+def first_interception(bodies, x, y, start, since, end, speed, reach, near, far, shortest):
+    """Earliest moment at which a hand going straight from (x, y) can be within reach of a target.
+
+    Parameters
+    ----------
+    start : float
+        When the hand leaves (x, y) [s].
+    since, end : float
+        Span of time that is searched [s].
+    speed : float
+        Of the hand [forearm lengths / s].
+    reach : float
+        Signed distance to the target that counts as a catch.
+    near, far : float
+        Radii of the reachable ring.
+    shortest : float
+        Resolution in time [s].
+
+    Returns
+    -------
+    time : float
+        -1 if there is none.
+    body : int
+    px, py : float
+        Where the hand then is.
+    """
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    best, body, bx, by = -1.0, -1, x, y
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        t = since
+        while t <= end and (best < 0.0 or t < best):
+            pose_at(bodies, b, t, poses)
+            room = segment_distance(bodies, poses, b, x, y, x, y) - max(reach, 0.0)
+            room -= speed * (t - start)
+            if room <= 0.0:
+                px, py, found = approach(bodies, poses, b, x, y, reach, far)
+                away = np.sqrt((px - x) ** 2 + (py - y) ** 2)
+                inside = px * px + py * py >= near * near
+                if found and inside and away <= speed * (t - start) + 1e-12:
+                    best, body, bx, by = t, b, px, py
+                    break
+                t += max(_away_until(bodies, poses, b, reach, near, far), shortest)
+            else:
+                t += max(room / (speed + bodies.rows[b, TOP_SPEED]), shortest)
+    return best, body, bx, by
+
+
+@njit(_nrt=False)
+def _away_until(bodies, poses, b, reach, near, far):
+    """How long a target cannot be within reach of any hand, by the ball that holds it [s].
+
+    It is above or below the plane, beyond the ring, or in its hole.
+    """
+    ball, top = bodies.rows[b, REACH], bodies.rows[b, TOP_SPEED]
+    away = np.sqrt(poses[b, 0] ** 2 + poses[b, 1] ** 2)
+    margin = ball + max(reach, 0.0)
+    room = max(abs(poses[b, 2]) - ball, away - margin - far, near - margin - away)
+    if room <= 0.0:
+        return 0.0
+    return room / top if top > 0.0 else NOWHERE
+
+
+@njit
+def may_be_reached(bodies, x, y, end, speed, reach, far):
+    """Tell whether a target may be within the ring and within the hand's way at some moment.
+
+    A necessary condition by conservative advancement, so False is certain.
+    """
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    tiny = 1e-5 * end
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        t = 0.0
+        top = bodies.rows[b, TOP_SPEED]
+        while t <= end:
+            pose_at(bodies, b, t, poses)
+            ring = segment_distance(bodies, poses, b, 0.0, 0.0, 0.0, 0.0) - reach - far
+            way = segment_distance(bodies, poses, b, x, y, x, y) - reach - speed * t
+            wait = way / (top + speed)
+            if ring > 0.0:
+                wait = max(wait, ring / top if top > 0.0 else NOWHERE)
+            if wait <= tiny:  # now, or too soon to be told apart from now
+                return True
+            t += wait
+    return False

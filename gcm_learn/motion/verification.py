@@ -1,0 +1,224 @@
+"""The check that stands behind the word "caught"."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn.collision.sweep import least_distance
+from gcm_learn.compiled import njit
+from gcm_learn.motion.clearance import RESOLUTION
+from gcm_learn.motion.interception import target_distance
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.scene.bodies import Bodies, pose_at
+from gcm_learn.scene.limb import SIDE, joints_of
+from gcm_learn.situation import Situation
+
+SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]
+CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]
+SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
+PARTS = 16  # pieces of a segment on which joint speeds are measured
+LARGEST_TURN = 0.5  # of a joint between two samples: more is a jump, e.g. at the shoulder [rad]
+HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
+_RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a trajectory keeps the promise of "caught"."""
+
+    good: bool
+    clearance: float
+    """Smallest distance of limb and obstacles, less the thickness; only the order of magnitude of
+    the failure when `good` is False."""
+    reason: str
+    """Empty, or what is wrong, in one clause."""
+    touched: float | None = None
+    """When the limb is touched [s]; None if it is not, or something else is wrong."""
+
+
+@njit
+def _rates_at(x, y, dx, dy, rho, side):
+    """Turn of both joints per length of the hand's way at (x, y) in the unit direction (dx, dy).
+
+    The elbow's angle depends on the hand's radius only, the shoulder's also on its direction; at
+    the rims of the ring, where both rates have no bound, the answer is 0 and says nothing.
+    """
+    r = np.sqrt(x * x + y * y)
+    if r < _RIM or r > rho + 1.0 - _RIM or r < abs(rho - 1.0) + _RIM:
+        return 0.0, 0.0
+    outward, around = (x * dx + y * dy) / r, (x * dy - y * dx) / (r * r)
+    cosine = (r * r + rho * rho - 1.0) / (2.0 * rho * r)  # of the angle at the shoulder
+    bend = (r * r - rho * rho + 1.0) / (2.0 * rho * r * r) / np.sqrt(1.0 - cosine * cosine)
+    elbow = (r * r - rho * rho - 1.0) / (2.0 * rho)  # cosine of the elbow's angle
+    shoulder = abs(around + side * bend * outward)
+    return shoulder, abs(outward) * r / (rho * np.sqrt(max(1.0 - elbow * elbow, 1e-12)))
+
+
+@njit
+def joint_turns(hand, rho, side, parts):
+    """Turn of each joint over every segment if it turned all the way as fast as at its fastest.
+
+    The fastest is the largest mean rate over `parts` equal pieces, and the largest rate at their
+    ends and where the segment is nearest to the shoulder.
+
+    Returns
+    -------
+    (n - 1, 2) ndarray
+        [rad]
+    """
+    n = hand.shape[0]
+    out = np.zeros((n - 1, 2))
+    piece = np.empty((parts + 1, 2))
+    for k in range(n - 1):
+        x, y = hand[k, 0], hand[k, 1]
+        dx, dy = hand[k + 1, 0] - x, hand[k + 1, 1] - y
+        length = np.sqrt(dx * dx + dy * dy)
+        if length == 0.0:
+            continue
+        for p in range(parts + 1):
+            piece[p, 0], piece[p, 1] = x + p / parts * dx, y + p / parts * dy
+        joints = joints_of(piece, rho, side)
+        for p in range(parts):
+            for a in range(2):
+                out[k, a] = max(out[k, a], parts * abs(joints[p + 1, a] - joints[p, a]))
+        nearest = min(max(-(x * dx + y * dy) / (length * length), 0.0), 1.0)
+        for p in range(parts + 2):
+            s = p / parts if p <= parts else nearest
+            shoulder, elbow = _rates_at(x + s * dx, y + s * dy, dx / length, dy / length, rho, side)
+            out[k, 0] = max(out[k, 0], shoulder * length)
+            out[k, 1] = max(out[k, 1], elbow * length)
+    return out
+
+
+@njit(_nrt=False)
+def nearest_to_shoulder(hand):
+    """Smallest distance of a polyline (n, 2) to the origin."""
+    best = np.sqrt(hand[0, 0] ** 2 + hand[0, 1] ** 2)
+    for k in range(hand.shape[0] - 1):
+        x, y = hand[k, 0], hand[k, 1]
+        dx, dy = hand[k + 1, 0] - x, hand[k + 1, 1] - y
+        length2 = dx * dx + dy * dy
+        s = min(max(-(x * dx + y * dy) / length2, 0.0), 1.0) if length2 > 0.0 else 0.0
+        best = min(best, np.sqrt((x + s * dx) ** 2 + (y + s * dy) ** 2))
+    return best
+
+
+NOTHING, ELSEWHERE, LATE, OUTSIDE, ROUND, FAST = range(6)
+FAULTS = {
+    ELSEWHERE: "the path does not start at the hand",
+    OUTSIDE: "the path leaves the reachable ring",
+    ROUND: "the arm would have to turn round within no time near the shoulder",
+    FAST: "the hand would have to be faster than max_hand_speed",
+}
+
+
+@njit(_nrt=False)
+def _fault(time, hand, joints, start, horizon, near, far, fastest):
+    """First of the promises about the hand's path that is not kept, NOTHING if all are."""
+    last = time.size - 1
+    if time[0] != 0.0 or hand[0, 0] != start[0] or hand[0, 1] != start[1]:
+        return ELSEWHERE
+    if time[last] > horizon:
+        return LATE
+    for k in range(last + 1):
+        if np.sqrt(hand[k, 0] ** 2 + hand[k, 1] ** 2) > far:
+            return OUTSIDE
+    if last > 0 and nearest_to_shoulder(hand) < near:
+        return OUTSIDE
+    for k in range(last):
+        for joint in range(2):
+            if abs(joints[k + 1, joint] - joints[k, joint]) > LARGEST_TURN:
+                return ROUND
+    for k in range(last):
+        dx, dy = hand[k + 1, 0] - hand[k, 0], hand[k + 1, 1] - hand[k, 1]
+        if np.sqrt(dx * dx + dy * dy) > fastest * (time[k + 1] - time[k]):
+            return FAST
+    return NOTHING
+
+
+def verify(
+    situation: Situation,
+    bodies: Bodies,
+    trajectory: Trajectory,
+    body: int,
+    at_start: float | None = None,
+) -> Verdict:
+    """Check a trajectory against everything that "caught" promises.
+
+    Parameters
+    ----------
+    situation : Situation
+    bodies : Bodies
+        The situation packed.
+    trajectory : Trajectory
+    body : int
+        Index of the target that is caught at the trajectory's end.
+    at_start : float, optional
+        `start_clearance`, if the caller has it at hand.
+
+    Returns
+    -------
+    Verdict
+    """
+    arm = situation.arm
+    reason = _kinematic_fault(situation, trajectory) or _miss(situation, bodies, trajectory, body)
+    if reason:
+        return Verdict(False, 0.0, reason)
+    rho, side = arm.upper_arm, SIDE[arm.elbow]
+    at_start = start_clearance(situation, bodies) if at_start is None else at_start
+    safety = safety_of(at_start)
+    distance, when = least_distance(
+        bodies, trajectory.time, trajectory.hand, rho, side, arm.thickness + safety, RESOLUTION
+    )
+    if distance <= arm.thickness + safety:
+        reason = f"the limb is touched at t = {when:.3f} s"
+        return Verdict(False, distance - arm.thickness, reason, touched=float(when))
+    free = np.inf if distance > 1e200 else distance - arm.thickness
+    return Verdict(True, float(free), "")
+
+
+def safety_of(at_start: float) -> float:
+    """Clearance that a path must keep [forearm lengths], given that at t = 0.
+
+    Half of it where the limb begins nearer to an obstacle than SAFETY asks for.
+    """
+    return min(SAFETY, 0.5 * at_start)
+
+
+def start_clearance(situation: Situation, bodies: Bodies) -> float:
+    """Distance of the limb at t = 0 to the obstacles, less the thickness [forearm lengths]."""
+    arm = situation.arm
+    distance, _ = least_distance(
+        bodies, np.zeros(1), np.array([arm.hand]), arm.upper_arm, SIDE[arm.elbow], -1.0, 1.0
+    )
+    return float(distance) - arm.thickness
+
+
+def _kinematic_fault(situation: Situation, trajectory: Trajectory) -> str:
+    """What of start, horizon, ring and speeds is not kept, or nothing."""
+    arm, hand, time = situation.arm, trajectory.hand, trajectory.time
+    fastest = arm.max_hand_speed * (1.0 + SPEED_TOLERANCE)
+    near, far = arm.inner_reach * (1.0 - 1e-9), arm.reach * (1.0 + 1e-9)
+    fault = _fault(time, hand, trajectory.joints, arm.hand, situation.horizon, near, far, fastest)
+    if fault == LATE:
+        return f"the catch at {time[-1]:.3f} s comes after the horizon"
+    if fault != NOTHING:
+        return FAULTS[fault]
+    if arm.max_joint_speed is not None and len(time) > 1:
+        turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS)
+        limits = np.asarray(arm.max_joint_speed) * (1.0 + SPEED_TOLERANCE)
+        if np.any(turns > limits * np.diff(time)[:, None]):
+            return "a joint would have to be faster than max_joint_speed"
+    return ""
+
+
+def _miss(situation: Situation, bodies: Bodies, trajectory: Trajectory, body: int) -> str:
+    """Whether the hand misses the target at the end."""
+    poses = np.zeros((len(situation.bodies), 12))
+    pose_at(bodies, body, trajectory.duration, poses)
+    distance = target_distance(bodies, poses, body, *trajectory.hand[-1])
+    if distance > situation.arm.grasp - 0.5 * CATCH_SAFETY:
+        return "the hand misses the target"
+    return ""

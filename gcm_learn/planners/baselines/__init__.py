@@ -1,0 +1,1 @@
+"""Planners that maps are compared with."""

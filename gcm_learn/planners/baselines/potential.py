@@ -1,0 +1,130 @@
+"""Artificial potential field: pulled by the target, pushed by obstacles, step by step.
+
+O. Khatib, Real-time obstacle avoidance for manipulators and mobile robots, Int. J. Robotics
+Research 5(1), 1986: an attractive well at the goal and a repulsive potential
+eta / 2 (1 / d - 1 / d0)^2 within the distance d0 of an obstacle.  Here the goal is the straight
+interception predicted anew in every step, d is the distance of the whole limb, and the hand goes
+down the gradient at most at its speed limit.  It is a local rule: it gets stuck, and it may touch
+what comes fast, which the verification then finds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn.collision.distance import arm_distance
+from gcm_learn.compiled import njit
+from gcm_learn.motion.interception import first_interception, target_distance
+from gcm_learn.motion.verification import HOLE_MARGIN
+from gcm_learn.planners.completion import Problem, checked, finish
+from gcm_learn.planners.plan import Plan
+from gcm_learn.scene.bodies import HAND, PART, poses_at
+from gcm_learn.scene.limb import SIDE, elbow_of
+from gcm_learn.situation import Situation
+
+STEP = 0.02  # the hand's way in a step at most [forearm lengths]
+MOST_STEPS = 20_000  # against absurdly long horizons
+NEAREST = 1e-3  # the push grows no more below this distance [forearm lengths]
+_PROBE = 1e-5  # finite difference of the potential [forearm lengths]
+
+
+@njit
+def repulsion(bodies, poses, x, y, rho, side, thickness, influence, gain):
+    """Khatib's repulsive potential of all obstacles for a hand at (x, y)."""
+    ex, ey = elbow_of(x, y, rho, side)
+    total = 0.0
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        d = max(arm_distance(bodies, poses, b, x, y, ex, ey) - thickness, NEAREST)
+        if d < influence:
+            total += 0.5 * gain * (1.0 / d - 1.0 / influence) ** 2
+    return total
+
+
+@njit
+def descend_field(
+    bodies, x, y, speed, horizon, reach, near, far, rho, side, thickness, influence, gain, instant,
+    points,
+):  # fmt: skip
+    """Follow the field from (x, y) until a target is within reach.
+
+    Parameters
+    ----------
+    influence, gain : float
+        d0 [forearm lengths] and eta of the repulsive potential; the attractive force is 1.
+    points : (m, 2) ndarray
+        Filled with the hand after every step of horizon / (m - 1), its start included.
+
+    Returns
+    -------
+    int
+        Number of points when a target is within reach, -1 if none ever is.
+    """
+    steps = points.shape[0] - 1
+    dt = horizon / steps
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    for k in range(steps + 1):
+        points[k, 0], points[k, 1] = x, y
+        poses_at(bodies, k * dt, poses)
+        for b in range(bodies.rows.shape[0]):
+            if bodies.rows[b, PART] == HAND and target_distance(bodies, poses, b, x, y) <= reach:
+                return k + 1
+        if k == steps:
+            break
+        t, _, px, py = first_interception(
+            bodies, x, y, k * dt, k * dt, horizon, speed, reach, near, far, instant
+        )
+        if t < 0.0:
+            break
+        poses_at(bodies, (k + 1) * dt, poses)  # where the obstacles will be after this step
+        u0 = repulsion(bodies, poses, x - _PROBE, y, rho, side, thickness, influence, gain)
+        u1 = repulsion(bodies, poses, x + _PROBE, y, rho, side, thickness, influence, gain)
+        v0 = repulsion(bodies, poses, x, y - _PROBE, rho, side, thickness, influence, gain)
+        v1 = repulsion(bodies, poses, x, y + _PROBE, rho, side, thickness, influence, gain)
+        away = max(np.sqrt((px - x) ** 2 + (py - y) ** 2), 1e-12)
+        fx = (px - x) / away - 0.5 * (u1 - u0) / _PROBE
+        fy = (py - y) / away - 0.5 * (v1 - v0) / _PROBE
+        force = np.sqrt(fx * fx + fy * fy)
+        way = speed * dt / max(force, 1.0)
+        x, y = x + way * fx, y + way * fy
+        r = max(np.sqrt(x * x + y * y), 1e-12)
+        scale = min(max(r, near + HOLE_MARGIN), far) / r
+        x, y = x * scale, y * scale
+    return -1
+
+
+@dataclass(frozen=True)
+class PotentialPlanner:
+    """An artificial potential field (Khatib 1986), rolled out in the known world and verified."""
+
+    name: str = "potential"
+    influence: float = 0.1
+    """Distance d0 within which obstacles push [forearm lengths]; chosen on 300 situations."""
+    gain: float = 3e-4
+    """eta of the repulsive potential, for an attractive force of 1; chosen on 300 situations."""
+
+    def plan(self, situation: Situation) -> Plan:
+        """Answer a situation."""
+        problem = Problem(situation, self.name)
+        answer = problem.early_answer()
+        if answer is not None:
+            return answer
+        arm, horizon = situation.arm, situation.horizon
+        steps = max(int(np.ceil(arm.max_hand_speed * horizon / STEP)), 1)
+        hand = np.empty((min(steps, MOST_STEPS) + 1, 2))
+        count = descend_field(
+            problem.bodies, *arm.hand, arm.max_hand_speed * (1.0 - 1e-8), horizon, problem.reach,
+            arm.inner_reach, arm.reach, arm.upper_arm, SIDE[arm.elbow], arm.thickness,
+            self.influence, self.gain, problem.instant, hand,
+        )  # fmt: skip
+        if count < 0:
+            return problem.answer("unreachable", "the field leads to no target in time")
+        time = np.linspace(0.0, horizon, len(hand))[:count]
+        attempt = finish(problem, np.vstack([hand[:1], hand[:count]]), np.append(0.0, time))
+        if attempt is None:
+            return problem.answer("unreachable", "the field leads to no target in time")
+        plan, reason = checked(problem, attempt)
+        return plan if plan is not None else problem.answer("unreachable", reason)

@@ -1,0 +1,202 @@
+"""ST-RRT* through OMPL, for comparison: two trees in space-time that keep improving their path.
+
+F. Grothe, V. N. Hartmann, A. Orthey, M. Toussaint, ST-RRT*: asymptotically-optimal bidirectional
+motion planning through space-time, ICRA 2022.
+
+OMPL's planner knows goals that stand still: it has a goal's place drawn and draws its time itself.
+Here an interception is drawn, place and time at once, and its time is put in place of OMPL's when
+OMPL next asks whether that state is valid (`st_rrt_star_search`).  Refusing places on which no
+target is at the time that OMPL drew found as many catches, but later ones (within 10 ms 1.14 times
+as late as `layered`, against 1.07).  A search for each of many instants was not tried: what it
+learns for one would be lost for the next.
+
+All settings are OMPL's own.  On 100 random situations that no straight line solves, ranges down to
+0.25 found fewer catches within 10 ms and as many within 100; without rewiring there were a few more
+within 10 ms (67 against 59 to 63), but they improved less (1.04 times as late as `layered` after
+100 ms, against 1.00).  Four fifths of the time are spent inside OMPL, not in our checks.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import pairwise
+from types import ModuleType
+
+import numpy as np
+
+from gcm_learn.errors import MissingExtraError
+from gcm_learn.motion.interception import first_interception
+from gcm_learn.motion.timing import straight_way
+from gcm_learn.motion.verification import HOLE_MARGIN, safety_of
+from gcm_learn.planners.baselines.isolation import Tell, told
+from gcm_learn.planners.baselines.st_rrt_star_moves import Limits, Task
+from gcm_learn.planners.completion import Problem, checked, finish
+from gcm_learn.planners.plan import Plan
+from gcm_learn.scene.limb import SIDE
+from gcm_learn.situation import Situation
+
+ITERATIONS = 1000
+LONGEST_MS = 10_000.0
+"""Of any search: legs among bodies of absurd sizes and speeds take long to check."""
+FOLDED = 0.01
+"""With arms of equal length legs stay that far from the shoulder, where the arm would have to turn
+round within no time [forearm lengths]."""
+NO_END = 2**62  # iterations
+
+Improvement = tuple[float, np.ndarray]  # when it was found [ms], and x, y and time (n, 3)
+
+
+@dataclass(frozen=True)
+class STRRTStarPlanner:
+    """ST-RRT* of OMPL 1.7, its goals along the predicted interceptions.
+
+    States are hand and time, and the elbow keeps its side.  A goal is an instant and a place where
+    the hand is then within grasp of a target, drawn evenly from all instants that would improve the
+    catch.  A leg is valid if the continuous clearance that verifies plans says so; paths are
+    finished and verified like everybody's.  Without a budget the search ends after a number of
+    iterations, so that its answers are the same every time.
+
+    OMPL 1.7.0 now and then crashes when it prunes its trees (fixed in 2.0, whose Python binding has
+    no ST-RRT*).  So it runs in a copy of the process, and what it had found before counts.
+    """
+
+    name: str = "st-rrt-star"
+    budget_ms: float | None = None
+    """Processor time for the search [ms]; the time on an otherwise idle core."""
+    iterations: int = ITERATIONS
+    """Of the search if there is no budget: of growing the trees, or of looking for a goal."""
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Tell at once if OMPL is missing."""
+        _library()
+
+    def plan(self, situation: Situation) -> Plan:
+        """Answer a situation."""
+        if self.budget_ms is not None:
+            return self.plan_anytime(situation, (self.budget_ms,))[0]
+        return self._plans(situation, (LONGEST_MS,), self.iterations)[0]
+
+    def plan_anytime(
+        self, situation: Situation, budgets_ms: Sequence[float] = (10.0, 100.0, 1000.0)
+    ) -> list[Plan]:
+        """Answer a situation once for each budget, from one run with the largest.
+
+        The planner only ever improves its path, so what it has by some time is what a run that ends
+        there has found.  `planning_ms` is that of such a run, without copying the process.
+        """
+        return self._plans(situation, budgets_ms, NO_END)
+
+    def _plans(
+        self, situation: Situation, budgets_ms: Sequence[float], iterations: int
+    ) -> list[Plan]:
+        problem = Problem(situation, self.name)
+        answer = problem.early_answer()
+        if answer is not None:
+            return [answer] * len(budgets_ms)
+        task = self._task(problem, min(max(budgets_ms), LONGEST_MS), iterations)
+        before = 1e3 * (clock.perf_counter() - problem.started)
+        found, used = _search(task)
+        plans = []
+        for budget in budgets_ms:
+            began, thought = clock.perf_counter(), min(budget, used)
+            plan = _best(problem, [path for when, path in found if when <= budget])
+            after = 1e3 * (clock.perf_counter() - began)
+            plans.append(replace(plan, planning_ms=before + thought + after))
+        return plans
+
+    def _task(self, problem: Problem, budget_ms: float, iterations: int) -> Task:
+        situation, arm = problem.situation, problem.situation.arm
+        t, *_ = first_interception(
+            problem.bodies, *arm.hand, 0.0, 0.0, situation.horizon, arm.max_hand_speed,
+            problem.reach, 0.0, math.inf, problem.instant,
+        )  # fmt: skip
+        return Task(
+            bodies=problem.bodies,
+            limits=_limits(problem),
+            hand=arm.hand,
+            horizon=situation.horizon,
+            unhindered=max(float(t) - problem.instant, 0.0),
+            seed=self.seed,
+            budget_ms=budget_ms,
+            iterations=iterations,
+        )
+
+
+def _library() -> ModuleType:
+    """Import the module that needs OMPL."""
+    try:
+        from gcm_learn.planners.baselines import st_rrt_star_search
+    except ImportError as error:
+        if (error.name or "").split(".")[0] != "ompl":
+            raise
+        raise MissingExtraError("st-rrt-star", "ompl 1.7", "peers") from error
+    return st_rrt_star_search
+
+
+@lru_cache(maxsize=1)
+def _warmed() -> ModuleType:
+    """The same with everything loaded, or every copy of the process would load it again."""
+    library = _library()
+    library.warm_up()
+    return library
+
+
+def _search(task: Task) -> tuple[list[Improvement], float]:
+    """All improvements, the best last, and the time used [ms]."""
+    library = _warmed()
+
+    def work(tell: Tell) -> None:
+        library.Search(task, lambda *_: None)  # touches the memory that copies share until then
+        search = library.Search(task, lambda when, path: tell((when, np.array(path))))
+        search.run()
+        tell((search.used_ms, None))
+
+    things, _ = told(work, longest=2.0 + 2e-3 * task.budget_ms)
+    found = [(when, path) for when, path in things if path is not None]
+    return found, things[-1][0] if things else 0.0
+
+
+def _best(problem: Problem, paths: list[np.ndarray]) -> Plan:
+    """The last path that holds, as a plan."""
+    reason = "the trees do not meet in the time that they have"
+    for path in reversed(paths):
+        attempt = finish(problem, *_sampled(path))
+        if attempt is None:
+            continue
+        plan, reason = checked(problem, attempt)
+        if plan is not None:
+            return plan
+    return problem.answer("unreachable", reason)
+
+
+def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Hands (m, 2) and times (m,) along the straight legs between states (n, 3)."""
+    hand, time = [path[:1, :2]], [path[:1, 2]]
+    for before, after in pairwise(path):
+        leg = straight_way(before[:2], after[:2])
+        hand.append(leg[1:])
+        time.append(np.linspace(before[2], after[2], len(leg))[1:])
+    return np.vstack(hand), np.concatenate(time)
+
+
+def _limits(problem: Problem) -> Limits:
+    arm = problem.situation.arm
+    nearest = math.hypot(*arm.hand)
+    joints = arm.max_joint_speed or (math.inf, math.inf)
+    folded = min(FOLDED, 0.5 * nearest)
+    return Limits(
+        rho=arm.upper_arm,
+        side=SIDE[arm.elbow],
+        hole=max(min(arm.inner_reach + HOLE_MARGIN, nearest * (1.0 - 1e-9)), folded),
+        far=max(arm.reach, nearest),
+        touch=arm.thickness + safety_of(problem.start_clearance),
+        speed=arm.max_hand_speed,
+        shoulder=joints[0],
+        elbow=joints[1],
+        reach=problem.reach,
+    )

@@ -1,0 +1,192 @@
+"""ST-RRT* of OMPL over (hand, time): this module needs ompl, and is imported only by its planner.
+
+OMPL's planner knows goals that stand still: it asks for a goal's place and draws its time itself.
+Ours exist for an instant only, so places and times are drawn together, and the time that OMPL had
+drawn is replaced when it asks, next, whether that state is valid.  Everything else is as OMPL has
+it: both trees, conditional sampling, rewiring, pruning.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from typing import Any
+
+import ompl
+
+from gcm_learn import seeding
+from gcm_learn.planners.baselines.st_rrt_star_moves import Limits, Task, draw_goal, leg_holds
+from gcm_learn.scene.packing import pack
+from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+
+# The wheel of 1.7.0 holds its library twice: the modules find the one they are linked with, and
+# `dll_loader` loads the other on top, after which the process crashes when it ends.
+ompl.dll_loader = lambda *_: None
+
+from ompl import base, geometric, util  # noqa: E402
+
+if not hasattr(geometric, "STRRTstar"):
+    raise ImportError("this version of ompl has no STRRTstar", name="ompl")
+
+TRIES = 16  # drawings of a goal at a time
+EARLY = 1e-3  # catches within this share of the unhindered interception are early enough
+SLACK = 1e-6  # of the bounds of places, which must not be empty [arm lengths]
+
+Path = list[tuple[float, float, float]]  # x, y and time of the states
+
+
+class Search:
+    """One run of the planner, from an empty tree.
+
+    Parameters
+    ----------
+    task : Task
+    report : callable
+        Gets the time used [ms] and the path whenever a better one is found.
+    """
+
+    def __init__(self, task: Task, report: Callable[[float, Path], None]) -> None:
+        self.started = clock.thread_time()
+        self.task, self.report = task, report
+        self.best, self.looks = task.horizon, 0
+        util.setLogLevel(util.LogLevel.LOG_NONE)
+        util.RNG.setSeed(task.seed + 1)  # every generator made from now on follows from it
+        self.space = _space(task)
+        self.information = base.SpaceInformation(self.space)
+        self.goals = _Goals(self.information, self)
+        self.validity = _Validity(self.information, self)
+        self.motions = _Motions(self.information, self)
+        self.information.setStateValidityChecker(self.validity)
+        self.information.setMotionValidator(self.motions)
+        self.information.setup()
+        start = base.State(self.space)
+        for k, value in enumerate((*task.hand, 0.0)):
+            start[k] = value
+        problem = base.ProblemDefinition(self.information)
+        problem.addStartState(start)
+        problem.setGoal(self.goals)
+        # OMPL does not keep Python's functions and objects alive: we do.
+        self.told = base.ReportIntermediateSolutionFn(self._improved)
+        self.over = base.PlannerTerminationConditionFn(self._is_over)
+        problem.setIntermediateSolutionCallback(self.told)
+        self.planner = geometric.STRRTstar(self.information)
+        self.planner.setProblemDefinition(problem)
+        self.planner.setup()
+        self.kept = (start, problem)
+
+    @property
+    def used_ms(self) -> float:
+        """Processor time since the beginning [ms]."""
+        return 1e3 * (clock.thread_time() - self.started)
+
+    def run(self) -> None:
+        """Search until the time is over or nothing better is to be expected."""
+        self.planner.solve(base.PlannerTerminationCondition(self.over))
+
+    def _is_over(self) -> bool:
+        self.looks += 1
+        return (
+            self.looks > self.task.iterations
+            or self.best <= self.task.unhindered * (1.0 + EARLY)
+            or self.used_ms >= self.task.budget_ms
+        )
+
+    def _improved(self, _planner: Any, states: Any, _cost: Any) -> None:
+        path = [(s[0][0], s[0][1], self.space.getStateTime(s)) for s in states]
+        self.best = path[-1][2]
+        self.report(self.used_ms, path)
+
+
+class _Goals(base.GoalSampleableRegion):  # type: ignore[misc]
+    """Interceptions: places, each with its own instant."""
+
+    def __init__(self, information: Any, search: Search) -> None:
+        super().__init__(information)
+        self.search, self.task = search, search.task
+        self.rng = seeding.rng(search.task.seed)
+        self.drawn: tuple[float, float, float] | None = None
+
+    def sampleGoal(self, state: Any) -> None:
+        task = self.task
+        chances = self.rng.random((TRIES, 4))
+        t, x, y = draw_goal(
+            task.bodies, task.limits, *task.hand, task.unhindered, self.search.best, chances
+        )
+        state[0][0], state[0][1] = x, y
+        self.drawn = (x, y, t)
+
+    def maxSampleCount(self) -> int:
+        return 1_000_000_000
+
+    def couldSample(self) -> bool:
+        return True
+
+    def distanceGoal(self, _state: Any) -> float:
+        return 1.0  # asked only of states that no goal was reached from
+
+
+class _Validity(base.StateValidityChecker):  # type: ignore[misc]
+    """Gives goals their instant; all else is left to the check of legs, which has their ends."""
+
+    def __init__(self, information: Any, search: Search) -> None:
+        super().__init__(information)
+        self.space, self.goals = search.space, search.goals
+        self.numbers = util.vectorDouble()
+        self.numbers.extend([0.0, 0.0, 0.0])
+
+    def isValid(self, state: Any) -> bool:
+        drawn = self.goals.drawn
+        if drawn is None:
+            return True
+        hand = state[0]
+        if (hand[0], hand[1]) != drawn[:2]:
+            return True
+        self.goals.drawn = None
+        if drawn[2] < 0.0:
+            return False
+        for k in range(3):
+            self.numbers[k] = drawn[k]
+        self.space.copyFromReals(state, self.numbers)
+        return True
+
+
+class _Motions(base.MotionValidator):  # type: ignore[misc]
+    """Legs by the same continuous clearance that verifies plans."""
+
+    def __init__(self, information: Any, search: Search) -> None:
+        super().__init__(information)
+        self.bodies, self.limits = search.task.bodies, search.task.limits
+        self.time_of = search.space.getStateTime
+
+    def checkMotion(self, a: Any, b: Any) -> bool:
+        p, q = a[0], b[0]
+        return leg_holds(
+            self.bodies, self.limits, p[0], p[1], self.time_of(a), q[0], q[1], self.time_of(b)
+        )
+
+
+def _space(task: Task) -> Any:
+    """Hand and time, with the speed that OMPL reckons with."""
+    far, way = task.limits.far, task.limits.speed * task.horizon
+    bounds = base.RealVectorBounds(2)
+    for axis, centre in enumerate(task.hand):
+        bounds.setLow(axis, max(centre - way, -far) - SLACK * far)
+        bounds.setHigh(axis, min(centre + way, far) + SLACK * far)
+    places = base.RealVectorStateSpace(2)
+    places.setBounds(bounds)
+    space = base.SpaceTimeStateSpace(places, task.limits.speed)
+    space.setTimeBounds(0.0, task.horizon)
+    space.setup()
+    return space
+
+
+def warm_up() -> None:
+    """Load what a search needs, by one that finds no goal."""
+    still = PlanarQuadratic((9.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+    away, post = (Body(role, role, Disc(0.1), still) for role in ("target", "obstacle"))
+    bodies = pack(Situation("warm", 1.0, Arm((1.0, 0.0), 3.0), (away, post)))
+    for joints in (math.inf, 9.0):
+        limits = Limits(1.0, 1.0, 0.1, 2.0, 0.0, 3.0, joints, joints, 0.05)
+        leg_holds(bodies, limits, 1.0, 0.0, 0.0, 1.1, 0.0, 0.5)
+    Search(Task(bodies, limits, (1.0, 0.0), 1.0, 0.5, 0, 1e3, 3), lambda *_: None).run()

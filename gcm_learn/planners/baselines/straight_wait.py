@@ -1,0 +1,79 @@
+"""A straight line and patience: to where the target will be, with a wait at either end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn.motion.interception import first_interception
+from gcm_learn.motion.timing import segment_times, straight_way
+from gcm_learn.planners.baselines.straight import StraightPlanner
+from gcm_learn.planners.completion import Problem, checked, finish
+from gcm_learn.planners.plan import Plan
+from gcm_learn.situation import Situation
+
+
+@dataclass(frozen=True)
+class StraightWaitPlanner:
+    """A straight line at the speed limit to an interception, the earlier the better, and a wait.
+
+    What time is left over is spent before leaving, after arriving, or in parts at both ends.
+    """
+
+    name: str = "straight-wait"
+    instants: int = 24
+    """Interceptions that are tried, evenly from the first to the horizon."""
+    shares: tuple[float, ...] = (0.0, 1.0, 0.5)
+    """Shares of the spare time that are spent before leaving, in the order of trying."""
+
+    def plan(self, situation: Situation) -> Plan:
+        """Answer a situation."""
+        problem = Problem(situation, self.name)
+        answer = problem.early_answer()
+        if answer is not None:
+            return answer
+        at_once = StraightPlanner(self.name).plan(situation)
+        if at_once.caught:
+            return at_once
+        reason = "no straight line meets a target in time"
+        for way, leave, end in self._interceptions(problem):
+            spare = max(end - leave[-1], 0.0)
+            for share in self.shares if spare > problem.instant else (0.0,):
+                wait = share * spare
+                time = np.concatenate([[0.0], wait + leave, [max(end, leave[-1])]])
+                attempt = finish(problem, np.vstack([way[:1], way, way[-1:]]), time)
+                if attempt is None:
+                    continue
+                plan, reason = checked(problem, attempt)
+                if plan is not None:
+                    return plan
+        return problem.answer("unreachable", reason)
+
+    def _interceptions(self, problem: Problem) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
+        """Straight ways (m, 2) to interceptions, their times (m,) without waits, and when."""
+        horizon, arm = problem.situation.horizon, problem.situation.arm
+        start, last = np.array(arm.hand), -1.0
+        first = self._meet(problem, 0.0)[0]
+        if first < 0.0:
+            return
+        for since in np.linspace(first, horizon, self.instants):
+            t, x, y = self._meet(problem, float(since))
+            if t <= last:  # the target is away for a while, or for good
+                continue
+            last = t
+            way = straight_way(start, np.array([x, y]))
+            leave = np.concatenate([[0.0], np.cumsum(segment_times(arm, way))])
+            if leave[-1] <= t * (1.0 + 1e-9):
+                yield way, leave, t
+
+    def _meet(self, problem: Problem, since: float) -> tuple[float, float, float]:
+        """Earliest interception from some time on: when (-1 if never) and where."""
+        situation, arm = problem.situation, problem.situation.arm
+        t, _, x, y = first_interception(
+            problem.bodies, *arm.hand, 0.0, since, situation.horizon,
+            arm.max_hand_speed * (1.0 - 2e-9), problem.reach, arm.inner_reach, arm.reach,
+            problem.instant,
+        )  # fmt: skip
+        return float(t), float(x), float(y)

@@ -1,0 +1,95 @@
+"""What attempts that failed teach the next map of the same situation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.maps import CognitiveMap
+from gcm_learn.motion.verification import Verdict
+from gcm_learn.planners.completion import Attempt
+from gcm_learn.wave import Task
+
+WIDER = (
+    0.5  # added to the margin around a touch, in units of what half a cell's step moves the limb
+)
+AROUND = 1.6  # how far a touch widens [cells]
+NEAR = 2.0  # touches nearer together than this widen ever farther [cells]
+
+
+@dataclass(frozen=True)
+class Exploration:
+    """A map and ways to end at its contact."""
+
+    map: CognitiveMap
+    attempts: Iterable[Attempt] = ()
+    """Not verified, the most promising first; made when they are asked for."""
+    arrived: float = 0.0
+    """When the hand is where the contact is [s]."""
+    shared: float = 0.0
+    """Until when all attempts are the same [s]."""
+
+
+@dataclass(frozen=True)
+class Lessons:
+    """What has been learned about a situation on one lattice.
+
+    A limb that is touched on its way passes between the centres of cells where their neighbourhood
+    is not free: the cells around get a wider margin, and the front goes round or waits.  If the
+    way to the contact holds, but no way to end it, or if the front comes to the same contact again,
+    the contact is passed over.
+    """
+
+    beyond: float = 0.0
+    """How long after the horizon the front stops [crossings of a cell]."""
+    ignore: float = 0.0
+    """Contacts before this time do not count [s]."""
+    widening: np.ndarray | None = None
+    """Margin (n * n,) on top of the usual one."""
+    touches: tuple[tuple[float, float], ...] = ()
+    """Where the hand was when the limb was touched [forearm lengths]."""
+    passed_over: int = 0
+    """Number of contacts."""
+    met: float = -1.0
+    """When the last map's contact was [s]."""
+
+    def applied(self, task: Task) -> Task:
+        """What there is to explore, with what was learned."""
+        horizon = task.horizon + self.beyond * task.lattice.spacing / task.fastest
+        return replace(task, horizon=horizon, ignore=self.ignore, widening=self.widening)
+
+    def after(
+        self, found: Exploration, failures: list[tuple[Attempt, Verdict]], speed: float
+    ) -> Lessons:
+        """Add what the failure of all attempts at a contact teaches.
+
+        `speed` is the hand's [forearm lengths / s].
+        """
+        assert found.map.contact is not None
+        met = found.map.contact.time
+        touched = [(v.touched, a) for a, v in failures if v.touched is not None]
+        when, attempt = min(touched, key=lambda touch: touch[0], default=(np.inf, None))
+        lessons = replace(self, met=met)
+        if attempt is not None and when < found.arrived:
+            lessons = lessons._wider(found.map.lattice, attempt, when)
+            if met != self.met:
+                return lessons
+        # Nothing to widen, or the last widening has not moved the contact.  Contacts that fail come
+        # in rows: skip ever more of them.
+        crossing = found.map.lattice.spacing / speed
+        ignore = met + 2**self.passed_over * crossing
+        return replace(lessons, ignore=ignore, passed_over=self.passed_over + 1)
+
+    def _wider(self, lattice: Lattice, attempt: Attempt, when: float) -> Lessons:
+        """Widen the margin of the cells around the hand at some time."""
+        path = attempt.trajectory
+        x, y = (float(np.interp(when, path.time, path.hand[:, k])) for k in (0, 1))
+        h, centres = lattice.spacing, lattice.centres
+        again = sum(np.hypot(x - a, y - b) < NEAR * h for a, b in self.touches)
+        away = np.maximum(abs(centres - x), abs(centres[:, None] - y)).ravel()
+        widening = np.zeros(lattice.n**2) if self.widening is None else self.widening
+        widening = widening + WIDER * (away < (AROUND + again) * h)
+        return replace(self, widening=widening, touches=(*self.touches, (x, y)))

@@ -1,0 +1,273 @@
+"""What a situation looks like to its arm: the room that every body leaves the limb.
+
+Everything is known at t = 0. Hands are taken on a polar lattice about the shoulder, which begins in
+the direction of the hand and runs to the side on which canonical arms turn; at instants that are
+told by how far the hand can have come, the distance of the limb, with its hand there, to the body
+is asked for. What shape a body has and how it moves is no longer seen, only what it forbids. Bodies
+stay apart: a path holds if it holds against each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.collision.distance import arm_distance, segment_point2
+from gcm_learn.compiled import njit
+from gcm_learn.motion.interception import first_interception
+from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, Bodies, pose_at, poses_at
+from gcm_learn.scene.limb import SIDE, elbow_of
+from gcm_learn.scene.packing import pack
+from gcm_learn.situation import Situation
+
+DIRECTIONS = 24  # of hands, over the whole turn
+RINGS = np.array([0.1, 0.28, 0.46, 0.64, 0.8, 0.94])  # shares of the ring
+LENGTHS = np.array([0.15, 0.4, 0.7, 1.0, 1.35, 1.7, 2.1, 2.5, 2.9, 3.4, 4.0, 4.8])
+"""Instants: ways that the hand can have come [forearm lengths]."""
+ROOM = 0.4  # room beyond this is as good as free [forearm lengths]
+TOUCHING = 1e-6  # room up to this is none [forearm lengths]
+SLACK = 0.25  # hands that are farther than the way by this are not asked for [forearm lengths]
+TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, ROOM away is 0
+INSTANT = 1e-3  # resolution of interceptions [horizons]
+
+CELLS = len(LENGTHS) * len(RINGS) * DIRECTIONS
+TRACK = 5  # numbers of the target at an instant
+SCALARS = 14
+CONTEXT = TRACK * len(LENGTHS) + SCALARS
+STEPS = 170  # of a cell's number between 0 and 1, where looks are stored in bytes
+
+
+class Look(NamedTuple):
+    """What one situation looks like."""
+
+    context: np.ndarray
+    """(CONTEXT,) float32: the target's track, then scalars."""
+    cells: np.ndarray
+    """(obstacles, CELLS) float32: by instants, rings and directions; 0 is free by ROOM or more, 1
+    just free, TOUCH touches. Cells that the hand cannot have come to are 0. Obstacles that the limb
+    can nowhere come near are left out: they change nothing."""
+
+
+class Looks(NamedTuple):
+    """What many situations look like."""
+
+    context: np.ndarray
+    """(n, CONTEXT) float32"""
+    cells: np.ndarray
+    """(m, CELLS) uint8: of all their obstacles [1 / STEPS]."""
+    whose: np.ndarray
+    """(m,) int64: whose obstacle it is."""
+
+
+def gathered(looks: Sequence[Look]) -> Looks:
+    """Many looks as one, in bytes."""
+    cells = [np.rint(look.cells * STEPS).astype(np.uint8) for look in looks]
+    whose = np.repeat(np.arange(len(looks)), [len(c) for c in cells])
+    whole = np.concatenate(cells) if cells else np.zeros((0, CELLS), np.uint8)
+    return Looks(np.array([look.context for look in looks]), whole, whose)
+
+
+def look(situation: Situation, bodies: Bodies | None = None) -> Look:
+    """What a situation in any frame looks like.
+
+    Parameters
+    ----------
+    situation : Situation
+    bodies : Bodies, optional
+        The situation packed, if the caller has it at hand.
+    """
+    arm, horizon = situation.arm, situation.horizon
+    packed = pack(situation) if bodies is None else bodies
+    x, y = arm.hand
+    joints = arm.max_joint_speed or (0.0, 0.0)
+    context, cells = _look(
+        packed, x, y, arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach,
+        arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp,
+    )  # fmt: skip
+    return Look(context, cells)
+
+
+@njit
+def _look(
+    bodies, x, y, rho, side, near, far, speed, shoulder, elbow, horizon, thickness, grasp
+):  # fmt: skip
+    """Context and cells, as of `Look`."""
+    poses, out = np.zeros((bodies.rows.shape[0], 12)), np.zeros(CONTEXT, dtype=np.float32)
+    obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
+    cells = np.zeros((obstacles.size, CELLS), dtype=np.float32)
+    angle = np.arctan2(y, x)
+    start = np.sqrt(x * x + y * y)
+    if obstacles.size > 0:
+        _look_at_cells(
+            bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness,
+            obstacles, cells,
+        )  # fmt: skip
+    target = _nearest_target(bodies, poses, x, y)
+    at = 0
+    for k in range(LENGTHS.size):
+        t = min(LENGTHS[k] / speed, horizon)
+        pose_at(bodies, target, t, poses)
+        _track(poses, target, angle, side, near, far, out, at)
+        gap = np.sqrt((poses[target, 0] - x) ** 2 + (poses[target, 1] - y) ** 2)
+        out[at + 4] = min(max(gap - LENGTHS[k], -2.0), 2.0)
+        at += TRACK
+    soonest, body, px, py = first_interception(
+        bodies, x, y, 0.0, 0.0, horizon, speed, grasp, near, far, INSTANT * horizon
+    )
+    if body >= 0:
+        a = side * (np.arctan2(py, px) - angle)
+        out[at], out[at + 1] = 1.0, soonest * speed * 0.3
+        out[at + 2], out[at + 3] = np.cos(a), np.sin(a)
+        out[at + 4] = (np.sqrt(px * px + py * py) - near) / (far - near)
+    out[at + 5], out[at + 6] = (start - near) / (far - near), rho
+    out[at + 7], out[at + 8] = speed * 0.3, speed * horizon * 0.25
+    out[at + 9], out[at + 10] = thickness * 10.0, grasp * 10.0
+    out[at + 11] = bodies.rows[target, REACH] * 5.0
+    if shoulder > 0.0:  # slow joints count, fast ones are as good as no limit
+        out[at + 12], out[at + 13] = speed / (speed + shoulder), speed / (speed + elbow)
+    near_ones = np.empty(obstacles.size, dtype=np.bool_)
+    for o in range(obstacles.size):
+        near_ones[o] = cells[o].any()
+    return out, cells[near_ones]
+
+
+class Limbs(NamedTuple):
+    """Limbs whose hands are at the directions and rings of the lattice."""
+
+    joints: np.ndarray  # (rings, DIRECTIONS, 4): hand, elbow
+    away2: np.ndarray  # (rings, DIRECTIONS): of the hand from where it starts, squared
+    longest: np.ndarray  # (rings,): of hand and elbow the distance from the shoulder that is larger
+    bend: np.ndarray  # (rings,): direction of the elbow from that of the hand
+
+
+@njit
+def _limbs(angle, start, rho, side, near, far):
+    """Limbs of a lattice that begins in the direction `angle`."""
+    rings, n, step = RINGS.size, DIRECTIONS, 2.0 * np.pi / DIRECTIONS
+    made = Limbs(np.empty((rings, n, 4)), np.empty((rings, n)), np.empty(rings), np.empty(rings))
+    for i in range(rings):
+        r = near + RINGS[i] * (far - near)
+        made.longest[i] = max(r, rho)
+        ex, ey = elbow_of(r, 0.0, rho, side)
+        made.bend[i] = side * np.arctan2(ey, ex)
+    for j in range(n):
+        c, s = np.cos(angle + side * step * j), np.sin(angle + side * step * j)
+        cosine = np.cos(step * j)
+        for i in range(rings):
+            r = near + RINGS[i] * (far - near)
+            ex, ey = elbow_of(r, 0.0, rho, side)
+            made.joints[i, j, 0], made.joints[i, j, 1] = r * c, r * s
+            made.joints[i, j, 2], made.joints[i, j, 3] = ex * c - ey * s, ex * s + ey * c
+            made.away2[i, j] = r * r + start * start - 2.0 * r * start * cosine
+    return made
+
+
+@njit
+def _look_at_cells(
+    bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, obstacles, out
+):
+    """Fill in how little room each body leaves the limb in cells that the hand can have come to."""
+    limbs = _limbs(angle, start, rho, side, near, far)
+    rings, step = RINGS.size, 2.0 * np.pi / DIRECTIONS
+    close = np.empty(DIRECTIONS, dtype=np.int64)
+    for k in range(LENGTHS.size):
+        poses_at(bodies, min(LENGTHS[k] / speed, horizon), poses)
+        limit = (LENGTHS[k] + SLACK) ** 2
+        for o in range(obstacles.size):
+            b = obstacles[o]
+            ball = bodies.rows[b, REACH] + thickness + ROOM
+            away, middle, half = _sector(poses, b, angle, side, ball)
+            for i in range(rings):
+                if away > limbs.longest[i] + ball:
+                    continue
+                first, last = 0, DIRECTIONS - 1
+                if away > ball:  # the limb lies within the sector of hand and elbow
+                    first = int(np.ceil((middle - half - max(limbs.bend[i], 0.0)) / step))
+                    last = int(np.floor((middle + half - min(limbs.bend[i], 0.0)) / step))
+                    last = min(last, first + DIRECTIONS - 1)
+                at = (k * rings + i) * DIRECTIONS
+                _look_at_ring(
+                    bodies, poses, b, limbs, i, first, last, limit, ball, thickness, close,
+                    out, o, at,
+                )  # fmt: skip
+
+
+@njit(_nrt=False, forceinline=True)
+def _sector(poses, b, angle, side, ball):
+    """Distance of a ball about body b from the shoulder, its direction, and half its width."""
+    x, y = poses[b, 0], poses[b, 1]
+    away = np.sqrt(x * x + y * y)
+    if away <= ball:
+        return away, 0.0, np.pi
+    return away, side * (np.arctan2(y, x) - angle), np.arcsin(ball / away)
+
+
+@njit(_nrt=False, forceinline=True)
+def _look_at_ring(
+    bodies, poses, b, limbs, i, first, last, limit, ball, thickness, close, out, o, at
+):  # fmt: skip
+    """Fill in the cells of a ring from direction `first` to `last`.
+
+    Balls are asked first, in a loop that calls nothing.
+    """
+    px, py, pz, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
+    disc, count = bodies.rows[b, KIND] == DISC, 0
+    z2 = 0.0 if disc else pz * pz
+    for turn in range(first, last + 1):
+        j = turn % DIRECTIONS
+        if limbs.away2[i, j] > limit:
+            continue
+        hx, hy = limbs.joints[i, j, 0], limbs.joints[i, j, 1]
+        ex, ey = limbs.joints[i, j, 2], limbs.joints[i, j, 3]
+        d2 = segment_point2(px, py, ex, ey, hx, hy)
+        d2 = min(d2, segment_point2(px, py, 0.0, 0.0, ex, ey)) + z2
+        if d2 >= ball * ball:
+            continue
+        if disc:
+            out[o, at + j] = _closeness(np.sqrt(d2) - reach - thickness)
+        else:
+            close[count] = j
+            count += 1
+    for c in range(count):
+        j = close[c]
+        hx, hy = limbs.joints[i, j, 0], limbs.joints[i, j, 1]
+        ex, ey = limbs.joints[i, j, 2], limbs.joints[i, j, 3]
+        room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - thickness
+        out[o, at + j] = _closeness(room)
+
+
+@njit(forceinline=True)
+def _closeness(room):
+    """Number of a cell: how little room is left."""
+    if room <= TOUCHING:
+        return TOUCH
+    return max(1.0 - room / ROOM, 0.0)
+
+
+@njit(_nrt=False)
+def _nearest_target(bodies, poses, x, y):
+    """The target that is nearest at t = 0."""
+    best, least = -1, 1e300
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            continue
+        pose_at(bodies, b, 0.0, poses)
+        d2 = (poses[b, 0] - x) ** 2 + (poses[b, 1] - y) ** 2 + poses[b, 2] ** 2
+        if d2 < least:
+            best, least = b, d2
+    return best
+
+
+@njit(_nrt=False)
+def _track(poses, target, angle, side, near, far, out, at):
+    """Fill in where the target is: direction, share of the ring, distance from the plane."""
+    px, py = poses[target, 0], poses[target, 1]
+    r = np.sqrt(px * px + py * py)
+    a = side * (np.arctan2(py, px) - angle)
+    share = min((r - near) / (far - near), 2.0)
+    scale = min(r, 1.0)
+    out[at], out[at + 1] = np.cos(a) * scale, np.sin(a) * scale
+    out[at + 2] = share
+    out[at + 3] = min(abs(poses[target, 2]), 1.0)

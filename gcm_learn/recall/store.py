@@ -1,0 +1,350 @@
+"""The memory: catches filed under embeddings, found again by inner product."""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args, overload
+
+import numpy as np
+
+from gcm_learn import seeding
+from gcm_learn.errors import RecallError
+from gcm_learn.recall.disk import read_arrays, read_manifest, write_memory
+from gcm_learn.recall.index import Index, index_class
+from gcm_learn.recall.kernels import KNOTS, TIME
+from gcm_learn.recall.search import Searcher
+from gcm_learn.recall.waypoints import Trace
+from gcm_learn.situation import Situation, situation_from_json, situation_to_json
+from gcm_learn.situation.canonical import canonical
+
+Forgotten = Literal["least used", "oldest", "random"]
+SPARE = 1.5  # room is made for this many times the entries that there are
+MANY = 20_000  # learned entries from which nearly the best are good enough by default
+_COLUMNS = ("embeddings", "traces", "goals", "labels", "uses", "lengths")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One memory."""
+
+    situation: Situation
+    """In its canonical form."""
+    trace: Trace
+    family: str
+    stratum: str
+    uses: int
+    """How often it was the one that held."""
+
+
+class Memory:
+    """Catches, filed by an index.
+
+    Parameters
+    ----------
+    index : Index
+        Files memories and asks for them. Its key is stamped into the memory.
+    search : {"auto", "exact", "faiss", "cells"}
+        "auto" takes cells where a learned index files many, else faiss from 100,000 entries on if
+        it is installed.
+
+    Examples
+    --------
+    >>> memory = Memory(RawIndex.fit(situations))          # doctest: +SKIP
+    >>> memory.add(situations, [trace_of(s, solve(s, "layered")) for s in situations])
+    ... # doctest: +SKIP
+    >>> memory.recall(memory.index.embed_query(other), 5)  # doctest: +SKIP
+    """
+
+    def __init__(self, index: Index, search: str = "auto") -> None:
+        self.index = index
+        self.search = search
+        self._size = 0
+        self._columns: dict[str, np.ndarray] = {
+            "embeddings": np.zeros((0, index.dim), np.float32),
+            "traces": np.zeros((0, KNOTS, 4), np.float32),
+            "goals": np.zeros((0, 2), np.float32),
+            "labels": np.zeros((0, 2), np.int16),
+            "uses": np.zeros(0, np.int32),
+            "lengths": np.zeros(0, np.int32),
+        }
+        self._texts: list[bytes] = []
+        self._old_texts: np.ndarray = np.zeros(0, np.uint8)  # of entries that were loaded
+        self._old_starts: np.ndarray = np.zeros(1, np.int64)
+        self._words: list[str] = [""]
+        self._searcher: Searcher | None = None
+
+    def __len__(self) -> int:
+        return self._size
+
+    def __getitem__(self, k: int) -> Entry:
+        """Memory k; its situation is read only now."""
+        if not -self._size <= k < self._size:
+            raise IndexError(f"memory {k} of {self._size}")
+        k %= self._size
+        family, stratum = (self._words[w] for w in self.labels[k])
+        trace = Trace(np.array(self.traces[k]), np.array(self.goals[k]))
+        return Entry(self.situation(k), trace, family, stratum, int(self.uses[k]))
+
+    @property
+    def embeddings(self) -> np.ndarray:
+        """(n, dim) float32"""
+        return self._columns["embeddings"][: self._size]
+
+    @property
+    def traces(self) -> np.ndarray:
+        """(n, KNOTS, 4) float32: knots of `Trace`."""
+        return self._columns["traces"][: self._size]
+
+    @property
+    def goals(self) -> np.ndarray:
+        """(n, 2) float32: goals of `Trace`."""
+        return self._columns["goals"][: self._size]
+
+    @property
+    def catch_times(self) -> np.ndarray:
+        """(n,) float32 [s]"""
+        return self.traces[:, -1, TIME]
+
+    @property
+    def labels(self) -> np.ndarray:
+        """(n, 2) int16: family and stratum as positions in `words`."""
+        return self._columns["labels"][: self._size]
+
+    @property
+    def words(self) -> list[str]:
+        """Names of families and strata."""
+        return list(self._words)
+
+    @property
+    def uses(self) -> np.ndarray:
+        """(n,) int32: how often each was the one that held."""
+        return self._columns["uses"][: self._size]
+
+    def situation(self, k: int) -> Situation:
+        """Situation of memory k, canonical."""
+        return situation_from_json(json.loads(zlib.decompress(self._text(k))))
+
+    def situations(self) -> list[Situation]:
+        """All situations, canonical."""
+        return [self.situation(k) for k in range(self._size)]
+
+    def add(
+        self,
+        situations: Sequence[Situation],
+        traces: Sequence[Trace],
+        families: Sequence[str] | None = None,
+        strata: Sequence[str] | None = None,
+    ) -> None:
+        """Remember catches.
+
+        Parameters
+        ----------
+        situations : sequence of Situation
+            In any frame; the canonical form is kept.
+        traces : sequence of Trace
+        families, strata : sequence of str, optional
+            Labels, which nothing depends on.
+        """
+        count = len(situations)
+        if count == 0:
+            return
+        turned = [canonical(s)[0] for s in situations]
+        words = (families or [""] * count, strata or [""] * count)
+        texts = [_packed(s) for s in turned]
+        fresh = {
+            "embeddings": self.index.embed_memories(turned, traces).astype(np.float32),
+            "traces": np.array([t.knots for t in traces], np.float32),
+            "goals": np.array([t.goal for t in traces], np.float32),
+            "labels": np.array([[self._word(w) for w in row] for row in zip(*words, strict=True)]),
+            "uses": np.zeros(count, np.int32),
+            "lengths": np.array([len(t) for t in texts]),
+        }
+        if fresh["embeddings"].shape != (count, self.index.dim):
+            got = fresh["embeddings"].shape
+            raise RecallError(f"embeddings: shape {got}, expected {(count, self.index.dim)}")
+        self._append(fresh, texts)
+
+    def recall(self, query: np.ndarray, k: int = 20) -> np.ndarray:
+        """Memories (min(k, n),) that fit an embedding (dim,) best, the best first."""
+        if self._searcher is None or len(self._searcher.rows) != self._size:
+            nearly = self.search == "auto" and self.index.name == "learned" and self._size >= MANY
+            self._searcher = Searcher(self.embeddings, "cells" if nearly else self.search)
+        return self._searcher(query, k)
+
+    def used(self, k: int) -> None:
+        """Count that memory k was the one that held."""
+        self._own("uses")
+        self._columns["uses"][k] += 1
+
+    def forget(self, which: np.ndarray) -> None:
+        """Forget memories by position or by truth value (n,)."""
+        keep = np.ones(self._size, dtype=bool)
+        keep[np.asarray(which)] = False
+        texts = [self._text(k) for k in np.flatnonzero(keep).tolist()]
+        self._columns = {name: self._columns[name][: self._size][keep] for name in _COLUMNS}
+        self._size, self._texts = int(keep.sum()), texts
+        self._old_texts, self._old_starts = np.zeros(0, np.uint8), np.zeros(1, np.int64)
+        self._searcher = None
+
+    def forget_to(self, size: int, first: Forgotten = "least used", seed: int = 0) -> None:
+        """Forget until `size` are left.
+
+        Parameters
+        ----------
+        size : int
+        first : {"least used", "oldest", "random"}
+            What goes first: what held least often (of equal ones the oldest), the oldest, or any.
+        seed : int
+            Decides which are any.
+        """
+        if size >= self._size:
+            return
+        if first == "random":
+            order = seeding.rng(seed, self._size).permutation(self._size)
+        elif first == "oldest":
+            order = np.arange(self._size)
+        elif first == "least used":
+            order = np.lexsort((np.arange(self._size), self.uses))
+        else:
+            known = ", ".join(get_args(Forgotten))
+            raise RecallError(f"first: {first!r} is not one of {known}")
+        self.forget(order[: self._size - size])
+
+    def merge(self, other: Memory) -> None:
+        """Take over all memories of another one that was filed by the same index."""
+        self._refuse_other_key(other.index.key, "the memory to merge")
+        words = np.array([self._word(w) for w in other._words])
+        fresh = {name: np.array(other._columns[name][: len(other)]) for name in _COLUMNS}
+        fresh["labels"] = words[fresh["labels"]].reshape(-1, 2)
+        self._append(fresh, [other._text(k) for k in range(len(other))])
+
+    def refiled(self, index: Index) -> Memory:
+        """The same memories, filed by another index."""
+        out = Memory(index, self.search)
+        if len(self):
+            traces = [Trace(k, g) for k, g in zip(self.traces, self.goals, strict=True)]
+            out._words = list(self._words)
+            fresh = {name: np.array(self._columns[name][: self._size]) for name in _COLUMNS}
+            fresh["embeddings"] = index.embed_memories(_Situations(self), traces)
+            out._append(fresh, [self._text(k) for k in range(self._size)])
+        return out
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Write the memory and its index into a folder; what was there stays until it is done."""
+        arrays = {name: self._columns[name][: self._size] for name in _COLUMNS}
+        text = b"".join(self._text(k) for k in range(self._size))
+        arrays["situations"] = np.frombuffer(text, np.uint8)
+        about = {
+            "size": self._size,
+            "knots": KNOTS,
+            "words": self._words,
+            "index": {"name": self.index.name, "key": self.index.key, "dim": self.index.dim},
+        }
+        write_memory(Path(folder), arrays, about, self.index.save)
+
+    @classmethod
+    def load(
+        cls,
+        folder: str | os.PathLike[str],
+        index: Index | None = None,
+        *,
+        search: str = "auto",
+        mmap: bool = True,
+    ) -> Memory:
+        """Read a memory.
+
+        Parameters
+        ----------
+        folder : path-like
+        index : Index, optional
+            The one that it must have been filed by; by default the one saved with it.
+        mmap : bool
+            Leave what is large on disk until it is read.
+
+        Raises
+        ------
+        RecallError
+            In one line: there is none, it is damaged, or was filed by another index.
+        """
+        place = Path(folder)
+        manifest = read_manifest(place)
+        stamp: dict[str, Any] = manifest["index"]
+        if manifest["knots"] != KNOTS:
+            raise RecallError(f"{place}: paths of {manifest['knots']} knots, expected {KNOTS}")
+        if index is None:
+            index = index_class(stamp["name"]).load(place / manifest["data"])
+        out = cls(index, search)
+        out._refuse_other_key(stamp["key"], str(place))
+        columns = read_arrays(place, manifest, mmap)
+        out._columns = {name: columns[name] for name in _COLUMNS}
+        out._size, out._words = int(manifest["size"]), list(manifest["words"])
+        out._old_texts = columns["situations"]
+        out._old_starts = np.concatenate([[0], np.cumsum(columns["lengths"], dtype=np.int64)])
+        return out
+
+    def _refuse_other_key(self, key: str, what: str) -> None:
+        if key != self.index.key:
+            raise RecallError(
+                f"{what}: filed by an index with key {key}, asked by {self.index.name!r} with key "
+                f"{self.index.key}: file it anew (Memory.refiled)"
+            )
+
+    def _append(self, fresh: dict[str, np.ndarray], texts: list[bytes]) -> None:
+        size = self._size + len(texts)
+        for name in _COLUMNS:
+            old = self._columns[name]
+            if size > len(old) or not old.flags.writeable:
+                room = max(int(SPARE * size), 64)
+                grown = np.zeros((room, *old.shape[1:]), old.dtype)
+                grown[: self._size] = old[: self._size]
+                self._columns[name] = grown
+            self._columns[name][self._size : size] = fresh[name]
+        self._texts += texts
+        self._size, self._searcher = size, None
+
+    def _own(self, name: str) -> None:
+        if not self._columns[name].flags.writeable:
+            self._columns[name] = np.array(self._columns[name])
+
+    def _text(self, k: int) -> bytes:
+        old = len(self._old_starts) - 1
+        if k >= old:
+            return self._texts[k - old]
+        return self._old_texts[self._old_starts[k] : self._old_starts[k + 1]].tobytes()
+
+    def _word(self, word: str) -> int:
+        if word not in self._words:
+            self._words.append(word)
+        return self._words.index(word)
+
+
+class _Situations(Sequence[Situation]):
+    """The situations of a memory, read only when they are looked at: not all indexes do."""
+
+    def __init__(self, memory: Memory, rows: range | None = None) -> None:
+        self._memory, self._rows = memory, range(len(memory)) if rows is None else rows
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, k: int) -> Situation: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> _Situations: ...
+
+    def __getitem__(self, k: int | slice) -> Situation | _Situations:
+        if isinstance(k, slice):
+            return _Situations(self._memory, self._rows[k])
+        return self._memory.situation(self._rows[k])
+
+
+def _packed(situation: Situation) -> bytes:
+    """A situation as compressed JSON text."""
+    text = json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False)
+    return zlib.compress(text.encode(), 6)

@@ -1,0 +1,280 @@
+"""Training: lessons are made while the encoder learns from those that there are.
+
+Turns follow each other: a lesson is made, then the optimiser takes some steps on lessons drawn from
+all so far. Later lessons ask about the memories that the encoder itself puts first, for these are
+what it will be judged by. At the end it only repeats. All that is random is a function of seed,
+lesson and step, so a run that was stopped goes on as if it had not been.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
+
+from gcm_learn import seeding
+from gcm_learn.errors import EncoderError
+from gcm_learn.recall.clearance_features import STEPS, Looks
+from gcm_learn.recall.encoder_config import EncoderConfig, config_to_json
+from gcm_learn.recall.encoder_files import write_whole
+from gcm_learn.recall.losses import binary, contrast, listwise
+from gcm_learn.recall.networks import EncoderNet
+from gcm_learn.recall.towers import Encoder
+from gcm_learn.recall.training_data import Lesson, Teacher
+
+WARM = 200  # steps in which the learning rate rises
+OPEN = 0.2  # share of the time in which lessons are about any memories
+REPEAT = 0.15  # share at the end in which no lessons are made
+SURVEYED = 30_000  # memories at most among which the best are looked for
+AVERAGE = 0.998  # of the weights over the steps
+EXAMINED = 240.0  # time between exams [s]
+SAVED = 60.0  # time between checkpoints [s]
+LARGEST_GRADIENT = 1.0
+CHECKPOINT, LOG = "checkpoint.pt", "log.jsonl"
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long to train: for a time, or for a number of turns, which is the same every time."""
+
+    minutes: float = 40.0
+    turns: int | None = None
+
+    def done(self, turn: int, elapsed: float) -> float:
+        """Share of it that is behind, from 0 to 1."""
+        share = elapsed / (60.0 * self.minutes) if self.turns is None else turn / self.turns
+        return min(share, 1.0)
+
+
+@dataclass
+class Trainer:
+    """An encoder that learns, and all that it takes to go on later.
+
+    Parameters
+    ----------
+    config : EncoderConfig
+    teacher : Teacher
+    folder : Path
+        For checkpoints, lessons and the log. What is there of the same configuration is taken up.
+    effort : Effort
+    start : Encoder, optional
+        Whose weights to start from, of the same size; by default they are drawn.
+    """
+
+    config: EncoderConfig
+    teacher: Teacher
+    folder: Path
+    effort: Effort = field(default_factory=Effort)
+    start: Encoder | None = None
+
+    def __post_init__(self) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.turn, self.step, self.elapsed = 0, 0, 0.0
+        self.lessons: list[Lesson] = []
+        self._ways = torch.from_numpy(self.teacher.ways)
+        pictures = self.teacher.pictures
+        self._pictures = None if pictures is None else torch.from_numpy(pictures)
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(self.config.seed)
+            self.net = EncoderNet(self.config, self._ways.shape[1])
+        if self.start is None:
+            self._fit_scales()
+        else:
+            self.net.take_over(self.start)
+        self.mean = AveragedModel(self.net, multi_avg_fn=get_ema_multi_avg_fn(AVERAGE))
+        self._optimiser = torch.optim.AdamW(
+            self.net.parameters(), self.config.rate, weight_decay=self.config.decay
+        )
+        self._board = _tensorboard(self.folder)
+        self._take_up()
+
+    @property
+    def encoder(self) -> Encoder:
+        """What has been learned so far."""
+        net: EncoderNet = self.mean.module
+        return Encoder(self.config, net.arrays())
+
+    def run(self, progress: Callable[[float], None] = lambda share: None) -> Encoder:
+        """Train to the end; `progress` is told the share that is done."""
+        examined, saved = self.elapsed, self.elapsed
+        while (share := self.effort.done(self.turn, self.elapsed)) < 1.0:
+            began = time.monotonic()
+            marks = self._take_turn(share)
+            self.turn += 1
+            self.elapsed += time.monotonic() - began
+            if self.elapsed - examined >= EXAMINED:
+                marks |= self.exam()
+                examined = self.elapsed
+            self._note(marks)
+            if self.elapsed - saved >= SAVED:
+                self.save()
+                saved = self.elapsed
+            progress(share)
+        self._note(self.exam())
+        self.save()
+        return self.encoder
+
+    def exam(self) -> dict[str, float]:
+        """Marks of what has been learned so far."""
+        rows = np.arange(len(self._ways))
+        return self.teacher.exam(lambda looks, k: self._best(looks, k, rows))
+
+    def _take_turn(self, share: float) -> dict[str, float]:
+        """One lesson and some steps; mean losses."""
+        if share < 1.0 - REPEAT or not self.lessons:
+            self._attend(share)
+        losses = [self._learn(share) for _ in range(self.config.steps)]
+        return {name: float(np.mean([loss[name] for loss in losses])) for name in losses[0]}
+
+    def _attend(self, share: float) -> None:
+        """Have a lesson made and keep it."""
+        k = len(self.lessons)
+        rng = seeding.rng(self.config.seed, 0, k)
+        if share < OPEN or rng.random() >= self.config.hard:
+            lesson = self.teacher.lesson(k, None)
+        else:
+            rows = rng.permutation(len(self._ways))[:SURVEYED]
+            lesson = self.teacher.lesson(k, lambda looks, n: self._best(looks, n, rows))
+        lesson.save(self._lesson_file(k))
+        self.lessons.append(lesson)
+
+    def _learn(self, share: float) -> dict[str, float]:
+        """One step of the optimiser."""
+        rng = seeding.rng(self.config.seed, 1, self.step)
+        lesson = self.lessons[int(rng.integers(len(self.lessons)))]
+        for group in self._optimiser.param_groups:
+            group["lr"] = self._rate(share)
+        holds, own = torch.from_numpy(lesson.holds), torch.from_numpy(lesson.own)
+        scores, hope = self._scores(lesson)
+        parts = {
+            "binary": binary(scores, hope, holds),
+            "listwise": listwise(scores, holds),
+            "contrast": contrast(scores, holds, own),
+        }
+        loss = parts["binary"] + self.config.listwise * parts["listwise"]
+        loss = loss + self.config.contrast * parts["contrast"]
+        self._optimiser.zero_grad(set_to_none=True)
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(self.net.parameters(), LARGEST_GRADIENT)
+        self._optimiser.step()
+        self.mean.update_parameters(self.net)
+        self.step += 1
+        return {name: float(part.detach()) for name, part in parts.items()}
+
+    def _rate(self, share: float) -> float:
+        wave = 0.5 + 0.5 * math.cos(math.pi * share)
+        return self.config.rate * min(1.0, (self.step + 1) / WARM) * (0.01 + 0.99 * wave)
+
+    def _scores(self, lesson: Lesson) -> tuple[torch.Tensor, torch.Tensor]:
+        """Inner products (n, m) of a lesson's situations and memories; the situations' hope."""
+        queries = self.net.queries(lesson.looks)
+        if lesson.rows.ndim == 1:
+            scores = queries @ self._memories(self.net, lesson.rows).T
+        else:
+            unique, where = np.unique(lesson.rows, return_inverse=True)
+            memories = self._memories(self.net, unique)[torch.from_numpy(where.ravel())]
+            memories = memories.reshape(*lesson.rows.shape, -1)
+            scores = torch.einsum("nd,nmd->nm", queries, memories)
+        return scores, self.net.hope(queries)
+
+    def _memories(self, net: EncoderNet, rows: np.ndarray) -> torch.Tensor:
+        chosen = torch.from_numpy(rows)
+        pictures = None if self._pictures is None else self._pictures[chosen]
+        return net.memories(self._ways[chosen], pictures)
+
+    @torch.no_grad()
+    def _best(self, looks: Looks, k: int, rows: np.ndarray) -> np.ndarray:
+        """The best k of some memories for each situation, by the averaged weights."""
+        net: EncoderNet = self.mean.module
+        queries = net.queries(looks)
+        memories = torch.cat([self._memories(net, part) for part in _parts(rows)])
+        best = torch.topk(queries @ memories.T, min(k, len(rows)), dim=1).indices
+        found: np.ndarray = rows[best.numpy()]
+        return found
+
+    def _fit_scales(self) -> None:
+        """Take the inputs' scales from the first lesson and from the memories."""
+        looks = self.teacher.lesson(0, None).looks
+        self.net.situation.fit_scale(looks.context)
+        cells = looks.cells.astype(np.float32) / STEPS
+        self.net.body.fit_scale(np.hstack([looks.context[looks.whose], cells]))
+        if self.config.uses_traces:
+            self.net.trace.fit_scale(self.teacher.ways)
+        if self.config.uses_maps and self.teacher.pictures is not None:
+            self.net.map.fit_scale(self.teacher.pictures)
+
+    def save(self) -> None:
+        """Write a checkpoint."""
+        stream = io.BytesIO()
+        torch.save(self._state(), stream)
+        write_whole(self.folder / CHECKPOINT, stream.getvalue())
+
+    def _state(self) -> dict[str, Any]:
+        return {
+            "config": config_to_json(self.config),
+            "memories": len(self._ways),
+            "turn": self.turn,
+            "step": self.step,
+            "elapsed": self.elapsed,
+            "lessons": len(self.lessons),
+            "net": self.net.state_dict(),
+            "mean": self.mean.state_dict(),
+            "optimiser": self._optimiser.state_dict(),
+        }
+
+    def _take_up(self) -> None:
+        """Go on from the checkpoint, if there is one."""
+        path = self.folder / CHECKPOINT
+        if not path.exists():
+            (self.folder / LOG).unlink(missing_ok=True)
+            return
+        state = torch.load(path, weights_only=True)
+        if state["config"] != config_to_json(self.config) or state["memories"] != len(self._ways):
+            raise EncoderError(f"{path}: of another configuration or dataset; remove it to restart")
+        self.turn, self.step, self.elapsed = state["turn"], state["step"], state["elapsed"]
+        self.net.load_state_dict(state["net"])
+        self.mean.load_state_dict(state["mean"])
+        self._optimiser.load_state_dict(state["optimiser"])
+        self.lessons = [Lesson.load(self._lesson_file(k)) for k in range(state["lessons"])]
+        lines = (self.folder / LOG).read_text("utf-8").splitlines(keepends=True)
+        kept = [line for line in lines if json.loads(line)["turn"] <= self.turn]
+        write_whole(self.folder / LOG, "".join(kept).encode())
+
+    def _lesson_file(self, k: int) -> Path:
+        return self.folder / f"lesson-{k:05d}.npz"
+
+    def _note(self, marks: dict[str, float]) -> None:
+        """Write a line of the log."""
+        line = {"turn": self.turn, "step": self.step, "seconds": round(self.elapsed, 1), **marks}
+        with open(self.folder / LOG, "a", encoding="utf-8") as stream:
+            stream.write(json.dumps({k: _short(v) for k, v in line.items()}) + "\n")
+        if self._board is not None:
+            for name, value in marks.items():
+                self._board.add_scalar(name, value, self.step)
+
+
+def _parts(rows: np.ndarray, size: int = 8192) -> list[np.ndarray]:
+    return [rows[k : k + size] for k in range(0, len(rows), size)]
+
+
+def _short(value: float) -> float:
+    return round(value, 5) if isinstance(value, float) else value
+
+
+def _tensorboard(folder: Path) -> Any:
+    """A writer for TensorBoard, None where it is not installed."""
+    with suppress(ImportError):
+        from torch.utils.tensorboard import SummaryWriter
+
+        return SummaryWriter(str(folder / "tensorboard"))
+    return None

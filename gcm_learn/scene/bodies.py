@@ -1,0 +1,168 @@
+"""Kernels for moving bodies: pose at a time, bounds on displacement, distances to solids.
+
+Everything is in arm-plane coordinates: x and y lie in the arm's plane, z along its normal, so the
+limb always lies in z = 0 and a planar body is one whose z never matters.  A pose is a row of
+12 numbers: the centre (3) and the rotation body -> plane, row by row (9).
+
+Kernels take whole arrays and a body's index, never a row: in numba a view costs two atomic counts,
+more than a distance to a disc. Handing arrays on costs as much for each of them, so what allocates
+nothing is compiled without counting (``_nrt=False``; numba refuses it where an array is made).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+
+DISC, POLYGON, SPHERE, BOX, CAPSULE, CYLINDER = range(6)
+HAND, LIMB = 0, 1  # which part of the arm a body can touch: targets only meet the hand
+
+
+# Columns of a body's row.  One array instead of a dozen keeps calls between kernels cheap.
+KIND = 0  # DISC ... CYLINDER
+PART = 1  # HAND or LIMB
+SIZE = 2  # 3 columns: radius, 0, 0 | half extents | radius, half length, 0
+REACH = 5  # radius of the ball about the centre that holds the body
+POSITION = 6  # 3: centre at t = 0, or pivot of a pendulum
+VELOCITY = 9  # 3
+ACCELERATION = 12  # 3
+SPIN = 15  # 3: angular velocity [rad/s]
+TURN = 18  # 9: rotation at t = 0, row by row
+SWING = 27  # entry of `angles`, -1 for quadratic motion
+HANG = 28  # distance from the pivot to the centre
+DOWN = 29  # 3: direction of the cord at angle 0
+SIDE = 32  # 3: direction of growing angle, axis x down
+AXIS = 35  # 3: rotation axis
+FIRST, LAST = 38, 39  # the body's polygon is vertices[FIRST:LAST]
+TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
+COLUMNS = 41
+
+
+class Bodies(NamedTuple):
+    """A situation's bodies as plain arrays, in arm-plane coordinates."""
+
+    rows: np.ndarray  # (n, COLUMNS): one body a row
+    vertices: np.ndarray  # (m, 2): polygon vertices of all bodies
+    angles: np.ndarray  # (k, m, 2): pendulum angle and rate on a regular time grid
+    angle_step: float  # time step of that grid [s]
+
+
+@njit(_nrt=False)
+def rotate(bodies, b, t, out):
+    """Write exp([spin t]) @ turn of body b into out[b, 3:12] (Rodrigues' formula)."""
+    body = bodies.rows
+    wx, wy, wz = body[b, SPIN], body[b, SPIN + 1], body[b, SPIN + 2]
+    rate = np.sqrt(wx * wx + wy * wy + wz * wz)
+    if rate == 0.0:
+        for k in range(9):
+            out[b, 3 + k] = body[b, TURN + k]
+        return
+    x, y, z = wx / rate, wy / rate, wz / rate
+    s, c = np.sin(rate * t), np.cos(rate * t)
+    v = 1.0 - c
+    r00, r01, r02 = c + x * x * v, x * y * v - z * s, x * z * v + y * s
+    r10, r11, r12 = y * x * v + z * s, c + y * y * v, y * z * v - x * s
+    r20, r21, r22 = z * x * v - y * s, z * y * v + x * s, c + z * z * v
+    for k in range(3):
+        p, q, u = body[b, TURN + k], body[b, TURN + 3 + k], body[b, TURN + 6 + k]
+        out[b, 3 + k] = r00 * p + r01 * q + r02 * u
+        out[b, 6 + k] = r10 * p + r11 * q + r12 * u
+        out[b, 9 + k] = r20 * p + r21 * q + r22 * u
+
+
+@njit(_nrt=False)
+def swing_angle(bodies, b, t):
+    """Angle of pendulum b at time t: cubic Hermite interpolation in its table."""
+    table, step = bodies.angles, bodies.angle_step
+    row = int(bodies.rows[b, SWING])
+    k = min(max(int(t / step), 0), table.shape[1] - 2)
+    s = (t - k * step) / step
+    p, q = table[row, k, 0], table[row, k + 1, 0]
+    dp, dq = table[row, k, 1] * step, table[row, k + 1, 1] * step
+    s2, s3 = s * s, s * s * s
+    start = p * (2 * s3 - 3 * s2 + 1) + dp * (s3 - 2 * s2 + s)
+    return start + q * (3 * s2 - 2 * s3) + dq * (s3 - s2)
+
+
+@njit(_nrt=False)
+def _swing_pose(bodies, b, t, out):
+    body = bodies.rows
+    angle = swing_angle(bodies, b, t)
+    s, c = np.sin(angle), np.cos(angle)
+    for k in range(3):
+        along = c * body[b, DOWN + k] + s * body[b, SIDE + k]
+        out[b, k] = body[b, POSITION + k] + body[b, HANG] * along
+        # Body axes: z along the cord, y along the rotation axis, x = y x z.
+        out[b, 3 + 3 * k] = c * body[b, SIDE + k] - s * body[b, DOWN + k]
+        out[b, 3 + 3 * k + 1] = body[b, AXIS + k]
+        out[b, 3 + 3 * k + 2] = along
+
+
+@njit(_nrt=False, forceinline=True)
+def glide(bodies, b, t, poses):
+    """Centre (3) at time t [s] of body b, which does not swing.
+
+    It writes no poses: it is called as `swing` is, from loops that are there for either.
+    """
+    rows, half = bodies.rows, 0.5 * t * t
+    return (
+        rows[b, POSITION] + rows[b, VELOCITY] * t + rows[b, ACCELERATION] * half,
+        rows[b, POSITION + 1] + rows[b, VELOCITY + 1] * t + rows[b, ACCELERATION + 1] * half,
+        rows[b, POSITION + 2] + rows[b, VELOCITY + 2] * t + rows[b, ACCELERATION + 2] * half,
+    )
+
+
+@njit(_nrt=False)
+def swing(bodies, b, t, poses):
+    """Centre (3) at time t [s] of body b, which swings; its pose is left in `poses`."""
+    _swing_pose(bodies, b, t, poses)
+    return poses[b, 0], poses[b, 1], poses[b, 2]
+
+
+@njit(_nrt=False, forceinline=True)
+def centre_at(bodies, b, t, out):
+    """Write body b's centre at time t [s] into out[b, :3]; a pendulum's whole pose with it.
+
+    Returns whether `rotate` has still to write the rest of its pose.
+    """
+    kind = bodies.rows[b, KIND]
+    if bodies.rows[b, SWING] >= 0.0:
+        _swing_pose(bodies, b, t, out)
+        return False
+    out[b, 0], out[b, 1], out[b, 2] = glide(bodies, b, t, out)
+    return kind != DISC and kind != SPHERE
+
+
+@njit(_nrt=False)
+def pose_at(bodies, b, t, out):
+    """Write body b's pose at time t [s] into out[b] (n, 12)."""
+    if centre_at(bodies, b, t, out):
+        rotate(bodies, b, t, out)
+
+
+@njit(_nrt=False)
+def poses_at(bodies, t, out):
+    """Write every body's pose at time t into out (n, 12)."""
+    for b in range(bodies.rows.shape[0]):
+        pose_at(bodies, b, t, out)
+
+
+@njit(_nrt=False)
+def drift(bodies, b, t0, t1):
+    """Bound how far any point of body b travels between t0 and t1.
+
+    The centre's speed is convex in time under constant acceleration, so its maximum over an
+    interval is at one of the ends; rotation adds at most |spin| times the body's reach.
+    """
+    body = bodies.rows
+    if body[b, SWING] >= 0.0:
+        return body[b, TOP_SPEED] * (t1 - t0)
+    v0, v1, w = 0.0, 0.0, 0.0
+    for k in range(3):
+        v0 += (body[b, VELOCITY + k] + body[b, ACCELERATION + k] * t0) ** 2
+        v1 += (body[b, VELOCITY + k] + body[b, ACCELERATION + k] * t1) ** 2
+        w += body[b, SPIN + k] ** 2
+    return (np.sqrt(max(v0, v1)) + np.sqrt(w) * body[b, REACH]) * (t1 - t0)

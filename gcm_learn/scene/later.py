@@ -1,0 +1,82 @@
+"""A situation seen some time later: the world has moved on, and perhaps the hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from gcm_learn.scene.packing import integrate_swing
+from gcm_learn.situation.canonical import quaternion_of
+from gcm_learn.situation.frames import rotation_of
+from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.situation import Body, Situation
+
+STEPS_PER_PERIOD = 2000  # of a swing, as packed bodies have it
+
+
+def later(situation: Situation, t: float, hand: tuple[float, float] | None = None) -> Situation:
+    """The situation `t` seconds later.
+
+    Parameters
+    ----------
+    situation : Situation
+    t : float
+        From 0 to less than the horizon [s].
+    hand : (2,) tuple of float, optional
+        Where the hand is then; by default it has rested.
+
+    Returns
+    -------
+    Situation
+        Its bodies go on as they would have; its horizon is shorter by t.
+    """
+    arm = situation.arm if hand is None else replace(situation.arm, hand=hand)
+    bodies = tuple(_moved(body, t) for body in situation.bodies)
+    return replace(situation, arm=arm, bodies=bodies, horizon=situation.horizon - t)
+
+
+def _moved(body: Body, t: float) -> Body:
+    motion = body.motion
+    made: Motion
+    if isinstance(motion, PlanarQuadratic):
+        position, velocity = _flown(motion, t)
+        angle = motion.angle + motion.spin * t
+        made = replace(motion, position=position, velocity=velocity, angle=angle)
+    elif isinstance(motion, SolidQuadratic):
+        position, velocity = _flown(motion, t)
+        made = replace(motion, position=position, velocity=velocity)
+        if any(motion.spin):
+            made = replace(made, orientation=_turned(motion, t))
+    else:
+        made = _swung(motion, t)
+    return replace(body, motion=made)
+
+
+def _flown(motion: PlanarQuadratic | SolidQuadratic, t: float) -> tuple[tuple, tuple]:
+    """Position and velocity at t."""
+    p, v, a = (np.array(x) for x in (motion.position, motion.velocity, motion.acceleration))
+    return tuple((p + v * t + 0.5 * a * t * t).tolist()), tuple((v + a * t).tolist())
+
+
+def _turned(motion: SolidQuadratic, t: float) -> tuple[float, float, float, float]:
+    """Orientation at t: Rodrigues' formula for exp([spin t])."""
+    spin = np.array(motion.spin)
+    rate = float(np.linalg.norm(spin))
+    x, y, z = spin / rate
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = np.eye(3) + math.sin(rate * t) * cross + (1 - math.cos(rate * t)) * cross @ cross
+    return quaternion_of(turn @ rotation_of(motion.orientation))
+
+
+def _swung(motion: Pendulum, t: float) -> Pendulum:
+    """The pendulum at t, its angle integrated as finely as where bodies are packed."""
+    if t <= 0.0:
+        return motion
+    count = max(math.ceil(t * motion.fastest * STEPS_PER_PERIOD / (2.0 * math.pi)), 64) + 1
+    table = integrate_swing(
+        motion.angle, motion.rate, motion.gravity / motion.length, motion.damping,
+        t / (count - 1), count,
+    )  # fmt: skip
+    return replace(motion, angle=float(table[-1, 0]), rate=float(table[-1, 1]))

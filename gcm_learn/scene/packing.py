@@ -1,0 +1,188 @@
+"""From a situation's records to the arrays that kernels read."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+from gcm_learn.scene import bodies as k
+from gcm_learn.scene.bodies import Bodies
+from gcm_learn.situation.frames import plane_frame, rotation_of
+from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.shapes import Box, Capsule, Cylinder, Disc, Polygon, Sphere
+from gcm_learn.situation.situation import Situation
+
+_KIND = {
+    Disc: k.DISC,
+    Polygon: k.POLYGON,
+    Sphere: k.SPHERE,
+    Box: k.BOX,
+    Capsule: k.CAPSULE,
+    Cylinder: k.CYLINDER,
+}
+_SWING_STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13 rad
+
+
+def pack(situation: Situation) -> Bodies:
+    """Pack a situation's bodies into arrays, in arm-plane coordinates.
+
+    Parameters
+    ----------
+    situation : Situation
+        Planar or 3D; solids are turned into the frame (plane.x, plane.y, plane normal).
+
+    Returns
+    -------
+    Bodies
+        Arrays indexed as ``situation.bodies``.
+    """
+    frame, origin = plane_frame(situation.plane)
+    made: list[list[float]] = []  # lists, because writing into parts of arrays takes longer
+    vertices: list[tuple[float, float]] = []
+    swings: list[Pendulum] = []
+    for body in situation.bodies:
+        motion, shape, row = body.motion, body.shape, [0.0] * k.COLUMNS
+        row[k.KIND] = _KIND[type(shape)]
+        row[k.PART] = k.HAND if body.role == "target" else k.LIMB
+        row[k.SIZE : k.SIZE + 3] = _size(shape)
+        row[k.REACH] = shape.bounding_radius
+        row[k.SWING] = -1.0
+        if isinstance(motion, Pendulum):
+            row[k.SWING] = len(swings)
+            swings.append(motion)
+            _place_swing(row, motion, frame, origin)
+        elif isinstance(motion, SolidQuadratic):
+            _place_solid(row, motion, frame, origin)
+        else:
+            _place_planar(row, motion)
+        if isinstance(shape, Disc | Sphere):  # nobody can see them spin
+            row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
+        row[k.FIRST] = len(vertices)
+        vertices.extend(shape.vertices if isinstance(shape, Polygon) else ())
+        row[k.LAST] = len(vertices)
+        made.append(row)
+    rows = np.array(made, dtype=float).reshape(-1, k.COLUMNS)
+    step, angles = _swing_tables(swings, situation.horizon)
+    _bound_speeds(rows, angles, situation.horizon)
+    return Bodies(rows, np.array(vertices, dtype=float).reshape(-1, 2), angles, step)
+
+
+def pose(situation: Situation, index: int, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pose of one body at time t.
+
+    Parameters
+    ----------
+    situation : Situation
+    index : int
+        Position in ``situation.bodies``.
+    t : float
+        Time [s], within the horizon for pendulums.
+
+    Returns
+    -------
+    centre : (3,) ndarray
+        In arm-plane coordinates; z = 0 is the arm's plane.
+    rotation : (3, 3) ndarray
+        Body frame to arm-plane frame; the columns are the body's axes.
+    """
+    bodies = pack(situation)
+    poses = np.zeros((len(situation.bodies), 12))
+    poses[index, 3:] = np.eye(3).ravel()  # discs and spheres leave it so
+    k.pose_at(bodies, index, t, poses)
+    return poses[index, :3].copy(), poses[index, 3:].reshape(3, 3).copy()
+
+
+def _place_planar(row: list[float], motion: PlanarQuadratic) -> None:
+    row[k.POSITION : k.POSITION + 2] = motion.position
+    row[k.VELOCITY : k.VELOCITY + 2] = motion.velocity
+    row[k.ACCELERATION : k.ACCELERATION + 2] = motion.acceleration
+    row[k.SPIN + 2] = motion.spin
+    c, s = math.cos(motion.angle), math.sin(motion.angle)
+    row[k.TURN : k.TURN + 9] = (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+
+
+def _place_solid(
+    row: list[float], motion: SolidQuadratic, frame: np.ndarray, origin: np.ndarray
+) -> None:
+    row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.position) - origin)
+    row[k.VELOCITY : k.VELOCITY + 3] = frame @ motion.velocity
+    row[k.ACCELERATION : k.ACCELERATION + 3] = frame @ motion.acceleration
+    row[k.SPIN : k.SPIN + 3] = frame @ motion.spin
+    row[k.TURN : k.TURN + 9] = (frame @ rotation_of(motion.orientation)).ravel()
+
+
+def _place_swing(row: list[float], motion: Pendulum, frame: np.ndarray, origin: np.ndarray) -> None:
+    row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.pivot) - origin)
+    row[k.HANG] = motion.hang_distance
+    row[k.DOWN : k.DOWN + 3] = frame @ motion.down
+    row[k.SIDE : k.SIDE + 3] = frame @ np.cross(motion.axis, motion.down)
+    row[k.AXIS : k.AXIS + 3] = frame @ motion.axis
+
+
+def _size(shape: object) -> tuple[float, float, float]:
+    if isinstance(shape, Disc | Sphere):
+        return (shape.radius, 0.0, 0.0)
+    if isinstance(shape, Capsule | Cylinder):
+        return (shape.radius, shape.half_length, 0.0)
+    if isinstance(shape, Box):
+        return shape.half_extents
+    return (0.0, 0.0, 0.0)
+
+
+@njit
+def _bound_speeds(rows, angles, horizon):
+    """Fill in the largest speed of any point of each body during [0, horizon]."""
+    for b in range(rows.shape[0]):
+        early, late, spin = 0.0, 0.0, 0.0
+        for i in range(3):
+            velocity = rows[b, k.VELOCITY + i]
+            early += velocity**2
+            late += (velocity + rows[b, k.ACCELERATION + i] * horizon) ** 2
+            spin += rows[b, k.SPIN + i] ** 2
+        # Speed is convex in time under constant acceleration: its maximum is at an end.
+        rows[b, k.TOP_SPEED] = np.sqrt(max(early, late)) + np.sqrt(spin) * rows[b, k.REACH]
+        if rows[b, k.SWING] >= 0.0:
+            rate = np.abs(angles[int(rows[b, k.SWING]), :, 1]).max() * (1.0 + 1e-6)
+            rows[b, k.TOP_SPEED] = rate * (rows[b, k.HANG] + rows[b, k.REACH])
+
+
+def _swing_tables(swings: list[Pendulum], horizon: float) -> tuple[float, np.ndarray]:
+    """Integrate every pendulum on one time grid: (step [s], (k, m, 2) angle and rate)."""
+    if not swings:
+        return 1.0, np.zeros((0, 2, 2))
+    fastest = max(m.fastest for m in swings)
+    wanted = int(np.ceil(horizon * fastest * _SWING_STEPS_PER_PERIOD / (2 * np.pi))) + 2
+    count = max(wanted, 64)
+    step = horizon / (count - 2)
+    tables = [
+        integrate_swing(m.angle, m.rate, m.gravity / m.length, m.damping, step, count)
+        for m in swings
+    ]
+    return step, np.array(tables)
+
+
+@njit
+def integrate_swing(angle, rate, stiffness, damping, step, count):
+    """Integrate angle'' = -stiffness sin(angle) - damping angle' by classical Runge-Kutta.
+
+    Returns
+    -------
+    (count, 2) ndarray
+        Angle [rad] and rate [rad/s] at 0, step, 2 step, ...
+    """
+    out = np.empty((count, 2))
+    out[0, 0], out[0, 1] = angle, rate
+    for i in range(1, count):
+        k1 = -stiffness * np.sin(angle) - damping * rate
+        r2 = rate + 0.5 * step * k1
+        k2 = -stiffness * np.sin(angle + 0.5 * step * rate) - damping * r2
+        r3 = rate + 0.5 * step * k2
+        k3 = -stiffness * np.sin(angle + 0.5 * step * r2) - damping * r3
+        r4 = rate + step * k3
+        k4 = -stiffness * np.sin(angle + step * r3) - damping * r4
+        angle += step * (rate + 2.0 * r2 + 2.0 * r3 + r4) / 6.0
+        rate += step * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+        out[i, 0], out[i, 1] = angle, rate
+    return out

@@ -1,0 +1,47 @@
+"""A memory of random catches, made once."""
+
+from __future__ import annotations
+
+import pytest
+
+from gcm_learn import seeding
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners.layered import layered
+from gcm_learn.recall import Memory, RawIndex, trace_of
+from gcm_learn.wave import MarchingParams
+
+ENTRIES = 300
+
+
+def caught(seed, count):
+    """The first situations of a seed that are caught, and their plans."""
+    planner, found, k = layered(MarchingParams(n=40)), [], 0
+    while len(found) < count:
+        situation = random_planar(seeding.rng(seed, k), name=f"random {k}")
+        plan = planner.plan(situation)
+        if plan.caught:
+            found.append((situation, plan))
+        k += 1
+    return found
+
+
+@pytest.fixture(scope="package")
+def catches():
+    """Situations with their catches."""
+    return caught(71, ENTRIES)
+
+
+@pytest.fixture(scope="package")
+def traces(catches):
+    """The catches as memory keeps them."""
+    return [trace_of(situation, plan) for situation, plan in catches]
+
+
+@pytest.fixture
+def memory(catches, traces):
+    """A memory of all of them, filed by raw parameters; each test may change it."""
+    situations = [situation for situation, _ in catches]
+    strata = ["W" if len(s.obstacles) > 2 else "L" for s in situations]
+    memory = Memory(RawIndex.fit(situations))
+    memory.add(situations, traces, ["random-planar"] * len(traces), strata)
+    return memory

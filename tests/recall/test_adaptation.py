@@ -1,0 +1,196 @@
+"""Bending remembered paths: identities, symmetry, and a verdict that agrees with verification."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import seeding
+from gcm_learn.families import draw, get_family
+from gcm_learn.families.examples import gate_scene
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
+from gcm_learn.motion.interception import target_distance
+from gcm_learn.planners.completion import Problem, checked
+from gcm_learn.planners.layered import layered
+from gcm_learn.recall import Adaptation, adapt, path_of, trace_of, transfer
+from gcm_learn.recall.adaptation import attempt_at, query_of
+from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
+from gcm_learn.recall.splines import random_traces
+from gcm_learn.recall.trial import Offer, first_that_holds
+from gcm_learn.scene.bodies import pose_at
+from gcm_learn.situation.canonical import canonical
+from tests.transforms import mirrored, turned
+
+EVERY = [
+    Adaptation(style, tempo) for style in ("polar", "cartesian") for tempo in ("hurry", "keep")
+]
+
+
+def stacked(traces):
+    return np.array([t.knots for t in traces]), np.array([t.goal for t in traces])
+
+
+def apart(way, other):
+    """Largest distance of the hands of two movements at the same times."""
+    t = np.linspace(0.0, min(way.duration, other.duration), 400)
+    return np.linalg.norm(way.hand_at(t) - other.hand_at(t), axis=1).max()
+
+
+def test_knots_keep_corners_and_waits(catches, traces):
+    """The path between the knots is the plan's, to a hundredth of a hand's width."""
+    for (situation, plan), trace in zip(catches, traces, strict=True):
+        time, hand = path_of(trace, situation.arm)
+        frame = canonical(situation)[1]
+        kept = np.stack(
+            [np.interp(plan.trajectory.time, time, hand[:, k]) for k in (0, 1)], axis=-1
+        )
+        off = np.linalg.norm(frame.original(kept) - plan.trajectory.hand, axis=1).max()
+        assert off < 2e-3
+        assert trace.catch_time == pytest.approx(plan.catch_time, rel=1e-6)
+
+
+def test_a_wait_is_remembered_as_one():
+    situation = gate_scene()
+    plan = layered().plan(situation)
+    longest = max(plan.trajectory.waits(), key=lambda wait: wait.duration)
+    knots = trace_of(situation, plan).knots
+    ends = knots[knots[:, EARLIEST] > 0.0, TIME]
+    assert np.abs(ends - longest.end).min() < 0.02
+    assert adapt(Problem(situation, "same"), trace_of(situation, plan)) is not None
+
+
+@pytest.mark.parametrize("how", EVERY, ids=lambda how: f"{how.style}-{how.tempo}")
+def test_the_same_situation_gives_the_same_path(catches, traces, how):
+    """But for catches that come sooner, and what the knots have lost."""
+    same = late = 0
+    for (situation, plan), trace in zip(catches, traces, strict=True):
+        attempt = adapt(Problem(situation, "same"), trace, how)
+        assert attempt is not None
+        late += attempt.trajectory.duration > plan.catch_time + 0.01
+        if abs(attempt.trajectory.duration - plan.catch_time) < 0.01:
+            same += 1
+            # A path that is hurried is not at the same places at the same times.
+            ends = attempt.trajectory.hand[-1] - plan.trajectory.hand[-1]
+            assert np.linalg.norm(ends) < 0.06
+            if how.tempo == "keep":
+                assert apart(attempt.trajectory, plan.trajectory) < 0.06
+    assert late <= 0.01 * len(traces)  # those that pass nearer to the hole than paths are bent
+    assert same > 0.9 * len(traces)
+    held = [
+        transfer(s, t.knots[None], t.goal[None], how=how)[0] >= 0.0
+        for (s, _), t in zip(catches, traces, strict=True)
+    ]
+    assert np.mean(held) > 0.97
+
+
+def test_paths_start_at_the_hand_and_end_at_the_target(catches, traces):
+    """Whatever is remembered and whatever is asked."""
+    rng, ends = seeding.rng(5), 0
+    for situation, _ in catches[:60]:
+        problem = Problem(situation, "ends")
+        for k in rng.integers(len(traces), size=5):
+            attempt = adapt(problem, traces[k], EVERY[k % len(EVERY)])
+            if attempt is None:
+                continue
+            way, poses = attempt.trajectory, np.zeros((len(situation.bodies), 12))
+            pose_at(problem.bodies, attempt.body, way.duration, poses)
+            assert tuple(way.hand[0]) == situation.arm.hand
+            last = target_distance(problem.bodies, poses, attempt.body, *way.hand[-1])
+            assert last <= problem.reach
+            assert way.duration <= situation.horizon
+            ends += 1
+    assert ends > 150
+
+
+@pytest.mark.parametrize("style", ["polar", "cartesian"])
+def test_paths_turn_and_mirror_with_the_situation(catches, traces, style):
+    how, compared = Adaptation(style, "both"), 0
+    knots, goals = stacked(traces[:40])
+    for situation, _ in catches[100:110]:
+        there = turned(situation, 2.0)
+        other = mirrored(there)
+        times = [transfer(s, knots, goals, how=how) for s in (situation, there, other)]
+        for moved in times[1:]:
+            assert np.mean((moved >= 0.0) == (times[0] >= 0.0)) > 0.97  # roundings may decide
+            both = (moved >= 0.0) & (times[0] >= 0.0)
+            np.testing.assert_allclose(moved[both], times[0][both], atol=1e-3)
+            compared += both.sum()
+        first = adapt(Problem(situation, "a"), traces[0], how)
+        second = adapt(Problem(other, "b"), traces[0], how)
+        if first is not None and second is not None:
+            back = second.trajectory.hand * (1.0, -1.0)
+            c, s = np.cos(2.0), np.sin(2.0)
+            np.testing.assert_allclose(
+                back[-1] @ np.array([[c, -s], [s, c]]), first.trajectory.hand[-1], atol=2e-3
+            )
+    assert compared > 100
+
+
+def limited(rng):
+    situation = random_planar(rng)
+    limits = tuple(float(v) for v in rng.uniform(3.0, 12.0, 2))
+    return replace(situation, arm=replace(situation.arm, max_joint_speed=limits))
+
+
+@pytest.mark.parametrize(
+    ("family", "situations"), [(random_planar, 100), (random_solid, 40), (limited, 30)]
+)
+def test_the_quick_verdict_is_that_of_the_verification(traces, family, situations):
+    """Both ways round: of what transfers, what is verified; of what does not, what would be."""
+    knots, goals = stacked(traces)
+    counts = np.zeros((2, 2), dtype=int)
+    for k in range(situations):
+        rng = seeding.rng(72, k)
+        situation = family(rng)
+        problem = Problem(situation, "verdicts")
+        if problem.early_answer() is not None:
+            continue
+        how = replace(EVERY[k % len(EVERY)], mends=0)
+        chosen = rng.integers(len(traces), size=12)
+        times = transfer(situation, knots, goals, chosen, how)
+        for i, t in zip(chosen, times, strict=True):
+            attempt = adapt(problem, traces[i], how)
+            good = attempt is not None and checked(problem, attempt)[0] is not None
+            counts[int(t >= 0.0), int(good)] += 1
+    assert counts.sum() > 4 * situations
+    assert counts[1].sum() > 50
+    assert counts[1, 0] <= 0.01 * counts[1].sum()
+    assert counts[0, 1] <= 0.01 * counts[0].sum()
+
+
+@pytest.mark.parametrize(("family", "situations"), [("crossing-swarm", 120), ("falling-solid", 80)])
+def test_a_path_that_was_pushed_aside_is_verified(traces, family, situations):
+    """Pushing makes more memories hold, and what it says holds does."""
+    knots, goals = stacked(traces)
+    ways, pushed, good, plain = Adaptation().ways, 0, 0, 0
+    for k in range(situations):
+        rng = seeding.rng(74, k)
+        problem = Problem(draw(get_family(family), 74, k), "pushes")
+        if problem.early_answer() is not None:
+            continue
+        query = query_of(problem)
+        for i in rng.integers(len(traces), size=8).tolist():
+            place = np.zeros((1, 1), np.float32)
+            offer = Offer(np.array([i]), np.zeros(1), place, np.ones(1, bool))
+            found, body, tried, time, hand = first_that_holds(
+                knots, goals, offer, query, ways, 1, 9, 0.0, 0.0
+            )
+            plain += found >= 0 and tried == 1
+            if found >= 0 and tried == 2:
+                pushed += 1
+                good += checked(problem, attempt_at(problem, time, hand, body))[0] is not None
+    assert pushed > 0.02 * plain > 1
+    assert good > 0.97 * pushed
+
+
+def test_random_splines_are_of_their_distribution():
+    knots, goals = random_traces(3, 5, 400, 0.5, 1.2)
+    again, _ = random_traces(3, 5, 400, 0.5, 1.2)
+    other, _ = random_traces(3, 6, 400, 0.5, 1.2)
+    assert np.array_equal(knots, again) and not np.array_equal(knots, other)
+    assert knots.shape == (400, KNOTS, 4) and np.array_equal(goals, knots[:, -1, :2])
+    assert np.all(knots[:, 0, ANGLE] == 0.0) and np.allclose(knots[:, 0, RING], 0.5)
+    assert 0.15 < (knots[:, :, EARLIEST].max(axis=1) > 0.0).mean() < 0.35

@@ -1,0 +1,154 @@
+"""Planners that recall keep the promise of "caught", and say what they lack."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import get_planner, seeding, solve
+from gcm_learn.errors import RecallError
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.families.random_solid import random_solid
+from gcm_learn.planners.layered import layered
+from gcm_learn.recall import (
+    Adaptation,
+    Coverage,
+    HybridPlanner,
+    Memory,
+    RandomIndex,
+    RawIndex,
+    RecallPlanner,
+    SplinesPlanner,
+    grow,
+    unverified,
+)
+from gcm_learn.situation.canonical import canonical
+from tests.referee import judge
+from tests.transforms import turned
+
+PLANNERS = {
+    "recall": lambda memory: RecallPlanner(memory),
+    "recall-1": lambda memory: RecallPlanner(memory, 1, "recall-1", novelty=0.0),
+    "hybrid": lambda memory: HybridPlanner(RecallPlanner(memory)),
+    "recall-random": lambda memory: RecallPlanner(memory.refiled(RandomIndex())),
+    "both": lambda memory: RecallPlanner(memory, how=Adaptation("cartesian", "both")),
+    "splines-random": lambda memory: SplinesPlanner(),
+}
+
+
+def limited(rng):
+    situation = random_planar(rng)
+    limits = tuple(float(v) for v in rng.uniform(3.0, 12.0, 2))
+    return replace(situation, arm=replace(situation.arm, max_joint_speed=limits))
+
+
+@pytest.mark.parametrize("name", PLANNERS)
+@pytest.mark.parametrize(
+    ("family", "count"), [(random_planar, 100), (random_solid, 25), (limited, 25)]
+)
+def test_every_catch_keeps_the_promise(memory, name, family, count):
+    planner, caught = PLANNERS[name](memory), 0
+    for k in range(count):
+        situation = family(seeding.rng(73, k))
+        plan = planner.plan(situation)
+        assert plan.status in ("caught", "unreachable", "start_blocked")
+        if plan.caught:
+            caught += 1
+            assert judge(situation, plan).complaints == []
+    assert caught > count / 5
+
+
+def test_more_candidates_catch_no_less(memory):
+    counts = []
+    for candidates in (1, 3, 10):
+        planner = RecallPlanner(memory, candidates, novelty=0.0)
+        situations = [random_planar(seeding.rng(74, k)) for k in range(60)]
+        counts.append({k for k, s in enumerate(situations) if planner.plan(s).caught})
+    assert counts[0] <= counts[1] <= counts[2] and len(counts[0]) < len(counts[2])
+
+
+def test_the_hybrid_catches_what_either_catches(memory):
+    recall, plan = RecallPlanner(memory, 2), layered()
+    hybrid = HybridPlanner(recall, plan)
+    for k in range(40):
+        situation = random_planar(seeding.rng(75, k))
+        either = recall.plan(situation).caught or plan.plan(situation).caught
+        assert hybrid.plan(situation).caught == either
+    assert hybrid.plan(situation).planner == "hybrid"
+
+
+def test_what_was_met_before_is_recalled_from_itself(memory, catches):
+    planner, own = RecallPlanner(memory), 0
+    for k, (situation, _) in enumerate(catches[:80]):
+        found = planner.recollect(turned(situation, 0.7))
+        assert found.plan.caught
+        own += found.memory == k and found.checked == 1
+    assert own > 70
+
+
+def test_an_unverified_first_choice_may_fail_and_says_so(memory):
+    worked = attempts = 0
+    for k in range(60):
+        situation = random_planar(seeding.rng(76, k))
+        rollout = unverified(memory, situation)
+        verified = RecallPlanner(memory, 1, novelty=0.0).plan(situation)
+        assert rollout.worked == verified.caught
+        worked, attempts = worked + rollout.worked, attempts + (rollout.attempt is not None)
+    assert 0 < worked < attempts
+
+
+def test_an_empty_memory_knows_nothing(catches):
+    plan = RecallPlanner(Memory(RawIndex.fit([catches[0][0]]))).plan(catches[0][0])
+    assert plan.status == "unreachable" and plan.message == "nothing is known"
+
+
+def test_planners_by_name_use_the_memory_of_the_models(memory, catches, tmp_path, monkeypatch):
+    from gcm_learn.recall import planners, shipped
+
+    planners._memory.cache_clear()
+    monkeypatch.setenv(shipped.VARIABLE, str(tmp_path))
+    with pytest.raises(RecallError, match="gcm-learn remember DATASET --out"):
+        get_planner("recall")
+    memory.save(tmp_path / "recall")
+    situation = catches[3][0]
+    for name in ("recall", "recall-1", "recall-raw", "recall-random", "hybrid", "splines-random"):
+        planner = get_planner(name)
+        assert planner.name == name and solve(situation, planner).planner == name
+        again = solve(situation, get_planner(name))
+        assert again.catch_time == solve(situation, name).catch_time
+    planners._memory.cache_clear()
+
+
+def test_a_memory_grows_by_what_it_does_not_cover(memory):
+    situations = [random_planar(seeding.rng(77, k)) for k in range(150)]
+    grown = Memory(memory.index)
+    planner = layered()
+    curve = grow(grown, situations, planner)
+    steps = curve.steps
+    for before, after in zip([None, *steps], steps, strict=False):
+        more = after.size - (before.size if before else 0)
+        assert more == int(after.caught and not after.recalled)
+    assert 0 < len(grown) == curve.sizes[-1] < sum(step.caught for step in steps)
+    assert curve.recall_rate(75) > curve.recall_rate(0, 20)
+    assert grown.uses.sum() == sum(step.recalled for step in steps)
+    second = grow(grown, situations[:40], planner)
+    assert second.recall_rate() > 0.95  # what was met once is known
+
+
+def test_a_stricter_rule_remembers_more_and_a_small_memory_stays_small(memory):
+    situations = [random_planar(seeding.rng(78, k)) for k in range(60)]
+    sizes = []
+    for slack in (np.inf, 0.05):
+        grown = Memory(memory.index)
+        grow(grown, situations, layered(), Coverage(slack))
+        sizes.append(len(grown))
+    assert sizes[0] < sizes[1]
+    small = Memory(memory.index)
+    curve = grow(small, situations, layered(), Coverage(0.05), most=5)
+    assert len(small) == max(curve.sizes) == 5
+    young = Memory(memory.index)
+    grow(young, situations, layered(), Coverage(-1.0), most=5, forget="oldest")
+    last = [s for s in situations if layered().plan(s).caught][-5:]
+    assert young.situations() == [canonical(s)[0] for s in last]

@@ -1,0 +1,135 @@
+"""The learned index: its memory is its own, its recall keeps the promise, its failures teach."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("torch")
+pytest.importorskip("safetensors")
+
+import torch
+
+from gcm_learn import seeding
+from gcm_learn.errors import RecallError
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners.completion import Problem
+from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, index_class
+from gcm_learn.recall.adaptation import DEFAULT, query_of, transfer
+from gcm_learn.recall.kernels import KNOTS
+from gcm_learn.recall.learned_index import LearnedIndex
+from gcm_learn.recall.networks import EncoderNet
+from gcm_learn.recall.path_features import count
+from gcm_learn.recall.search import Searcher
+from gcm_learn.recall.towers import Encoder
+from gcm_learn.recall.trial import Offer, first_that_holds
+from tests.referee import judge
+from tests.transforms import turned
+
+
+def learned(seed=0, memory="trace"):
+    """An index that has learned nothing."""
+    torch.manual_seed(seed)
+    config = EncoderConfig(dim=8, width=16, memory=memory)
+    return LearnedIndex(Encoder(config, EncoderNet(config, count(KNOTS)).arrays()))
+
+
+@pytest.fixture
+def filed(memory):
+    return memory.refiled(learned())
+
+
+def test_it_is_registered_and_takes_training():
+    assert index_class("learned") is LearnedIndex
+    with pytest.raises(RecallError, match="train-encoder"):
+        LearnedIndex.fit([])
+
+
+def test_a_memory_is_found_again_with_its_encoder_and_no_other(filed, catches, tmp_path):
+    filed.save(tmp_path / "m")
+    again = Memory.load(tmp_path / "m")
+    assert again.index.key == filed.index.key
+    query = filed.index.embed_query(catches[5][0])
+    np.testing.assert_array_equal(again.index.embed_query(catches[5][0]), query)
+    np.testing.assert_array_equal(again.recall(query, 9), filed.recall(query, 9))
+    with pytest.raises(RecallError, match="filed by an index with key"):
+        Memory.load(tmp_path / "m", learned(1))
+    (tmp_path / "m" / again_data(tmp_path / "m") / "encoder.safetensors").write_bytes(b"")
+    with pytest.raises(RecallError, match=r"encoder\.safetensors"):
+        Memory.load(tmp_path / "m")
+
+
+def again_data(folder):
+    """Name of the folder of data of a memory."""
+    return next(path.name for path in folder.glob("data-*"))
+
+
+def test_a_query_knows_neither_map_nor_catch(catches, traces, memory):
+    """Its embedding is that of a situation alone; only memories are embedded by maps."""
+    index = learned(2, "both")
+    situation = catches[0][0]
+    np.testing.assert_allclose(
+        index.embed_query(situation), index.embed_query(turned(situation, 0.7)), atol=1e-4
+    )
+    one = index.embed_memory(memory.situation(0), traces[0])
+    two = index.embed_memory(memory.situation(1), traces[0])
+    assert not np.allclose(one, two)  # the same way on another map
+    alone = learned(2)
+    np.testing.assert_array_equal(
+        alone.embed_memory(memory.situation(0), traces[0]),
+        alone.embed_memory(memory.situation(1), traces[0]),
+    )
+
+
+def test_every_catch_keeps_the_promise(filed):
+    planner, caught = RecallPlanner(filed), 0
+    for k in range(60):
+        situation = random_planar(seeding.rng(76, k))
+        plan = planner.plan(situation)
+        if plan.caught:
+            caught += 1
+            assert judge(situation, plan).complaints == []
+    assert caught > 12
+
+
+def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
+    """Of two equal groups of memories, the second is asked as soon as one of the first fails."""
+    knots = np.stack([trace.knots for trace in traces])
+    goals = np.stack([trace.goal for trace in traces])
+    tested = 0
+    for k in range(200):
+        situation = random_planar(seeding.rng(77, k))
+        problem = Problem(situation, "regret")
+        if problem.early_answer() is not None:
+            continue
+        holds = transfer(situation, knots, goals) >= 0.0
+        if not 0 < holds.sum() < 0.8 * len(holds):
+            continue
+        bad, good = np.flatnonzero(~holds)[:6], np.flatnonzero(holds)[:1]
+        chosen = np.concatenate([bad, good])
+        places = np.repeat(np.eye(2, dtype=np.float32), (len(bad), 1), axis=0)
+        tried = {}
+        for regret in (0.0, 2.0):
+            scores = np.array([1.0] * len(bad) + [0.5])
+            offer = Offer(chosen, scores, places, np.ones(len(chosen), bool))
+            found, _, tried[regret], _, _ = first_that_holds(
+                knots, goals, offer, query_of(problem), DEFAULT.ways, 1, 99, 0.0, regret
+            )
+            assert found == len(bad)
+        assert tried[2.0] <= tried[0.0]
+        assert tried[2.0] <= 4
+        tested += 1
+    assert tested > 20
+
+
+def test_cells_find_nearly_what_exact_search_finds(rng):
+    directions = rng.standard_normal((6, 16))
+    rows = (rng.standard_normal((20_000, 6)) @ directions).astype(np.float32)
+    queries = (rng.standard_normal((40, 6)) @ directions).astype(np.float32)
+    exact, cells = Searcher(rows, "exact"), Searcher(rows, "cells")
+    shares = [len(set(exact(q, 20)) & set(cells(q, 20))) / 20 for q in queries]
+    assert np.mean(shares) > 0.9
+    for query in queries[:5]:
+        found = cells(query, 20)
+        scores = rows[found] @ query
+        assert len(set(found)) == 20 and (np.diff(scores) <= 1e-4).all()

@@ -1,0 +1,205 @@
+"""The store: exact search, round trips, and folders that are whole whatever happens."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+
+from gcm_learn.errors import MissingExtraError, RecallError
+from gcm_learn.recall import Memory, RandomIndex, RawIndex, disk
+from gcm_learn.recall.pca import PcaIndex
+from gcm_learn.recall.search import Searcher, top
+from gcm_learn.situation.canonical import canonical
+from tests.transforms import mirrored, turned
+
+
+def same(a, b):
+    """Whether two memories hold the same."""
+    return (
+        len(a) == len(b)
+        and a.index.key == b.index.key
+        and all(
+            np.array_equal(getattr(a, n), getattr(b, n)) for n in ("embeddings", "traces", "goals")
+        )
+        and [a[k].situation for k in range(0, len(a), 37)]
+        == [b[k].situation for k in range(0, len(b), 37)]
+        and [(a[k].family, a[k].stratum) for k in range(len(a))]
+        == [(b[k].family, b[k].stratum) for k in range(len(b))]
+    )
+
+
+def test_the_best_scores_are_those_of_a_full_sort(rng):
+    for size, k in ((1, 1), (5, 9), (1000, 20), (1000, 1)):
+        scores = rng.integers(0, 50, size).astype(np.float32)  # with ties
+        assert np.array_equal(top(scores, k), np.argsort(-scores, kind="stable")[:k])
+
+
+def test_recall_is_brute_force(memory, catches):
+    for situation, _ in catches[::17]:
+        query = memory.index.embed_query(turned(situation, 1.0))
+        order = np.argsort(-(memory.embeddings.astype(float) @ query), kind="stable")
+        assert set(memory.recall(query, 20)) == set(order[:20])
+
+
+def test_raw_neighbours_are_the_nearest_and_begin_with_oneself(memory, catches):
+    for k, (situation, _) in list(enumerate(catches))[::29]:
+        query = memory.index.embed_query(mirrored(situation))
+        assert memory.recall(query, 1)[0] == k
+        away = np.linalg.norm(memory.embeddings[:, :-1] - query[:-1], axis=1)
+        assert np.array_equal(memory.recall(query, 5), np.argsort(away, kind="stable")[:5])
+
+
+@pytest.mark.skipif(importlib.util.find_spec("faiss") is None, reason="needs the extra `index`")
+def test_faiss_finds_what_exact_search_finds(rng):
+    rows = rng.standard_normal((5000, 24)).astype(np.float32)
+    exact, faiss = Searcher(rows, "exact"), Searcher(rows, "faiss")
+    for query in rng.standard_normal((20, 24)).astype(np.float32):
+        assert np.array_equal(exact(query, 10), faiss(query, 10))
+
+
+def test_faiss_is_asked_for_by_name(monkeypatch):
+    monkeypatch.setattr("gcm_learn.recall.search.has_faiss", lambda: False)
+    with pytest.raises(MissingExtraError, match=r"pip install 'gcm_learn\[index\]'"):
+        Searcher(np.zeros((3, 2), np.float32), "faiss")
+    assert list(Searcher(np.eye(3, dtype=np.float32))(np.array([0.0, 1.0, 0.5]), 2)) == [1, 2]
+
+
+@pytest.mark.parametrize("kind", [RawIndex, RandomIndex, PcaIndex])
+def test_save_and_load(memory, catches, kind, tmp_path):
+    memory = memory.refiled(kind.fit([s for s, _ in catches[:60]], 3))
+    memory.used(7)
+    memory.save(tmp_path / "memory")
+    for mmap in (True, False):
+        loaded = Memory.load(tmp_path / "memory", mmap=mmap)
+        assert same(loaded, memory) and loaded.uses[7] == 1
+        query = loaded.index.embed_query(catches[5][0])
+        assert np.array_equal(query, memory.index.embed_query(catches[5][0]))
+        assert query.shape == (loaded.index.dim,)
+
+
+def test_what_was_loaded_can_grow_and_forget(memory, catches, traces, tmp_path):
+    memory.save(tmp_path)
+    loaded = Memory.load(tmp_path)
+    loaded.add([catches[0][0]], [traces[0]], ["again"], ["L"])
+    loaded.used(3)
+    assert len(loaded) == len(memory) + 1
+    assert loaded[-1].family == "again" and loaded[-1].situation == memory[0].situation
+    loaded.forget(np.array([len(memory)]))
+    loaded.save(tmp_path)  # over the files it was read from
+    assert same(Memory.load(tmp_path), memory)
+
+
+def test_forgetting(memory):
+    first, last = memory[1], memory[-1]
+    memory.forget(np.array([0]))
+    assert memory[0].situation == first.situation
+    for k in (5, 6, 7):
+        memory.used(k)
+    kept = [memory[k].situation for k in (5, 6, 7)]
+    memory.forget_to(4)  # the youngest of those that were never used is left
+    assert [memory[k].situation for k in range(4)] == [*kept, last.situation]
+    memory.forget(np.ones(4, dtype=bool))
+    assert len(memory) == 0
+
+
+def test_what_is_forgotten_first_is_chosen(memory):
+    for k in (0, 1, 2):
+        memory.used(k)
+    situations = memory.situations()
+    memory.forget_to(50, "oldest")
+    assert memory.situations() == situations[-50:]  # though the oldest had held
+    left = memory.situations()
+    memory.forget_to(20, "random", seed=3)
+    kept = [left.index(s) for s in memory.situations()]
+    assert len(kept) == 20 and kept == sorted(kept) and kept != list(range(30, 50))
+    with pytest.raises(RecallError, match="least used, oldest, random"):
+        memory.forget_to(5, "youngest")
+    assert len(memory) == 20
+
+
+def test_merging_parts_gives_the_whole(memory, catches, traces):
+    parts = [Memory(memory.index) for _ in range(2)]
+    for part, some in zip(parts, (slice(0, 100), slice(100, None)), strict=True):
+        strata = [memory[k].stratum for k in range(len(memory))[some]]
+        situations = [s for s, _ in catches[some]]
+        part.add(situations, traces[some], ["random-planar"] * len(situations), strata)
+    parts[0].merge(parts[1])
+    assert same(parts[0], memory)
+
+
+def test_another_index_is_refused(memory, catches, tmp_path):
+    memory.save(tmp_path)
+    other = RawIndex.fit([s for s, _ in catches[:20]])
+    with pytest.raises(RecallError, match=f"filed by an index with key {memory.index.key}"):
+        Memory.load(tmp_path, other)
+    with pytest.raises(RecallError, match="filed by an index"):
+        memory.merge(Memory(other))
+    assert len(Memory.load(tmp_path, memory.index)) == len(memory)
+
+
+@pytest.mark.parametrize("at", ["np.save", "_to_disk", "_replace"])
+def test_an_interrupted_save_leaves_the_old_memory(memory, at, tmp_path, monkeypatch):
+    memory.save(tmp_path)
+    changed = memory.refiled(memory.index)
+    changed.forget(np.arange(100))
+
+    def stop(*args):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(disk.np if at == "np.save" else disk, at.removeprefix("np."), stop)
+        with pytest.raises(KeyboardInterrupt):
+            changed.save(tmp_path)
+    assert same(Memory.load(tmp_path), memory)
+    assert len(list(tmp_path.glob("data-*"))) == 1
+    (tmp_path / "data-killed").mkdir()  # what a killed process leaves behind
+    changed.save(tmp_path)
+    assert same(Memory.load(tmp_path), changed)
+    assert len(list(tmp_path.glob("data-*"))) == 1
+
+
+def test_what_is_not_a_memory_is_said_in_one_line(memory, tmp_path):
+    with pytest.raises(RecallError, match=r"no memory there \(manifest.json is missing\)"):
+        Memory.load(tmp_path)
+    memory.save(tmp_path)
+    traces = next(tmp_path.glob("data-*/traces.npy"))
+    traces.write_bytes(traces.read_bytes()[:-5])
+    with pytest.raises(RecallError, match=r"traces.npy has \d+ bytes, expected \d+"):
+        Memory.load(tmp_path)
+    (tmp_path / "manifest.json").write_text("[]")
+    with pytest.raises(RecallError, match="not a memory's manifest"):
+        Memory.load(tmp_path)
+
+
+@pytest.mark.parametrize("kind", [RawIndex, RandomIndex, PcaIndex])
+def test_queries_do_not_depend_on_how_a_situation_lies(catches, kind):
+    index = kind.fit([s for s, _ in catches[:60]], 1)
+    for situation, _ in catches[60:70]:
+        here = index.embed_query(canonical(situation)[0])
+        for other in (situation, turned(situation, 1.1), mirrored(situation)):
+            np.testing.assert_allclose(index.embed_query(other), here, atol=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("search", ["exact", "auto"])
+def test_a_million_entries(memory, search, tmp_path):
+    """Filing them would take a while, so the columns are filled by hand."""
+    many, count = Memory(RandomIndex(), search), 1_000_000
+    fresh = {
+        "embeddings": np.zeros((count, many.index.dim), np.float32),
+        "traces": np.broadcast_to(memory.traces[:1], (count, *memory.traces.shape[1:])),
+        "goals": np.broadcast_to(memory.goals[:1], (count, 2)),
+        "labels": np.zeros((count, 2)),
+        "uses": np.zeros(count),
+        "lengths": np.full(count, 300),
+    }
+    fresh["embeddings"][:, 0] = np.arange(count)
+    many._append(fresh, [bytes(300)] * count)
+    many.save(tmp_path)
+    loaded = Memory.load(tmp_path, many.index, search=search)
+    query = np.eye(1, many.index.dim, dtype=np.float32)[0]
+    assert list(loaded.recall(query, 3)) == [count - 1, count - 2, count - 3]
+    loaded.forget(np.arange(10, count))
+    assert len(loaded) == 10

@@ -1,0 +1,110 @@
+"""Lessons tell the truth, keep held-out situations out, and make a model on the command line."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("torch")
+pytest.importorskip("safetensors")
+pytest.importorskip("pyarrow")
+
+from gcm_learn import dataset
+from gcm_learn.cli import main
+from gcm_learn.recall import Adaptation, Memory, load_encoder, transfer
+from gcm_learn.recall import transfer_labels as lessons
+from gcm_learn.recall.clearance_features import look
+from gcm_learn.recall.learned_index import LearnedIndex
+from gcm_learn.recall.transfer_labels import School
+from tests.dataset.conftest import SMALL, make_here
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A dataset of 30 records, of which those of a family are held out."""
+    place = str(tmp_path_factory.mktemp("lessons"))
+    make_here(replace(SMALL, count=30), place)
+    return place
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Lessons of few situations."""
+    monkeypatch.setattr(lessons, "SITUATIONS", 40)
+    monkeypatch.setattr(lessons, "ANY", 10)
+    monkeypatch.setattr(lessons, "TOP", 4)
+    monkeypatch.setattr(lessons, "WIDE", 2)
+
+
+def test_labels_are_what_comes_of_trying(folder, small):
+    school = School(dataset.open(folder), 3)
+    lesson = school.lesson(0, None)
+    own = school._order[:40]
+    again = School(dataset.open(folder), 3).lesson(0, None)
+    np.testing.assert_array_equal(lesson.holds, again.holds)  # a function of seed and number
+    for i, k in enumerate(own[:5].tolist()):
+        situation = school.situations[k]
+        np.testing.assert_array_equal(lesson.looks.context[i], look(situation).context)
+        times = transfer(situation, school.traces, school.goals, lesson.rows, Adaptation(mends=0))
+        np.testing.assert_array_equal(lesson.holds[i], times >= 0.0)
+        if lesson.own[i] >= 0:
+            assert lesson.rows[lesson.own[i]] == k
+    assert len(lesson.holds) > len(own)  # drawn ones, and some with one obstacle alone
+
+
+def test_lessons_about_the_best_ask_about_these_and_never_about_ones_own(folder, small):
+    school = School(dataset.open(folder), 3)
+    everything = np.arange(len(school.traces))
+    lesson = school.lesson(0, lambda looks, k: np.tile(everything[:k], (len(looks.context), 1)))
+    assert lesson.rows.shape == (len(lesson.holds), 6)
+    for i, k in enumerate(school._order[:40].tolist()):
+        assert k not in lesson.rows[i]
+        assert set(lesson.rows[i, :4]) <= set(range(5))
+    assert (lesson.own == -1).all()
+
+
+def test_no_lesson_is_about_what_is_held_out(folder, small, monkeypatch):
+    school = School(dataset.open(folder), 4)
+    seen = []
+    monkeypatch.setattr(
+        School, "_is_held_out", lambda self, family, problem: seen.append(family) or True
+    )
+    source = school._drawn(0, np.random.default_rng(0))
+    monkeypatch.setattr(lessons, "straight_plan", None)  # never asked of what is held out
+    monkeypatch.setattr(school, "spec", _Stops(school.spec, 25))
+    with pytest.raises(LookupError):
+        next(source)
+    assert seen
+
+
+class _Stops:
+    """A specification that is drawn from so often and no more."""
+
+    def __init__(self, spec, count):
+        self.spec, self.count = spec, count
+
+    def choose(self, rng):
+        self.count -= 1
+        if self.count < 0:
+            raise LookupError
+        return self.spec.choose(rng)
+
+
+def test_a_model_on_the_command_line(folder, small, tmp_path, capsys):
+    out = tmp_path / "model"
+    assert main(["train-encoder", folder, "--out", str(out), "--turns", "2", "--dim", "4"]) == 0
+    encoder = load_encoder(out)
+    assert f"key {encoder.key}" in capsys.readouterr().out
+    about = json.loads((out / "metrics.json").read_text())
+    assert about["key"] == encoder.key and about["lessons"] == 2
+    card = (out / "card.md").read_text()
+    assert "train-encoder" in card and about["dataset"]["hash"] in card
+    assert not (out / "work.tmp").exists()
+    memory = tmp_path / "memory"
+    assert main(["remember", folder, "--out", str(memory), "--index", str(out)]) == 0
+    assert Memory.load(memory).index.key == LearnedIndex(encoder).key
+    assert main(["train-encoder", folder, "--out", str(out), "--turns", "0"]) == 2
+    assert "--turns 0" in capsys.readouterr().err
