@@ -6,29 +6,68 @@
 'caught'
 """
 
+import importlib.util
+from typing import TYPE_CHECKING, Any
+
 from gcm_learn import registration
-from gcm_learn.errors import GcmError, SituationError
-from gcm_learn.families import paper_scene
-from gcm_learn.handspace import Lattice
-from gcm_learn.maps import CognitiveMap, build_map
-from gcm_learn.motion import Trajectory
-from gcm_learn.planners import Plan, get_planner, planner_names, solve
-from gcm_learn.seeding import rng
-from gcm_learn.situation import (
-    Arm,
-    Body,
-    Disc,
-    PlanarQuadratic,
-    Polygon,
-    Situation,
-    read_situations,
-    write_situations,
-)
-from gcm_learn.wave import MarchingParams, WaveParams
+
+if TYPE_CHECKING:
+    from gcm_learn.errors import GcmError, SituationError
+    from gcm_learn.families import paper_scene
+    from gcm_learn.handspace import Lattice
+    from gcm_learn.maps import CognitiveMap, build_map
+    from gcm_learn.motion import Trajectory
+    from gcm_learn.planners import Plan, get_planner, planner_names, solve
+    from gcm_learn.seeding import rng
+    from gcm_learn.situation import (
+        Arm,
+        Body,
+        Disc,
+        PlanarQuadratic,
+        Polygon,
+        Situation,
+        read_situations,
+        write_situations,
+    )
+    from gcm_learn.wave import MarchingParams, WaveParams
 
 __version__ = "0.1.0"
 
 registration.announce()  # so that gymnasium.make("gcm_learn:CatchArm-v0") finds it
+
+# Loaded when they are asked for: compiled code takes most of a second to load, in which the
+# command line could neither answer nor be stopped.
+_PLACES = {
+    "errors": ("GcmError", "SituationError"),
+    "families": ("paper_scene",),
+    "handspace": ("Lattice",),
+    "maps": ("CognitiveMap", "build_map"),
+    "motion": ("Trajectory",),
+    "planners": ("Plan", "get_planner", "planner_names", "solve"),
+    "seeding": ("rng",),
+    "situation": (
+        "Arm", "Body", "Disc", "PlanarQuadratic", "Polygon", "Situation", "read_situations",
+        "write_situations",
+    ),
+    "wave": ("MarchingParams", "WaveParams"),
+}  # fmt: skip
+_PLACE = {name: place for place, names in _PLACES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or a folder of the package, when it is first asked for."""
+    if name in _PLACE:
+        value = getattr(importlib.import_module(f"gcm_learn.{_PLACE[name]}"), name)
+        globals()[name] = value
+        return value
+    if not name.startswith("_") and importlib.util.find_spec(f"gcm_learn.{name}") is not None:
+        return importlib.import_module(f"gcm_learn.{name}")
+    raise AttributeError(f"module 'gcm_learn' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PLACE})
+
 
 __all__ = [
     "Arm",

@@ -24,6 +24,8 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 
 PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code
+on_compile: list[Callable[[], object]] = []
+"""Called once, and taken out, when code has to be compiled because none is kept."""
 _IMPORT = re.compile(
     r"^ *(?:from (gcm_learn[\w.]*) import (\([^)]*\)|[^\n(]*)|import (gcm_learn[\w.]*))", re.M
 )
@@ -171,6 +173,13 @@ class _Cache(FunctionCache):
         self._cache_file = _CacheFile(
             self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp()
         )
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The code of a signature; None if there is none yet, and it is compiled now."""
+        code = super().load_overload(sig, target_context)
+        while code is None and on_compile:
+            on_compile.pop()()
+        return code
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the code of a signature; where the folder cannot be written to it is not kept."""

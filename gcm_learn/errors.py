@@ -90,6 +90,13 @@ class MissingExtraError(GcmError, ImportError):
         super().__init__(f"{what} needs {library}: pip install 'gcm_learn[{extra}]'")
 
 
+class PlatformError(GcmError, RuntimeError):
+    """Something needs an operating system that can do what this one cannot."""
+
+    def __init__(self, what: str, system: str) -> None:
+        super().__init__(f"{what} needs {system}")
+
+
 class RecallError(GcmError, RuntimeError):
     """A memory is missing, damaged, or was made with another index than the one that asks it."""
 

@@ -24,11 +24,26 @@ def test_many_who_save_at_once_lose_nothing(tmp_path):
     assert [cache.load(key) for key in keys] == [f"code of {key}" for key in keys]
 
 
-def test_a_folder_that_is_gone_is_said_by_saving_itself(tmp_path):
-    gone = compiled._CacheFile(str(tmp_path / "gone"), "kernel", "stamp")
+def test_a_folder_that_cannot_be_is_said_by_saving_itself(tmp_path):
+    (tmp_path / "file").touch()
+    inside = compiled._CacheFile(str(tmp_path / "file"), "kernel", "stamp")
     with pytest.raises(OSError, match="kernel") as error:
-        gone.save("signature", "code")
-    assert compiled.LOCK not in str(error.value) and not (tmp_path / "gone").exists()
+        inside.save("signature", "code")
+    assert compiled.LOCK not in str(error.value) and (tmp_path / "file").is_file()
+
+
+def test_who_listens_is_told_once_that_code_is_compiled(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    told = []
+    for x, expected in ((2, ["first"]), (3, ["first"]), (0.5, ["first", "third"])):
+        monkeypatch.setattr(compiled, "on_compile", [])
+        compiled.on_compile.append(lambda: told.append("first" if len(told) == 0 else "third"))
+        assert compiled.njit(doubled)(x) == 2 * x and told == expected
+        assert len(compiled.on_compile) == (0 if x != 3 else 1)  # the second finds the first's
+
+
+def doubled(x):
+    return x + x
 
 
 def test_numba_itself_is_left_as_it_is():

@@ -6,11 +6,14 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from gcm_learn.cli.arguments import Command, parse
 from gcm_learn.cli.failures import CommandFailure, one_line, place_of
 from gcm_learn.cli.interrupts import Interrupts
 from gcm_learn.errors import FileFormatError, GcmError
+
+if TYPE_CHECKING:
+    from gcm_learn.cli.arguments import Command
 
 __all__ = ["main"]
 
@@ -37,14 +40,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     with Interrupts() as interrupts:
         try:
+            from gcm_learn.cli.arguments import parse
+
             command = parse(sys.argv[1:] if argv is None else argv)
             return 0 if command is None else _run(command)
         except (Exception, KeyboardInterrupt) as error:
-            # After an interrupt that was dropped halfway, any other error is its consequence.
-            return _complain(KeyboardInterrupt() if interrupts.lost else error)
+            return _complain(KeyboardInterrupt() if interrupts.caused(error) else error)
 
 
 def _run(command: Command) -> int:
+    from gcm_learn import compiled
+    from gcm_learn.cli.compiling import say_compiling
+
+    compiled.on_compile[:] = [say_compiling]
     code = command.run()
     if sys.stdout is not None:
         sys.stdout.flush()  # a reader that went away is noticed here, not at interpreter exit

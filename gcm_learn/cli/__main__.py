@@ -1,4 +1,4 @@
-"""``python -m gcm_learn.cli``: the command line without its console script."""
+"""``python -m gcm_learn.cli``: as ``python -m gcm_learn``."""
 
 import sys
 

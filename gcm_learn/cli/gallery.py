@@ -11,7 +11,6 @@ from tyro.conf import Positional, arg
 from gcm_learn.cli.extras import dataset_package
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder
-from gcm_learn.recall.disk import is_memory
 
 
 @dataclass(frozen=True)
@@ -37,6 +36,8 @@ class Gallery:
         """Build the page and say where it is."""
         if self.each < 1:
             raise CommandFailure(f"--each {self.each}: must be at least 1")
+        from gcm_learn.recall.disk import is_memory
+
         if is_memory(Path(self.folder)):
             return self._show_memory()
         records = dataset_package().open(self.folder)

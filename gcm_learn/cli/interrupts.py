@@ -17,9 +17,9 @@ AGAIN_AFTER = 0.05  # [s]
 class Interrupts:
     """Makes a Ctrl-C count that falls into a place where Python drops exceptions.
 
-    The compiler of the kernels runs callbacks in which a KeyboardInterrupt is reported and
-    then ignored. Within this context it is neither: `lost` becomes true, and the interrupt
-    comes again a moment later.
+    The compiler of the kernels and the loading of libraries run callbacks in which a
+    KeyboardInterrupt is reported and then ignored. Within this context it is neither: `lost`
+    becomes true, and the interrupt comes again a moment later.
     """
 
     def __init__(self) -> None:
@@ -27,8 +27,8 @@ class Interrupts:
         self._timer: threading.Timer | None = None
 
     def __enter__(self) -> Self:
-        self._outer_hook = sys.unraisablehook
-        sys.unraisablehook = self._notice
+        self._outer = sys.unraisablehook, sys.excepthook
+        sys.unraisablehook, sys.excepthook = self._dropped, self._printed
         return self
 
     def __exit__(
@@ -37,14 +37,38 @@ class Interrupts:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        sys.unraisablehook = self._outer_hook
+        sys.unraisablehook, sys.excepthook = self._outer
         if self._timer is not None:
             self._timer.cancel()
 
-    def _notice(self, dropped: UnraisableHookArgs) -> None:
-        if not issubclass(dropped.exc_type, KeyboardInterrupt):
-            self._outer_hook(dropped)
-            return
+    def caused(self, error: BaseException) -> bool:
+        """Whether an error is an interrupt, or what came of one.
+
+        Compiled code that was interrupted while it returned says ``SystemError: returned a result
+        with an exception set``, and a library that was being loaded may say anything.
+        """
+        links: BaseException | None = error
+        while links is not None:
+            if isinstance(links, KeyboardInterrupt):
+                return True
+            links = links.__cause__ or links.__context__
+        return self.lost
+
+    def _dropped(self, dropped: UnraisableHookArgs) -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            self._come_again()
+        else:
+            self._outer[0](dropped)
+
+    def _printed(
+        self, kind: type[BaseException], error: BaseException, trace: TracebackType | None
+    ) -> None:
+        if issubclass(kind, KeyboardInterrupt):
+            self._come_again()
+        else:
+            self._outer[1](kind, error, trace)
+
+    def _come_again(self) -> None:
         self.lost = True
         self._timer = threading.Timer(AGAIN_AFTER, _thread.interrupt_main)
         self._timer.daemon = True

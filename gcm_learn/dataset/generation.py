@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from multiprocessing import get_context
 from typing import Any
 
 from gcm_learn.dataset.folder import Folder
@@ -26,6 +25,7 @@ from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.warming import warm_up
 from gcm_learn.dataset.workers import LocalPool
 from gcm_learn.errors import DatasetError
+from gcm_learn.processes import cores, pool
 
 BETWEEN_MANIFESTS = 60.0  # [s]
 
@@ -70,7 +70,7 @@ def generate(
     runs: list[dict[str, Any]] = list((read_manifest(folder) or {}).get("runs", ()))
     missing = (shard for shard in mine if shard not in infos)
     progress(sum(infos[shard].rows for shard in mine if shard in infos))
-    workers = workers or len(os.sched_getaffinity(0))
+    workers = workers or cores()
     hands = {"cluster": cluster} if cluster else {"workers": workers}
     began = told = time.monotonic()
     fresh: set[int] = set()
@@ -138,17 +138,17 @@ class _Keeper:
     """One process that makes items, replaced when it dies."""
 
     def __init__(self, spec: DatasetSpec) -> None:
-        self.spec = spec
+        self.spec, self._stack = spec, contextlib.ExitStack()
 
     def __enter__(self) -> _Keeper:
         self._start()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._pool.shutdown(cancel_futures=True)
+        self._stack.close()
 
     def _start(self) -> None:
-        self._pool = ProcessPoolExecutor(1, get_context("spawn"))
+        self._pool = self._stack.enter_context(pool(1))
         try:
             self._pool.submit(warm_up, self.spec).result()
         except BrokenProcessPool:
@@ -160,6 +160,6 @@ class _Keeper:
             try:
                 return self._pool.submit(make_item, self.spec, k).result()
             except BrokenProcessPool:
-                self._pool.shutdown()
+                self._stack.close()
                 self._start()
         return Item(k, error="the process that made it died")

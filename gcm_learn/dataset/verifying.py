@@ -20,6 +20,7 @@ from gcm_learn.dataset.warming import warm_up
 from gcm_learn.dataset.workers import LocalPool
 from gcm_learn.errors import DatasetError, GcmError
 from gcm_learn.motion.verification import verify
+from gcm_learn.processes import cores
 from gcm_learn.scene.packing import pack
 
 MOST_FAULTS = 20  # that a report quotes
@@ -78,7 +79,7 @@ def verify_dataset(
         raise DatasetError(f"{folder.url}: has no manifest to check it against")
     spec = spec_of(folder)
     work = partial(verify_shard, spec, url=folder.url)
-    pool = LocalPool(work, workers or len(os.sched_getaffinity(0)), work, partial(warm_up, spec))
+    pool = LocalPool(work, workers or cores(), work, partial(warm_up, spec))
     expected = {entry["name"]: entry["sha256"] for entry in manifest["shards"]}
     shards = [k for k in range(spec.shards) if shard_name(k) in expected]
     report = Report()

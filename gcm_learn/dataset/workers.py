@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
-import multiprocessing
-import os
-import signal
-import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing.connection import Connection
 from typing import Generic, TypeVar
+
+from gcm_learn.processes import pool
 
 AHEAD = 2  # tasks that wait for each worker, so that none is idle and the queue stays short
 STRIKES = 3  # times that a task may be under way when a process dies, before it is done alone
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 Result = TypeVar("Result")
 
 
@@ -64,11 +59,11 @@ class LocalPool(Generic[Result]):
                 yield self.alone(first)
                 continue
             again.appendleft(first)
-            with self._pool() as pool:
+            with pool(self.workers, self.prepare) as executor:
                 running: dict[Future[Result], int] = {}
                 broken = False
                 while not broken:
-                    broken = self._fill(pool, running, coming, again, strikes)
+                    broken = self._fill(executor, running, coming, again, strikes)
                     if not running:
                         break
                     done, _ = wait(running, return_when=FIRST_COMPLETED)
@@ -91,7 +86,7 @@ class LocalPool(Generic[Result]):
 
     def _fill(
         self,
-        pool: ProcessPoolExecutor,
+        executor: ProcessPoolExecutor,
         running: dict[Future[Result], int],
         coming: Iterator[int],
         again: deque[int],
@@ -105,46 +100,8 @@ class LocalPool(Generic[Result]):
             if task is None:
                 return False
             try:
-                running[pool.submit(self.work, task)] = task
+                running[executor.submit(self.work, task)] = task
             except BrokenProcessPool:
                 again.appendleft(task)
                 return True
         return False
-
-    @contextlib.contextmanager
-    def _pool(self) -> Iterator[ProcessPoolExecutor]:
-        """A pool whose processes end when the block does, or when this process does."""
-        context = multiprocessing.get_context("spawn")
-        listening, speaking = context.Pipe(duplex=False)
-        kept = {name: os.environ.get(name) for name in THREADS}
-        os.environ.update(dict.fromkeys(THREADS, "1"))  # read when a process imports numpy
-        pool = ProcessPoolExecutor(
-            self.workers, context, initializer=_begin, initargs=(listening, self.prepare)
-        )
-        try:
-            yield pool
-            pool.shutdown()
-        finally:
-            speaking.close()  # what still runs ends now
-            pool.shutdown(wait=False, cancel_futures=True)
-            listening.close()
-            for name, value in kept.items():
-                if value is None:
-                    del os.environ[name]
-                else:
-                    os.environ[name] = value
-
-
-def _begin(line: Connection, prepare: Callable[[], None] | None) -> None:
-    """Start a process: Ctrl-C is for the parent, whose end is noticed on the line."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_leave_with_parent, args=(line,), daemon=True).start()
-    if prepare is not None:
-        prepare()
-
-
-def _leave_with_parent(line: Connection) -> None:
-    """Wait until the other end of the line is closed, by will or by death, and go."""
-    with contextlib.suppress(EOFError, OSError):
-        line.recv_bytes()
-    os._exit(1)

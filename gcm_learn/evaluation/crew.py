@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from concurrent.futures import as_completed
 from typing import Any, Protocol, TypeVar
 
 from gcm_learn.evaluation.suites import Entry
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+from gcm_learn.processes import cores, pool
 
 
 class Piece(Protocol):
@@ -44,16 +41,14 @@ def rows_of(
         Told how many situations of a job are done.
     """
     rows: Rows = []
-    workers = min(workers or len(os.sched_getaffinity(0)), len(jobs))
+    workers = min(workers or cores(), len(jobs))
     if workers <= 1:
         for job in jobs:
             rows += do(job)
             progress(len(job.entries))
         return rows
-    for variable in THREADS:
-        os.environ.setdefault(variable, "1")
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        running = {pool.submit(do, job): job for job in jobs}
+    with pool(workers) as executor:
+        running = {executor.submit(do, job): job for job in jobs}
         for future in as_completed(running):
             rows += future.result()
             progress(len(running[future].entries))

@@ -13,9 +13,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +22,7 @@ from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.fronts import marching
 from gcm_learn.planners.oracle.bounds import bounds, stratum
+from gcm_learn.processes import cores, pool
 from gcm_learn.situation import situation_to_json
 from gcm_learn.situation.canonical import canonical
 
@@ -84,7 +83,7 @@ def first_of(
         Told how many more were found.
     """
     found: list[Draw] = []
-    for lines in _chunks(folder / FOLDER, workers or len(os.sched_getaffinity(0))):
+    for lines in _chunks(folder / FOLDER, workers or cores()):
         here = [d for d in map(json.loads, lines) if d is not None and d["stratum"] == wanted]
         found += here
         progress(len(here))
@@ -105,16 +104,13 @@ def _chunks(folder: Path, workers: int) -> Iterator[list[str]]:
     if workers == 1:
         yield from map(make, firsts[k:])
         return
-    pool = ProcessPoolExecutor(workers, get_context("spawn"))
-    try:
-        waiting = [pool.submit(make, first) for first in firsts[k : k + ahead]]
+    with pool(workers) as executor:
+        waiting = [executor.submit(make, first) for first in firsts[k : k + ahead]]
         for first in firsts[k + ahead :]:
             yield waiting.pop(0).result()
-            waiting.append(pool.submit(make, first))
+            waiting.append(executor.submit(make, first))
         for job in waiting:
             yield job.result()
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def _file(folder: Path, first: int) -> Path:

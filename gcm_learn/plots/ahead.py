@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import signal
 from collections.abc import Sequence
-from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 
 from gcm_learn.evaluation.contest import warmed
+from gcm_learn.processes import CONTEXT, cores
 
 
 def compile_ahead(names: Sequence[str]) -> BaseProcess | None:
@@ -17,16 +15,15 @@ def compile_ahead(names: Sequence[str]) -> BaseProcess | None:
 
     None if there are no names, or a single core, where a second process would only be in the way.
     """
-    if not names or len(os.sched_getaffinity(0)) < 2:
+    if not names or cores() < 2:
         return None
-    process = get_context("spawn").Process(target=_compile, args=(tuple(names),), daemon=True)
+    process = CONTEXT.Process(target=_compile, args=(tuple(names),), daemon=True)
     process.start()
     return process
 
 
 def _compile(names: Sequence[str]) -> None:
     """Let entrants answer once; what goes wrong here is said by whoever needs them."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the demo itself is interrupted, and ends this
     for name in names:
         with contextlib.suppress(Exception):
             warmed(name)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-
+from gcm_learn.plots import ahead
 from gcm_learn.plots.ahead import compile_ahead
 
 
@@ -17,5 +16,5 @@ def test_another_process_does_it_and_says_nothing(capfd):
 
 def test_not_where_it_would_be_in_the_way(monkeypatch):
     assert compile_ahead([]) is None
-    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0})
+    monkeypatch.setattr(ahead, "cores", lambda: 1)
     assert compile_ahead(["straight"]) is None

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 Tell = Callable[[Any], None]
+POSSIBLE = hasattr(os, "fork") and hasattr(signal, "setitimer")
+"""On POSIX systems only."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,7 @@ def _work_and_leave(work: Callable[[Tell], None], write: int, longest: float) ->
     """Do the work of the copy; leave without the clearing up that is its original's."""
     try:
         faulthandler.disable()  # crashes are expected and no news
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the original hears it, and ends this
         signal.signal(signal.SIGPROF, signal.SIG_DFL)
         signal.setitimer(signal.ITIMER_PROF, longest)
         work(lambda thing: _put(write, thing))

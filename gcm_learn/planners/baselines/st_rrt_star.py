@@ -28,10 +28,11 @@ from types import ModuleType
 
 import numpy as np
 
-from gcm_learn.errors import MissingExtraError
+from gcm_learn.errors import MissingExtraError, PlatformError
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import straight_way
 from gcm_learn.motion.verification import HOLE_MARGIN, safety_of
+from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
 from gcm_learn.planners.baselines.st_rrt_star_moves import Limits, Task
 from gcm_learn.planners.completion import Problem, checked, finish
@@ -72,7 +73,9 @@ class STRRTStarPlanner:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Tell at once if OMPL is missing."""
+        """Tell at once if OMPL is missing, or a system on which it can be kept apart."""
+        if not isolation.POSSIBLE:
+            raise PlatformError("st-rrt-star", "a POSIX system, such as Linux or macOS")
         _library()
 
     def plan(self, situation: Situation) -> Plan:

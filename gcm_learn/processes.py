@@ -1,0 +1,140 @@
+"""Processes beside this one: how many there may be, and how they begin and end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnContext, SpawnProcess
+from multiprocessing.synchronize import Semaphore
+
+from gcm_learn import compiled
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def cores() -> int:
+    """Processor cores that this process may use; all there are where nobody can tell."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextlib.contextmanager
+def interrupts_held() -> Iterator[None]:
+    """Ctrl-C waits until the block ends, and never comes to processes that start in it.
+
+    A terminal sends it to all of them. One that is just starting would answer with a traceback,
+    and half of what it is told would make the next one fail.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+    before = signal.getsignal(signal.SIGINT)
+    heard = before not in (signal.SIG_IGN, None)
+    if heard:
+        signal.signal(signal.SIGINT, lambda number, frame: came.append(number))
+    masks = hasattr(signal, "pthread_sigmask")  # not on Windows
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
+    try:
+        yield
+    finally:
+        if masks:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if heard:
+            signal.signal(signal.SIGINT, before)
+        if came:
+            signal.raise_signal(signal.SIGINT)
+
+
+class _Process(SpawnProcess):
+    """A process that does not know of Ctrl-C: its parent decides."""
+
+    def start(self) -> None:
+        """Start it."""
+        with interrupts_held():
+            super().start()
+
+
+class _Context(SpawnContext):
+    Process = _Process
+
+
+CONTEXT = _Context()
+"""Starts new interpreters, as multiprocessing's ``spawn`` does, without Ctrl-C."""
+
+
+@contextlib.contextmanager
+def pool(workers: int, prepare: Callable[[], None] | None = None) -> Iterator[ProcessPoolExecutor]:
+    """Processes of one thread each; they end when the block is left or this process dies.
+
+    Parameters
+    ----------
+    workers : int
+        How many, at most.
+    prepare : callable, optional
+        Run first in each; at the top level of a module, so that another process finds it.
+    """
+    listening, speaking = CONTEXT.Pipe(duplex=False)
+    untold = CONTEXT.Semaphore(1)
+    begin = partial(_begin, listening, tuple(compiled.on_compile), untold, prepare)
+    executor = ProcessPoolExecutor(workers, CONTEXT, initializer=begin)
+    try:
+        with _one_thread():
+            yield executor
+            executor.shutdown()
+    finally:
+        speaking.close()  # what still runs ends now
+        executor.shutdown(wait=False, cancel_futures=True)
+        listening.close()
+        if not untold.acquire(block=False):  # one of them has told it
+            compiled.on_compile.clear()
+
+
+@contextlib.contextmanager
+def _one_thread() -> Iterator[None]:
+    """What is set here is read when a process imports numpy."""
+    kept = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in kept.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _begin(
+    line: Connection,
+    listeners: Sequence[Callable[[], object]],
+    untold: Semaphore,
+    prepare: Callable[[], None] | None,
+) -> None:
+    """Start a process: Ctrl-C is for the parent, whose end is noticed on the line."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with_parent, args=(line,), daemon=True).start()
+    compiled.on_compile += [partial(_tell_first, listeners, untold)] if listeners else []
+    if prepare is not None:
+        prepare()
+
+
+def _leave_with_parent(line: Connection) -> None:
+    """Wait until the other end of the line is closed, by will or by death, and go."""
+    with contextlib.suppress(EOFError, OSError):
+        line.recv_bytes()
+    os._exit(1)
+
+
+def _tell_first(listeners: Sequence[Callable[[], object]], untold: Semaphore) -> None:
+    """Of all processes the first that compiles tells the listeners."""
+    if untold.acquire(block=False):
+        for listener in listeners:
+            listener()
