@@ -10,7 +10,6 @@ nothing else, and checkouts of the same sources share their code.
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -22,8 +21,11 @@ import numba
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
+from gcm_learn import storage
+
 PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code
+UNCALLED = ("gcm_learn.errors", "gcm_learn.storage")  # no kernel calls what is in there
 on_compile: list[Callable[[], object]] = []
 """Called once, and taken out, when code has to be compiled because none is kept."""
 _IMPORT = re.compile(
@@ -50,31 +52,25 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
 
 def folder() -> Path:
     """Where compiled code is kept: ``NUMBA_CACHE_DIR`` if that is set, else the user's cache."""
-    if config.CACHE_DIR:
-        return Path(config.CACHE_DIR)
-    from platformdirs import user_cache_path
-
-    return user_cache_path("gcm_learn", appauthor=False) / "kernels"
+    return Path(config.CACHE_DIR) if config.CACHE_DIR else storage.user_cache("kernels")
 
 
 @cache
 def source_hash(module: str) -> str:
     """Hash of a module's source and of all modules of the package that it imports, and so on."""
-    digest = hashlib.sha256()
+    parts: list[str | bytes] = []
     for path in sorted(_sources_of(module)):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+        parts += [path.relative_to(PACKAGE).as_posix(), path.read_bytes()]
+    return storage.content_hash(*parts)[:16]
 
 
 def sources_hash(folders: Sequence[str]) -> str:
     """Hash of the sources in some folders of the package."""
-    digest = hashlib.sha256()
+    parts: list[str | bytes] = []
     for name in folders:
         for path in sorted((PACKAGE / name).rglob("*.py")):
-            digest.update(path.name.encode())
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+            parts += [path.name, path.read_bytes()]
+    return storage.content_hash(*parts)[:16]
 
 
 def _sources_of(module: str) -> set[Path]:
@@ -93,7 +89,7 @@ def _sources_of(module: str) -> set[Path]:
 def _path_of(module: str) -> Path | None:
     """File of a module of the package, None if the name is something else."""
     place = PACKAGE.joinpath(*module.split(".")[1:])
-    if place == PACKAGE:
+    if place == PACKAGE or module.startswith(UNCALLED):
         return None  # the package's front door imports everything
     for path in (place.with_suffix(".py"), place / "__init__.py"):
         if path.is_file():
@@ -159,7 +155,8 @@ class _CacheFile(IndexDataCacheFile):
 
         with contextlib.ExitStack() as stack:
             with contextlib.suppress(OSError):  # saving itself says what is wrong with the folder
-                stack.enter_context(FileLock(os.path.join(self._cache_path, LOCK)))
+                if os.path.isdir(self._cache_path):  # the lock would make it
+                    stack.enter_context(FileLock(os.path.join(self._cache_path, LOCK)))
             super().save(key, data)
 
 

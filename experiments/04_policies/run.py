@@ -20,7 +20,6 @@ from report import write_report
 
 from gcm_learn.envs.pool import Pool
 from gcm_learn.evaluation import draw_suite
-from gcm_learn.evaluation.suites import suites_folder
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.plan import TrainingPlan, plan_of
 from gcm_learn.policies.score import score
@@ -108,7 +107,7 @@ def tested(folder: Path, count: int) -> dict[str, float]:
     """Catches and touches of a trained actor on the frozen suites of the strata."""
     kept = folder / f"suites-{count}.json"
     if not kept.exists():
-        entries = [e for name in STRATA for e in draw_suite(name, count, suites_folder())]
+        entries = [e for name in STRATA for e in draw_suite(name, count)]
         pool = Pool.of([entry.situation for entry in entries])
         scores = score(Actor.load(folder), pool, [entry.stratum for entry in entries])
         kept.write_text(json.dumps(scores) + "\n")

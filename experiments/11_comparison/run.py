@@ -20,7 +20,7 @@ from report import write_tables
 
 from gcm_learn.evaluation import Entry, Results, compare, draw_suite
 from gcm_learn.evaluation.blurred import compare_blurred
-from gcm_learn.evaluation.suites import hash_of, suites_folder
+from gcm_learn.evaluation.suites import hash_of
 from gcm_learn.plots import comparison_figures as figures
 from gcm_learn.plots.comparison import write_report
 
@@ -73,7 +73,7 @@ def main() -> None:
     counts = dict.fromkeys("LW", given.count) | dict.fromkeys("QU", given.rare or given.count)
 
     def suite(name: str, count: int) -> list[Entry]:
-        entries = draw_suite(name, count, suites_folder(), workers)
+        entries = draw_suite(name, count, workers=workers)
         hashes[name] = f"{len(entries)}, {hash_of(entries)}"
         return entries
 

@@ -22,11 +22,10 @@ import os
 
 from gcm_learn.evaluation import compare, draw_suite
 from gcm_learn.evaluation.measures import measured, pairs
-from gcm_learn.evaluation.suites import suites_folder
 from gcm_learn.plots.comparison_figures import families_figure, rates_figure
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))
-entries = draw_suite("demo", 8 if FAST else 50, suites_folder())
+entries = draw_suite("demo", 8 if FAST else 50)
 names = ["straight", "layered", "clone"] if FAST else [
     "straight", "straight-wait", "potential", "gcm", "marching", "layered",
     "clone", "clone@20", "ppo", "ppo-clone", "ppo-clone@20",

@@ -45,9 +45,9 @@ class Demo:
         from gcm_learn.plots.ahead import compile_ahead
         from gcm_learn.plots.comparison_demo import RECALLING, build_comparison, shipped_entrants
         from gcm_learn.plots.demo import build_demo
-        from gcm_learn.recall.shipped import models_folder
+        from gcm_learn.recall.shipped import has_memory
 
-        remembers = self.memory > 0 and (models_folder() / "recall").exists()
+        remembers = self.memory > 0 and has_memory()
         wanted = {"memory": remembers, "comparison": self.compare > 0}
         beside = [name for name, shown in wanted.items() if shown]
         later = shipped_entrants() if self.compare > 0 else list(RECALLING) if remembers else []

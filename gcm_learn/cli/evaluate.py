@@ -48,7 +48,7 @@ class Evaluate:
     """whom the others are compared with"""
 
     suites: Annotated[
-        Path | None, arg(metavar="DIR", help_behavior_hint="(default: data/suites)")
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: see README)")
     ] = None
     """where drawn suites are kept"""
 
@@ -71,7 +71,7 @@ class Evaluate:
         deviations = _deviations(self.noise)
         from gcm_learn.evaluation import compare, draw_suite
         from gcm_learn.evaluation.entrants import entrant
-        from gcm_learn.evaluation.suites import check_suite, suites_folder
+        from gcm_learn.evaluation.suites import check_suite
         from gcm_learn.plots.comparison import write_report
 
         suites = list(dict.fromkeys(self.suite.split(",")))
@@ -80,11 +80,13 @@ class Evaluate:
         for name in names:
             entrant(name)  # refused before anything is drawn or written
         folder = made_folder(self.out, option="--out")
-        entries, kept = [], self.suites or suites_folder()
+        entries = []
         for suite in suites:
             try:
                 with Progress(self.count, f"situations of {suite}") as progress:
-                    entries += draw_suite(suite, self.count, kept, self.workers, progress.advance)
+                    entries += draw_suite(
+                        suite, self.count, self.suites, self.workers, progress.advance
+                    )
             except ModuleNotFoundError as error:
                 raise MissingExtraError("drawing a suite", str(error.name), "data") from None
         with Progress(len(names) * len(entries), "answers") as progress:

@@ -6,10 +6,7 @@ training that jumps about.  The cache is built once and shared by all processes.
 
 from __future__ import annotations
 
-import hashlib
 import os
-import shutil
-import uuid
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +17,7 @@ import pyarrow as pa
 from gcm_learn.dataset.examples import Example
 from gcm_learn.dataset.schema import VERSION
 from gcm_learn.errors import DatasetError
+from gcm_learn.storage import content_hash, whole_folder
 
 if TYPE_CHECKING:
     from gcm_learn.dataset.reader import Dataset
@@ -102,30 +100,17 @@ def cached(
     if folder is None and records.folder.local is None:
         raise DatasetError(f"{records.folder.url}: is not on this machine; name a folder for it")
     indices = whole.column("index")
-    key = hashlib.sha256(f"{VERSION} {records.spec.digest}".encode() + indices.tobytes())
-    place = Path(folder or records.folder.path("cache")) / key.hexdigest()[:16]
+    key = content_hash(f"{VERSION} {records.spec.digest}", indices.tobytes())
+    place = Path(folder or records.folder.path("cache")) / key[:16]
     if not place.exists():
-        _build(whole, place)
+        with whole_folder(place) as empty:
+            _fill(whole, empty)
     rows = np.searchsorted(indices, records.column("index"))
     return MapCache(place, rows, {name: records.column(name) for name in labels})
 
 
-def _build(whole: Dataset, place: Path) -> None:
-    """Copy the maps of a dataset into arrays; they appear all at once."""
-    temporary = place.with_name(f".{place.name}.{uuid.uuid4().hex[:8]}.tmp")
-    temporary.mkdir(parents=True)
-    try:
-        _fill(whole, temporary)
-        try:
-            temporary.rename(place)
-        except OSError:
-            if not place.exists():  # another process was faster
-                raise
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-
-
 def _fill(whole: Dataset, folder: Path) -> None:
+    """Copy the maps of a dataset into arrays."""
     n, count = whole.spec.n, len(whole)
     shapes = {
         "arrival": ((count, n, n), "<u2"),

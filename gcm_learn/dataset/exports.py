@@ -21,6 +21,7 @@ from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.limb import elbow_position
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
+from gcm_learn.storage import whole_file
 
 if TYPE_CHECKING:
     from minari import MinariDataset
@@ -52,21 +53,16 @@ def export_npz(
     obstacles = np.unpackbits(bits.reshape(len(table), -1), axis=1, count=n * n)
     plain = {name: table[name].to_numpy() for name in ("quantum", "horizon", "index")}
     words = {name: _array(table[name].to_pylist()) for name in ("situation", *labels)}
-    temporary = path.with_suffix(".tmp.npz")
-    try:
-        with open(temporary, "wb") as stream:
-            np.savez_compressed(
-                stream,
-                allow_pickle=False,
-                arrival=arrival,
-                obstacles=obstacles.reshape(-1, n, n).astype(bool),
-                header=np.array(json.dumps({"name": records.spec.name, "n": n})),
-                **plain,
-                **words,
-            )
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole_file(path) as place:
+        np.savez_compressed(
+            place,
+            allow_pickle=False,
+            arrival=arrival,
+            obstacles=obstacles.reshape(-1, n, n).astype(bool),
+            header=np.array(json.dumps({"name": records.spec.name, "n": n})),
+            **plain,
+            **words,
+        )
     return path
 
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import posixpath
-import uuid
 from typing import BinaryIO, cast
 
 import fsspec
 from fsspec.implementations.local import LocalFileSystem
 
+from gcm_learn.storage import is_unfinished, stream_hash, temporary_name, write_whole
+
 SHARDS = "shards"
 MANIFEST = "manifest.json"
 SPEC = "spec.json"
-CHUNK = 1 << 20  # bytes
 
 
 class Folder:
@@ -77,18 +76,13 @@ class Folder:
         Two processes that write the same file at once do no harm if they write the same.
         """
         target = self.path(name)
-        folder, base = posixpath.split(target)
-        temporary = posixpath.join(folder, f".{base}.{os.getpid()}-{uuid.uuid4().hex[:8]}.tmp")
+        if self.local is not None:
+            write_whole(target, content, durable=True)
+            return
+        temporary = posixpath.join(posixpath.dirname(target), temporary_name())
         try:
-            if self.local is not None:
-                with open(temporary, "wb") as stream:
-                    stream.write(content)
-                    stream.flush()
-                    os.fsync(stream.fileno())
-                os.replace(temporary, target)
-            else:
-                self._files.pipe_file(temporary, bytes(content))
-                self._files.mv(temporary, target)
+            self._files.pipe_file(temporary, bytes(content))
+            self._files.mv(temporary, target)
         finally:
             if self._files.exists(temporary):
                 self._files.rm_file(temporary)
@@ -96,13 +90,10 @@ class Folder:
     def sweep(self, name: str = SHARDS) -> None:
         """Remove what writers that were killed have left behind."""
         for left in self.names(name):
-            if left.startswith(".") and left.endswith(".tmp"):
+            if is_unfinished(left):
                 self._files.rm_file(self.path(f"{name}/{left}"))
 
     def sha256(self, name: str) -> str:
         """Hash of a file's content."""
-        digest = hashlib.sha256()
         with self.open(name) as stream:
-            while chunk := stream.read(CHUNK):
-                digest.update(chunk)
-        return digest.hexdigest()
+            return stream_hash(stream)

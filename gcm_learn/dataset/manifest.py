@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections import Counter
@@ -22,6 +21,7 @@ from gcm_learn.dataset.shards import (
 from gcm_learn.dataset.spec import STRATA, DatasetSpec, spec_to_json
 from gcm_learn.dataset.spec_file import spec_from_json
 from gcm_learn.errors import DatasetError
+from gcm_learn.storage import content_hash
 
 FORMAT = "gcm-learn/dataset@1"
 Manifest = dict[str, Any]
@@ -99,7 +99,7 @@ def manifest_of(
     known = {s["name"]: s for s in (read_manifest(folder) or {}).get("shards", ())}
     known = {name: s for name, s in known.items() if name not in set(map(shard_name, fresh))}
     shards = [_entry(folder, infos[k], known) for k in sorted(infos)]
-    together = hashlib.sha256("".join(s["sha256"] for s in shards).encode()).hexdigest()
+    together = content_hash(*(s["sha256"] for s in shards))
     records = sum(info.rows - info.failures for info in infos.values())
     size = sum(s["bytes"] for s in shards)
     return {

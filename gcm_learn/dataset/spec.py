@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,6 +18,7 @@ from gcm_learn.families import Family, family_from_dict, family_names
 from gcm_learn.handspace.lattice import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.planners import planner_names
 from gcm_learn.situation import Situation
+from gcm_learn.storage import content_hash
 
 FORMAT = "gcm-learn/dataset-spec@1"
 STRATA = ("L", "W", "Q", "U")
@@ -147,7 +147,7 @@ class DatasetSpec:
         """Hash of what decides the records; `count` is no part of it."""
         content = spec_to_json(self)
         del content["count"]
-        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+        return content_hash(json.dumps(content, sort_keys=True))[:16]
 
 
 def spec_to_json(spec: DatasetSpec) -> dict[str, Any]:

@@ -17,8 +17,9 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from gcm_learn import artifacts
 from gcm_learn.envs.catch_arm import FARTHEST, CatchArm
-from gcm_learn.errors import ArenaError
+from gcm_learn.errors import ArenaError, EncoderError
 from gcm_learn.maps import build_map
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams
@@ -32,11 +33,14 @@ OBSTACLE, UNREACHED, LAST, FIRST = 0, 32, 64, 255  # brightness of cells
 
 @cache
 def encoder() -> Encoder:
-    """The one in the folder of models."""
-    from gcm_learn.recall.encoder_files import load_encoder
-    from gcm_learn.recall.shipped import models_folder
+    """The one among the models."""
+    from gcm_learn.recall.encoder_files import CONFIG, load_encoder
 
-    return load_encoder(models_folder() / "encoder")
+    folder = artifacts.model("encoder", CONFIG)
+    if folder is None:
+        make = f"gcm-learn train-encoder DATASET --out {artifacts.own('models') / 'encoder'}"
+        raise EncoderError(artifacts.missing("models", "encoder", make))
+    return load_encoder(folder)
 
 
 def embeddings_of(situations: Sequence[Situation]) -> np.ndarray:

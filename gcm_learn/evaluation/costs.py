@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from gcm_learn import artifacts
 from gcm_learn.evaluation.entrants import PlannerEntrant, entrant
 from gcm_learn.policies.actor import FILE
-from gcm_learn.policies.planner import actor_names, shipped_actor
+from gcm_learn.policies.planner import actor_folder, actor_names, shipped_actor
 from gcm_learn.recall import Memory
 from gcm_learn.recall.disk import MANIFEST
-from gcm_learn.recall.shipped import models_folder
 
 CONFIG, LOG, METRICS = "config.json", "log.jsonl", "metrics.json"
 
@@ -64,13 +64,13 @@ def _memory_of(name: str) -> Memory | None:
 def _of_memory(name: str, memory: Memory) -> Cost:
     """A memory, with its encoder if that is there."""
     size = None
-    for path in models_folder().glob(f"*/{MANIFEST}"):
-        manifest = _json(path)
+    for folder in artifacts.models(MANIFEST).values():
+        manifest = _json(folder / MANIFEST)
         if manifest.get("index", {}).get("key") == memory.index.key:
             size = sum(manifest.get("bytes", {}).values())
     cost = Cost((name,), memories=len(memory), size=size)
-    for path in models_folder().glob(f"*/{METRICS}"):
-        metrics = _json(path)
+    for folder in artifacts.models(METRICS).values():
+        metrics = _json(folder / METRICS)
         if metrics.get("key") == memory.index.key:
             minutes = metrics["seconds"] / 60 if "seconds" in metrics else None
             return replace(cost, situations=metrics.get("memories"), minutes=minutes)
@@ -79,7 +79,7 @@ def _of_memory(name: str, memory: Memory) -> Cost:
 
 def _of_actor(name: str, bare: str) -> Cost:
     """A network and its training."""
-    folder = models_folder() / bare
+    folder = actor_folder(bare)
     config = configuration_of(bare)
     counts = [share.get("count", 0) for share in config.get("situations", [])]
     rows = log_of(bare)
@@ -96,13 +96,14 @@ def _of_actor(name: str, bare: str) -> Cost:
 
 def configuration_of(bare: str) -> dict[str, Any]:
     """What a model was trained with; nothing if it has no such file."""
-    return _json(models_folder() / bare / CONFIG)
+    folder = artifacts.model(bare, CONFIG)
+    return {} if folder is None else _json(folder / CONFIG)
 
 
 def log_of(bare: str) -> list[dict[str, Any]]:
     """Rows of the log of a trained actor's course; none if it has none."""
-    path = models_folder() / bare / LOG
-    lines = path.read_text("utf-8").splitlines() if path.exists() else []
+    folder = artifacts.model(bare, LOG)
+    lines = [] if folder is None else (folder / LOG).read_text("utf-8").splitlines()
     return [json.loads(line) for line in lines]
 
 
@@ -116,5 +117,5 @@ def _minutes(rows: Sequence[dict[str, Any]]) -> float | None:
 
 
 def _json(path: Path) -> dict[str, Any]:
-    """Values of a file, none if there is no such file."""
-    return dict(json.loads(path.read_text("utf-8"))) if path.exists() else {}
+    """Values of a file."""
+    return dict(json.loads(path.read_text("utf-8")))

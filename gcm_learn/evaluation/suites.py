@@ -9,7 +9,6 @@ two comparisons of one suite have seen the same.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -17,16 +16,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gcm_learn import artifacts
 from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
 from gcm_learn.evaluation import turns
 from gcm_learn.families import family_names
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
+from gcm_learn.storage import content_hash, write_whole
 
 if TYPE_CHECKING:
     from gcm_learn.dataset.spec import DatasetSpec
 
 LARGEST = 1000  # situations of a suite
 SHARD = 25
+FOLDER = "suites"
 FASTER = {"speed": [1.2, 2.4]}  # of bodies that are drawn anywhere [hand speeds]
 LONG_ARM = {"arm": {"upper_arm": [1.3, 1.5]}}
 _ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names()}
@@ -124,9 +126,9 @@ def suite_names() -> list[str]:
     return [*SUITES, *turns.STRATA]
 
 
-def suites_folder() -> Path:
-    """Where the repository keeps suites."""
-    return Path(__file__).parents[2] / "data" / "suites"
+def suite_file(name: str) -> Path | None:
+    """The file of a suite that has been drawn, or is shipped; None if there is none."""
+    return artifacts.find("data", f"{FOLDER}/{name}.jsonl")
 
 
 def check_suite(name: str, count: int) -> None:
@@ -140,7 +142,7 @@ def check_suite(name: str, count: int) -> None:
 def draw_suite(
     name: str,
     count: int,
-    folder: Path,
+    folder: Path | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] = lambda records: None,
 ) -> list[Entry]:
@@ -151,8 +153,8 @@ def draw_suite(
     name : str
     count : int
         At most 1000.
-    folder : Path
-        Where suites are kept.
+    folder : Path, optional
+        Where suites are kept; by default they are found as `artifacts` says.
 
     Raises
     ------
@@ -160,15 +162,17 @@ def draw_suite(
         If what is there, or drawn, is not what was frozen.
     """
     check_suite(name, count)
-    path = folder / f"{name}.jsonl"
-    entries = _read(path) if path.exists() else []
+    kept = artifacts.kept("data") / FOLDER if folder is None else folder
+    path = kept / f"{name}.jsonl"
+    found = (suite_file(name) if folder is None else path) or path
+    entries = _read(found) if found.exists() else []
     missing = len(entries) < count
     if missing:
-        entries = _drawn(name, count, folder, workers, progress)
+        entries = _drawn(name, count, kept, workers, progress)
     check_frozen(name, entries)
     if missing:
-        folder.mkdir(parents=True, exist_ok=True)
-        path.write_text("".join(_line(entry) + "\n" for entry in entries), "utf-8")
+        kept.mkdir(parents=True, exist_ok=True)
+        write_whole(path, "".join(_line(entry) + "\n" for entry in entries))
     return entries[:count]
 
 
@@ -240,7 +244,5 @@ def hash_of(entries: Sequence[Entry]) -> str:
 
     When the oracle catches is no part of it: that changes by a hair whenever it gets better.
     """
-    digest = hashlib.sha256()
-    for entry in entries:
-        digest.update(f"{_line(replace(entry, earliest=math.inf))}\n".encode())
-    return digest.hexdigest()[:16]
+    lines = (f"{_line(replace(entry, earliest=math.inf))}\n" for entry in entries)
+    return content_hash(*lines)[:16]

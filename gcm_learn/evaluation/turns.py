@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -25,6 +24,7 @@ from gcm_learn.planners.oracle.bounds import bounds, stratum
 from gcm_learn.processes import cores, pool
 from gcm_learn.situation import situation_to_json
 from gcm_learn.situation.canonical import canonical
+from gcm_learn.storage import write_whole
 
 SEED = 9108
 CHUNK = 50  # draws of a file
@@ -122,7 +122,5 @@ def _chunk(folder: Path, first: int) -> list[str]:
     path = _file(folder, first)
     if not path.exists():
         lines = [json.dumps(drawn(number)) for number in range(first, first + CHUNK)]
-        temporary = path.with_suffix(f".{os.getpid()}")
-        temporary.write_text("".join(line + "\n" for line in lines), "utf-8")
-        temporary.replace(path)
+        write_whole(path, "".join(line + "\n" for line in lines))
     return path.read_text("utf-8").splitlines()

@@ -11,6 +11,7 @@ import numpy as np
 
 from gcm_learn.errors import FileFormatError
 from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.storage import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -100,7 +101,6 @@ class CognitiveMap:
             "engine": self.engine,
             "contact": None if self.contact is None else vars(self.contact),
         }
-        temporary = path.with_suffix(".tmp.npz")
         arrays = {
             "header": np.array(json.dumps(header)),
             "arrival": self.arrival.filled(-1.0),
@@ -109,12 +109,8 @@ class CognitiveMap:
         }
         if self.later is not None:
             arrays["later"] = self.later.filled(-1.0)
-        try:
-            with open(temporary, "wb") as stream:
-                np.savez_compressed(stream, allow_pickle=False, **arrays)
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
+        with whole_file(path) as place:
+            np.savez_compressed(place, allow_pickle=False, **arrays)
         return path
 
     @classmethod

@@ -20,15 +20,14 @@ from PIL import Image
 
 from gcm_learn import seeding
 from gcm_learn.evaluation import draw_suite
-from gcm_learn.evaluation.suites import suites_folder
+from gcm_learn.evaluation.suites import suite_file
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots import style
 from gcm_learn.plots.maps import walls
 from gcm_learn.plots.memory_script import PAGE
 from gcm_learn.recall import Memory, RecallPlanner, Trace, path_of
-from gcm_learn.recall.disk import MANIFEST
 from gcm_learn.recall.passing import passing_of
-from gcm_learn.recall.shipped import models_folder, shipped_memory
+from gcm_learn.recall.shipped import has_memory, shipped_memory
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack
@@ -112,11 +111,11 @@ def write_shipped_page(out: Path, count: int = SHOWN) -> Path | None:
 
     Returns None if there is no such memory.
     """
-    if not (models_folder() / "recall" / MANIFEST).exists():
+    if not has_memory():
         return None
     asked = []
-    if (suites_folder() / f"{SUITE}.jsonl").exists():
-        entries = draw_suite(SUITE, ENTRIES, suites_folder())
+    if suite_file(SUITE) is not None:
+        entries = draw_suite(SUITE, ENTRIES)
         hard = [entry for entry in entries if entry.stratum in ("W", "Q")]
         asked = [replace(e.situation, name=f"{e.family} ({e.stratum})") for e in hard[:QUESTIONS]]
     return write_memory_page(shipped_memory("recall"), out, asked, count=count)

@@ -13,6 +13,7 @@ import numpy as np
 from gcm_learn.envs.settings import Settings, settings_of
 from gcm_learn.errors import PolicyError
 from gcm_learn.policies.directions import turned, velocities
+from gcm_learn.storage import whole_file
 
 FORMAT = "gcm-learn/actor@1"
 FILE = "actor.npz"
@@ -72,13 +73,13 @@ class Actor:
         }
         arrays: dict[str, Any] = {f"w{k}": w for k, (w, _) in enumerate(self.layers)}
         arrays |= {f"b{k}": b for k, (_, b) in enumerate(self.layers)}
-        temporary = folder / f"{FILE}.tmp"
-        with open(temporary, "wb") as stream:
+        path = folder / FILE
+        with whole_file(path) as place:
             np.savez_compressed(
-                stream, header=np.array(json.dumps(header)), mean=self.mean,
+                place, header=np.array(json.dumps(header)), mean=self.mean,
                 deviation=self.deviation, spread=self.spread, **arrays,
             )  # fmt: skip
-        return temporary.replace(folder / FILE)
+        return path
 
     @classmethod
     def load(cls, folder: Path) -> Actor:

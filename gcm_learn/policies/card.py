@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from gcm_learn.policies.actor import FILE
 from gcm_learn.policies.plan import Share, TrainingPlan
+from gcm_learn.storage import content_hash, write_whole
 
 CARD = "card.md"
 
@@ -23,7 +23,7 @@ def write_card(
     sizes: Mapping[str, int],
 ) -> Path:
     """Write the card; returns its path."""
-    digest = hashlib.sha256((folder / FILE).read_bytes()).hexdigest()[:16]
+    digest = content_hash((folder / FILE).read_bytes())[:16]
     sources = "; ".join(_told(share) for share in plan.situations)
     judged = "; ".join(_told(share) for share in plan.validation)
     lines = [
@@ -53,7 +53,7 @@ def write_card(
         "limits: bodies are told exactly; at most four obstacles are told; steps of 0.02 s.",
     ]
     path = folder / CARD
-    path.write_text("\n".join(lines) + "\n", "utf-8")
+    write_whole(path, "\n".join(lines) + "\n")
     return path
 
 

@@ -2,37 +2,47 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from gcm_learn import seeding
+from gcm_learn import artifacts, seeding
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.pool import Pool
+from gcm_learn.errors import PolicyError
 from gcm_learn.motion.timing import refine
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.planners.plan import Plan
 from gcm_learn.policies.actor import FILE, Actor
 from gcm_learn.policies.rollout import play
-from gcm_learn.recall.shipped import models_folder
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import canonical
 from gcm_learn.situation.json_format import situation_to_json
+from gcm_learn.storage import content_number
 
 TRIES = 20  # as many as paths are checked by planners that recall
 
 
 def actor_names() -> list[str]:
     """Folders of the models that hold an actor."""
-    return sorted(path.parent.name for path in models_folder().glob(f"*/{FILE}"))
+    return list(artifacts.models(FILE))
+
+
+def actor_folder(name: str) -> Path:
+    """The folder of a trained actor; raises PolicyError if there is none."""
+    folder = artifacts.model(name, FILE)
+    if folder is None:
+        make = f"gcm-learn train-policy CONFIG --out {artifacts.own('models') / name}"
+        raise PolicyError(artifacts.missing("models", f"trained policy {name!r}", make))
+    return folder
 
 
 def shipped_actor(name: str) -> Actor:
     """The actor in a folder of the models; raises PolicyError if there is none."""
-    return Actor.load(models_folder() / name)
+    return Actor.load(actor_folder(name))
 
 
 @dataclass(frozen=True)
@@ -86,4 +96,4 @@ class ActorPlanner:
 def _number(situation: Situation) -> int:
     """A number that follows from the situation alone."""
     text = json.dumps(situation_to_json(situation), sort_keys=True)
-    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:6], "little")
+    return content_number(text.encode(), 6)

@@ -23,6 +23,7 @@ from gcm_learn.policies.demonstrations import Moves
 from gcm_learn.policies.directions import aimed_of
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.vec_env import ArenaVecEnv
+from gcm_learn.storage import whole_file
 
 MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.pkl", "buffer.pkl"
 _SEEN = 1e12  # observations, after which new ones hardly move the statistics
@@ -146,13 +147,13 @@ def keep(model: BaseAlgorithm, folder: Path) -> None:
     """Write everything that going on needs; each file is replaced when it is whole."""
     env = model.get_env()
     assert isinstance(env, VecNormalize)
-    model.save(folder / "model.tmp.zip")
-    (folder / "model.tmp.zip").replace(folder / MODEL)
-    env.save(str(folder / "normalisation.tmp"))
-    (folder / "normalisation.tmp").replace(folder / STATISTICS)
+    with whole_file(folder / MODEL) as place:
+        model.save(place)
+    with whole_file(folder / STATISTICS) as place:
+        env.save(str(place))
     if hasattr(model, "save_replay_buffer"):
-        model.save_replay_buffer(folder / "buffer.tmp.pkl")
-        (folder / "buffer.tmp.pkl").replace(folder / BUFFER)
+        with whole_file(folder / BUFFER) as place:
+            model.save_replay_buffer(place)
 
 
 def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:

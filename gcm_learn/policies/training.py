@@ -22,6 +22,7 @@ from gcm_learn.policies.demonstrations import Demonstrations, act_out, transitio
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.score import score
 from gcm_learn.policies.situations import Lot, gather
+from gcm_learn.storage import write_whole
 
 CONFIG, LOG, STATE = "config.json", "log.jsonl", "state.json"
 _PART = 1000  # situations that are acted out at once
@@ -93,7 +94,7 @@ def _claim(run: Run) -> None:
         if old != new:
             fields = sorted(f for f in new if old.get(f) != new[f])
             raise PolicyError(f"{path}: another run, whose {', '.join(fields)} differ")
-    path.write_text(text, "utf-8")
+    write_whole(path, text)
 
 
 def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
@@ -137,7 +138,7 @@ class _Judge:
             self.best, self.scores = steps, scores
             actor.save(self.run.folder)
         state = {"best": self.best, "scores": self.scores}
-        (self.run.folder / STATE).write_text(json.dumps(state) + "\n", "utf-8")
+        write_whole(self.run.folder / STATE, json.dumps(state) + "\n")
 
 
 def _clone(run: Run, shown: Lot, judge: _Judge) -> None:

@@ -8,7 +8,6 @@ between has the one or the other.
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import uuid
 from collections.abc import Callable, Mapping
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.errors import RecallError
+from gcm_learn.storage import to_disk, write_whole
 
 FORMAT = "gcm-learn/memory@1"
 MANIFEST = "manifest.json"
@@ -53,9 +53,9 @@ def write_memory(
             extra(data)
         sizes = {path.name: path.stat().st_size for path in sorted(data.iterdir())}
         for path in data.iterdir():
-            _to_disk(path)
+            to_disk(path)
         manifest = {"format": FORMAT, **about, "data": data.name, "bytes": sizes}
-        _replace(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n")
+        write_whole(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n", durable=True)
     except BaseException:
         shutil.rmtree(data, ignore_errors=True)
         raise
@@ -99,21 +99,3 @@ def read_arrays(folder: Path, manifest: Mapping[str, Any], mmap: bool) -> dict[s
         path.stem: np.asarray(np.load(path, mmap_mode="r" if mmap else None))
         for path in sorted(data.glob("*.npy"))
     }
-
-
-def _to_disk(path: Path) -> None:
-    with open(path, "rb") as stream:
-        os.fsync(stream.fileno())
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write a text file under another name, then rename it."""
-    fresh = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.tmp")
-    try:
-        with open(fresh, "w", encoding="utf-8") as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(fresh, path)
-    finally:
-        fresh.unlink(missing_ok=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import os
-import uuid
 from pathlib import Path
 from types import ModuleType
 
@@ -14,6 +13,7 @@ import numpy as np
 from gcm_learn.errors import EncoderError, MissingExtraError
 from gcm_learn.recall.encoder_config import config_from_json, config_to_json
 from gcm_learn.recall.towers import Encoder
+from gcm_learn.storage import write_whole
 
 WEIGHTS, CONFIG = "encoder.safetensors", "config.json"
 
@@ -24,9 +24,9 @@ def save_encoder(encoder: Encoder, folder: str | os.PathLike[str]) -> None:
     place.mkdir(parents=True, exist_ok=True)
     save = _safetensors().save
     arrays = {name: np.ascontiguousarray(a) for name, a in encoder.arrays.items()}
-    write_whole(place / WEIGHTS, save(arrays, {"key": encoder.key}))
+    write_whole(place / WEIGHTS, save(arrays, {"key": encoder.key}), durable=True)
     text = json.dumps(config_to_json(encoder.config), indent=1) + "\n"
-    write_whole(place / CONFIG, text.encode())
+    write_whole(place / CONFIG, text, durable=True)
 
 
 def load_encoder(folder: str | os.PathLike[str]) -> Encoder:
@@ -50,19 +50,6 @@ def load_encoder(folder: str | os.PathLike[str]) -> Encoder:
     except Exception as error:  # safetensors raises errors of its own
         raise EncoderError(f"{place / WEIGHTS}: damaged ({error})") from None
     return Encoder(config, arrays)
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file under another name, then rename it."""
-    fresh = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.tmp")
-    try:
-        with open(fresh, "wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(fresh, path)
-    finally:
-        fresh.unlink(missing_ok=True)
 
 
 def _safetensors() -> ModuleType:

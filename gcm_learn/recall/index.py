@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from gcm_learn.recall.raw_features import ARM, COUNT, OBSTACLE, SLOTS, TARGET, r
 from gcm_learn.recall.waypoints import Trace
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.situation import Situation
+from gcm_learn.storage import content_hash, content_number
 
 FILE = "index.npz"
 _MODULES = {  # looked up late, for what is learned needs more libraries
@@ -88,11 +88,10 @@ def index_class(name: str) -> type[Index]:
 
 def hash_of(name: str, *arrays: np.ndarray) -> str:
     """Short hash of an index' name and numbers."""
-    digest = hashlib.sha256(name.encode())
+    parts: list[str | bytes] = [name]
     for array in arrays:
-        digest.update(repr((array.dtype.str, array.shape)).encode())
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()[:16]
+        parts += [repr((array.dtype.str, array.shape)), np.ascontiguousarray(array).tobytes()]
+    return content_hash(*parts)[:16]
 
 
 def write_arrays(folder: Path, arrays: dict[str, np.ndarray]) -> None:
@@ -237,8 +236,7 @@ class RandomIndex:
 
     def _direction(self, numbers: np.ndarray, kind: int) -> np.ndarray:
         rounded = np.round(numbers.astype(float), 4) + 0.0
-        digest = hashlib.sha256(rounded.tobytes()).digest()
-        rng = seeding.rng(self.seed, kind, int.from_bytes(digest[:8], "little"))
+        rng = seeding.rng(self.seed, kind, content_number(rounded.tobytes()))
         place = rng.standard_normal(self.dim)
         return (place / np.linalg.norm(place)).astype(np.float32)
 

@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from gcm_learn.dataset import Dataset
-from gcm_learn.recall.encoder_files import save_encoder, write_whole
+from gcm_learn.recall.encoder_files import save_encoder
 from gcm_learn.recall.training import LOG, Trainer
+from gcm_learn.storage import write_whole
 
 METRICS, CARD = "metrics.json", "card.md"
 
@@ -46,9 +47,9 @@ def write_model(
         "dataset": {"name": records.spec.name, **_origin(records)},
         "validation": {name: round(value, 4) for name, value in marks.items()},
     }
-    write_whole(folder / METRICS, (json.dumps(about, indent=1) + "\n").encode())
+    write_whole(folder / METRICS, json.dumps(about, indent=1) + "\n")
     write_whole(folder / LOG, (trainer.folder / LOG).read_bytes())
-    write_whole(folder / CARD, _card(trainer, records, dataset, marks).encode())
+    write_whole(folder / CARD, _card(trainer, records, dataset, marks))
     shutil.rmtree(trainer.folder, ignore_errors=True)
 
 

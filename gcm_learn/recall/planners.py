@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 
@@ -19,6 +18,7 @@ from gcm_learn.recall.store import Memory
 from gcm_learn.recall.trial import Offer, first_that_holds
 from gcm_learn.recall.waypoints import Trace
 from gcm_learn.situation import Situation
+from gcm_learn.storage import content_number
 
 CANDIDATES = 20
 POOL = (
@@ -107,7 +107,7 @@ class SplinesPlanner:
         if answer is not None:
             return answer
         numbers = np.round(raw_features(situation, problem.bodies).astype(float), 4) + 0.0
-        item = int.from_bytes(hashlib.sha256(numbers.tobytes()).digest()[:8], "little")
+        item = content_number(numbers.tobytes())
         start = query_of(problem).ring
         traces, goals = random_traces(self.seed, item, self.candidates, start, situation.horizon)
         offer = _offer(np.arange(self.candidates), traces)

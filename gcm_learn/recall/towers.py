@@ -9,7 +9,6 @@ and its map. Inner products tell whether the memory, bent to the situation, catc
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,6 +23,7 @@ from gcm_learn.recall.path_features import ways
 from gcm_learn.recall.pictures import picture_of
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.situation import Situation
+from gcm_learn.storage import content_hash
 
 LAYERS = 3
 CHUNK = 4096  # memories that are embedded at once
@@ -82,12 +82,11 @@ class Encoder:
     @cached_property
     def key(self) -> str:
         """Short hash of all that embeddings depend on."""
-        digest = hashlib.sha256(f"{self.config.memory} {self.dim}".encode())
+        parts: list[str | bytes] = [f"{self.config.memory} {self.dim}"]
         for name in sorted(self.arrays):
             array = np.ascontiguousarray(self.arrays[name])
-            digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
-            digest.update(array.tobytes())
-        return digest.hexdigest()[:16]
+            parts += [f"{name} {array.dtype.str} {array.shape}", array.tobytes()]
+        return content_hash(*parts)[:16]
 
     @cached_property
     def _situation(self) -> Tower:

@@ -26,11 +26,11 @@ from gcm_learn import seeding
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall.clearance_features import STEPS, Looks
 from gcm_learn.recall.encoder_config import EncoderConfig, config_to_json
-from gcm_learn.recall.encoder_files import write_whole
 from gcm_learn.recall.losses import binary, contrast, listwise
 from gcm_learn.recall.networks import EncoderNet
 from gcm_learn.recall.towers import Encoder
 from gcm_learn.recall.training_data import Lesson, Teacher
+from gcm_learn.storage import write_whole
 
 WARM = 200  # steps in which the learning rate rises
 OPEN = 0.2  # share of the time in which lessons are about any memories
@@ -217,7 +217,7 @@ class Trainer:
         """Write a checkpoint."""
         stream = io.BytesIO()
         torch.save(self._state(), stream)
-        write_whole(self.folder / CHECKPOINT, stream.getvalue())
+        write_whole(self.folder / CHECKPOINT, stream.getvalue(), durable=True)
 
     def _state(self) -> dict[str, Any]:
         return {
@@ -248,7 +248,7 @@ class Trainer:
         self.lessons = [Lesson.load(self._lesson_file(k)) for k in range(state["lessons"])]
         lines = (self.folder / LOG).read_text("utf-8").splitlines(keepends=True)
         kept = [line for line in lines if json.loads(line)["turn"] <= self.turn]
-        write_whole(self.folder / LOG, "".join(kept).encode())
+        write_whole(self.folder / LOG, "".join(kept))
 
     def _lesson_file(self, k: int) -> Path:
         return self.folder / f"lesson-{k:05d}.npz"

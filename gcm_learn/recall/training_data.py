@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from gcm_learn.recall.clearance_features import Looks
-from gcm_learn.recall.encoder_files import write_whole
+from gcm_learn.storage import write_whole
 
 Best = Callable[[Looks, int], np.ndarray]
 """From looks at n situations and a number k, the memories (n, k) that fit best by what is known so

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ from gcm_learn.situation.checks import quote
 from gcm_learn.situation.json_text import JsonTextError, line_of, parse
 from gcm_learn.situation.json_values import FORMAT, situation_from_json, situation_to_json
 from gcm_learn.situation.situation import Situation
+from gcm_learn.storage import write_whole
 
 __all__ = [
     "FORMAT",
@@ -150,17 +150,7 @@ def write_situations(path: str | Path, situations: Sequence[Situation]) -> None:
         _check_unique(situations, range(1, len(situations) + 1), _printable(str(path)))
         objects = (situation_to_json(situation) for situation in situations)
         content = "".join(json.dumps(obj, allow_nan=False) + "\n" for obj in objects)
-    _replace(path, content)
-
-
-def _replace(path: Path, content: str) -> None:
-    """Write a file under a temporary name beside `path`, then rename it."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        temporary.write_text(content, encoding="utf-8")
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_whole(path, content)
 
 
 def _printable(text: str) -> str:

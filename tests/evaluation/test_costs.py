@@ -6,10 +6,11 @@ import json
 
 import pytest
 
+from gcm_learn.artifacts import shipped
 from gcm_learn.evaluation import costs as module
 from gcm_learn.evaluation.costs import costs
 from gcm_learn.policies.planner import shipped_actor
-from gcm_learn.recall.shipped import models_folder, shipped_memory
+from gcm_learn.recall.shipped import shipped_memory
 
 
 def test_entrants_share_what_they_hold():
@@ -21,9 +22,9 @@ def test_a_memory():
     (cost,) = costs(["recall"])
     memory = shipped_memory("recall")
     assert cost.memories == len(memory) and cost.weights is None and cost.steps is None
-    files = [p for p in (models_folder() / "recall").rglob("*") if p.suffix != ".json"]
+    files = [p for p in (shipped("models") / "recall").rglob("*") if p.suffix != ".json"]
     assert cost.size == pytest.approx(sum(p.stat().st_size for p in files), rel=1e-3)
-    encoder = json.loads((models_folder() / "encoder" / "metrics.json").read_text())
+    encoder = json.loads((shipped("models") / "encoder" / "metrics.json").read_text())
     assert cost.minutes == encoder["seconds"] / 60 and cost.situations == encoder["memories"]
 
 
@@ -31,7 +32,7 @@ def test_an_actor():
     (cost,) = costs(["ppo-clone"])
     layers = shipped_actor("ppo-clone").layers
     assert cost.weights == sum(w.size + b.size for w, b in layers)
-    config = json.loads((models_folder() / "ppo-clone" / "config.json").read_text())
+    config = json.loads((shipped("models") / "ppo-clone" / "config.json").read_text())
     assert cost.start == "clone"
     assert cost.situations == sum(share["count"] for share in config["situations"])
     assert cost.steps == max(row["steps"] for row in module.log_of("ppo-clone"))

@@ -11,7 +11,7 @@ from PIL import Image
 from gcm_learn import families
 from gcm_learn.evaluation.contest import compare
 from gcm_learn.evaluation.measures import measured
-from gcm_learn.evaluation.suites import Entry, draw_suite, suites_folder
+from gcm_learn.evaluation.suites import Entry, draw_suite
 from gcm_learn.evaluation.table import Results
 from gcm_learn.plots import comparison_figures as figures
 from gcm_learn.plots import comparison_tables as tables
@@ -24,7 +24,7 @@ NAMES = ["straight", "layered", "clone"]
 @pytest.fixture(scope="module")
 def entries() -> list[Entry]:
     """Situations of all strata, among them touches of the clone."""
-    return draw_suite("demo", 24, suites_folder())
+    return draw_suite("demo", 24)
 
 
 @pytest.fixture(scope="module")

@@ -105,10 +105,11 @@ def test_an_empty_memory_knows_nothing(catches):
 
 
 def test_planners_by_name_use_the_memory_of_the_models(memory, catches, tmp_path, monkeypatch):
-    from gcm_learn.recall import planners, shipped
+    from gcm_learn import artifacts
+    from gcm_learn.recall import planners
 
     planners._memory.cache_clear()
-    monkeypatch.setenv(shipped.VARIABLE, str(tmp_path))
+    monkeypatch.setattr(artifacts, "folders", lambda kind: [tmp_path])
     with pytest.raises(RecallError, match="gcm-learn remember DATASET --out"):
         get_planner("recall")
     memory.save(tmp_path / "recall")

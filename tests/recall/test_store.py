@@ -139,13 +139,13 @@ def test_another_index_is_refused(memory, catches, tmp_path):
     assert len(Memory.load(tmp_path, memory.index)) == len(memory)
 
 
-@pytest.mark.parametrize("at", ["np.save", "_to_disk", "_replace"])
+@pytest.mark.parametrize("at", ["np.save", "to_disk", "write_whole"])
 def test_an_interrupted_save_leaves_the_old_memory(memory, at, tmp_path, monkeypatch):
     memory.save(tmp_path)
     changed = memory.refiled(memory.index)
     changed.forget(np.arange(100))
 
-    def stop(*args):
+    def stop(*args, **options):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:

@@ -1,0 +1,46 @@
+"""What a wheel carries beside the code: the trained models and the smallest suite.
+
+They stay where they are in the repository, and are copied when the wheel is built. Everything else
+about the package is in pyproject.toml.
+"""
+
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+ROOT = Path(__file__).parent
+SHIPPED = (
+    *(f"models/{name}" for name in ("clone", "encoder", "ppo", "ppo-clone", "recall", "sac")),
+    "data/suites/demo.jsonl",
+)
+NEEDED = {".json", ".jsonl", ".md", ".npy", ".npz", ".safetensors"}
+"""Suffixes: what training needs to go on stays out."""
+TARGET = Path("gcm_learn", "_shipped")
+
+
+def shipped() -> list[Path]:
+    """The files, relative to the repository."""
+    found = []
+    for name in SHIPPED:
+        place = ROOT / name
+        files = [place] if place.is_file() else place.rglob("*")
+        found += [path.relative_to(ROOT) for path in files if path.suffix in NEEDED]
+    return sorted(path for path in found if path.name != "state.json")
+
+
+class WithModels(build_py):
+    """Builds the package as always, then copies what is shipped; an editable one needs no copy."""
+
+    def run(self) -> None:
+        """Build."""
+        super().run()
+        if self.editable_mode:
+            return
+        for path in shipped():
+            target = Path(self.build_lib, TARGET, path)
+            self.mkpath(str(target.parent))
+            self.copy_file(str(ROOT / path), str(target))
+
+
+setup(cmdclass={"build_py": WithModels})
