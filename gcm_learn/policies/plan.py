@@ -134,7 +134,8 @@ def plan_of(entry: Mapping[str, Any]) -> TrainingPlan:
             given[name] = int(float(given[name]))
     if "settings" in given:
         given["settings"] = settings_of(given["settings"])
-    return TrainingPlan(**given, hyperparameters={k: _number(v) for k, v in values.items()})
+    rest = {k: v if k == "net_arch" else _number(v) for k, v in values.items()}  # "64" is a list
+    return TrainingPlan(**given, hyperparameters=rest)
 
 
 def _share(item: Mapping[str, Any], name: str) -> Share:

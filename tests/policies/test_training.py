@@ -55,6 +55,8 @@ def test_numbers_may_be_written_as_people_do(tmp_path):
     plan = read_plan(path)
     assert plan.hyperparameters["learning_rate"] == 3e-4
     assert plan_of({**ENTRY, "n_timesteps": "1e6"}).n_timesteps == 1_000_000
+    for layer in ("16", 16):  # one is a list too, and no number
+        assert plan_of({**ENTRY, "net_arch": layer}).hyperparameters["net_arch"] == layer
 
 
 def test_a_clone_learns_what_it_is_shown(tmp_path):
