@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("pyarrow")
 
 from gcm_learn import dataset
-from gcm_learn.dataset import DatasetSpec, FamilyShare
+from gcm_learn.dataset import DatasetSpec, FamilyShare, Holdout, Split
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.manifest import manifest_of, write_manifest
 from gcm_learn.dataset.shards import make_shard
@@ -25,6 +25,28 @@ SMALL = DatasetSpec(
     rungs=2,
     shard_size=20,
 )
+
+MARKED = DatasetSpec(
+    name="marked",
+    seed=5,
+    count=80,
+    families=(
+        FamilyShare("moving-point", config={"arm": {"grasp": [0.05, 0.05]}}),
+        FamilyShare("static-clutter", config={"arm": {"grasp": [0.06, 0.06]}}),
+        FamilyShare("gate", config={"arm": {"grasp": [0.08, 0.08]}}),
+    ),
+    planners=("layered",),
+    map="none",
+    n=40,
+    rungs=1,
+    shard_size=80,
+    split=Split(validation=0.25, test=0.25),
+    holdouts=(
+        Holdout("test-gate", family="gate"),
+        Holdout("test-long", quantity="upper_arm", above=1.1),
+    ),
+)
+"""Two families are for training, one is held out; what a hand grasps tells which it is."""
 
 
 @pytest.fixture

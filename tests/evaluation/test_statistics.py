@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from gcm_learn.evaluation.statistics import chance, difference, mcnemar, wilson
+from gcm_learn.evaluation.statistics import chance, difference, mcnemar, stratified, wilson
+from gcm_learn.seeding import rng as rng_of
 
 
 def test_wilson_is_that_of_the_books():
@@ -50,3 +51,28 @@ def test_strata_of_a_group_are_never_mixed():
 
 def test_probabilities_are_told_as_people_write_them():
     assert [chance(p) for p in (0.25, 0.0004, 0.0)] == ["0.250", "4e-04", "< 1e-99"]
+
+
+def test_pairs_stay_together(rng):
+    """What lifts both the same is no difference, however much it varies."""
+    numbers, alone = rng.normal(size=200), np.zeros(200)
+    assert difference(numbers > 0.0, numbers > 0.0, alone) == (0.0, 0.0, 0.0)
+    assert difference(numbers + 0.1, numbers, alone) == pytest.approx((0.1, 0.1, 0.1))
+
+
+def test_a_share_is_drawn_within_its_groups():
+    groups = np.repeat(["a", "b"], [30, 90])
+    assert stratified(groups == "a", groups) == (0.25, 0.25, 0.25)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bootstraps_are_as_wide_as_theory_says(seed):
+    """Large groups of unequal size and share: 1.96 deviations of a sum of binomials, both ways."""
+    groups = np.repeat(["a", "b"], [400, 1600])
+    hits = rng_of(seed).random(2000) < np.where(groups == "a", 0.5, 0.2)
+    variance = sum(np.sum(groups == g) * hits[groups == g].var() for g in "ab")
+    half = 1.96 * np.sqrt(variance) / len(hits)
+    for found in (stratified(hits, groups), difference(hits, np.zeros(2000), groups, seed)):
+        assert found.value == hits.mean()
+        assert found.high - found.value == pytest.approx(half, rel=0.12)
+        assert found.value - found.low == pytest.approx(half, rel=0.12)

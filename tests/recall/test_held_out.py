@@ -1,0 +1,142 @@
+"""What is held out stays out of training, exams, memories and what indexes are fitted to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("safetensors")
+
+from gcm_learn import dataset, get_planner
+from gcm_learn.cli import main
+from gcm_learn.dataset.parameters import quantities_of
+from gcm_learn.evaluation import draw_suite
+from gcm_learn.recall import Memory, RawIndex
+from gcm_learn.recall import transfer_labels as lessons
+from gcm_learn.recall.clearance_features import look
+from gcm_learn.recall.remember import remember
+from gcm_learn.recall.transfer_labels import School
+from gcm_learn.scene.bodies import TOP_SPEED
+from gcm_learn.scene.packing import pack
+from tests.dataset.conftest import MARKED, make_here
+
+DATA = Path(__file__).parents[2] / "data"
+GRASP, UPPER_ARM = -4, -8  # columns of a look's context
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A dataset with all kinds of splits."""
+    place = str(tmp_path_factory.mktemp("marked"))
+    make_here(MARKED, place)
+    return place
+
+
+@pytest.fixture
+def records(folder):
+    """Return its records, of which each split has some."""
+    found = dataset.open(folder)
+    assert set(found.column("split")) == {"train", "validation", "test", "test-gate", "test-long"}
+    return found
+
+
+@pytest.fixture
+def school(records, monkeypatch):
+    """Return a school of small lessons, most of whose situations are no records'."""
+    monkeypatch.setattr(lessons, "SITUATIONS", 60)
+    monkeypatch.setattr(lessons, "ANY", 10)
+    return School(records, 3)
+
+
+def catches_of(records, split):
+    """The situations of a split's catches."""
+    some = records.where(split=split)
+    return [r.situation for r in some if any(plan.caught for plan in r.plans.values())]
+
+
+def test_an_encoder_learns_from_the_records_for_training_alone(records, school):
+    assert school.situations == catches_of(records, "train")
+    assert len(school.situations) == len(school.traces) == len(school.ways) > 5
+
+
+def test_an_encoder_is_examined_on_the_records_for_validation_alone(records, school):
+    asked = []
+
+    def best(looks, k):
+        asked.append(looks.context)
+        return np.zeros((len(looks.context), k), np.int64)
+
+    assert school.exam(best)
+    reachable = records.where(split="validation", stratum=("L", "W", "Q"))
+    wanted = [look(record.situation).context for record in reachable]
+    np.testing.assert_array_equal(np.unique(asked[0], axis=0), np.unique(wanted, axis=0))
+
+
+def marks_of(school):
+    """What the arms of a lesson's situations grasp, and their upper arms."""
+    context = school.lesson(0, None).looks.context
+    return {round(float(grasp) / 10.0, 3) for grasp in context[:, GRASP]}, context[
+        :, UPPER_ARM
+    ].max()
+
+
+def test_lessons_draw_neither_a_family_nor_a_range_that_is_held_out(school):
+    arm = school.situations[0].arm
+    seen = look(school.situations[0]).context
+    assert seen[[GRASP, UPPER_ARM]] == pytest.approx([10.0 * arm.grasp, arm.upper_arm])
+    grasps, longest = marks_of(school)
+    assert grasps == {0.05, 0.06} and longest <= 1.1
+    school.spec = replace(school.spec, holdouts=school.spec.holdouts[:1])
+    grasps, longest = marks_of(school)
+    assert grasps == {0.05, 0.06} and longest > 1.1
+    school.spec = replace(school.spec, holdouts=())
+    assert 0.08 in marks_of(school)[0]
+
+
+@pytest.mark.parametrize("split", [None, "train", "validation", "test-gate"])
+def test_a_memory_holds_one_split_alone(records, folder, tmp_path, split):
+    """By default that for training, to which its index is fitted too."""
+    chosen = [] if split is None else ["--split", split]
+    assert main(["remember", folder, "--out", str(tmp_path / "memory"), *chosen]) == 0
+    memory, split = Memory.load(tmp_path / "memory"), split or "train"
+    assert memory.situations() == catches_of(records, split)
+    assert memory.index.key == RawIndex.fit([r.situation for r in records.where(split=split)]).key
+
+
+class Watched:
+    """Records that note which of them are read."""
+
+    def __init__(self, records):
+        self.records, self.spec, self.read = records, records.spec, set()
+
+    def __len__(self):
+        return len(self.records)
+
+    def __getitem__(self, k):
+        self.read.add(k)
+        return self.records[k]
+
+
+def test_a_memory_of_some_records_has_seen_no_others(records):
+    watched = Watched(records)
+    memory = remember(watched, most=12, seed=4)
+    assert len(watched.read) == 12
+    read = [records[k].situation for k in sorted(watched.read)]
+    assert memory.situations() == [s for s in read if s in memory.situations()]
+    assert memory.index.key == RawIndex.fit(read).key
+
+
+def test_the_memory_that_ships_holds_nothing_that_is_held_out_or_compared_on():
+    memory = get_planner("recall").memory
+    holdouts = dataset.read_spec(DATA / "specs" / "train.toml").holdouts
+    for k in range(0, len(memory), 5):
+        entry = memory[k]
+        top = float(pack(entry.situation).rows[:, TOP_SPEED].max())
+        quantities = quantities_of(entry.situation, top)
+        assert not any(holdout.holds(entry.family, quantities) for holdout in holdouts)
+    bodies = {entry.situation.bodies for entry in draw_suite("demo", 50, DATA / "suites")}
+    assert len(bodies) == 50 and not bodies & {s.bodies for s in memory.situations()}
