@@ -19,7 +19,7 @@ import numpy as np
 
 from gcm_learn.handspace.lattice import Lattice, hand_space
 from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
 from gcm_learn.wave import Front, LayeredFront, Task, WaveParams, front_speed, kappa_of
 from gcm_learn.wave.kernels import FREE
@@ -204,7 +204,7 @@ def _pack(
     away = PlanarQuadratic((9.0, 0.0), (0.0, 0.0), (0.0, 0.0))
     target = Body("target", "far away", Disc(0.1), away)
     arm = Arm(hand, 1.0, upper_arm=lattice.upper_arm, elbow=lattice.elbow)
-    return pack(Situation("walls", horizon, arm, (*walls, target)))
+    return pack_bodies(Situation("walls", horizon, arm, (*walls, target)))
 
 
 def leaked_cells(walls: Walls, front: Front) -> int:

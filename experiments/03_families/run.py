@@ -17,7 +17,7 @@ sys.path[:0] = [str(HERE.parents[1])]
 
 from gcm_learn import seeding  # noqa: E402
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.motion.verification import start_clearance  # noqa: E402
+from gcm_learn.motion.rules import start_clearance  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
 from gcm_learn.scene.packing import pack  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
@@ -33,7 +33,7 @@ HEAD = (
 
 def blocked(situation: Situation) -> bool:
     """Whether the limb touches something at t = 0."""
-    return start_clearance(situation, pack(situation)) <= 0.0
+    return start_clearance(pack(situation)) <= 0.0
 
 
 def timed(work: Callable[[], object]) -> tuple[object, float]:

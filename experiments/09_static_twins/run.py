@@ -41,7 +41,7 @@ from gcm_learn.recall import (  # noqa: E402
 from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at  # noqa: E402
 from gcm_learn.scene.limb import SIDE, elbow_of  # noqa: E402
-from gcm_learn.scene.packing import pack  # noqa: E402
+from gcm_learn.scene.packing import pack_bodies  # noqa: E402
 from gcm_learn.situation import Body, PlanarQuadratic, Situation  # noqa: E402
 
 STRATA = ("L", "W", "Q")
@@ -65,7 +65,7 @@ def moving(situation: Situation) -> bool:
     """Whether an obstacle moves; only planar situations are asked for."""
     if situation.is_solid:
         return False
-    rows = pack(situation).rows
+    rows = pack_bodies(situation).rows
     return bool(np.any(rows[rows[:, PART] != HAND, TOP_SPEED] > 0.1))
 
 
@@ -77,7 +77,7 @@ def best_plan(record: Record) -> Any:
 
 def met(record: Record) -> dict[int, np.ndarray]:
     """When the front met each obstacle: times of the effective cells that are its own."""
-    made, arm, bodies = record.map, record.situation.arm, pack(record.situation)
+    made, arm, bodies = record.map, record.situation.arm, pack_bodies(record.situation)
     when = birth(made) * made.kappa
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
     poses, times = np.zeros((len(bodies.rows), 12)), {int(b): [] for b in obstacles}
@@ -112,7 +112,7 @@ def twin_of(record: Record, poses: int) -> Situation:
     cells, in order of time. What the front never met is left out.
     """
     situation, plan = record.situation, best_plan(record)
-    bodies, arm, out = pack(situation), situation.arm, []
+    bodies, arm, out = pack_bodies(situation), situation.arm, []
     elbow = elbow_of(*arm.hand, arm.upper_arm, SIDE[arm.elbow])
     for b, body in enumerate(situation.bodies):
         if body.name == plan.catch_body:
@@ -124,7 +124,7 @@ def twin_of(record: Record, poses: int) -> Situation:
             copy = still(
                 situation.bodies[b], bodies, b, float(t), f"{situation.bodies[b].name} {k}"
             )
-            alone = pack(replace(situation, bodies=(*out[:1], copy)))
+            alone = pack_bodies(replace(situation, bodies=(*out[:1], copy)))
             pose = np.zeros((2, 12))
             pose[:, [3, 7, 11]] = 1.0
             pose_at(alone, 1, 0.0, pose)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.motion.interception import first_catch
-from gcm_learn.planners.completion import Problem, attempt_of, checked, timed
+from gcm_learn.planners.completion import Problem, attempt_of, checked, first_catch_on, timed
 from gcm_learn.recall import Trace, path_of
 
 RIM = 1e-3  # distance that hands keep from the rims of the ring [forearm lengths]
@@ -32,7 +31,7 @@ def replayed(problem: Problem, trace: Trace, moved: bool) -> bool:
     hand = hand * (inside / radius)[:, None]
     hand[0] = arm.hand
     time, hand = timed(arm, time, hand)
-    t, body = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
+    t, body = first_catch_on(problem, time, hand)
     if body < 0 or t > problem.situation.horizon:
         return False
     k = int(np.searchsorted(time, t, side="left"))

@@ -24,7 +24,7 @@ import numpy as np
 
 from gcm_learn import families, rng
 from gcm_learn.envs import CatchArms, Pool
-from gcm_learn.motion.verification import start_clearance
+from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
 
@@ -42,7 +42,7 @@ def situations() -> list[Situation]:
     while len(found) < SITUATIONS:
         drawn = families.draw("random-planar", 3, k)
         k += 1
-        if len(drawn.bodies) == BODIES and start_clearance(drawn, pack(drawn)) > 0.0:
+        if len(drawn.bodies) == BODIES and start_clearance(pack(drawn)) > 0.0:
             found.append(drawn)
     return found
 

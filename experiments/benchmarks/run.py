@@ -32,7 +32,7 @@ from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner
 from gcm_learn.families import random_planar  # noqa: E402
 from gcm_learn.handspace.lattice import hand_space  # noqa: E402
 from gcm_learn.handspace.occupied import occupied_cells  # noqa: E402
-from gcm_learn.scene.packing import pack  # noqa: E402
+from gcm_learn.scene.packing import pack_bodies  # noqa: E402
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation  # noqa: E402
 from gcm_learn.wave import (  # noqa: E402
     Task,
@@ -75,7 +75,7 @@ def task_of(situation: Situation, horizon: float) -> Task:
     """Make a front's task of a situation."""
     arm = situation.arm
     lattice = Lattice(80, arm.upper_arm, arm.elbow)
-    bodies = pack(situation)
+    bodies = pack_bodies(situation)
     return Task(bodies, lattice, arm.hand, arm.max_hand_speed, horizon, arm.thickness, arm.grasp)
 
 

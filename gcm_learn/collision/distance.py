@@ -42,6 +42,13 @@ def segment_point2(px, py, ax, ay, bx, by):
     return wx * wx + wy * wy
 
 
+@njit(_nrt=False, forceinline=True)
+def limb_point2(x, y, hx, hy, ex, ey):
+    """Squared distance of the point (x, y) in the arm's plane to the limb with hand and elbow."""
+    forearm = segment_point2(x, y, ex, ey, hx, hy)
+    return min(forearm, segment_point2(x, y, 0.0, 0.0, ex, ey))
+
+
 @njit(_nrt=False)
 def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
     """Tell whether the plane segments a-b and c-d properly cross."""
@@ -50,6 +57,23 @@ def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
     d3 = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
     d4 = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
     return d1 * d2 < 0.0 and d3 * d4 < 0.0
+
+
+@njit(_nrt=False)
+def segments_distance2(ax, ay, bx, by, cx, cy, dx, dy):
+    """Squared distance of the plane segments a-b and c-d, 0 if they cross."""
+    if segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
+        return 0.0
+    first = min(segment_point2(cx, cy, ax, ay, bx, by), segment_point2(dx, dy, ax, ay, bx, by))
+    second = min(segment_point2(ax, ay, cx, cy, dx, dy), segment_point2(bx, by, cx, cy, dx, dy))
+    return min(first, second)
+
+
+@njit(_nrt=False)
+def limb_segment2(hx, hy, ex, ey, ax, ay, bx, by):
+    """Squared distance of the limb with hand and elbow to the plane segment a-b."""
+    upper_arm = segments_distance2(0.0, 0.0, ex, ey, ax, ay, bx, by)
+    return min(upper_arm, segments_distance2(ex, ey, hx, hy, ax, ay, bx, by))
 
 
 @njit(_nrt=False, forceinline=True)
@@ -159,9 +183,7 @@ def arm_distance(bodies, poses, b, hx, hy, ex, ey):
     if bodies.rows[b, KIND] != DISC:
         return _limb_distance(bodies, poses, b, hx, hy, ex, ey)
     x, y = poses[b, 0], poses[b, 1]
-    forearm = segment_point2(x, y, ex, ey, hx, hy)
-    upper_arm = segment_point2(x, y, 0.0, 0.0, ex, ey)
-    return max(np.sqrt(min(forearm, upper_arm)) - bodies.rows[b, SIZE], 0.0)
+    return max(np.sqrt(limb_point2(x, y, hx, hy, ex, ey)) - bodies.rows[b, SIZE], 0.0)
 
 
 @njit(_nrt=False)
@@ -172,11 +194,10 @@ def room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch):
     """
     turned = centre_at(bodies, b, t, scratch)
     x, y = scratch[b, 0], scratch[b, 1]
-    d2 = segment_point2(x, y, ex, ey, hx, hy)
     if bodies.rows[b, PART] == HAND:
         d2 = (hx - x) ** 2 + (hy - y) ** 2
     else:
-        d2 = min(d2, segment_point2(x, y, 0.0, 0.0, ex, ey))
+        d2 = limb_point2(x, y, hx, hy, ex, ey)
     room = np.sqrt(d2 + scratch[b, 2] ** 2) - bodies.rows[b, REACH] - gap
     if room > _FAR:
         return room

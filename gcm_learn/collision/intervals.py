@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.distance import room_at, segment_point2, segments_cross
+from gcm_learn.collision.distance import room_at, segment_point2, segments_distance2
 from gcm_learn.collision.occupancy import first_touch
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import ACCELERATION, HAND, PART, REACH, SWING, TOP_SPEED, drift, pose_at
@@ -41,16 +41,6 @@ def next_free(bodies, limb, m, gap, t, end, step, scratch):
         clear += 1
         b = b + 1 if b + 1 < count else 0
     return t
-
-
-@njit
-def crossing_squared(ax, ay, bx, by, cx, cy, dx, dy):
-    """Squared distance of the plane segments a-b and c-d, 0 if they cross."""
-    if segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
-        return 0.0
-    first = min(segment_point2(cx, cy, ax, ay, bx, by), segment_point2(dx, dy, ax, ay, bx, by))
-    second = min(segment_point2(ax, ay, cx, cy, dx, dy), segment_point2(bx, by, cx, cy, dx, dy))
-    return min(first, second)
 
 
 @njit
@@ -147,8 +137,8 @@ def shorten(bodies, limb, gap, cells, since, until, count, end, shortest, scratc
                 hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
                 far = (width + gap[m]) ** 2
                 if (
-                    crossing_squared(hx, hy, ex, ey, chord[0], chord[1], chord[2], chord[3]) > far
-                    and crossing_squared(0.0, 0.0, ex, ey, chord[0], chord[1], chord[2], chord[3])
+                    segments_distance2(hx, hy, ex, ey, chord[0], chord[1], chord[2], chord[3]) > far
+                    and segments_distance2(0.0, 0.0, ex, ey, chord[0], chord[1], chord[2], chord[3])
                     > far
                 ):
                     continue

@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, segment_distance, segment_point2
+from gcm_learn.collision.distance import arm_distance, limb_point2, segment_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, REACH, SWING, drift, glide, pose_at, swing
 from gcm_learn.scene.limb import elbow_of, elbows_of
 
 _SHOULDER = 1e-9  # hands this near to the shoulder have no direction [forearm lengths]
-_DEEPEST = 48  # bisections of one segment before it counts as touching
+DEEPEST = 48  # bisections of one segment before it counts as touching
 _PARTS = 10  # of the upper arm, each half as long as the one before, that have bounds of their own
 _SHALLOW = 2  # bisections of a segment before they are asked for
 _MOST = 1_000_000  # looks at one path before it counts as touching: bodies may spin absurdly fast
+
+
+class Sweep(NamedTuple):
+    """A timed path that is searched for its least distance, and room to work in."""
+
+    time: np.ndarray  # (n,) [s]
+    hand: np.ndarray  # (n, 2)
+    floor: float  # distance at which the search may stop
+    resolution: float
+    poses: np.ndarray  # (bodies, 12)
+    stack: np.ndarray  # (DEEPEST + 2, 3)
 
 
 @njit
@@ -55,10 +68,17 @@ def limb_sweep(x0, y0, x1, y1, rho):
 
 
 @njit(_nrt=False)
-def _distance_at(bodies, b, t, x, y, rho, side, poses):
-    pose_at(bodies, b, t, poses)
-    ex, ey = elbow_of(x, y, rho, side)
-    return arm_distance(bodies, poses, b, x, y, ex, ey)
+def limb_distance(scene, b, t, x, y, poses):
+    """Distance of body b at time t [s] to the limb with its hand at (x, y).
+
+    Parameters
+    ----------
+    poses : (n, 12) ndarray
+        Row b is filled with the body's pose.
+    """
+    pose_at(scene.bodies, b, t, poses)
+    ex, ey = elbow_of(x, y, scene.limb.rho, scene.limb.side)
+    return arm_distance(scene.bodies, poses, b, x, y, ex, ey)
 
 
 @njit(_nrt=False, forceinline=True)
@@ -67,8 +87,7 @@ def _balls_by(centre, bodies, b, time, hand, elbow, poses, bound):
     nearest, reach = 0, bodies.rows[b, REACH]
     for k in range(time.size):
         x, y, z = centre(bodies, b, time[k], poses)
-        d2 = segment_point2(x, y, elbow[k, 0], elbow[k, 1], hand[k, 0], hand[k, 1])
-        d2 = min(d2, segment_point2(x, y, 0.0, 0.0, elbow[k, 0], elbow[k, 1]))
+        d2 = limb_point2(x, y, hand[k, 0], hand[k, 1], elbow[k, 0], elbow[k, 1])
         bound[b, k] = max(np.sqrt(d2 + z * z) - reach, 0.0)
         if bound[b, k] < bound[b, nearest]:
             nearest = k
@@ -121,7 +140,7 @@ def _at_samples(bodies, time, hand, elbow, floor, poses, bound):
 
 
 @njit
-def least_distance(bodies, time, hand, rho, side, floor, resolution):
+def least_distance(scene, time, hand, floor, resolution):
     """Smallest distance of the whole limb to any obstacle along a path that is linear in time.
 
     Every segment is bisected until, by the distances at its ends and a bound on all relative
@@ -130,6 +149,7 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
 
     Parameters
     ----------
+    scene : Scene
     time, hand : (n,), (n, 2) ndarray
     floor : float
         Stop as soon as a distance at or below it is found.
@@ -142,16 +162,18 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
     when : float
         Where it was found [s].
     """
-    count, last = bodies.rows.shape[0], time.size - 1
+    bodies, limb, last = scene.bodies, scene.limb, time.size - 1
+    count = bodies.rows.shape[0]
     poses, bound = np.zeros((count, 12)), np.empty((count, time.size))
-    elbow, stack = elbows_of(hand, rho, side), np.empty((_DEEPEST + 2, 3))
+    elbow = elbows_of(hand, limb.rho, limb.side)
     # All samples first: a good least distance at hand spares most of the bisections.
     best, when = _at_samples(bodies, time, hand, elbow, floor, poses, bound)
     if best <= floor or best >= 1e300:
         return best, when
     sweep, looks = np.empty(last), 0
+    work = Sweep(time, hand, floor, resolution, poses, np.empty((DEEPEST + 2, 3)))
     for k in range(last):
-        sweep[k] = limb_sweep(hand[k, 0], hand[k, 1], hand[k + 1, 0], hand[k + 1, 1], rho)
+        sweep[k] = limb_sweep(hand[k, 0], hand[k, 1], hand[k + 1, 0], hand[k + 1, 1], limb.rho)
     for b in range(count):
         if bodies.rows[b, PART] == HAND:
             continue
@@ -161,20 +183,17 @@ def least_distance(bodies, time, hand, rho, side, floor, resolution):
             if low > floor and low >= best - resolution:
                 continue
             for e in range(k, k + 2):
-                bound[b, e] = _distance_at(
-                    bodies, b, time[e], hand[e, 0], hand[e, 1], rho, side, poses
-                )
+                bound[b, e] = limb_distance(scene, b, time[e], hand[e, 0], hand[e, 1], poses)
             best, when, looks = least_in_segment(
-                bodies, b, time, hand, k, bound[b, k], bound[b, k + 1],
-                rho, side, floor, resolution, best, when, looks, poses, stack,
-            )  # fmt: skip
+                scene, work, b, k, bound[b, k], bound[b, k + 1], best, when, looks
+            )
             if best <= floor:
                 return best, when
     return best, when
 
 
 @njit(_nrt=False)
-def _low_by_parts(bodies, b, x0, y0, x1, y1, rho, side, sweep, enough, poses):
+def _low_by_parts(scene, b, x0, y0, x1, y1, sweep, enough, poses):
     """Bound the distance of limb and resting body b over a straight piece of a path, part by part.
 
     The nearer to the shoulder, the less a point of the upper arm moves: parts that are halved
@@ -188,8 +207,9 @@ def _low_by_parts(bodies, b, x0, y0, x1, y1, rho, side, sweep, enough, poses):
     enough : float
         Bounds below it are of no use: the first one ends the search.
     """
-    ex0, ey0 = elbow_of(x0, y0, rho, side)
-    ex1, ey1 = elbow_of(x1, y1, rho, side)
+    bodies, limb = scene.bodies, scene.limb
+    ex0, ey0 = elbow_of(x0, y0, limb.rho, limb.side)
+    ex1, ey1 = elbow_of(x1, y1, limb.rho, limb.side)
     d0 = segment_distance(bodies, poses, b, ex0, ey0, x0, y0)
     d1 = segment_distance(bodies, poses, b, ex1, ey1, x1, y1)
     low, outer = 0.5 * (d0 + d1 - sweep), 1.0
@@ -205,10 +225,25 @@ def _low_by_parts(bodies, b, x0, y0, x1, y1, rho, side, sweep, enough, poses):
 
 
 @njit(_nrt=False)
-def least_in_segment(
-    bodies, b, time, hand, k, d0, d1, rho, side, floor, resolution, best, when, looks, poses, stack
-):
-    """`least_distance` to body b between samples k and k + 1, whose distances are d0 and d1."""
+def least_in_segment(scene, work, b, k, d0, d1, best, when, looks):
+    """`least_distance` to body b between samples k and k + 1, whose distances are d0 and d1.
+
+    Parameters
+    ----------
+    scene : Scene
+    work : Sweep
+    best, when : float
+        The least distance so far, and its time [s].
+    looks : int
+        Distances asked for so far.
+
+    Returns
+    -------
+    best, when, looks
+        As they are then.
+    """
+    bodies, time, hand, poses, stack = scene.bodies, work.time, work.hand, work.poses, work.stack
+    floor, resolution = work.floor, work.resolution
     t0, span = time[k], time[k + 1] - time[k]
     x0, y0 = hand[k, 0], hand[k, 1]
     dx, dy = hand[k + 1, 0] - x0, hand[k + 1, 1] - y0
@@ -220,21 +255,21 @@ def least_in_segment(
         s1, d1, depth = stack[top - 1, 0], stack[top - 1, 1], stack[top - 1, 2]
         slip = drift(bodies, b, t0 + s0 * span, t0 + s1 * span)
         ax, ay, bx, by = x0 + s0 * dx, y0 + s0 * dy, x0 + s1 * dx, y0 + s1 * dy
-        sweep = limb_sweep(ax, ay, bx, by, rho)
+        sweep = limb_sweep(ax, ay, bx, by, scene.limb.rho)
         # d falls by at most the way travelled from either end: the least is in between.
         low, enough = 0.5 * (d0 + d1 - slip - sweep), max(best - resolution, floor)
         if low <= enough and depth >= _SHALLOW and slip == 0.0:
             pose_at(bodies, b, t0 + s0 * span, poses)
-            low = _low_by_parts(bodies, b, ax, ay, bx, by, rho, side, sweep, enough, poses)
+            low = _low_by_parts(scene, b, ax, ay, bx, by, sweep, enough, poses)
         if low > floor and low >= best - resolution:
             s0, d0 = s1, d1
             top -= 1
             continue
         looks += 1
-        if depth >= _DEEPEST or looks > _MOST:
+        if depth >= DEEPEST or looks > _MOST:
             return floor, t0 + s0 * span, looks
         m = 0.5 * (s0 + s1)
-        d = _distance_at(bodies, b, t0 + m * span, x0 + m * dx, y0 + m * dy, rho, side, poses)
+        d = limb_distance(scene, b, t0 + m * span, x0 + m * dx, y0 + m * dy, poses)
         if d < best:
             best, when = d, t0 + m * span
             if best <= floor:

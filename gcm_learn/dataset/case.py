@@ -107,7 +107,7 @@ class Case:
             return replace(self._early, planner=name)
         if name == "oracle":
             return self.bounds().plan
-        problem = Problem(self.situation, name, self.problem.bodies)
+        problem = Problem(self.situation, name, self.problem.scene)
         if name == "straight":
             plan, reason = straight_plan(problem)
             return plan if plan is not None else problem.answer("unreachable", reason)

@@ -19,7 +19,7 @@ from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.planners import Plan
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.limb import elbow_position
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation
 from gcm_learn.storage import whole_file
 
@@ -158,7 +158,7 @@ def episode_of(record: Record, plan: Plan, step: float) -> tuple[np.ndarray, np.
 
 
 def _observations(situation: Situation, time: np.ndarray, hand: np.ndarray) -> np.ndarray:
-    arm, bodies = situation.arm, pack(situation)
+    arm, bodies = situation.arm, pack_bodies(situation)
     order = sorted(range(len(situation.bodies)), key=lambda b: situation.bodies[b].role != "target")
     out = np.zeros((len(time), ARM + BODIES * PER_BODY))
     out[:, 0] = time / situation.horizon

@@ -19,6 +19,7 @@ from gcm_learn.dataset.splits import lot_of
 from gcm_learn.dataset.warming import warm_up
 from gcm_learn.dataset.workers import LocalPool
 from gcm_learn.errors import DatasetError, GcmError
+from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
 from gcm_learn.processes import cores
 from gcm_learn.scene.packing import pack
@@ -127,14 +128,15 @@ def _checked(record: Record, name: str) -> Report:
 
 def _broken_plans(record: Record) -> Iterator[str]:
     situation = record.situation
-    bodies, names = pack(situation), [body.name for body in situation.bodies]
+    scene, names = pack(situation), [body.name for body in situation.bodies]
+    rules = rules_of(scene)
     for name, plan in record.plans.items():
         if not plan.caught:
             continue
         if plan.trajectory is None or plan.catch_body not in names:
             yield f"the plan of {name} is not whole"
             continue
-        verdict = verify(situation, bodies, plan.trajectory, names.index(plan.catch_body))
+        verdict = verify(scene, rules, plan.trajectory, names.index(plan.catch_body))
         if not verdict.good:
             yield f"the plan of {name} does not hold: {verdict.reason}"
         elif plan.catch_time != plan.trajectory.duration:

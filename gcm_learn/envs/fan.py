@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, segment_point2
+from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.envs.kernels import FAR, FLOOR, HORIZON, NEAR, RHO, SPEED
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at
@@ -56,8 +56,7 @@ def tell_fan(bodies, arms, s, e, t, x, y, c, sn, at, poses, out):
                 if bodies.rows[b, PART] == HAND:
                     continue
                 px, py, pz = table[j * n + b, 0], table[j * n + b, 1], table[j * n + b, 2]
-                d2 = segment_point2(px, py, ex, ey, hx, hy)
-                d2 = min(d2, segment_point2(px, py, 0.0, 0.0, ex, ey))
+                d2 = limb_point2(px, py, hx, hy, ex, ey)
                 gap = np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH] - floor
                 if bodies.rows[b, KIND] == DISC:
                     room = min(room, gap)

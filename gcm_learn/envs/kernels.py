@@ -17,6 +17,7 @@ from gcm_learn.motion.interception import first_catch
 from gcm_learn.motion.verification import PARTS, joint_turns, nearest_to_shoulder
 from gcm_learn.scene.bodies import COLUMNS, Bodies
 from gcm_learn.scene.limb import elbow_of
+from gcm_learn.scene.scene import Limb, Limits, Scene
 
 HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # what an action is
 RUNNING, CAUGHT, TOUCHED, LATE = range(4)  # how an episode stands
@@ -84,6 +85,19 @@ def bodies_of(world, s):
     """The bodies of situation s, as all kernels of situations want them."""
     rows = world.rows[world.first[s] : world.first[s + 1]]
     return Bodies(rows, world.vertices, world.angles, world.arms[s, ANGLE_STEP])
+
+
+@njit
+def scene_of(world, s):
+    """Situation s, as all kernels of situations want it; its elbow is on the right."""
+    arms = world.arms
+    limb = Limb(
+        arms[s, RHO], 1.0, arms[s, NEAR], arms[s, FAR], arms[s, THICKNESS], arms[s, START], 0.0
+    )
+    limits = Limits(
+        arms[s, SPEED], arms[s, TURN_1], arms[s, TURN_2], arms[s, GRASP], arms[s, HORIZON]
+    )
+    return Scene(bodies_of(world, s), limb, limits)
 
 
 @njit(_nrt=False)
@@ -169,7 +183,8 @@ def advance(world, state, e, first, second, control, joint_rate, dt, desk):
         end = arms[s, HORIZON]
     reach_out(arms, s, x, y, end - t, first, second, control, joint_rate, way)
     time[0], time[1] = t, end
-    bodies = bodies_of(world, s)
+    scene = scene_of(world, s)
+    bodies = scene.bodies
     outcome, rho, floor = RUNNING, arms[s, RHO], arms[s, FLOOR]
     if not stays_away(bodies, time, way, arms[s, GRASP]):
         met, _ = first_catch(bodies, time, way, arms[s, GRASP], arms[s, INSTANT])
@@ -177,7 +192,7 @@ def advance(world, state, e, first, second, control, joint_rate, dt, desk):
             outcome = CAUGHT
             _shorten(time, way, met)
     if not stays_free(bodies, time, way, rho, floor, desk.moments, desk.poses):
-        distance, when = least_distance(bodies, time, way, rho, 1.0, floor, _ANY)
+        distance, when = least_distance(scene, time, way, floor, _ANY)
         if distance <= floor:
             outcome = TOUCHED
             _shorten(time, way, when)

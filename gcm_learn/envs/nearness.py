@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, segment_point2
+from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.collision.sweep import limb_sweep
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
@@ -39,8 +39,7 @@ def _rooms(bodies, b, count, moments):
     reach = bodies.rows[b, REACH]
     for k in range(count):
         ex, ey, x, y = moments[k, ELBOW_X], moments[k, ELBOW_Y], moments[k, X], moments[k, Y]
-        d2 = segment_point2(x, y, ex, ey, moments[k, HAND_X], moments[k, HAND_Y])
-        d2 = min(d2, segment_point2(x, y, 0.0, 0.0, ex, ey))
+        d2 = limb_point2(x, y, moments[k, HAND_X], moments[k, HAND_Y], ex, ey)
         moments[k, ROOM] = np.sqrt(d2 + moments[k, Z] * moments[k, Z]) - reach
 
 

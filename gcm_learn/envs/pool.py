@@ -10,11 +10,13 @@ import numpy as np
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import ArenaError
-from gcm_learn.motion.verification import HOLE_MARGIN, safety_of, start_clearance
-from gcm_learn.planners.completion import Problem
+from gcm_learn.motion.rules import rules_of, start_clearance
+from gcm_learn.motion.verification import HOLE_MARGIN
+from gcm_learn.planners.completion import CATCH_STEP
 from gcm_learn.recall.raw_features import own_axis
 from gcm_learn.scene.bodies import FIRST, LAST, SWING, Bodies
 from gcm_learn.scene.packing import pack
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import Frame, canonical
 
@@ -50,7 +52,7 @@ class Pool:
         turned = [canonical(situation) for situation in situations]
         packed = [pack(situation) for situation, _ in turned]
         arms = np.array([_arm_row(s, b) for (s, _), b in zip(turned, packed, strict=True)])
-        world = _joined(packed, arms)
+        world = _joined([scene.bodies for scene in packed], arms)
         none = np.zeros((len(turned), 0), np.float32)
         return cls(tuple(s for s, _ in turned), tuple(f for _, f in turned), world, none)
 
@@ -81,21 +83,21 @@ class Pool:
         return replace(made, frames=frames, embeddings=self.embeddings[rows])
 
 
-def _arm_row(situation: Situation, bodies: Bodies) -> np.ndarray:
+def _arm_row(situation: Situation, scene: Scene) -> np.ndarray:
     """The arm of a canonical situation as a row."""
     arm = situation.arm
-    free = start_clearance(situation, bodies)
+    free = start_clearance(scene)
     if free <= 0.0:
         raise ArenaError(f"situation {situation.name!r}: the limb touches an obstacle at t = 0")
-    problem = Problem(situation, "arena", bodies)
+    rules = rules_of(scene, free)
     row = np.zeros(k.ARM_COLUMNS)
     row[k.RHO], row[k.SPEED], row[k.THICKNESS] = arm.upper_arm, arm.max_hand_speed, arm.thickness
-    row[k.FLOOR] = arm.thickness + safety_of(free)
-    row[k.GRASP], row[k.HORIZON] = problem.reach, situation.horizon
+    row[k.FLOOR] = rules.touch
+    row[k.GRASP], row[k.HORIZON] = rules.catch, situation.horizon
     row[k.NEAR] = max(arm.inner_reach + HOLE_MARGIN, HUB)
     row[k.FAR], row[k.START] = arm.reach, arm.hand[0]
-    row[k.INSTANT] = 0.25 * problem.instant  # as plans are ended
-    row[k.ANGLE_STEP] = bodies.angle_step
+    row[k.INSTANT] = CATCH_STEP * rules.instant  # as plans are ended
+    row[k.ANGLE_STEP] = scene.bodies.angle_step
     if arm.max_joint_speed is not None:
         row[k.TURN_1], row[k.TURN_2] = arm.max_joint_speed
     return row

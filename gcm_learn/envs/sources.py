@@ -10,7 +10,7 @@ from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import ArenaError
 from gcm_learn.families import Family, draw, get_family
 from gcm_learn.families.registry import family_names
-from gcm_learn.motion.verification import start_clearance
+from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation, read_situations
 
@@ -54,7 +54,7 @@ def pool_of(source: Source, count: int, seed: int) -> Pool:
     """A pool of situations, without those of several in which the limb does not start free."""
     found = situations_of(source, count, seed)
     if not isinstance(source, Situation):
-        found = [s for s in found if start_clearance(s, pack(s)) > 0.0]
+        found = [s for s in found if start_clearance(pack(s)) > 0.0]
     return Pool.of(found)
 
 

@@ -21,7 +21,7 @@ from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.scene.bodies import LIMB, PART, Bodies, pose_at
 from gcm_learn.scene.limb import SIDE, elbow_of
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack, pack_bodies
 from gcm_learn.situation import Situation
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
@@ -167,11 +167,8 @@ def clearance_of(situation: Situation, way: Trajectory) -> float:
 
     Infinite without obstacles.
     """
-    arm = situation.arm
-    distance, _ = least_distance(
-        pack(situation), way.time, way.hand, arm.upper_arm, SIDE[arm.elbow], -1.0, RESOLUTION
-    )
-    return np.inf if distance > NO_OBSTACLE else float(distance) - arm.thickness
+    distance, _ = least_distance(pack(situation), way.time, way.hand, -1.0, RESOLUTION)
+    return np.inf if distance > NO_OBSTACLE else float(distance) - situation.arm.thickness
 
 
 def touched_part(situation: Situation, way: Trajectory) -> str:
@@ -203,7 +200,7 @@ def _limb_at_end(situation: Situation, way: Trajectory) -> tuple[np.ndarray, np.
 
 def _posed(situation: Situation, time: float) -> tuple[Bodies, np.ndarray]:
     """Bodies, and where they are at a time (n, 12)."""
-    bodies, poses = pack(situation), np.zeros((len(situation.bodies), 12))
+    bodies, poses = pack_bodies(situation), np.zeros((len(situation.bodies), 12))
     for b in range(len(poses)):
         pose_at(bodies, b, time, poses)
     return bodies, poses

@@ -6,10 +6,8 @@ import numpy as np
 
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.evaluation.entrants import Entrant
-from gcm_learn.motion.interception import first_catch
-from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.completion import Problem, first_catch_on
 from gcm_learn.scene.later import later
-from gcm_learn.scene.limb import SIDE
 from gcm_learn.situation import Situation
 
 _ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
@@ -34,12 +32,10 @@ def resting(situation: Situation, delay: float) -> str:
     arm, problem = situation.arm, Problem(situation, "rest")
     time = np.array([0.0, min(delay, situation.horizon)])
     hand = np.array([arm.hand, arm.hand])
-    met, _ = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
+    met, _ = first_catch_on(problem, time, hand)
     if met >= 0.0:
         time[1] = met
-    distance, _ = least_distance(
-        problem.bodies, time, hand, arm.upper_arm, SIDE[arm.elbow], arm.thickness, _ANY
-    )
+    distance, _ = least_distance(problem.scene, time, hand, arm.thickness, _ANY)
     if distance <= arm.thickness:
         return "touched"
     return "caught" if met >= 0.0 else ""

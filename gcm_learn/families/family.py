@@ -22,7 +22,7 @@ from gcm_learn.families.ranges import (
     pick_angle,
     span,
 )
-from gcm_learn.motion.verification import start_clearance
+from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Arm, Pendulum, Situation
 
@@ -129,4 +129,4 @@ def _starts_free(situation: Situation) -> bool:
     if any(isinstance(body.motion, Pendulum) for body in situation.bodies):
         # Packing one integrates its swing up to the horizon, of which nothing is needed here.
         situation = replace(situation, horizon=TINY)
-    return start_clearance(situation, pack(situation)) > 0.0
+    return start_clearance(pack(situation)) > 0.0

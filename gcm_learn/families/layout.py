@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.limb_gap import limb_gap2
+from gcm_learn.collision.distance import limb_segment2
 from gcm_learn.families.pieces import Piece, Vector
 from gcm_learn.families.ranges import Range, Ranges, pick, pick_angle, pick_sign, span
 from gcm_learn.scene.limb import SIDE, elbow_of
@@ -165,5 +165,6 @@ def touches(piece: Piece, arm: Arm, hand: Vector, t: float) -> bool:
         # The origin is on the bar's middle line, `offset` from its middle.
         share = piece.offset / piece.size[0]
         x, y, near = x + share * dx, y + share * dy, CORNER * near
-    gap2 = limb_gap2(*hand, arm.upper_arm, SIDE[arm.elbow], x - dx, y - dy, x + dx, y + dy)
+    elbow = elbow_of(*hand, arm.upper_arm, SIDE[arm.elbow])
+    gap2 = limb_segment2(*hand, *elbow, x - dx, y - dy, x + dx, y + dy)
     return bool(gap2 <= (arm.thickness + near) ** 2)

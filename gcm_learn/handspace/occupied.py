@@ -7,7 +7,7 @@ import numpy as np
 from gcm_learn.collision.occupancy import blocked_cells
 from gcm_learn.handspace.lattice import Lattice, hand_space
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation
 
 
@@ -27,7 +27,7 @@ def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarr
     (n, n) bool ndarray
         Indexed [iy, ix]; False outside the reachable ring.
     """
-    bodies = pack(situation)
+    bodies = pack_bodies(situation)
     poses = np.zeros((len(situation.bodies), 12))
     poses_at(bodies, t, poses)
     space = hand_space(lattice)

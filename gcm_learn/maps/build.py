@@ -7,7 +7,7 @@ import numpy as np
 from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps.cognitive_map import CognitiveMap, Contact
 from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation
 from gcm_learn.wave import (
     LayeredFront,
@@ -79,7 +79,7 @@ def task_of(
     """What a front has to explore in a situation; the arguments are those of `build_map`."""
     arm = situation.arm
     return Task(
-        bodies=pack(situation) if bodies is None else bodies,
+        bodies=pack_bodies(situation) if bodies is None else bodies,
         lattice=Lattice(params.n, arm.upper_arm, arm.elbow),
         hand=arm.hand,
         speed=arm.max_hand_speed,

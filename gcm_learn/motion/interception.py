@@ -21,6 +21,7 @@ from gcm_learn.scene.bodies import (
     pose_at,
 )
 from gcm_learn.scene.cuts import cut, point_polygon_distance, region_distance
+from gcm_learn.scene.scene import Scene
 
 NOWHERE = 1e300
 _PROBE = 1e-6  # finite difference for the direction of the nearest point [forearm lengths]
@@ -54,11 +55,11 @@ def target_distance(bodies, poses, b, x, y):
 
 
 @njit
-def first_catch(bodies, time, hand, reach, shortest):
-    """First moment along a timed path at which a target is within `reach` of the hand.
+def first_catch(bodies, time, hand, catch, shortest):
+    """First moment along a timed path at which a target is within `catch` of the hand.
 
-    Conservative advancement on the distance to the solid, which cannot jump; within reach of that,
-    steps of `shortest` [s] until the hand is within reach of the cut.
+    Conservative advancement on the distance to the solid, which cannot jump; within `catch` of
+    that, steps of `shortest` [s] until the hand is within `catch` of the cut.
 
     Returns
     -------
@@ -81,8 +82,8 @@ def first_catch(bodies, time, hand, reach, shortest):
             x = hand[k, 0] + s * (hand[last, 0] - hand[k, 0])
             y = hand[k, 1] + s * (hand[last, 1] - hand[k, 1])
             pose_at(bodies, b, t, poses)
-            room = segment_distance(bodies, poses, b, x, y, x, y) - max(reach, 0.0)
-            if room <= 0.0 and target_distance(bodies, poses, b, x, y) <= reach:
+            room = segment_distance(bodies, poses, b, x, y, x, y) - max(catch, 0.0)
+            if room <= 0.0 and target_distance(bodies, poses, b, x, y) <= catch:
                 best, body = t, b
                 break
             if t >= time[-1]:
@@ -101,12 +102,12 @@ def first_catch(bodies, time, hand, reach, shortest):
 
 
 @njit
-def approach(bodies, poses, b, x, y, reach, far):
-    """Point within `reach` of the target nearest to (x, y): (px, py, found)."""
+def approach(bodies, poses, b, x, y, catch, far):
+    """Point within `catch` of the target nearest to (x, y): (px, py, found)."""
     d = target_distance(bodies, poses, b, x, y)
     if d >= NOWHERE:
         return x, y, False
-    if d > reach:
+    if d > catch:
         gx = target_distance(bodies, poses, b, x + _PROBE, y)
         gx -= target_distance(bodies, poses, b, x - _PROBE, y)
         gy = target_distance(bodies, poses, b, x, y + _PROBE)
@@ -115,32 +116,27 @@ def approach(bodies, poses, b, x, y, reach, far):
         if size == 0.0:
             return x, y, False
         # A hair deeper than the nearest point, against the rounding of the direction.
-        x -= (d - reach + 1e-9) * gx / size
-        y -= (d - reach + 1e-9) * gy / size
+        x -= (d - catch + 1e-9) * gx / size
+        y -= (d - catch + 1e-9) * gy / size
     r = np.sqrt(x * x + y * y)
     if r > far:
         x, y = x * far / r, y * far / r
-    return x, y, target_distance(bodies, poses, b, x, y) <= reach
+    return x, y, target_distance(bodies, poses, b, x, y) <= catch
 
 
 @njit
-def first_interception(bodies, x, y, start, since, end, speed, reach, near, far, shortest):
-    """Earliest moment at which a hand going straight from (x, y) can be within reach of a target.
+def first_interception(scene, rules, x, y, start, since, end):
+    """Earliest moment at which a hand going straight from (x, y) can catch a target.
 
     Parameters
     ----------
+    scene : Scene
+    rules : Rules
+        The hand's speed, the distance that counts as a catch, and the resolution in time.
     start : float
         When the hand leaves (x, y) [s].
     since, end : float
         Span of time that is searched [s].
-    speed : float
-        Of the hand [forearm lengths / s].
-    reach : float
-        Signed distance to the target that counts as a catch.
-    near, far : float
-        Radii of the reachable ring.
-    shortest : float
-        Resolution in time [s].
 
     Returns
     -------
@@ -150,6 +146,8 @@ def first_interception(bodies, x, y, start, since, end, speed, reach, near, far,
     px, py : float
         Where the hand then is.
     """
+    bodies, near, far = scene.bodies, scene.limb.near, scene.limb.far
+    speed, catch, shortest = rules.speed, rules.catch, rules.instant
     poses = np.zeros((bodies.rows.shape[0], 12))
     best, body, bx, by = -1.0, -1, x, y
     for b in range(bodies.rows.shape[0]):
@@ -158,30 +156,35 @@ def first_interception(bodies, x, y, start, since, end, speed, reach, near, far,
         t = since
         while t <= end and (best < 0.0 or t < best):
             pose_at(bodies, b, t, poses)
-            room = segment_distance(bodies, poses, b, x, y, x, y) - max(reach, 0.0)
+            room = segment_distance(bodies, poses, b, x, y, x, y) - max(catch, 0.0)
             room -= speed * (t - start)
             if room <= 0.0:
-                px, py, found = approach(bodies, poses, b, x, y, reach, far)
+                px, py, found = approach(bodies, poses, b, x, y, catch, far)
                 away = np.sqrt((px - x) ** 2 + (py - y) ** 2)
                 inside = px * px + py * py >= near * near
                 if found and inside and away <= speed * (t - start) + 1e-12:
                     best, body, bx, by = t, b, px, py
                     break
-                t += max(_away_until(bodies, poses, b, reach, near, far), shortest)
+                t += max(_away_until(bodies, poses, b, catch, near, far), shortest)
             else:
                 t += max(room / (speed + bodies.rows[b, TOP_SPEED]), shortest)
     return best, body, bx, by
 
 
+def anywhere(scene: Scene) -> Scene:
+    """The scene with an arm that reaches everywhere: its interceptions bound those of the arm."""
+    return scene._replace(limb=scene.limb._replace(near=0.0, far=np.inf))
+
+
 @njit(_nrt=False)
-def _away_until(bodies, poses, b, reach, near, far):
-    """How long a target cannot be within reach of any hand, by the ball that holds it [s].
+def _away_until(bodies, poses, b, catch, near, far):
+    """How long no hand can catch a target, by the ball that holds it [s].
 
     It is above or below the plane, beyond the ring, or in its hole.
     """
     ball, top = bodies.rows[b, REACH], bodies.rows[b, TOP_SPEED]
     away = np.sqrt(poses[b, 0] ** 2 + poses[b, 1] ** 2)
-    margin = ball + max(reach, 0.0)
+    margin = ball + max(catch, 0.0)
     room = max(abs(poses[b, 2]) - ball, away - margin - far, near - margin - away)
     if room <= 0.0:
         return 0.0
@@ -189,11 +192,13 @@ def _away_until(bodies, poses, b, reach, near, far):
 
 
 @njit
-def may_be_reached(bodies, x, y, end, speed, reach, far):
+def may_be_reached(scene):
     """Tell whether a target may be within the ring and within the hand's way at some moment.
 
     A necessary condition by conservative advancement, so False is certain.
     """
+    bodies, x, y, far = scene.bodies, scene.limb.x, scene.limb.y, scene.limb.far
+    speed, grasp, end = scene.limits.speed, scene.limits.grasp, scene.limits.horizon
     poses = np.zeros((bodies.rows.shape[0], 12))
     tiny = 1e-5 * end
     for b in range(bodies.rows.shape[0]):
@@ -203,8 +208,8 @@ def may_be_reached(bodies, x, y, end, speed, reach, far):
         top = bodies.rows[b, TOP_SPEED]
         while t <= end:
             pose_at(bodies, b, t, poses)
-            ring = segment_distance(bodies, poses, b, 0.0, 0.0, 0.0, 0.0) - reach - far
-            way = segment_distance(bodies, poses, b, x, y, x, y) - reach - speed * t
+            ring = segment_distance(bodies, poses, b, 0.0, 0.0, 0.0, 0.0) - grasp - far
+            way = segment_distance(bodies, poses, b, x, y, x, y) - grasp - speed * t
             wait = way / (top + speed)
             if ring > 0.0:
                 wait = max(wait, ring / top if top > 0.0 else NOWHERE)

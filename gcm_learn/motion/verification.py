@@ -10,17 +10,17 @@ from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.clearance import RESOLUTION
 from gcm_learn.motion.interception import target_distance
+from gcm_learn.motion.rules import CATCH_SAFETY, Rules
 from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.scene.bodies import Bodies, pose_at
-from gcm_learn.scene.limb import SIDE, joints_of
-from gcm_learn.situation import Situation
+from gcm_learn.scene.bodies import pose_at
+from gcm_learn.scene.limb import joints_of
+from gcm_learn.scene.scene import Scene
 
-SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]
-CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured
 LARGEST_TURN = 0.5  # of a joint between two samples: more is a jump, e.g. at the shoulder [rad]
 HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
+_ROUNDING = 1e-9  # relative, of the ring's radii
 _RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
 
 
@@ -115,22 +115,23 @@ FAULTS = {
 
 
 @njit(_nrt=False)
-def _fault(time, hand, joints, start, horizon, near, far, fastest):
+def _fault(scene, time, hand, joints):
     """First of the promises about the hand's path that is not kept, NOTHING if all are."""
-    last = time.size - 1
-    if time[0] != 0.0 or hand[0, 0] != start[0] or hand[0, 1] != start[1]:
+    limb, limits, last = scene.limb, scene.limits, time.size - 1
+    if time[0] != 0.0 or hand[0, 0] != limb.x or hand[0, 1] != limb.y:
         return ELSEWHERE
-    if time[last] > horizon:
+    if time[last] > limits.horizon:
         return LATE
     for k in range(last + 1):
-        if np.sqrt(hand[k, 0] ** 2 + hand[k, 1] ** 2) > far:
+        if np.sqrt(hand[k, 0] ** 2 + hand[k, 1] ** 2) > limb.far * (1.0 + _ROUNDING):
             return OUTSIDE
-    if last > 0 and nearest_to_shoulder(hand) < near:
+    if last > 0 and nearest_to_shoulder(hand) < limb.near * (1.0 - _ROUNDING):
         return OUTSIDE
     for k in range(last):
         for joint in range(2):
             if abs(joints[k + 1, joint] - joints[k, joint]) > LARGEST_TURN:
                 return ROUND
+    fastest = limits.speed * (1.0 + SPEED_TOLERANCE)
     for k in range(last):
         dx, dy = hand[k + 1, 0] - hand[k, 0], hand[k + 1, 1] - hand[k, 1]
         if np.sqrt(dx * dx + dy * dy) > fastest * (time[k + 1] - time[k]):
@@ -138,87 +139,55 @@ def _fault(time, hand, joints, start, horizon, near, far, fastest):
     return NOTHING
 
 
-def verify(
-    situation: Situation,
-    bodies: Bodies,
-    trajectory: Trajectory,
-    body: int,
-    at_start: float | None = None,
-) -> Verdict:
+def verify(scene: Scene, rules: Rules, trajectory: Trajectory, body: int) -> Verdict:
     """Check a trajectory against everything that "caught" promises.
 
     Parameters
     ----------
-    situation : Situation
-    bodies : Bodies
-        The situation packed.
+    scene : Scene
+    rules : Rules
+        Of the scene; its `touch` is the distance that the limb keeps.
     trajectory : Trajectory
     body : int
         Index of the target that is caught at the trajectory's end.
-    at_start : float, optional
-        `start_clearance`, if the caller has it at hand.
 
     Returns
     -------
     Verdict
     """
-    arm = situation.arm
-    reason = _kinematic_fault(situation, trajectory) or _miss(situation, bodies, trajectory, body)
+    reason = _kinematic_fault(scene, trajectory) or _miss(scene, trajectory, body)
     if reason:
         return Verdict(False, 0.0, reason)
-    rho, side = arm.upper_arm, SIDE[arm.elbow]
-    at_start = start_clearance(situation, bodies) if at_start is None else at_start
-    safety = safety_of(at_start)
-    distance, when = least_distance(
-        bodies, trajectory.time, trajectory.hand, rho, side, arm.thickness + safety, RESOLUTION
-    )
-    if distance <= arm.thickness + safety:
+    time, hand, thickness = trajectory.time, trajectory.hand, scene.limb.thickness
+    distance, when = least_distance(scene, time, hand, rules.touch, RESOLUTION)
+    if distance <= rules.touch:
         reason = f"the limb is touched at t = {when:.3f} s"
-        return Verdict(False, distance - arm.thickness, reason, touched=float(when))
-    free = np.inf if distance > 1e200 else distance - arm.thickness
+        return Verdict(False, distance - thickness, reason, touched=float(when))
+    free = np.inf if distance > 1e200 else distance - thickness
     return Verdict(True, float(free), "")
 
 
-def safety_of(at_start: float) -> float:
-    """Clearance that a path must keep [forearm lengths], given that at t = 0.
-
-    Half of it where the limb begins nearer to an obstacle than SAFETY asks for.
-    """
-    return min(SAFETY, 0.5 * at_start)
-
-
-def start_clearance(situation: Situation, bodies: Bodies) -> float:
-    """Distance of the limb at t = 0 to the obstacles, less the thickness [forearm lengths]."""
-    arm = situation.arm
-    distance, _ = least_distance(
-        bodies, np.zeros(1), np.array([arm.hand]), arm.upper_arm, SIDE[arm.elbow], -1.0, 1.0
-    )
-    return float(distance) - arm.thickness
-
-
-def _kinematic_fault(situation: Situation, trajectory: Trajectory) -> str:
+def _kinematic_fault(scene: Scene, trajectory: Trajectory) -> str:
     """What of start, horizon, ring and speeds is not kept, or nothing."""
-    arm, hand, time = situation.arm, trajectory.hand, trajectory.time
-    fastest = arm.max_hand_speed * (1.0 + SPEED_TOLERANCE)
-    near, far = arm.inner_reach * (1.0 - 1e-9), arm.reach * (1.0 + 1e-9)
-    fault = _fault(time, hand, trajectory.joints, arm.hand, situation.horizon, near, far, fastest)
+    hand, time, limits = trajectory.hand, trajectory.time, scene.limits
+    fault = _fault(scene, time, hand, trajectory.joints)
     if fault == LATE:
         return f"the catch at {time[-1]:.3f} s comes after the horizon"
     if fault != NOTHING:
         return FAULTS[fault]
-    if arm.max_joint_speed is not None and len(time) > 1:
-        turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], PARTS)
-        limits = np.asarray(arm.max_joint_speed) * (1.0 + SPEED_TOLERANCE)
-        if np.any(turns > limits * np.diff(time)[:, None]):
+    if limits.shoulder < np.inf and len(time) > 1:
+        turns = joint_turns(hand, scene.limb.rho, scene.limb.side, PARTS)
+        most = np.array([limits.shoulder, limits.elbow]) * (1.0 + SPEED_TOLERANCE)
+        if np.any(turns > most * np.diff(time)[:, None]):
             return "a joint would have to be faster than max_joint_speed"
     return ""
 
 
-def _miss(situation: Situation, bodies: Bodies, trajectory: Trajectory, body: int) -> str:
+def _miss(scene: Scene, trajectory: Trajectory, body: int) -> str:
     """Whether the hand misses the target at the end."""
-    poses = np.zeros((len(situation.bodies), 12))
-    pose_at(bodies, body, trajectory.duration, poses)
-    distance = target_distance(bodies, poses, body, *trajectory.hand[-1])
-    if distance > situation.arm.grasp - 0.5 * CATCH_SAFETY:
+    poses = np.zeros((len(scene.bodies.rows), 12))
+    pose_at(scene.bodies, body, trajectory.duration, poses)
+    distance = target_distance(scene.bodies, poses, body, *trajectory.hand[-1])
+    if distance > scene.limits.grasp - 0.5 * CATCH_SAFETY:
         return "the hand misses the target"
     return ""

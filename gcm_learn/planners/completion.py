@@ -10,52 +10,44 @@ import numpy as np
 
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion.interception import first_catch, first_interception, may_be_reached
+from gcm_learn.motion.rules import Rules, rules_of, start_clearance
 from gcm_learn.motion.timing import keep_limits, refine, segment_times, straight_way
 from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.motion.verification import (
-    CATCH_SAFETY,
-    HOLE_MARGIN,
-    Verdict,
-    start_clearance,
-    verify,
-)
+from gcm_learn.motion.verification import HOLE_MARGIN, Verdict, verify
 from gcm_learn.planners.plan import Plan, Status
-from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, Bodies
+from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.packing import pack
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.situation.situation import Arm
 
-_INSTANT = 5e-4  # resolution of interceptions: the way of hand and target in it [forearm lengths]
-_MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
-
+CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 
 class Problem:
-    """A situation on its way to a plan: its bodies packed, the clock running."""
+    """A situation on its way to a plan: packed, the clock running."""
 
-    def __init__(self, situation: Situation, planner: str, bodies: Bodies | None = None) -> None:
+    def __init__(self, situation: Situation, planner: str, scene: Scene | None = None) -> None:
         self.started = clock.perf_counter()
         self.situation = situation
         self.planner = planner
-        self.bodies: Bodies = pack(situation) if bodies is None else bodies
+        self.scene: Scene = pack(situation) if scene is None else scene
+
+    @property
+    def bodies(self) -> Bodies:
+        """The scene's bodies."""
+        return self.scene.bodies
 
     @cached_property
     def start_clearance(self) -> float:
         """Room that obstacles leave the limb at t = 0 [forearm lengths]."""
-        return start_clearance(self.situation, self.bodies)
-
-    @property
-    def reach(self) -> float:
-        """Signed distance to a target at which the hand surely catches [forearm lengths]."""
-        return self.situation.arm.grasp - CATCH_SAFETY
+        return start_clearance(self.scene)
 
     @cached_property
-    def instant(self) -> float:
-        """Resolution in time of interceptions [s]."""
-        targets = self.bodies.rows[self.bodies.rows[:, PART] == HAND, TOP_SPEED]
-        speed = self.situation.arm.max_hand_speed + targets.max()
-        return float(max(_INSTANT / speed, self.situation.horizon / _MOST_INSTANTS))
+    def rules(self) -> Rules:
+        """What movements keep so that they are surely verified."""
+        return rules_of(self.scene, self.start_clearance)
 
     def answer(
         self, status: Status, message: str, cognitive_map: CognitiveMap | None = None
@@ -66,12 +58,9 @@ class Problem:
 
     def early_answer(self) -> Plan | None:
         """What can be said without planning: blocked at the start, or hopeless."""
-        arm, horizon = self.situation.arm, self.situation.horizon
         if self.start_clearance <= 0.0:
             return self.answer("start_blocked", "the limb touches an obstacle at t = 0")
-        if not may_be_reached(
-            self.bodies, *arm.hand, horizon, arm.max_hand_speed, arm.grasp, arm.reach
-        ):
+        if not may_be_reached(self.scene):
             return self.answer("unreachable", "no target comes within reach before the horizon")
         return None
 
@@ -132,21 +121,11 @@ def straight_catch(
     body : int
         Index of the target; None instead of all if there is no interception.
     """
-    situation, arm = problem.situation, problem.situation.arm
+    arm, instant = problem.situation.arm, problem.rules.instant
     search = max(since, after)
     for _ in range(1 if arm.max_joint_speed is None else _MORE_TRIES):
         t, body, px, py = first_interception(
-            problem.bodies,
-            start[0],
-            start[1],
-            since,
-            search,
-            situation.horizon,
-            arm.max_hand_speed * (1.0 - 2e-9),
-            problem.reach,
-            arm.inner_reach,
-            arm.reach,
-            problem.instant,
+            problem.scene, problem.rules, *start, since, search, problem.situation.horizon
         )
         if body < 0:
             return None
@@ -161,7 +140,7 @@ def straight_catch(
             time = since + sooner * share if share > 0.0 else np.linspace(since, t, len(hand))
             time[-1] = t
             return time, hand, body
-        search = max(since + sooner[-1], t + problem.instant)
+        search = max(since + sooner[-1], t + instant)
     return None
 
 
@@ -178,12 +157,19 @@ def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt |
         When the front was there [s].
     """
     time, hand = timed(problem.situation.arm, arrival, hand)
-    t, body = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
+    t, body = first_catch_on(problem, time, hand)
     if body < 0:
         return go_on(problem, time, hand, straight_catch(problem, hand[-1], float(time[-1])))
     k = int(np.searchsorted(time, t, side="left"))
     end = [np.interp(t, time, hand[:, a]) for a in (0, 1)]
     return attempt_of(problem, np.append(time[:k], t), np.vstack([hand[:k], [end]]), body)
+
+
+def first_catch_on(problem: Problem, time: np.ndarray, hand: np.ndarray) -> tuple[float, int]:
+    """First catch along a timed path (n,), (n, 2): when [s] (-1 if never), and which body."""
+    rules = problem.rules
+    t, body = first_catch(problem.bodies, time, hand, rules.catch, CATCH_STEP * rules.instant)
+    return t, body
 
 
 def timed(arm: Arm, arrival: np.ndarray, hand: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -225,13 +211,7 @@ def judged(
     problem: Problem, attempt: Attempt, cognitive_map: CognitiveMap | None = None
 ) -> tuple[Plan | None, Verdict]:
     """Verify an attempt: a plan if it holds, and the verdict."""
-    verdict = verify(
-        problem.situation,
-        problem.bodies,
-        attempt.trajectory,
-        attempt.body,
-        problem.start_clearance,
-    )
+    verdict = verify(problem.scene, problem.rules, attempt.trajectory, attempt.body)
     if not verdict.good:
         return None, verdict
     return problem.caught(attempt, verdict.clearance, cognitive_map), verdict

@@ -27,10 +27,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.motion.interception import first_catch, first_interception
+from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import keep_limits, refine, straight_way
 from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.planners.completion import Attempt, Problem, attempt_of, checked
+from gcm_learn.planners.completion import Attempt, Problem, attempt_of, checked, first_catch_on
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
 from gcm_learn.situation.checks import positive
@@ -150,15 +150,13 @@ def _ahead(problem: Problem, time: np.ndarray, hand: np.ndarray, lead: float) ->
     time = keep_limits(arm, hand, time - lead)
     leave = float(time[-1]) + lead  # when the average is about there
     t, _, x, y = first_interception(
-        problem.bodies, *hand[-1], leave, leave, situation.horizon,
-        arm.max_hand_speed * (1.0 - 2e-9), problem.reach, arm.inner_reach, arm.reach,
-        problem.instant,
-    )  # fmt: skip
+        problem.scene, problem.rules, *hand[-1], leave, leave, situation.horizon
+    )
     if t < 0.0:
         return None
     # Going on beyond it for as long as the average is late keeps the average on the line.
     leg = straight_way(hand[-1], np.array([x, y]))
-    span = max(float(t) - leave, problem.instant)
+    span = max(float(t) - leave, problem.rules.instant)
     beyond = leg[-1] + (leg[-1] - leg[0]) * 2.0 * lead / span
     times = float(time[-1]) + np.linspace(0.0, span, len(leg))[1:]
     time = np.concatenate([time, times, [times[-1] + 2.0 * lead]])
@@ -180,7 +178,7 @@ def _attempt(problem: Problem, motion: Motion, window: float) -> Attempt | None:
         if smooth or 2 * count > MOST_SAMPLES:
             break
         count *= 2
-    t, body = first_catch(problem.bodies, time, hand, problem.reach, 0.25 * problem.instant)
+    t, body = first_catch_on(problem, time, hand)
     if body < 0:
         return None
     k = int(np.searchsorted(time, t, side="left"))

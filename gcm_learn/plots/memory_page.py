@@ -30,7 +30,7 @@ from gcm_learn.recall.passing import passing_of
 from gcm_learn.recall.shipped import has_memory, shipped_memory
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.outlines import outline
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import PLANAR, Disc, Situation
 from gcm_learn.situation.canonical import canonical
 from gcm_learn.wave import MarchingParams
@@ -190,7 +190,7 @@ def _movement(situation: Situation, time: np.ndarray, hand: np.ndarray) -> Value
 
 def _bodies(situation: Situation, times: np.ndarray) -> list[Values]:
     """Bodies at some instants: planar ones by shape and poses, cuts of solids by outlines."""
-    packed, frames = pack(situation), []
+    packed, frames = pack_bodies(situation), []
     for t in times:
         poses = np.zeros((len(situation.bodies), 12))
         poses[:, [3, 7, 11]] = 1.0

@@ -11,7 +11,7 @@ from gcm_learn.motion.clearance import clearance
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.limb import elbow_position
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def _too_fast(time: np.ndarray, place: np.ndarray, limit: float) -> bool:
 def _distance_to_catch(situation: Situation, way: Trajectory, name: str) -> float:
     """Distance of the hand to the body of a name at the trajectory's end."""
     index = [body.name for body in situation.bodies].index(name)
-    bodies = pack(situation)
+    bodies = pack_bodies(situation)
     poses = np.zeros((len(situation.bodies), 12))
     poses_at(bodies, way.duration, poses)
     hand = way.hand[-1]

@@ -16,12 +16,10 @@ import numpy as np
 
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import SPACING, refine, spread
-from gcm_learn.motion.verification import safety_of
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
 from gcm_learn.recall import kernels, trial
 from gcm_learn.recall.kernels import Query
 from gcm_learn.recall.waypoints import Trace, ring_share
-from gcm_learn.scene.limb import SIDE
 from gcm_learn.situation import Situation
 
 INSTANTS = 33  # at which the limb is looked at before the exact check
@@ -53,33 +51,15 @@ DEFAULT = Adaptation()
 
 def query_of(problem: Problem) -> Query:
     """What adaptations must know of a situation; once for all memories."""
-    situation, bodies = problem.situation, problem.bodies
-    arm, horizon = situation.arm, situation.horizon
-    x, y = arm.hand
-    joints = arm.max_joint_speed or (0.0, 0.0)
-    speed = arm.max_hand_speed * (1.0 - 2e-9)
-    soonest, _, _, _ = first_interception(
-        bodies, x, y, 0.0, 0.0, horizon, speed, problem.reach, arm.inner_reach, arm.reach,
-        problem.instant,
-    )  # fmt: skip
+    scene, rules, horizon = problem.scene, problem.rules, problem.situation.horizon
+    x, y = problem.situation.arm.hand
+    soonest, _, _, _ = first_interception(scene, rules, x, y, 0.0, 0.0, horizon)
     return Query(
-        bodies=bodies,
-        table=kernels.pose_table(bodies, horizon, INSTANTS),
-        x=x,
-        y=y,
+        scene=scene,
+        rules=rules,
+        table=kernels.pose_table(scene.bodies, horizon, INSTANTS),
         angle=float(np.arctan2(y, x)),
-        ring=float(ring_share(arm, np.hypot(x, y))),
-        rho=arm.upper_arm,
-        side=SIDE[arm.elbow],
-        near=arm.inner_reach,
-        far=arm.reach,
-        speed=speed,
-        shoulder=joints[0],
-        elbow=joints[1],
-        horizon=horizon,
-        reach=problem.reach,
-        floor=arm.thickness + safety_of(problem.start_clearance),
-        instant=problem.instant,
+        ring=float(ring_share(problem.situation.arm, np.hypot(x, y))),
         soonest=max(float(soonest), 0.0),
     )
 

@@ -14,12 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, segment_point2
+from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import first_interception
-from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, Bodies, pose_at, poses_at
-from gcm_learn.scene.limb import SIDE, elbow_of
+from gcm_learn.motion.rules import Rules
+from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at, poses_at
+from gcm_learn.scene.limb import elbow_of
 from gcm_learn.scene.packing import pack
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 
 DIRECTIONS = 24  # of hands, over the whole turn
@@ -69,41 +71,34 @@ def gathered(looks: Sequence[Look]) -> Looks:
     return Looks(np.array([look.context for look in looks]), whole, whose)
 
 
-def look(situation: Situation, bodies: Bodies | None = None) -> Look:
+def look(situation: Situation, scene: Scene | None = None) -> Look:
     """What a situation in any frame looks like.
 
     Parameters
     ----------
     situation : Situation
-    bodies : Bodies, optional
+    scene : Scene, optional
         The situation packed, if the caller has it at hand.
     """
-    arm, horizon = situation.arm, situation.horizon
-    packed = pack(situation) if bodies is None else bodies
-    x, y = arm.hand
-    joints = arm.max_joint_speed or (0.0, 0.0)
-    context, cells = _look(
-        packed, x, y, arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach,
-        arm.max_hand_speed, joints[0], joints[1], horizon, arm.thickness, arm.grasp,
-    )  # fmt: skip
-    return Look(context, cells)
+    scene = pack(situation) if scene is None else scene
+    limits = scene.limits
+    rules = Rules(0.0, limits.grasp, limits.speed, INSTANT * limits.horizon)
+    return Look(*_look(scene, rules))
 
 
 @njit
-def _look(
-    bodies, x, y, rho, side, near, far, speed, shoulder, elbow, horizon, thickness, grasp
-):  # fmt: skip
+def _look(scene, rules):
     """Context and cells, as of `Look`."""
+    bodies, limb, limits = scene.bodies, scene.limb, scene.limits
+    x, y, side, near, far = limb.x, limb.y, limb.side, limb.near, limb.far
+    speed, horizon = limits.speed, limits.horizon
     poses, out = np.zeros((bodies.rows.shape[0], 12)), np.zeros(CONTEXT, dtype=np.float32)
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
     cells = np.zeros((obstacles.size, CELLS), dtype=np.float32)
     angle = np.arctan2(y, x)
     start = np.sqrt(x * x + y * y)
     if obstacles.size > 0:
-        _look_at_cells(
-            bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness,
-            obstacles, cells,
-        )  # fmt: skip
+        _look_at_cells(scene, poses, angle, start, obstacles, cells)
     target = _nearest_target(bodies, poses, x, y)
     at = 0
     for k in range(LENGTHS.size):
@@ -113,20 +108,21 @@ def _look(
         gap = np.sqrt((poses[target, 0] - x) ** 2 + (poses[target, 1] - y) ** 2)
         out[at + 4] = min(max(gap - LENGTHS[k], -2.0), 2.0)
         at += TRACK
-    soonest, body, px, py = first_interception(
-        bodies, x, y, 0.0, 0.0, horizon, speed, grasp, near, far, INSTANT * horizon
-    )
+    soonest, body, px, py = first_interception(scene, rules, x, y, 0.0, 0.0, horizon)
     if body >= 0:
         a = side * (np.arctan2(py, px) - angle)
         out[at], out[at + 1] = 1.0, soonest * speed * 0.3
         out[at + 2], out[at + 3] = np.cos(a), np.sin(a)
         out[at + 4] = (np.sqrt(px * px + py * py) - near) / (far - near)
-    out[at + 5], out[at + 6] = (start - near) / (far - near), rho
+    out[at + 5], out[at + 6] = (start - near) / (far - near), limb.rho
     out[at + 7], out[at + 8] = speed * 0.3, speed * horizon * 0.25
-    out[at + 9], out[at + 10] = thickness * 10.0, grasp * 10.0
+    out[at + 9], out[at + 10] = limb.thickness * 10.0, limits.grasp * 10.0
     out[at + 11] = bodies.rows[target, REACH] * 5.0
-    if shoulder > 0.0:  # slow joints count, fast ones are as good as no limit
-        out[at + 12], out[at + 13] = speed / (speed + shoulder), speed / (speed + elbow)
+    if limits.shoulder < np.inf:  # slow joints count, fast ones are as good as no limit
+        out[at + 12], out[at + 13] = (
+            speed / (speed + limits.shoulder),
+            speed / (speed + limits.elbow),
+        )
     near_ones = np.empty(obstacles.size, dtype=np.bool_)
     for o in range(obstacles.size):
         near_ones[o] = cells[o].any()
@@ -143,8 +139,9 @@ class Limbs(NamedTuple):
 
 
 @njit
-def _limbs(angle, start, rho, side, near, far):
+def _limbs(limb, angle, start):
     """Limbs of a lattice that begins in the direction `angle`."""
+    rho, side, near, far = limb.rho, limb.side, limb.near, limb.far
     rings, n, step = RINGS.size, DIRECTIONS, 2.0 * np.pi / DIRECTIONS
     made = Limbs(np.empty((rings, n, 4)), np.empty((rings, n)), np.empty(rings), np.empty(rings))
     for i in range(rings):
@@ -165,11 +162,11 @@ def _limbs(angle, start, rho, side, near, far):
 
 
 @njit
-def _look_at_cells(
-    bodies, poses, angle, start, rho, side, near, far, speed, horizon, thickness, obstacles, out
-):
+def _look_at_cells(scene, poses, angle, start, obstacles, out):
     """Fill in how little room each body leaves the limb in cells that the hand can have come to."""
-    limbs = _limbs(angle, start, rho, side, near, far)
+    bodies, side, thickness = scene.bodies, scene.limb.side, scene.limb.thickness
+    speed, horizon = scene.limits.speed, scene.limits.horizon
+    limbs = _limbs(scene.limb, angle, start)
     rings, step = RINGS.size, 2.0 * np.pi / DIRECTIONS
     close = np.empty(DIRECTIONS, dtype=np.int64)
     for k in range(LENGTHS.size):
@@ -221,8 +218,7 @@ def _look_at_ring(
             continue
         hx, hy = limbs.joints[i, j, 0], limbs.joints[i, j, 1]
         ex, ey = limbs.joints[i, j, 2], limbs.joints[i, j, 3]
-        d2 = segment_point2(px, py, ex, ey, hx, hy)
-        d2 = min(d2, segment_point2(px, py, 0.0, 0.0, ex, ey)) + z2
+        d2 = limb_point2(px, py, hx, hy, ex, ey) + z2
         if d2 >= ball * ball:
             continue
         if disc:

@@ -14,7 +14,7 @@ from gcm_learn import seeding
 from gcm_learn.errors import MissingExtraError, RecallError, UnknownNameError
 from gcm_learn.recall.raw_features import ARM, COUNT, OBSTACLE, SLOTS, TARGET, raw_features
 from gcm_learn.recall.waypoints import Trace
-from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, content_number
 
@@ -44,13 +44,13 @@ class Index(Protocol):
     def dim(self) -> int:
         """Numbers of an embedding."""
 
-    def embed_query(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame.
 
         Parameters
         ----------
         situation : Situation
-        bodies : Bodies, optional
+        scene : Scene, optional
             The situation packed, if the caller has it at hand.
         """
 
@@ -173,9 +173,9 @@ class RawIndex:
         """The parameters and one number for their distance."""
         return COUNT + 1
 
-    def embed_query(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        return nearest_query(self.scale(raw_features(situation, bodies)))
+        return nearest_query(self.scale(raw_features(situation, scene)))
 
     def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:
         """Embedding of a memory: that of its situation."""
@@ -219,9 +219,9 @@ class RandomIndex:
         """Hash of the seed."""
         return hash_of(self.name, np.array([self.seed]))
 
-    def embed_query(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """A direction that depends on the situation's numbers only."""
-        return self._direction(raw_features(situation, bodies), 0)
+        return self._direction(raw_features(situation, scene), 0)
 
     def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:
         """A direction that depends on the memory's numbers only."""

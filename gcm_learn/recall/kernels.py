@@ -13,8 +13,10 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import approach, target_distance
+from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.verification import PARTS, joint_turns
-from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, Bodies, pose_at
+from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
+from gcm_learn.scene.scene import Scene
 
 KNOTS = 24  # of a trace, see `gcm_learn.recall.waypoints`
 ANGLE, RING, TIME, EARLIEST = range(4)  # columns of a knot
@@ -36,23 +38,11 @@ HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [for
 class Query(NamedTuple):
     """What an adaptation must know of a situation."""
 
-    bodies: Bodies
+    scene: Scene
+    rules: Rules
     table: np.ndarray  # (g, n, 12): poses of all bodies at g instants from 0 to the horizon
-    x: float  # hand at t = 0 [forearm lengths]
-    y: float
-    angle: float  # its direction [rad]
+    angle: float  # direction of the hand at t = 0 [rad]
     ring: float  # its share of the ring: 0 at the inner rim, 1 at the outer one
-    rho: float
-    side: float
-    near: float  # rims of the ring
-    far: float
-    speed: float  # of the hand, less a hair
-    shoulder: float  # largest joint speeds [rad/s], 0 if there are none
-    elbow: float
-    horizon: float
-    reach: float  # signed distance to a target that surely is a catch
-    floor: float  # distance at which the limb touches
-    instant: float  # resolution of interceptions [s]
     soonest: float  # no movement can catch before [s]
 
 
@@ -115,7 +105,7 @@ def shares(traces, m, near, far, out):
 def _lay(traces, m, query, style, share, base):
     """Trace m with its start moved to the hand: (angle, share) or, bent in x and y, (x, y)."""
     n = traces.shape[1]
-    width = query.far - query.near
+    width = query.scene.limb.far - query.scene.limb.near
     first = query.ring - traces[m, 0, RING]
     for k in range(n):
         a, u = np.float64(traces[m, k, ANGLE]), np.float64(traces[m, k, RING])
@@ -123,19 +113,19 @@ def _lay(traces, m, query, style, share, base):
         if style == POLAR:
             base[k, 0], base[k, 1] = a, u + left
         else:
-            r = query.near + u * width
+            r = query.scene.limb.near + u * width
             base[k, 0], base[k, 1] = r * np.cos(a) + left * width, r * np.sin(a)
 
 
 @njit(_nrt=False)
 def _ends_by(goals, m, query, goal_x, goal_y, style):
     """By how much the end of memory m has to be moved when the target is at the goal."""
-    width = query.far - query.near
+    width = query.scene.limb.far - query.scene.limb.near
     r = np.sqrt(goal_x * goal_x + goal_y * goal_y)
-    a = query.side * (np.arctan2(goal_y, goal_x) - query.angle)
+    a = query.scene.limb.side * (np.arctan2(goal_y, goal_x) - query.angle)
     if style == POLAR:
-        return _wrapped(a - goals[m, 0]), (r - query.near) / width - goals[m, 1]
-    old = query.near + goals[m, 1] * width
+        return _wrapped(a - goals[m, 0]), (r - query.scene.limb.near) / width - goals[m, 1]
+    old = query.scene.limb.near + goals[m, 1] * width
     return (
         r * np.cos(a) - old * np.cos(np.float64(goals[m, 0])),
         r * np.sin(a) - old * np.sin(np.float64(goals[m, 0])),
@@ -145,14 +135,14 @@ def _ends_by(goals, m, query, goal_x, goal_y, style):
 @njit(_nrt=False)
 def _lowest(query):
     """Share of the ring below which no path is bent."""
-    low = max(_HOLE, HUB - query.near) / (query.far - query.near)
+    low = max(_HOLE, HUB - query.scene.limb.near) / (query.scene.limb.far - query.scene.limb.near)
     return min(low, query.ring)
 
 
 @njit(_nrt=False)
 def _highest(query):
     """Share of the ring above which no path is bent."""
-    high = 1.0 - _RIM if query.shoulder > 0.0 else 1.0 - 1e-9
+    high = 1.0 - _RIM if query.scene.limits.shoulder < np.inf else 1.0 - 1e-9
     return max(high, query.ring)
 
 
@@ -176,15 +166,15 @@ def bend(base, query, style, share, end, hand):
     hand : (KNOTS + 1, 2) ndarray
         Where the knots are written, in the situation's coordinates.
     """
-    near, width = query.near, query.far - query.near
+    near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     low, high = _lowest(query), _highest(query)
-    hand[0, 0], hand[0, 1] = query.x, query.y
+    hand[0, 0], hand[0, 1] = query.scene.limb.x, query.scene.limb.y
     for k in range(1, base.shape[0]):
         a, u = base[k, 0] + share[k] * end[0], base[k, 1] + share[k] * end[1]
         if style != POLAR:
             a, u = np.arctan2(u, a), (np.sqrt(a * a + u * u) - near) / width
         r = near + min(max(u, low), high) * width
-        a = query.angle + query.side * a
+        a = query.angle + query.scene.limb.side * a
         hand[k, 0], hand[k, 1] = r * np.cos(a), r * np.sin(a)
 
 
@@ -192,9 +182,9 @@ def bend(base, query, style, share, end, hand):
 def _soonest_end(traces, m, query, tempo, style, base, share, end):
     """When a path whose end is so moved can be at its end: nearly, and without trigonometry."""
     column = EARLIEST if tempo == HURRY else TIME
-    near, width = query.near, query.far - query.near
+    near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     low = _lowest(query)
-    slowness = 1.0 / query.speed
+    slowness = 1.0 / query.rules.speed
     a0, r0, t = base[0, 0], base[0, 1], 0.0
     if style == POLAR:
         r0 = near + r0 * width
@@ -217,14 +207,14 @@ def _pace(traces, m, query, tempo, hand, time):
     n = traces.shape[1]
     column = EARLIEST if tempo == HURRY else TIME
     time[0] = 0.0
-    if query.shoulder > 0.0:
-        turns = joint_turns(hand[:n], query.rho, query.side, _PARTS)
+    if query.scene.limits.shoulder < np.inf:
+        turns = joint_turns(hand[:n], query.scene.limb.rho, query.scene.limb.side, _PARTS)
     for k in range(1, n):
         dx, dy = hand[k, 0] - hand[k - 1, 0], hand[k, 1] - hand[k - 1, 1]
-        least = np.sqrt(dx * dx + dy * dy) / query.speed
-        if query.shoulder > 0.0:
-            least = max(least, _JOINT_SLACK * turns[k - 1, 0] / query.shoulder)
-            least = max(least, _JOINT_SLACK * turns[k - 1, 1] / query.elbow)
+        least = np.sqrt(dx * dx + dy * dy) / query.rules.speed
+        if query.scene.limits.shoulder < np.inf:
+            least = max(least, _JOINT_SLACK * turns[k - 1, 0] / query.scene.limits.shoulder)
+            least = max(least, _JOINT_SLACK * turns[k - 1, 1] / query.scene.limits.elbow)
         time[k] = max(time[k - 1] + least * _SLACK, np.float64(traces[m, k, column]))
     return time[n - 1]
 
@@ -232,12 +222,13 @@ def _pace(traces, m, query, tempo, hand, time):
 @njit(_nrt=False)
 def _away(query, b, poses, t):
     """How long target b surely stays out of reach, of the ring or of a straight hand [s]."""
-    size = query.bodies.rows[b, REACH] + query.reach
+    size = query.scene.bodies.rows[b, REACH] + query.rules.catch
     x, y = poses[b, 0], poses[b, 1]
-    top = query.bodies.rows[b, TOP_SPEED]
-    ring = np.sqrt(x * x + y * y) - size - query.far
-    way = np.sqrt((x - query.x) ** 2 + (y - query.y) ** 2) - size - query.speed * t
-    wait = way / (query.speed + top)
+    top = query.scene.bodies.rows[b, TOP_SPEED]
+    ring = np.sqrt(x * x + y * y) - size - query.scene.limb.far
+    limb, speed = query.scene.limb, query.rules.speed
+    way = np.sqrt((x - limb.x) ** 2 + (y - limb.y) ** 2) - size - speed * t
+    wait = way / (speed + top)
     if ring > 0.0:
         wait = max(wait, ring / top if top > 0.0 else 1e300)
     return wait
@@ -252,14 +243,15 @@ def meet(traces, goals, m, query, b, style, tempo, desk):
     Most of the advance is made on lengths alone. The path's last knot is where the hand catches.
     """
     n = traces.shape[1]
-    bodies = query.bodies
-    closing = query.speed / (query.speed + bodies.rows[b, TOP_SPEED])
-    close = _CLOSE * query.horizon
-    rim = query.near + min(_highest(query), 1.0) * (query.far - query.near)
+    bodies = query.scene.bodies
+    closing = query.rules.speed / (query.rules.speed + bodies.rows[b, TOP_SPEED])
+    close = _CLOSE * query.scene.limits.horizon
+    limb = query.scene.limb
+    rim = limb.near + min(_highest(query), 1.0) * (limb.far - limb.near)
     t, rough = query.soonest, True
     before, late_before = -1.0, 0.0
     for _ in range(_TURNS):
-        if t > query.horizon:
+        if t > query.scene.limits.horizon:
             return -1.0
         pose_at(bodies, b, t, desk.poses)
         away = _away(query, b, desk.poses, t)
@@ -273,11 +265,11 @@ def meet(traces, goals, m, query, b, style, tempo, desk):
         if not rough:
             bend(desk.base, query, style, desk.share, end, desk.hand)
             x, y, found = approach(
-                bodies, desk.poses, b, desk.hand[n - 1, 0], desk.hand[n - 1, 1], query.reach,
+                bodies, desk.poses, b, desk.hand[n - 1, 0], desk.hand[n - 1, 1], query.rules.catch,
                 rim,
             )  # fmt: skip
-            if not found or x * x + y * y < query.near * query.near:
-                t, before, rough = t + query.horizon / _STRIDE, -1.0, True
+            if not found or x * x + y * y < query.scene.limb.near * query.scene.limb.near:
+                t, before, rough = t + query.scene.limits.horizon / _STRIDE, -1.0, True
                 continue
             desk.hand[n - 1, 0], desk.hand[n - 1, 1] = x, y
             late = _pace(traces, m, query, tempo, desk.hand, desk.time) - t
@@ -287,7 +279,7 @@ def meet(traces, goals, m, query, b, style, tempo, desk):
         if before >= 0.0 and late < late_before:  # the secant, where hand gains on target
             step = max(step, late * min((t - before) / (late_before - late), _LONGEST))
         before, late_before = t, late
-        t += max(step, query.instant)
+        t += max(step, query.rules.instant)
     return -1.0
 
 
@@ -297,7 +289,7 @@ def desk_for(query):
     return Desk(
         np.empty(KNOTS),
         np.empty((KNOTS, 2)),
-        np.zeros((query.bodies.rows.shape[0], 12)),
+        np.zeros((query.scene.bodies.rows.shape[0], 12)),
         np.empty(KNOTS + 1),
         np.empty((KNOTS + 1, 2)),
         np.empty(KNOTS + 1),
@@ -318,9 +310,9 @@ def adapt(traces, goals, m, query, style, tempo, desk):
         Samples of the path, 0 if no target can be met in time.
     body : int
     """
-    shares(traces, m, query.near, query.far, desk.share)
+    shares(traces, m, query.scene.limb.near, query.scene.limb.far, desk.share)
     _lay(traces, m, query, style, desk.share, desk.base)
-    best, body, bodies = -1.0, -1, query.bodies
+    best, body, bodies = -1.0, -1, query.scene.bodies
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
@@ -348,7 +340,7 @@ def keep(desk, t):
 @njit
 def _first_knot_at_a_target(query, desk, body):
     """Samples of the best path until a target is within reach, and that target."""
-    bodies, count = query.bodies, desk.best_time.size
+    bodies, count = query.scene.bodies, desk.best_time.size
     for k in range(count - 1):
         x, y = desk.best_hand[k, 0], desk.best_hand[k, 1]
         for b in range(bodies.rows.shape[0]):
@@ -356,9 +348,9 @@ def _first_knot_at_a_target(query, desk, body):
                 continue
             pose_at(bodies, b, desk.best_time[k], desk.poses)
             dx, dy = x - desk.poses[b, 0], y - desk.poses[b, 1]
-            limit = query.reach + bodies.rows[b, REACH]
+            limit = query.rules.catch + bodies.rows[b, REACH]
             if dx * dx + dy * dy > limit * limit:
                 continue
-            if target_distance(bodies, desk.poses, b, x, y) <= query.reach:
+            if target_distance(bodies, desk.poses, b, x, y) <= query.rules.catch:
                 return k + 1, b
     return count, body

@@ -13,7 +13,7 @@ from gcm_learn.errors import EncoderError, RecallError
 from gcm_learn.recall import Encoder, load_encoder, save_encoder
 from gcm_learn.recall.kernels import KNOTS
 from gcm_learn.recall.waypoints import Trace
-from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 
 
@@ -40,9 +40,9 @@ class LearnedIndex:
         """Numbers of an embedding."""
         return self.encoder.dim
 
-    def embed_query(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        return self.encoder.embed_situation(situation, bodies)
+        return self.encoder.embed_situation(situation, scene)
 
     def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:
         """Embedding of a memory."""

@@ -20,7 +20,7 @@ from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.recall.waypoints import Trace, path_of
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.scene.limb import SIDE, elbows_of
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import frame_of
 
@@ -52,7 +52,7 @@ class Passing(NamedTuple):
 
 def passing(situation: Situation, way: Trajectory) -> Passing:
     """How a way passes the obstacles of a situation, in any frame."""
-    arm, bodies = situation.arm, pack(situation)
+    arm, bodies = situation.arm, pack_bodies(situation)
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
     time = np.linspace(0.0, way.duration, INSTANTS)
     hand = way.hand_at(time)

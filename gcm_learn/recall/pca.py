@@ -26,7 +26,7 @@ from gcm_learn.recall.index import (
 )
 from gcm_learn.recall.raw_features import COUNT, raw_features
 from gcm_learn.recall.waypoints import Trace
-from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import canonical
 from gcm_learn.wave import MarchingParams
@@ -94,9 +94,9 @@ class PcaIndex:
         """The components and one number for their distance."""
         return len(self.components) + 1
 
-    def embed_query(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Where the map of a situation probably lies."""
-        features = self.scale(raw_features(situation, bodies)[None])
+        features = self.scale(raw_features(situation, scene)[None])
         return nearest_query((_inputs(features, self.waves, self.phases) @ self.weights)[0])
 
     def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:

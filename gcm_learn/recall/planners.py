@@ -69,7 +69,7 @@ class RecallPlanner:
             return Recollection(
                 answer or problem.answer("unreachable", "nothing is known"), None, 0
             )
-        place = self.memory.index.embed_query(situation, problem.bodies)
+        place = self.memory.index.embed_query(situation, problem.scene)
         pool = self.candidates * (POOL if max(self.novelty, self.regret) > 0.0 else 1)
         chosen = self.memory.recall(place, pool)
         regret = self.regret if self.memory.index.name == "learned" else 0.0
@@ -106,7 +106,7 @@ class SplinesPlanner:
         answer = problem.early_answer()
         if answer is not None:
             return answer
-        numbers = np.round(raw_features(situation, problem.bodies).astype(float), 4) + 0.0
+        numbers = np.round(raw_features(situation, problem.scene).astype(float), 4) + 0.0
         item = content_number(numbers.tobytes())
         start = query_of(problem).ring
         traces, goals = random_traces(self.seed, item, self.candidates, start, situation.horizon)
@@ -175,7 +175,7 @@ def unverified(
 ) -> Rollout:
     """What comes of the first memory that is recalled, if it is not verified before acting."""
     problem = Problem(situation, "recall-1")
-    chosen = memory.recall(memory.index.embed_query(situation, problem.bodies), 1)
+    chosen = memory.recall(memory.index.embed_query(situation, problem.scene), 1)
     if len(chosen) == 0:
         return Rollout(None, False)
     k = int(chosen[0])

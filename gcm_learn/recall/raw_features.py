@@ -25,11 +25,10 @@ from gcm_learn.scene.bodies import (
     REACH,
     SIZE,
     SPIN,
-    Bodies,
     pose_at,
 )
-from gcm_learn.scene.limb import SIDE as ELBOW_SIDE
 from gcm_learn.scene.packing import pack
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 
 SLOTS = 4  # obstacles that are told, the nearest to hand, arm and way first
@@ -38,10 +37,10 @@ COUNT = ARM + TARGET + SLOTS * OBSTACLE
 LOOKS = 9  # instants at which nearness is asked for
 
 
-def raw_features(situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+def raw_features(situation: Situation, scene: Scene | None = None) -> np.ndarray:
     """Raw parameters (COUNT,) float32 of a situation in any frame; zeros in slots that are free."""
     arm, horizon = situation.arm, situation.horizon
-    packed = pack(situation) if bodies is None else bodies
+    scene = pack(situation) if scene is None else scene
     out = np.zeros(COUNT, dtype=np.float32)
     x, y = arm.hand
     out[0], out[1] = np.hypot(x, y), arm.upper_arm
@@ -49,14 +48,15 @@ def raw_features(situation: Situation, bodies: Bodies | None = None) -> np.ndarr
     if arm.max_joint_speed is not None:  # slow joints count, fast ones are as good as no limit
         out[5:7] = 1.0 / (1.0 + np.asarray(arm.max_joint_speed) * horizon)
     angle = float(np.arctan2(y, x))
-    _body_features(packed, x, y, angle, ELBOW_SIDE[arm.elbow], horizon, out)
+    _body_features(scene, angle, out)
     return out
 
 
 @njit
-def _body_features(bodies, x, y, angle, side, horizon, out):
+def _body_features(scene, angle, out):
     """Fill in the target that is nearest at t = 0 and the SLOTS nearest obstacles."""
-    n = bodies.rows.shape[0]
+    bodies, x, y, side = scene.bodies, scene.limb.x, scene.limb.y, scene.limb.side
+    n, horizon = bodies.rows.shape[0], scene.limits.horizon
     poses = np.zeros((n, 12))
     gap = np.full(n, 1e300)
     target, nearest = -1, 1e300

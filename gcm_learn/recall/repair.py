@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, segment_point2
+from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.recall.kernels import POLAR, keep, meet
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH
@@ -62,14 +62,14 @@ def _bump(share, top):
 @njit(_nrt=False)
 def _room(query, g, x, y, enough):
     """Least distance of the limb to any obstacle at instant g of the table, or more than enough."""
-    bodies, poses = query.bodies, query.table[g]
-    ex, ey = elbow_of(x, y, query.rho, query.side)
+    bodies, poses = query.scene.bodies, query.table[g]
+    ex, ey = elbow_of(x, y, query.scene.limb.rho, query.scene.limb.side)
     least = 1e300
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
             continue
         px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
-        d2 = min(segment_point2(px, py, ex, ey, x, y), segment_point2(px, py, 0.0, 0.0, ex, ey))
+        d2 = limb_point2(px, py, x, y, ex, ey)
         d = np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH]
         if d <= enough and bodies.rows[b, KIND] != DISC:
             d = arm_distance(bodies, poses, b, x, y, ex, ey)
@@ -91,7 +91,7 @@ def _at(time, hand, count, t):
 @njit(_nrt=False)
 def _touching(query, time, hand, count):
     """First and last instant of the table of the first time that the limb touches; -1 if none."""
-    step = query.horizon / (query.table.shape[0] - 1)
+    step = query.scene.limits.horizon / (query.table.shape[0] - 1)
     first = -1
     if count < 2:
         return -1, -1
@@ -100,7 +100,7 @@ def _touching(query, time, hand, count):
         k, s = _at(time, hand, count, g * step)
         x = hand[k, 0] + s * (hand[k + 1, 0] - hand[k, 0])
         y = hand[k, 1] + s * (hand[k + 1, 1] - hand[k, 1])
-        touches = _room(query, g, x, y, query.floor) <= query.floor
+        touches = _room(query, g, x, y, query.rules.touch) <= query.rules.touch
         if touches and first < 0:
             first = g
         if not touches and first >= 0:
@@ -120,7 +120,8 @@ def _push(query, desk, count, first, last):
         Share of the way at which it is, -1 if none frees the limb.
     """
     time, hand, share = desk.best_time, desk.best_hand, desk.share
-    step, width = query.horizon / (query.table.shape[0] - 1), query.far - query.near
+    step = query.scene.limits.horizon / (query.table.shape[0] - 1)
+    width = query.scene.limb.far - query.scene.limb.near
     looks = min(last - first + 1, LOOKS)
     n = share.size
     radius, angle = np.empty(looks), np.empty(looks)
@@ -136,16 +137,16 @@ def _push(query, desk, count, first, last):
     top = min(max(0.5 * (place[0] + place[looks - 1]), 0.04), 0.96)
     middle = radius[looks // 2]
     for push in PUSHES:
-        best, turn, rise = query.floor + ROOM, 0.0, 0.0
+        best, turn, rise = query.rules.touch + ROOM, 0.0, 0.0
         for d in range(TURNS):
             a = push * np.sin(2.0 * np.pi * d / TURNS) / max(middle, 0.2)
             u = push * np.cos(2.0 * np.pi * d / TURNS) / width
             least = 1e300
             for i in range(looks):
                 height = _bump(place[i], top)
-                ring = (radius[i] - query.near) / width + height * u
-                r = query.near + min(max(ring, _RINGS[0]), _RINGS[1]) * width
-                way = angle[i] + query.side * height * a
+                ring = (radius[i] - query.scene.limb.near) / width + height * u
+                r = query.scene.limb.near + min(max(ring, _RINGS[0]), _RINGS[1]) * width
+                way = angle[i] + query.scene.limb.side * height * a
                 x, y = r * np.cos(way), r * np.sin(way)
                 least = min(least, _room(query, instant[i], x, y, best))
                 if least <= best:

@@ -21,7 +21,7 @@ from gcm_learn.recall.encoder_config import EncoderConfig
 from gcm_learn.recall.forward import embed_look
 from gcm_learn.recall.path_features import ways
 from gcm_learn.recall.pictures import picture_of
-from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash
 
@@ -101,9 +101,9 @@ class Encoder:
         names = {"trace": self.config.uses_traces, "map": self.config.uses_maps}
         return {name: Tower.of(self.arrays, name) for name, used in names.items() if used}
 
-    def embed_situation(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    def embed_situation(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
-        return self.embed_look(look(situation, bodies))
+        return self.embed_look(look(situation, scene))
 
     def embed_look(self, seen: Look) -> np.ndarray:
         """Embedding (dim,) float32 of a situation by what it looks like."""

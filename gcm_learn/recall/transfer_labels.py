@@ -118,7 +118,7 @@ class School:
         if len(problems) < size:
             problems += islice(self._drawn(index, rng), size - len(problems))
         problems += self._alone(problems, rng)
-        seen = gathered([look(p.situation, p.bodies) for p in problems])
+        seen = gathered([look(p.situation, p.scene) for p in problems])
         if best is None:
             others = np.setdiff1d(rng.permutation(len(self.traces))[: 2 * ANY], own)
             rows = np.concatenate([own[: ANY // 2], rng.permutation(others)])[:ANY]
@@ -139,7 +139,7 @@ class School:
             return marks
         problems = [Problem(situation, "exam") for _, situation in self._exam]
         strata = np.array([stratum for stratum, _ in self._exam])
-        seen = gathered([look(p.situation, p.bodies) for p in problems])
+        seen = gathered([look(p.situation, p.scene) for p in problems])
         found = best(seen, max(PLACES))
         holds = np.array([self._holds(p, r) for p, r in zip(problems, found, strict=True)])
         for stratum in np.unique(strata):

@@ -162,7 +162,7 @@ def _keep(failed, row, query, time, hand, count):
     for k in range(failed.shape[1]):
         j = min(k, count - 1)
         failed[row, k, 0], failed[row, k, 1] = hand[j, 0], hand[j, 1]
-        failed[row, k, 2] = query.speed * time[j]
+        failed[row, k, 2] = query.rules.speed * time[j]
 
 
 @njit(_nrt=False)
@@ -174,7 +174,7 @@ def _known(failed, rows, query, time, hand, count, novelty):
         for k in range(failed.shape[1]):
             j = min(k, count - 1)
             d2 = (failed[row, k, 0] - hand[j, 0]) ** 2 + (failed[row, k, 1] - hand[j, 1]) ** 2
-            apart = max(apart, d2 + (failed[row, k, 2] - query.speed * time[j]) ** 2)
+            apart = max(apart, d2 + (failed[row, k, 2] - query.rules.speed * time[j]) ** 2)
             if apart > limit:
                 break
         if apart <= limit:

@@ -9,6 +9,8 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.limb import SIDE
+from gcm_learn.scene.scene import Limb, Limits, Scene
 from gcm_learn.situation.frames import plane_frame, rotation_of
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import Box, Capsule, Cylinder, Disc, Polygon, Sphere
@@ -25,7 +27,27 @@ _KIND = {
 _SWING_STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13 rad
 
 
-def pack(situation: Situation) -> Bodies:
+def pack(situation: Situation) -> Scene:
+    """Pack a situation into arrays and numbers, in arm-plane coordinates.
+
+    Parameters
+    ----------
+    situation : Situation
+
+    Returns
+    -------
+    Scene
+    """
+    arm = situation.arm
+    shoulder, elbow = arm.max_joint_speed or (math.inf, math.inf)
+    limb = Limb(
+        arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach, arm.thickness, *arm.hand
+    )
+    limits = Limits(arm.max_hand_speed, shoulder, elbow, arm.grasp, situation.horizon)
+    return Scene(pack_bodies(situation), limb, limits)
+
+
+def pack_bodies(situation: Situation) -> Bodies:
     """Pack a situation's bodies into arrays, in arm-plane coordinates.
 
     Parameters
@@ -87,7 +109,7 @@ def pose(situation: Situation, index: int, t: float) -> tuple[np.ndarray, np.nda
     rotation : (3, 3) ndarray
         Body frame to arm-plane frame; the columns are the body's axes.
     """
-    bodies = pack(situation)
+    bodies = pack_bodies(situation)
     poses = np.zeros((len(situation.bodies), 12))
     poses[index, 3:] = np.eye(3).ravel()  # discs and spheres leave it so
     k.pose_at(bodies, index, t, poses)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from gcm_learn.collision import distance
 from gcm_learn.families.random_solid import random_rotation
 from gcm_learn.scene import bodies as k
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -51,7 +51,7 @@ def kernel_distance(shape, pose, a, b):
     """Distance of segment a-b to the shape at a pose (centre, rotation), by the kernel."""
     row = np.zeros((2, 12))
     row[1, :3], row[1, 3:] = pose[0], np.ravel(pose[1])
-    return distance.segment_distance(pack(scene(shape)), row, 1, *a, *b)
+    return distance.segment_distance(pack_bodies(scene(shape)), row, 1, *a, *b)
 
 
 def sampled_distance(shape, pose, a, b):
@@ -152,7 +152,7 @@ def test_an_obstacle_meets_the_limb_and_a_target_the_hand(shape):
     rows = np.zeros((2, 12))
     found = {}
     for role in ("obstacle", "target"):
-        bodies = pack(scene(shape, motion, role))
+        bodies = pack_bodies(scene(shape, motion, role))
         k.poses_at(bodies, 0.0, rows)
         found[role] = distance.arm_distance(bodies, rows, 1, *hand, *elbow)
     pose = rows[1, :3], rows[1, 3:].reshape(3, 3)
@@ -191,7 +191,7 @@ def farthest_points(situation, b):
 
 @given(strategies.situations(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_drift_and_top_speed_bound_every_point_of_a_body(situation, start, stop):
-    bodies = pack(situation)
+    bodies = pack_bodies(situation)
     t0, t1 = (situation.horizon * s for s in sorted((start, stop)))
     times = np.linspace(t0, t1, 33)
     for b in range(len(situation.bodies)):
@@ -207,13 +207,13 @@ def test_drift_and_top_speed_bound_every_point_of_a_body(situation, start, stop)
 def test_drift_is_not_wasteful():
     """A bound that is always huge would bound as well: here it has to be sharp."""
     motion = SolidQuadratic((0.0, 0.0, 0.0), (3.0, 0.0, 0.0), STILL3)
-    bodies = pack(scene(Sphere(0.1), motion))
+    bodies = pack_bodies(scene(Sphere(0.1), motion))
     assert k.drift(bodies, 1, 0.2, 0.6) == pytest.approx(1.2)
     assert bodies.rows[1, k.TOP_SPEED] == pytest.approx(3.0)
     falling = SolidQuadratic(STILL3, STILL3, (0.0, 0.0, -10.0))
-    bodies = pack(scene(Sphere(0.1), falling))
+    bodies = pack_bodies(scene(Sphere(0.1), falling))
     assert k.drift(bodies, 1, 0.0, 0.1) == pytest.approx(0.1 * 1.0)
     turn = tuple(quaternion_of(np.eye(3)))
     spinning = SolidQuadratic(STILL3, STILL3, STILL3, turn, (0.0, 0.0, 4.0))
-    bodies = pack(scene(Box((0.3, 0.4, 1.2)), spinning))
+    bodies = pack_bodies(scene(Box((0.3, 0.4, 1.2)), spinning))
     assert bodies.rows[1, k.TOP_SPEED] == pytest.approx(4.0 * 1.3)

@@ -12,7 +12,7 @@ from gcm_learn.families.random_solid import random_solid
 from gcm_learn.handspace import Lattice
 from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 from tests.referee import elbow_of, place, segment_distances
 
@@ -34,7 +34,7 @@ def sampled(situation, b, hand, elbow, times):
 def test_first_touch_is_the_first_sampled_touch(family, seed):
     rng = seeding.rng(21, seed)
     situation = FAMILIES[family](rng)
-    bodies, arm = pack(situation), situation.arm
+    bodies, arm = pack_bodies(situation), situation.arm
     scratch = np.zeros((len(situation.bodies), 12))
     elbow = elbow_of(arm, np.array([arm.hand]))[0]
     gap, (t0, t1) = 0.1, np.sort(rng.uniform(0.0, situation.horizon, 2))
@@ -60,7 +60,7 @@ def test_blocked_cells_are_those_touched_within_their_span(family, seed):
     rng = seeding.rng(22, seed)
     situation = FAMILIES[family](rng)
     lattice = Lattice(20, situation.arm.upper_arm, situation.arm.elbow)
-    bodies, space = pack(situation), hand_space(lattice)
+    bodies, space = pack_bodies(situation), hand_space(lattice)
     cells = rng.permutation(np.flatnonzero(space.inside))[:60]
     now = 0.6
     since = rng.uniform(0.2, now, cells.size)
@@ -93,7 +93,7 @@ def test_a_bullet_through_the_span_is_not_missed():
     still = PlanarQuadratic((1.5, 0.0), (0.0, 0.0), (0.0, 0.0))
     bodies = (Body("target", "ball", Disc(0.1), still), Body("obstacle", "b", Disc(1e-3), motion))
     situation = Situation("bullet", 1.0, Arm((2.0, 0.0), 1.0), bodies)
-    packed, scratch = pack(situation), np.zeros((2, 12))
+    packed, scratch = pack_bodies(situation), np.zeros((2, 12))
     args = (packed, 1, 2.0, 0.0, 1.0, 0.0, 0.0)
     t = first_touch(*args, 0.0, 0.1, 1e-6, scratch)
     assert t == pytest.approx((5.0 - 1e-3) / 100.0, abs=2e-6)
@@ -109,7 +109,7 @@ def test_targets_met_are_the_first_sampled_ones(family, seed):
         Body("target", str(k), b.shape, b.motion) for k, b in enumerate(situation.bodies)
     )
     situation = Situation("t", situation.horizon, situation.arm, bodies, situation.plane)
-    packed, poses = pack(situation), np.zeros((len(bodies), 12))
+    packed, poses = pack_bodies(situation), np.zeros((len(bodies), 12))
     lattice = Lattice(20, situation.arm.upper_arm, situation.arm.elbow)
     space, now, gap = hand_space(lattice), 0.9, 0.3
     cells = rng.permutation(np.flatnonzero(space.inside))[:30]

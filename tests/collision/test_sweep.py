@@ -10,7 +10,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from gcm_learn import seeding
-from gcm_learn.collision.sweep import least_in_segment, limb_sweep
+from gcm_learn.collision.sweep import Sweep, least_in_segment, limb_sweep
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_shape, random_solid
 from gcm_learn.motion import Trajectory
@@ -136,13 +136,11 @@ def test_it_is_that_of_brute_force_for_bodies_at_rest_beside_the_shoulder(seed):
 def test_a_limb_that_stays_equally_far_is_not_looked_at_for_ever():
     """The shoulder is nearest all the way, so no look finds less, and bounds have to show it."""
     situation = scene((Disc(0.2), still(-0.5, 0.1)))
-    bodies, limit = pack(situation), np.hypot(0.5, 0.1) - 0.2
+    packed, limit = pack(situation), np.hypot(0.5, 0.1) - 0.2
     time, hand = np.array([0.0, 1.0]), np.array([[1.2, -0.8], [1.2, 0.8]])
     poses, stack = np.zeros((2, 12)), np.empty((50, 3))
-    least, _, looks = least_in_segment(
-        bodies, 1, time, hand, 0, limit, limit, 1.0, 1.0, 0.0, RESOLUTION, limit, 0.0, 0, poses,
-        stack,
-    )  # fmt: skip
+    work = Sweep(time, hand, 0.0, RESOLUTION, poses, stack)
+    least, _, looks = least_in_segment(packed, work, 1, 0, limit, limit, limit, 0.0, 0)
     assert least == limit and 0 < looks < 100  # 4095 by bounds for the whole limb
 
 

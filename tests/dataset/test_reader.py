@@ -15,6 +15,7 @@ from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.schema import counts_of
 from gcm_learn.dataset.shards import KEY, shard_name
 from gcm_learn.errors import DatasetError, UnknownNameError
+from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack
 from gcm_learn.wave import MarchingParams
@@ -63,7 +64,8 @@ def test_catches_hold_after_reading(records):
             if plan.caught:
                 situation = record.situation
                 body = [b.name for b in situation.bodies].index(plan.catch_body)
-                verdict = verify(situation, pack(situation), plan.trajectory, body)
+                scene = pack(situation)
+                verdict = verify(scene, rules_of(scene), plan.trajectory, body)
                 assert verdict.good, verdict.reason
                 caught += 1
     assert caught > 30

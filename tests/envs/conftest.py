@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gcm_learn import families, seeding
-from gcm_learn.motion.verification import start_clearance
+from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
 
 NAMES = ("random-planar", "gate", "moving-point", "pendulum", "falling-solid", "spinning")
@@ -17,7 +17,7 @@ def scenes():
     from dataclasses import replace
 
     found = [families.draw(name, 5, k) for name in NAMES for k in range(5)]
-    free = [s for s in found if start_clearance(s, pack(s)) > 0.0]
+    free = [s for s in found if start_clearance(pack(s)) > 0.0]
     slow = [replace(s, arm=replace(s.arm, max_joint_speed=(3.0, 4.0))) for s in free[:3]]
     return tuple(free + slow)
 

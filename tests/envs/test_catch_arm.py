@@ -11,6 +11,7 @@ import pytest
 from gcm_learn import planners
 from gcm_learn.errors import ArenaError
 from gcm_learn.motion.clearance import clearance
+from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.timing import refine
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import verify
@@ -63,11 +64,12 @@ def test_what_it_reports_is_what_the_verification_says(scenes, rng, control):
         for act in (to_target, lambda o, i: rng.uniform(-1, 1, 2)):
             _, _, info = play(env, index, act)
             way, situation = fine(env), env.situation
-            bodies = pack(situation)
+            scene = pack(situation)
+            rules = rules_of(scene)
             targets = [i for i, b in enumerate(situation.bodies) if b.role == "target"]
             outcomes.append(info["outcome"])
             if info["outcome"] == "caught":
-                assert any(verify(situation, bodies, way, b).good for b in targets)
+                assert any(verify(scene, rules, way, b).good for b in targets)
             else:
                 free, when = clearance(situation, way)
                 touched = free <= 1.01e-4  # what plans keep beyond "does not touch"
@@ -112,7 +114,7 @@ def test_limits_hold_whatever_is_asked_for(scenes, rng, control):
         situation, way = env.situation, fine(env)
         free = replace(situation, bodies=situation.targets)
         problem = Problem(free, "limits")
-        reason = verify(free, problem.bodies, way, 0).reason
+        reason = verify(problem.scene, problem.rules, way, 0).reason
         assert reason in ("", "the hand misses the target")
 
 

@@ -40,12 +40,13 @@ def pieces(situation, rng, count=60):
 
 def test_what_is_said_to_be_free_is_free(turned, rng):
     said, free = 0, 0
-    for situation, bodies in turned:
+    for situation, scene in turned:
+        bodies = scene.bodies
         rho, poses = situation.arm.upper_arm, np.zeros((len(bodies.rows), 12))
         moments = np.empty((6, near.MOMENT_COLUMNS))
         for time, way in pieces(situation, rng):
             floor = rng.uniform(0.0, 0.1)
-            distance, _ = least_distance(bodies, time, way, rho, 1.0, floor, 1e9)
+            distance, _ = least_distance(scene, time, way, floor, 1e9)
             answer = near.stays_free(bodies, time, way, rho, floor, moments, poses)
             assert distance > floor or not answer
             said, free = said + answer, free + (distance > floor)
@@ -54,7 +55,7 @@ def test_what_is_said_to_be_free_is_free(turned, rng):
 
 def test_what_is_said_to_be_away_is_not_caught(turned, rng):
     said, caught = 0, 0
-    for situation, bodies in turned:
+    for situation, (bodies, *_) in turned:
         for time, way in pieces(situation, rng):
             reach = rng.uniform(0.0, 0.5)
             met, _ = first_catch(bodies, time, way, reach, 1e-4)

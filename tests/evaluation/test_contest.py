@@ -17,8 +17,8 @@ from gcm_learn.evaluation.measures import charged_curve, declines, measured, pai
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged, resting
+from gcm_learn.motion.rules import start_clearance
 from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.motion.verification import start_clearance
 from gcm_learn.planners import solve
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
@@ -50,7 +50,7 @@ def made_entries(count):
     while len(entries) < count:
         situation, _ = canonical(families.draw("crossing-swarm", 12, k))
         k += 1
-        if start_clearance(situation, pack(situation)) <= 0.0:
+        if start_clearance(pack(situation)) <= 0.0:
             continue
         straight, layered = solve(situation, "straight"), solve(situation, "layered")
         stratum = "L" if straight.caught else "W" if layered.caught else "U"

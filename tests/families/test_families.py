@@ -20,7 +20,7 @@ from gcm_learn.families import (
     random_planar,
     read_family,
 )
-from gcm_learn.motion.verification import start_clearance
+from gcm_learn.motion.rules import start_clearance
 from gcm_learn.planners import get_planner
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import situation_from_json, situation_to_json
@@ -51,7 +51,7 @@ def test_situations_survive_json_and_start_free(name):
         assert (
             situation_from_json(json.loads(json.dumps(situation_to_json(situation)))) == situation
         )
-        assert start_clearance(situation, pack(situation)) > 0.0
+        assert start_clearance(pack(situation)) > 0.0
         assert situation.is_solid == (name == "pendulum" or name.endswith("-solid"))
         assert len(situation.targets) == 1
 
@@ -228,7 +228,7 @@ def test_where_there_is_no_room_the_last_draw_is_given():
     family = get_family("static-clutter")
     huge = replace(family, sizes=replace(family.sizes, radius=(3.0, 3.0), bars=0.0))
     situation = draw(huge, 0, 0)
-    assert start_clearance(situation, pack(situation)) <= 0.0
+    assert start_clearance(pack(situation)) <= 0.0
 
 
 def test_hands_start_in_every_direction():
@@ -242,5 +242,5 @@ def test_random_planar_is_the_family_without_redrawing():
     for k in range(20):
         once = random_planar(seeding.rng(5, k), name="x")
         assert once == family.sketch(seeding.rng(5, k), "x")
-        if start_clearance(once, pack(once)) > 0.0:
+        if start_clearance(pack(once)) > 0.0:
             assert once == family.draw(seeding.rng(5, k), "x")

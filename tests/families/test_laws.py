@@ -20,10 +20,10 @@ from gcm_learn.families.layout import (
     way_time,
 )
 from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, planar_body, solid_body
-from gcm_learn.motion.verification import start_clearance
+from gcm_learn.motion.rules import start_clearance
 from gcm_learn.planners import get_planner
 from gcm_learn.scene.bodies import TOP_SPEED
-from gcm_learn.scene.packing import pack, pose
+from gcm_learn.scene.packing import pack, pack_bodies, pose
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -80,7 +80,7 @@ def test_what_touches_is_what_the_exact_clearance_says(seed):
     rng = seeding.rng(51, seed)
     piece, arm = random_piece(rng)._replace(when=0.0), random_arm(rng)
     situation = Situation("s", 1.0, arm, (AWAY, planar_body(piece)))
-    clearance = start_clearance(situation, pack(situation))
+    clearance = start_clearance(pack(situation))
     if len(piece.size) == 1:
         assert touches(piece, arm, arm.hand, 0.0) == (clearance <= 0.0)
     elif touches(piece, arm, arm.hand, 0.0):
@@ -147,7 +147,7 @@ SOLID = [name for name in family_names() if name.endswith("-solid") or name == "
 def test_targets_in_space_come_through_the_plane(name):
     for k in range(15):
         situation = draw(name, 8, k)
-        bodies = pack(situation)
+        bodies = pack_bodies(situation)
         heights = [abs(pose(situation, 0, t)[0][2]) for t in np.linspace(0, situation.horizon, 25)]
         slack = bodies.rows[0, TOP_SPEED] * situation.horizon / 48  # half of what a step may miss
         assert min(heights) <= situation.bodies[0].shape.bounding_radius + slack

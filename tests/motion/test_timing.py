@@ -20,6 +20,7 @@ from gcm_learn.motion.interception import (
     may_be_reached,
     target_distance,
 )
+from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.timing import (
     SPACING,
     keep_limits,
@@ -30,7 +31,7 @@ from gcm_learn.motion.timing import (
 )
 from gcm_learn.scene import forward, joint_angles
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack, pack_bodies
 from gcm_learn.situation import Arm
 from tests.referee import depths, place, point_distances, rates
 
@@ -127,7 +128,7 @@ def test_the_distance_to_a_target_is_that_to_its_cut(family, seed):
     """Below it, all points of the plane are outside of the body; at it, one is inside."""
     rng = seeding.rng(92, seed)
     situation = FAMILIES[family](rng)
-    bodies, poses = pack(situation), np.zeros((len(situation.bodies), 12))
+    bodies, poses = pack_bodies(situation), np.zeros((len(situation.bodies), 12))
     t = float(rng.uniform(0.0, situation.horizon))
     poses_at(bodies, t, poses)
     circle = np.linspace(0.0, 2.0 * np.pi, 2000)
@@ -175,7 +176,7 @@ def test_the_first_catch_along_a_path_is_the_first_sampled_one(seed):
     met = place(situation, target, np.array([meeting]))[0][0, :2]
     time = np.array([0.0, 0.5 * meeting, meeting, 1.2])
     hand = np.array([[1.0, 0.2], rng.uniform(-1.0, 1.0, 2), met, rng.uniform(-1.0, 1.0, 2)])
-    bodies = pack(situation)
+    bodies = pack_bodies(situation)
     t, b = first_catch(bodies, time, hand, 0.05, 1e-4)
     times = np.linspace(0.0, 1.2, 6001)
     hands = np.stack([np.interp(times, time, hand[:, k]) for k in (0, 1)], axis=1)
@@ -187,7 +188,7 @@ def test_the_first_catch_along_a_path_is_the_first_sampled_one(seed):
 def test_no_catch_along_a_path_that_passes_by():
     situation = random_planar(seeding.rng(93, 0), (1, 1))
     far = np.array([[50.0, 0.0], [51.0, 0.0]])
-    assert first_catch(pack(situation), np.array([0.0, 1.0]), far, 0.05, 1e-4) == (-1.0, -1)
+    assert first_catch(pack_bodies(situation), np.array([0.0, 1.0]), far, 0.05, 1e-4) == (-1.0, -1)
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -195,11 +196,10 @@ def test_the_first_interception_is_the_first_there_is(seed):
     """Discs in free space: the hand can meet the disc as soon as it can cover the gap."""
     rng = seeding.rng(94, seed)
     situation = random_planar(rng, (1, 1))
-    bodies, arm = pack(situation), situation.arm
+    scene, arm = pack(situation), situation.arm
     reach, speed = 0.05, arm.max_hand_speed
-    t, b, px, py = first_interception(
-        bodies, *arm.hand, 0.0, 0.0, 1.2, speed, reach, arm.inner_reach, arm.reach, 2e-4
-    )
+    rules = Rules(touch=0.0, catch=reach, speed=speed, instant=2e-4)
+    t, b, px, py = first_interception(scene, rules, *arm.hand, 0.0, 0.0, 1.2)
     times = np.linspace(0.0, 1.2, 6001)
     centre = place(situation, situation.bodies[0], times)[0][:, :2]
     gap = situation.bodies[0].shape.radius + reach
@@ -225,9 +225,7 @@ def test_the_first_interception_is_the_first_there_is(seed):
 def test_hopeless_is_certain(family, seed):
     situation = FAMILIES[family](seeding.rng(95, seed))
     arm, end = situation.arm, situation.horizon
-    hopeful = may_be_reached(
-        pack(situation), *arm.hand, end, arm.max_hand_speed, arm.grasp, arm.reach
-    )
+    hopeful = may_be_reached(pack(situation))
     times = np.linspace(0.0, end, 2000)
     still = np.tile(arm.hand, (2000, 1))
     way = sampled_room(situation, 0, still, times) - arm.grasp - arm.max_hand_speed * times

@@ -9,6 +9,7 @@ import pytest
 
 from gcm_learn import solve
 from gcm_learn.motion import Trajectory
+from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import (
@@ -52,7 +53,8 @@ def tampered(plan, **changes):
 def faults(plan, situation=SCENE):
     """Complaints of the referee; the package's own verification must not be content either."""
     body = [b.name for b in situation.bodies].index(plan.catch_body)
-    verdict = verify(situation, pack(situation), plan.trajectory, body)
+    scene = pack(situation)
+    verdict = verify(scene, rules_of(scene), plan.trajectory, body)
     complaints = judge(situation, plan).complaints
     assert not verdict.good or not complaints, complaints
     return " | ".join(complaints)

@@ -13,7 +13,7 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner, _limits
+from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner, task_of
 from gcm_learn.planners.baselines.st_rrt_star_moves import draw_goal, leg_holds
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem
@@ -35,8 +35,13 @@ BULLET = body("obstacle", Disc(0.05), (1.2, -5.0), (0.0, 10.0))  # crosses y = 0
 
 
 def ask(situation, *leg):
-    problem = Problem(situation, "test")
-    return leg_holds(problem.bodies, _limits(problem), *leg)
+    return leg_holds(*asked(situation), *leg)
+
+
+def asked(situation):
+    """Scene, rules and hole, as of a search."""
+    task = task_of(Problem(situation, "test"), seed=0, budget_ms=0.0, iterations=0)
+    return task.scene, task.rules, task.hole
 
 
 def test_a_leg_keeps_the_speed_limit_and_goes_forward_in_time():
@@ -64,7 +69,7 @@ def test_a_leg_between_whose_ends_an_obstacle_passes_does_not_hold():
     assert ask(crossed, 1.99, 0.0, 0.55, 1.99, 0.05, 1.0)
 
 
-def test_a_leg_keeps_joint_limits():
+def test_a_leg_keeps_jointtask_of():
     """Half way out along a short arc the shoulder turns by the angle, so the limit is its rate."""
     angle = 0.02
     ends = (1.2, 0.0), (1.2 * math.cos(angle), 1.2 * math.sin(angle))
@@ -77,14 +82,8 @@ def test_a_leg_keeps_joint_limits():
 def test_goals_are_interceptions_in_time():
     mover = body("target", Disc(0.05), (1.5, -0.9), (-0.5, 1.5))
     situation = scene(mover, body("obstacle", Disc(0.3), (1.7, 0.0)), hand=(0.9, 0.3))
-    problem = Problem(situation, "test")
-    limits, rng = _limits(problem), seeding.rng(7)
-    drawn = np.array(
-        [
-            draw_goal(problem.bodies, limits, 0.9, 0.3, 0.1, 1.1, rng.random((16, 4)))
-            for _ in range(400)
-        ]
-    )
+    asking, rng = asked(situation), seeding.rng(7)
+    drawn = np.array([draw_goal(*asking, 0.1, 1.1, rng.random((16, 4))) for _ in range(400)])
     time, hand = drawn[drawn[:, 0] >= 0.0, 0], drawn[drawn[:, 0] >= 0.0, 1:]
     assert len(time) > 300 and 0.1 <= time.min() and time.max() <= 1.1
     target = np.array([1.5, -0.9]) + time[:, None] * (-0.5, 1.5)
@@ -95,9 +94,8 @@ def test_goals_are_interceptions_in_time():
 
 
 def test_no_goal_is_drawn_where_there_is_none():
-    problem = Problem(scene(goal(0.7, 1.2)), "test")
     chances = seeding.rng(8).random((64, 4))
-    too_early = draw_goal(problem.bodies, _limits(problem), 0.9, 0.0, 0.0, 0.1, chances)
+    too_early = draw_goal(*asked(scene(goal(0.7, 1.2))), 0.0, 0.1, chances)
     assert too_early[0] == -1.0
 
 

@@ -89,9 +89,9 @@ def test_tried_out_ways_are_verified_plans(drawn):
         plan = planner.plan(original)
         outcomes.append(plan.status)
         if plan.caught:
-            bodies = Problem(original, "test").bodies
+            problem = Problem(original, "test")
             index = [b.name for b in original.bodies].index(plan.catch_body)
-            assert verify(original, bodies, plan.trajectory, index).good
+            assert verify(problem.scene, problem.rules, plan.trajectory, index).good
         again = planner.plan(original)
         assert again.status == plan.status and again.catch_time == plan.catch_time
     assert {"caught", "unreachable"} <= set(outcomes)

@@ -99,7 +99,7 @@ def test_paths_start_at_the_hand_and_end_at_the_target(catches, traces):
             pose_at(problem.bodies, attempt.body, way.duration, poses)
             assert tuple(way.hand[0]) == situation.arm.hand
             last = target_distance(problem.bodies, poses, attempt.body, *way.hand[-1])
-            assert last <= problem.reach
+            assert last <= problem.rules.catch
             assert way.duration <= situation.horizon
             ends += 1
     assert ends > 150

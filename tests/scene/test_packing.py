@@ -14,7 +14,7 @@ from gcm_learn import seeding
 from gcm_learn.errors import SituationError
 from gcm_learn.families.random_solid import random_rotation, random_solid
 from gcm_learn.scene import bodies as k
-from gcm_learn.scene.packing import pack, pose
+from gcm_learn.scene.packing import pack_bodies, pose
 from gcm_learn.situation import (
     Arm,
     Body,
@@ -54,7 +54,7 @@ def swing(**changes):
 
 def angle_at(motion, t, horizon=None):
     """Angle of a pendulum [rad], as packed, without the wrapping of a pose."""
-    bodies = pack(solid_scene(motion, horizon=horizon or max(t, 0.1)))
+    bodies = pack_bodies(solid_scene(motion, horizon=horizon or max(t, 0.1)))
     return k.swing_angle(bodies, 0, t)
 
 
@@ -111,9 +111,9 @@ def test_round_bodies_are_not_turned():
     spinning = SolidQuadratic((1.0, 0.0, 0.0), (0.0,) * 3, (0.0,) * 3, spin=(1.0, 2.0, 3.0))
     situation = solid_scene(spinning, Sphere(0.2))
     np.testing.assert_array_equal(pose(situation, 0, 1.0)[1], np.eye(3))
-    assert pack(situation).rows[0, k.TOP_SPEED] == 0.0
+    assert pack_bodies(situation).rows[0, k.TOP_SPEED] == 0.0
     disc = Body("target", "disc", Disc(0.2), PlanarQuadratic((1, 0), (0, 0), (0, 0), 0.5, 9.0))
-    assert pack(Situation("scene", 1.0, ARM, (disc,))).rows[0, k.TOP_SPEED] == 0.0
+    assert pack_bodies(Situation("scene", 1.0, ARM, (disc,))).rows[0, k.TOP_SPEED] == 0.0
 
 
 # --- pendulums -------------------------------------------------------------------------------
@@ -165,7 +165,7 @@ def test_large_swings_have_the_period_of_the_elliptic_integral(amplitude):
 
 @given(st.floats(-3.0, 3.0), st.floats(-8.0, 8.0))
 def test_an_undamped_pendulum_keeps_its_energy(angle, rate):
-    bodies = pack(solid_scene(swing(angle=angle, rate=rate), horizon=5.0))
+    bodies = pack_bodies(solid_scene(swing(angle=angle, rate=rate), horizon=5.0))
     table = bodies.angles[0]
     energy = 0.5 * table[:, 1] ** 2 - 10.0 * np.cos(table[:, 0])
     assert np.ptp(energy) < 1e-8
@@ -175,7 +175,7 @@ def test_an_undamped_pendulum_keeps_its_energy(angle, rate):
 
 
 def test_a_damped_pendulum_loses_energy():
-    table = pack(solid_scene(swing(angle=2.0, damping=0.5), horizon=5.0)).angles[0]
+    table = pack_bodies(solid_scene(swing(angle=2.0, damping=0.5), horizon=5.0)).angles[0]
     energy = 0.5 * table[:, 1] ** 2 - 10.0 * np.cos(table[:, 0])
     assert (np.diff(energy) < 0.0).all() and energy[-1] < energy[0] - 5.0
 
@@ -222,7 +222,7 @@ def test_the_hang_is_the_length_when_absent():
 
 def test_a_pendulum_too_fast_for_its_horizon_is_refused_with_both_numbers():
     with pytest.raises(SituationError, match=r"horizon: 2 s .*1000"):
-        pack(solid_scene(swing(length=1e-6, gravity=1e6), horizon=2.0))
+        pack_bodies(solid_scene(swing(length=1e-6, gravity=1e6), horizon=2.0))
 
 
 # --- the arm's plane -------------------------------------------------------------------------
@@ -278,7 +278,7 @@ def test_rows_follow_the_order_of_the_bodies():
         Body("target", "b", Disc(0.2), still),
         Body("obstacle", "c", square, still),
     )
-    packed = pack(Situation("scene", 1.0, ARM, bodies))
+    packed = pack_bodies(Situation("scene", 1.0, ARM, bodies))
     assert packed.rows[:, k.KIND].tolist() == [k.POLYGON, k.DISC, k.POLYGON]
     assert packed.rows[:, k.PART].tolist() == [k.LIMB, k.HAND, k.LIMB]
     slices = packed.rows[:, [k.FIRST, k.LAST]].astype(int)

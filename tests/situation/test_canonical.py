@@ -14,6 +14,7 @@ from gcm_learn import rng as generator
 from gcm_learn import solve
 from gcm_learn.families import random_planar
 from gcm_learn.families.random_solid import random_rotation, random_solid
+from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack, pose
@@ -94,7 +95,8 @@ def test_a_catch_in_the_canonical_form_is_one_where_it_came_from(make):
         slower = plan.trajectory.time  # the same times: turning keeps speeds
         way = Trajectory.of_hand(slower, hand, arm.upper_arm, arm.elbow)
         body = [b.name for b in situation.bodies].index(plan.catch_body)
-        verdict = verify(situation, pack(situation), way, body)
+        scene = pack(situation)
+        verdict = verify(scene, rules_of(scene), way, body)
         assert verdict.good, verdict.reason
         assert verdict.clearance == pytest.approx(plan.clearance, abs=5e-4)
     assert caught >= 3

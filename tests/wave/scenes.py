@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.handspace.lattice import Lattice
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import Task, kappa_of
 
@@ -21,7 +21,7 @@ def task_of(situation, n=80):
     """Make a front's task of a situation."""
     arm = situation.arm
     return Task(
-        pack(situation),
+        pack_bodies(situation),
         Lattice(n, arm.upper_arm, arm.elbow),
         arm.hand,
         arm.max_hand_speed,

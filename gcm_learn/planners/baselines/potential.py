@@ -11,6 +11,7 @@ what comes fast, which the verification then finds.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
-from gcm_learn.scene.limb import SIDE, elbow_of
+from gcm_learn.scene.limb import elbow_of
 from gcm_learn.situation import Situation
 
 STEP = 0.02  # the hand's way in a step at most [forearm lengths]
@@ -30,31 +31,35 @@ NEAREST = 1e-3  # the push grows no more below this distance [forearm lengths]
 _PROBE = 1e-5  # finite difference of the potential [forearm lengths]
 
 
+class Field(NamedTuple):
+    """The repulsive potential; the attractive force is 1."""
+
+    influence: float  # distance d0 within which obstacles push [forearm lengths]
+    gain: float  # eta
+
+
 @njit
-def repulsion(bodies, poses, x, y, rho, side, thickness, influence, gain):
+def repulsion(scene, field, poses, x, y):
     """Khatib's repulsive potential of all obstacles for a hand at (x, y)."""
-    ex, ey = elbow_of(x, y, rho, side)
+    ex, ey = elbow_of(x, y, scene.limb.rho, scene.limb.side)
     total = 0.0
-    for b in range(bodies.rows.shape[0]):
-        if bodies.rows[b, PART] == HAND:
+    for b in range(scene.bodies.rows.shape[0]):
+        if scene.bodies.rows[b, PART] == HAND:
             continue
-        d = max(arm_distance(bodies, poses, b, x, y, ex, ey) - thickness, NEAREST)
-        if d < influence:
-            total += 0.5 * gain * (1.0 / d - 1.0 / influence) ** 2
+        d = arm_distance(scene.bodies, poses, b, x, y, ex, ey) - scene.limb.thickness
+        d = max(d, NEAREST)
+        if d < field.influence:
+            total += 0.5 * field.gain * (1.0 / d - 1.0 / field.influence) ** 2
     return total
 
 
 @njit
-def descend_field(
-    bodies, x, y, speed, horizon, reach, near, far, rho, side, thickness, influence, gain, instant,
-    points,
-):  # fmt: skip
-    """Follow the field from (x, y) until a target is within reach.
+def descend_field(scene, rules, field, points):
+    """Follow the field from the hand until a target is caught.
 
     Parameters
     ----------
-    influence, gain : float
-        d0 [forearm lengths] and eta of the repulsive potential; the attractive force is 1.
+    scene, rules, field : Scene, Rules, Field
     points : (m, 2) ndarray
         Filled with the hand after every step of horizon / (m - 1), its start included.
 
@@ -63,6 +68,8 @@ def descend_field(
     int
         Number of points when a target is within reach, -1 if none ever is.
     """
+    bodies, limb, horizon = scene.bodies, scene.limb, scene.limits.horizon
+    x, y = limb.x, limb.y
     steps = points.shape[0] - 1
     dt = horizon / steps
     poses = np.zeros((bodies.rows.shape[0], 12))
@@ -70,28 +77,28 @@ def descend_field(
         points[k, 0], points[k, 1] = x, y
         poses_at(bodies, k * dt, poses)
         for b in range(bodies.rows.shape[0]):
-            if bodies.rows[b, PART] == HAND and target_distance(bodies, poses, b, x, y) <= reach:
+            if bodies.rows[b, PART] != HAND:
+                continue
+            if target_distance(bodies, poses, b, x, y) <= rules.catch:
                 return k + 1
         if k == steps:
             break
-        t, _, px, py = first_interception(
-            bodies, x, y, k * dt, k * dt, horizon, speed, reach, near, far, instant
-        )
+        t, _, px, py = first_interception(scene, rules, x, y, k * dt, k * dt, horizon)
         if t < 0.0:
             break
         poses_at(bodies, (k + 1) * dt, poses)  # where the obstacles will be after this step
-        u0 = repulsion(bodies, poses, x - _PROBE, y, rho, side, thickness, influence, gain)
-        u1 = repulsion(bodies, poses, x + _PROBE, y, rho, side, thickness, influence, gain)
-        v0 = repulsion(bodies, poses, x, y - _PROBE, rho, side, thickness, influence, gain)
-        v1 = repulsion(bodies, poses, x, y + _PROBE, rho, side, thickness, influence, gain)
+        u0 = repulsion(scene, field, poses, x - _PROBE, y)
+        u1 = repulsion(scene, field, poses, x + _PROBE, y)
+        v0 = repulsion(scene, field, poses, x, y - _PROBE)
+        v1 = repulsion(scene, field, poses, x, y + _PROBE)
         away = max(np.sqrt((px - x) ** 2 + (py - y) ** 2), 1e-12)
         fx = (px - x) / away - 0.5 * (u1 - u0) / _PROBE
         fy = (py - y) / away - 0.5 * (v1 - v0) / _PROBE
         force = np.sqrt(fx * fx + fy * fy)
-        way = speed * dt / max(force, 1.0)
+        way = rules.speed * dt / max(force, 1.0)
         x, y = x + way * fx, y + way * fy
         r = max(np.sqrt(x * x + y * y), 1e-12)
-        scale = min(max(r, near + HOLE_MARGIN), far) / r
+        scale = min(max(r, limb.near + HOLE_MARGIN), limb.far) / r
         x, y = x * scale, y * scale
     return -1
 
@@ -115,11 +122,8 @@ class PotentialPlanner:
         arm, horizon = situation.arm, situation.horizon
         steps = max(int(np.ceil(arm.max_hand_speed * horizon / STEP)), 1)
         hand = np.empty((min(steps, MOST_STEPS) + 1, 2))
-        count = descend_field(
-            problem.bodies, *arm.hand, arm.max_hand_speed * (1.0 - 1e-8), horizon, problem.reach,
-            arm.inner_reach, arm.reach, arm.upper_arm, SIDE[arm.elbow], arm.thickness,
-            self.influence, self.gain, problem.instant, hand,
-        )  # fmt: skip
+        rules = problem.rules._replace(speed=arm.max_hand_speed * (1.0 - 1e-8))
+        count = descend_field(problem.scene, rules, Field(self.influence, self.gain), hand)
         if count < 0:
             return problem.answer("unreachable", "the field leads to no target in time")
         time = np.linspace(0.0, horizon, len(hand))[:count]

@@ -29,15 +29,14 @@ from types import ModuleType
 import numpy as np
 
 from gcm_learn.errors import MissingExtraError, PlatformError
-from gcm_learn.motion.interception import first_interception
+from gcm_learn.motion.interception import anywhere, first_interception
 from gcm_learn.motion.timing import straight_way
-from gcm_learn.motion.verification import HOLE_MARGIN, safety_of
+from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
-from gcm_learn.planners.baselines.st_rrt_star_moves import Limits, Task
+from gcm_learn.planners.baselines.st_rrt_star_moves import Task
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.plan import Plan
-from gcm_learn.scene.limb import SIDE
 from gcm_learn.situation import Situation
 
 ITERATIONS = 1000
@@ -101,7 +100,7 @@ class STRRTStarPlanner:
         answer = problem.early_answer()
         if answer is not None:
             return [answer] * len(budgets_ms)
-        task = self._task(problem, min(max(budgets_ms), LONGEST_MS), iterations)
+        task = task_of(problem, self.seed, min(max(budgets_ms), LONGEST_MS), iterations)
         before = 1e3 * (clock.perf_counter() - problem.started)
         found, used = _search(task)
         plans = []
@@ -111,23 +110,6 @@ class STRRTStarPlanner:
             after = 1e3 * (clock.perf_counter() - began)
             plans.append(replace(plan, planning_ms=before + thought + after))
         return plans
-
-    def _task(self, problem: Problem, budget_ms: float, iterations: int) -> Task:
-        situation, arm = problem.situation, problem.situation.arm
-        t, *_ = first_interception(
-            problem.bodies, *arm.hand, 0.0, 0.0, situation.horizon, arm.max_hand_speed,
-            problem.reach, 0.0, math.inf, problem.instant,
-        )  # fmt: skip
-        return Task(
-            bodies=problem.bodies,
-            limits=_limits(problem),
-            hand=arm.hand,
-            horizon=situation.horizon,
-            unhindered=max(float(t) - problem.instant, 0.0),
-            seed=self.seed,
-            budget_ms=budget_ms,
-            iterations=iterations,
-        )
 
 
 def _library() -> ModuleType:
@@ -187,19 +169,25 @@ def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.vstack(hand), np.concatenate(time)
 
 
-def _limits(problem: Problem) -> Limits:
-    arm = problem.situation.arm
+def task_of(problem: Problem, seed: int, budget_ms: float, iterations: int) -> Task:
+    """What to search, and for how long."""
+    situation, arm, scene = problem.situation, problem.situation.arm, problem.scene
+    rules = problem.rules._replace(speed=arm.max_hand_speed)
+    t, *_ = first_interception(anywhere(scene), rules, *arm.hand, 0.0, 0.0, situation.horizon)
     nearest = math.hypot(*arm.hand)
-    joints = arm.max_joint_speed or (math.inf, math.inf)
-    folded = min(FOLDED, 0.5 * nearest)
-    return Limits(
-        rho=arm.upper_arm,
-        side=SIDE[arm.elbow],
-        hole=max(min(arm.inner_reach + HOLE_MARGIN, nearest * (1.0 - 1e-9)), folded),
-        far=max(arm.reach, nearest),
-        touch=arm.thickness + safety_of(problem.start_clearance),
-        speed=arm.max_hand_speed,
-        shoulder=joints[0],
-        elbow=joints[1],
-        reach=problem.reach,
+    limb = scene.limb._replace(far=max(arm.reach, nearest))
+    return Task(
+        scene=scene._replace(limb=limb),
+        rules=rules,
+        hole=_hole(arm.inner_reach, nearest),
+        unhindered=max(float(t) - rules.instant, 0.0),
+        seed=seed,
+        budget_ms=budget_ms,
+        iterations=iterations,
     )
+
+
+def _hole(inner: float, nearest: float) -> float:
+    """Distance that legs keep from the shoulder, given the ring's hole and the hand's distance."""
+    folded = min(FOLDED, 0.5 * nearest)
+    return max(min(inner + HOLE_MARGIN, nearest * (1.0 - 1e-9)), folded)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -11,34 +10,22 @@ from gcm_learn.collision.distance import segment_point2
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import target_distance
+from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.timing import JOINT_SLACK
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.planners.oracle.moves import ANY
-from gcm_learn.scene.bodies import HAND, PART, REACH, Bodies, pose_at
-
-
-class Limits(NamedTuple):
-    """What a hand may do."""
-
-    rho: float
-    side: float
-    hole: float  # legs stay that far from the shoulder
-    far: float  # outer radius of the ring
-    touch: float  # distance at which an obstacle touches
-    speed: float  # of the hand [forearm lengths / s]
-    shoulder: float  # of the joints [rad / s], infinite if there are no limits
-    elbow: float
-    reach: float  # signed distance to a target at which the hand surely catches
+from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
+from gcm_learn.scene.scene import Scene
 
 
 @dataclass(frozen=True)
 class Task:
     """What to search, and for how long."""
 
-    bodies: Bodies
-    limits: Limits
-    hand: tuple[float, float]
-    horizon: float
+    scene: Scene
+    rules: Rules
+    hole: float
+    """Legs stay that far from the shoulder."""
     unhindered: float
     """No goal is before [s]."""
     seed: int
@@ -48,34 +35,35 @@ class Task:
 
 
 @njit
-def leg_holds(bodies, limits, x0, y0, t0, x1, y1, t1):
+def leg_holds(scene, rules, hole, x0, y0, t0, x1, y1, t1):
     """Tell whether the hand may go straight and evenly from (x0, y0) at t0 to (x1, y1) at t1."""
     span = t1 - t0
     dx, dy = x1 - x0, y1 - y0
-    if span <= 0.0 or dx * dx + dy * dy > (limits.speed * span) ** 2:
+    if span <= 0.0 or dx * dx + dy * dy > (rules.speed * span) ** 2:
         return False
-    if x1 * x1 + y1 * y1 > limits.far * limits.far:
+    limb, limits = scene.limb, scene.limits
+    if x1 * x1 + y1 * y1 > limb.far * limb.far:
         return False
-    if segment_point2(0.0, 0.0, x0, y0, x1, y1) < limits.hole * limits.hole:
+    if segment_point2(0.0, 0.0, x0, y0, x1, y1) < hole * hole:
         return False
     hand = np.array([[x0, y0], [x1, y1]])
     if limits.shoulder < np.inf:
-        turns = joint_turns(hand, limits.rho, limits.side, PARTS)
+        turns = joint_turns(hand, limb.rho, limb.side, PARTS)
         if JOINT_SLACK * max(turns[0, 0] / limits.shoulder, turns[0, 1] / limits.elbow) > span:
             return False
     time = np.array([t0, t1])
-    distance, _ = least_distance(bodies, time, hand, limits.rho, limits.side, limits.touch, ANY)
-    return distance > limits.touch
+    distance, _ = least_distance(scene, time, hand, rules.touch, ANY)
+    return distance > rules.touch
 
 
 @njit
-def draw_goal(bodies, limits, x, y, since, until, chances):
+def draw_goal(scene, rules, hole, since, until, chances):
     """Draw an interception: an instant, and a place where the hand is then on a target.
 
     Parameters
     ----------
-    x, y : float
-        Where the hand starts at t = 0; what it cannot reach in a straight line is not drawn.
+    hole : float
+        What the hand cannot reach in a straight line, or is nearer to the shoulder, is not drawn.
     since, until : float
         The instants to draw from [s].
     chances : (n, 4) ndarray
@@ -86,6 +74,7 @@ def draw_goal(bodies, limits, x, y, since, until, chances):
     time, x, y : float
         The time is -1 if all tries fail.
     """
+    bodies, x, y = scene.bodies, scene.limb.x, scene.limb.y
     poses = np.zeros((bodies.rows.shape[0], 12))
     targets = np.flatnonzero(bodies.rows[:, PART] == HAND)
     here, now = np.empty((1, 2)), np.empty(1)
@@ -93,17 +82,17 @@ def draw_goal(bodies, limits, x, y, since, until, chances):
         b = targets[int(chances[k, 0] * targets.size)]
         now[0] = since + chances[k, 1] * (until - since)
         pose_at(bodies, b, now[0], poses)
-        r = np.sqrt(chances[k, 2]) * (bodies.rows[b, REACH] + max(limits.reach, 0.0))
+        r = np.sqrt(chances[k, 2]) * (bodies.rows[b, REACH] + max(rules.catch, 0.0))
         px = poses[b, 0] + r * np.cos(2.0 * np.pi * chances[k, 3])
         py = poses[b, 1] + r * np.sin(2.0 * np.pi * chances[k, 3])
-        if (px - x) ** 2 + (py - y) ** 2 > (limits.speed * now[0]) ** 2:
+        if (px - x) ** 2 + (py - y) ** 2 > (rules.speed * now[0]) ** 2:
             continue
-        if not limits.hole <= np.sqrt(px * px + py * py) <= limits.far:
+        if not hole <= np.sqrt(px * px + py * py) <= scene.limb.far:
             continue
-        if target_distance(bodies, poses, b, px, py) > limits.reach:
+        if target_distance(bodies, poses, b, px, py) > rules.catch:
             continue
         here[0, 0], here[0, 1] = px, py
-        distance, _ = least_distance(bodies, now, here, limits.rho, limits.side, limits.touch, ANY)
-        if distance > limits.touch:
+        distance, _ = least_distance(scene, now, here, rules.touch, ANY)
+        if distance > rules.touch:
             return now[0], px, py
     return -1.0, x, y

@@ -16,7 +16,8 @@ from typing import Any
 import ompl
 
 from gcm_learn import seeding
-from gcm_learn.planners.baselines.st_rrt_star_moves import Limits, Task, draw_goal, leg_holds
+from gcm_learn.motion.rules import Rules
+from gcm_learn.planners.baselines.st_rrt_star_moves import Task, draw_goal, leg_holds
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 
@@ -49,7 +50,7 @@ class Search:
     def __init__(self, task: Task, report: Callable[[float, Path], None]) -> None:
         self.started = clock.thread_time()
         self.task, self.report = task, report
-        self.best, self.looks = task.horizon, 0
+        self.best, self.looks = task.scene.limits.horizon, 0
         util.setLogLevel(util.LogLevel.LOG_NONE)
         util.RNG.setSeed(task.seed + 1)  # every generator made from now on follows from it
         self.space = _space(task)
@@ -61,7 +62,7 @@ class Search:
         self.information.setMotionValidator(self.motions)
         self.information.setup()
         start = base.State(self.space)
-        for k, value in enumerate((*task.hand, 0.0)):
+        for k, value in enumerate((task.scene.limb.x, task.scene.limb.y, 0.0)):
             start[k] = value
         problem = base.ProblemDefinition(self.information)
         problem.addStartState(start)
@@ -111,7 +112,7 @@ class _Goals(base.GoalSampleableRegion):  # type: ignore[misc]
         task = self.task
         chances = self.rng.random((TRIES, 4))
         t, x, y = draw_goal(
-            task.bodies, task.limits, *task.hand, task.unhindered, self.search.best, chances
+            task.scene, task.rules, task.hole, task.unhindered, self.search.best, chances
         )
         state[0][0], state[0][1] = x, y
         self.drawn = (x, y, t)
@@ -156,27 +157,28 @@ class _Motions(base.MotionValidator):  # type: ignore[misc]
 
     def __init__(self, information: Any, search: Search) -> None:
         super().__init__(information)
-        self.bodies, self.limits = search.task.bodies, search.task.limits
+        self.task = search.task
         self.time_of = search.space.getStateTime
 
     def checkMotion(self, a: Any, b: Any) -> bool:
         p, q = a[0], b[0]
-        return leg_holds(
-            self.bodies, self.limits, p[0], p[1], self.time_of(a), q[0], q[1], self.time_of(b)
-        )
+        scene, rules, hole = self.task.scene, self.task.rules, self.task.hole
+        before, after = self.time_of(a), self.time_of(b)
+        return leg_holds(scene, rules, hole, p[0], p[1], before, q[0], q[1], after)
 
 
 def _space(task: Task) -> Any:
     """Hand and time, with the speed that OMPL reckons with."""
-    far, way = task.limits.far, task.limits.speed * task.horizon
+    limb, horizon = task.scene.limb, task.scene.limits.horizon
+    far, way = limb.far, task.rules.speed * horizon
     bounds = base.RealVectorBounds(2)
-    for axis, centre in enumerate(task.hand):
+    for axis, centre in enumerate((limb.x, limb.y)):
         bounds.setLow(axis, max(centre - way, -far) - SLACK * far)
         bounds.setHigh(axis, min(centre + way, far) + SLACK * far)
     places = base.RealVectorStateSpace(2)
     places.setBounds(bounds)
-    space = base.SpaceTimeStateSpace(places, task.limits.speed)
-    space.setTimeBounds(0.0, task.horizon)
+    space = base.SpaceTimeStateSpace(places, task.rules.speed)
+    space.setTimeBounds(0.0, horizon)
     space.setup()
     return space
 
@@ -185,8 +187,9 @@ def warm_up() -> None:
     """Load what a search needs, by one that finds no goal."""
     still = PlanarQuadratic((9.0, 0.0), (0.0, 0.0), (0.0, 0.0))
     away, post = (Body(role, role, Disc(0.1), still) for role in ("target", "obstacle"))
-    bodies = pack(Situation("warm", 1.0, Arm((1.0, 0.0), 3.0), (away, post)))
-    for joints in (math.inf, 9.0):
-        limits = Limits(1.0, 1.0, 0.1, 2.0, 0.0, 3.0, joints, joints, 0.05)
-        leg_holds(bodies, limits, 1.0, 0.0, 0.0, 1.1, 0.0, 0.5)
-    Search(Task(bodies, limits, (1.0, 0.0), 1.0, 0.5, 0, 1e3, 3), lambda *_: None).run()
+    scene = pack(Situation("warm", 1.0, Arm((1.0, 0.0), 3.0), (away, post)))
+    rules = Rules(touch=0.0, catch=0.05, speed=3.0, instant=1e-3)
+    for joints in (9.0, math.inf):
+        scene = scene._replace(limits=scene.limits._replace(shoulder=joints, elbow=joints))
+        leg_holds(scene, rules, 0.1, 1.0, 0.0, 0.0, 1.1, 0.0, 0.5)
+    Search(Task(scene, rules, 0.1, 0.5, 0, 1e3, 3), lambda *_: None).run()

@@ -40,7 +40,7 @@ class StraightWaitPlanner:
         reason = "no straight line meets a target in time"
         for way, leave, end in self._interceptions(problem):
             spare = max(end - leave[-1], 0.0)
-            for share in self.shares if spare > problem.instant else (0.0,):
+            for share in self.shares if spare > problem.rules.instant else (0.0,):
                 wait = share * spare
                 time = np.concatenate([[0.0], wait + leave, [max(end, leave[-1])]])
                 attempt = finish(problem, np.vstack([way[:1], way, way[-1:]]), time)
@@ -70,10 +70,8 @@ class StraightWaitPlanner:
 
     def _meet(self, problem: Problem, since: float) -> tuple[float, float, float]:
         """Earliest interception from some time on: when (-1 if never) and where."""
-        situation, arm = problem.situation, problem.situation.arm
+        situation, rules = problem.situation, problem.rules
         t, _, x, y = first_interception(
-            problem.bodies, *arm.hand, 0.0, since, situation.horizon,
-            arm.max_hand_speed * (1.0 - 2e-9), problem.reach, arm.inner_reach, arm.reach,
-            problem.instant,
-        )  # fmt: skip
+            problem.scene, rules, *situation.arm.hand, 0.0, since, situation.horizon
+        )
         return float(t), float(x), float(y)

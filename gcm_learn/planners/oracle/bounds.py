@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from gcm_learn.motion.interception import first_interception
+from gcm_learn.motion.interception import anywhere, first_interception
 from gcm_learn.motion.timing import straight_way
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
@@ -201,13 +201,12 @@ def _unhindered(problem: Problem) -> float:
     Infinite if there is none: in 3D the outer set alone would not know that, because for it a
     target is where its solid is near, not where its cut with the plane is.
     """
-    situation, arm, instant = problem.situation, problem.situation.arm, problem.instant
+    arm, instant = problem.situation.arm, problem.rules.instant
     if instant * arm.max_hand_speed > FINE:  # too coarse for targets that rush through
         return 0.0
-    speed, end = arm.max_hand_speed * (1.0 + 1e-9), situation.horizon + instant
-    t, *_ = first_interception(
-        problem.bodies, *arm.hand, 0.0, 0.0, end, speed, arm.grasp, 0.0, math.inf, instant
-    )
+    rules = problem.rules._replace(catch=arm.grasp, speed=arm.max_hand_speed * (1.0 + 1e-9))
+    end = problem.situation.horizon + instant
+    t, *_ = first_interception(anywhere(problem.scene), rules, *arm.hand, 0.0, 0.0, end)
     return math.inf if t < 0.0 else max(t - instant, 0.0)
 
 
@@ -232,8 +231,8 @@ def _catch_by(inner: ReachableSet, meeting: Meeting, before: float) -> Plan | No
     problem = inner.problem
     came, left, stops = inner.way_to(meeting.cell)
     left[-1] = meeting.leave
-    arrival, departure, origin = pull(problem.bodies, inner.rules, came, left, stops)
-    end = min(before, meeting.time + inner.rules.instant)
+    arrival, departure, origin = pull(inner.regime, came, left, stops)
+    end = min(before, meeting.time + inner.regime.rules.instant)
     for dash in sorted(_dashes(inner, stops, arrival, came, left, end)):
         chain = [dash.stop]
         while dash.tight and origin[chain[0]] >= 0:
@@ -272,13 +271,13 @@ def _dashes(
     end: float,
 ) -> Iterator[Dash]:
     """Find the dashes from all stops: on arrival, or after the wait of the way as it was."""
-    bodies, rules = inner.problem.bodies, inner.rules
+    regime = inner.regime
     for k, (x, y) in enumerate(stops):
         chances = [(arrival[k], True)]
         if left[k] > came[k] or k + 1 == len(stops):
             chances.append((left[k], False))
         for leave, tight in chances:
-            time = leg_from(bodies, rules, x, y, leave, max(leave, rules.after), end)
+            time = leg_from(regime, x, y, leave, max(leave, regime.after), end)
             if time >= 0.0:
                 yield Dash(time, k, leave, tight)
 

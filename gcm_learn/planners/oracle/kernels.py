@@ -19,6 +19,7 @@ import numpy as np
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.collision.occupancy import first_touch
 from gcm_learn.compiled import njit
+from gcm_learn.motion.rules import Rules
 from gcm_learn.planners.oracle.moves import (
     COUNT,
     MOVES,
@@ -31,6 +32,7 @@ from gcm_learn.planners.oracle.moves import (
     source_of,
 )
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, drift, poses_at
+from gcm_learn.scene.scene import Scene
 
 MOST_SURE = 63  # obstacles that the outer set heeds, the bits of a word; leaving out is optimistic
 TRIES = 4  # moves into a cell that are checked in a step, best first
@@ -47,24 +49,16 @@ class Grid(NamedTuple):
     corners: np.ndarray  # (k,) int: theirs
 
 
-class Rules(NamedTuple):
+class Regime(NamedTuple):
     """What makes a set outer or inner, and of whose hand."""
 
+    scene: Scene
+    rules: Rules  # of moves, and of straight legs to targets
     exact: bool  # inner
     waiting: bool  # whether the hand may leave a cell later than it came
-    rho: float
-    side: float
     hole: float  # moves stay that far from the shoulder
-    touch: float  # distance at which an obstacle touches
     meet: float  # distance from a centre at which a target is met, or a leg to it is tried
-    grasp: float  # the rest is for these legs: signed distance at which the hand surely catches,
-    speed: float  # the hand's [forearm lengths / s],
-    near: float  # radii of the ring
-    far: float
-    instant: float  # resolution in time of interceptions [s],
-    after: float  # and when they may begin [s]
-    hand_x: float
-    hand_y: float
+    after: float  # when interceptions may begin [s]
     start_until: float  # until when the hand can stay where it starts [s]
     margin: float  # cells need no look that much before the hand can be there [s]
 
@@ -103,26 +97,27 @@ class Desk(NamedTuple):
 
 
 @njit
-def step(bodies, grid, rules, front, desk, s, dt, end):
+def step(regime, grid, front, desk, s, dt, end):
     """Take the set through step s of length dt; returns how many meetings are on the desk."""
     t0, t1 = (s - 1) * dt, min(s * dt, end)
-    if rules.exact:
-        ever_blocked(bodies, grid, rules, front, desk, t0, t1)
-        if rules.waiting:
+    if regime.exact:
+        ever_blocked(regime, grid, front, desk, t0, t1)
+        if regime.waiting:
             leave(grid, front, t0)
     else:
-        surely_blocked(bodies, grid, rules, front, desk, t1)
+        surely_blocked(regime, grid, front, desk, t1)
         front.past[s % PAST] = front.blocked
-    accept(bodies, grid, rules, front, t0, t1, s, dt)
-    count = meetings(bodies, grid, rules, front, desk, t0, t1, end)
-    if not rules.exact:
+    accept(regime, grid, front, t0, t1, s, dt)
+    count = meetings(regime, grid, front, desk, t0, t1, end)
+    if not regime.exact:
         leave(grid, front, t1)
     return count
 
 
 @njit
-def surely_blocked(bodies, grid, rules, front, desk, t):
+def surely_blocked(regime, grid, front, desk, t):
     """Mark the cells at all corners of which the limb touches the same obstacle at time t."""
+    bodies = regime.scene.bodies
     poses_at(bodies, t, desk.poses)
     look, touched = desk.look, desk.touched
     for b in range(min(bodies.rows.shape[0], MOST_SURE)):
@@ -132,12 +127,12 @@ def surely_blocked(bodies, grid, rules, front, desk, t):
         speed = bodies.rows[b, TOP_SPEED]
         for a in range(grid.corners.size):
             k = grid.corners[a]
-            if look[k, b] > t or front.away[k] > t + rules.margin:
+            if look[k, b] > t or front.away[k] > t + regime.margin:
                 continue
             x, y, ex, ey = (
                 grid.corner[k, 0], grid.corner[k, 1], grid.corner[k, 2], grid.corner[k, 3]
             )  # fmt: skip
-            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - rules.touch
+            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - regime.rules.touch
             touched[k] &= ~bit
             if room <= 0.0:
                 touched[k] |= bit
@@ -149,8 +144,9 @@ def surely_blocked(bodies, grid, rules, front, desk, t):
 
 
 @njit
-def ever_blocked(bodies, grid, rules, front, desk, t0, t1):
+def ever_blocked(regime, grid, front, desk, t0, t1):
     """Mark the cells at whose centre the limb touches an obstacle at any instant of [t0, t1]."""
+    bodies = regime.scene.bodies
     poses_at(bodies, t1, desk.poses)
     front.blocked[:] = False
     shortest = FINEST * (t1 - t0)
@@ -161,19 +157,19 @@ def ever_blocked(bodies, grid, rules, front, desk, t0, t1):
         moved = drift(bodies, b, t0, t1)
         for a in range(grid.cells.size):
             k = grid.cells[a]
-            if desk.look[k, b] >= t1 or front.blocked[k] or front.away[k] > t1 + rules.margin:
+            if desk.look[k, b] >= t1 or front.blocked[k] or front.away[k] > t1 + regime.margin:
                 continue
             x, y, ex, ey = (
                 grid.centre[k, 0], grid.centre[k, 1], grid.centre[k, 2], grid.centre[k, 3]
             )  # fmt: skip
-            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - rules.touch
+            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - regime.rules.touch
             if room > moved:
                 desk.look[k, b] = t1 + room / speed if speed > 0.0 else 1e300
             elif room <= 0.0:
                 front.blocked[k] = True
             else:
                 front.blocked[k] = 0.0 <= first_touch(
-                    bodies, b, x, y, ex, ey, rules.touch, t0, t1, shortest, desk.others
+                    bodies, b, x, y, ex, ey, regime.rules.touch, t0, t1, shortest, desk.others
                 )
 
 
@@ -189,30 +185,30 @@ def leave(grid, front, until):
 
 
 @njit
-def accept(bodies, grid, rules, front, t0, t1, s, dt):
+def accept(regime, grid, front, t0, t1, s, dt):
     """Take those cells into the set at which the hand arrives in (t0, t1]."""
     time, hand = np.empty(2), np.empty((2, 2))
     for a in range(grid.cells.size):
         k = grid.cells[a]
         if front.alive[k] or front.hoped[k] > t1 or front.useful[k] < t0:
             continue
-        if front.blocked[k] and (rules.exact or front.past[(s - 1) % PAST, k]):
-            if not rules.waiting:  # a first arrival that is refused is none: closed for ever
+        if front.blocked[k] and (regime.exact or front.past[(s - 1) % PAST, k]):
+            if not regime.waiting:  # a first arrival that is refused is none: closed for ever
                 front.useful[k] = -1.0
             continue
         tried = 0
         for _ in range(TRIES):
-            d, when = earliest(grid, rules, front, k, t0, t1, s, dt, tried)
+            d, when = earliest(regime, grid, front, k, t0, t1, s, dt, tried)
             if d < 0 or when > front.useful[k]:
                 break
             cost = front.near[k] if d == START else move_time(front, k, d)
-            if rules.exact:
+            if regime.exact:
                 time[0], time[1] = when - cost, when
                 q = k if d == START else source_of(grid, k, d)
-                hand[0, 0] = rules.hand_x if d == START else grid.centre[q, 0]
-                hand[0, 1] = rules.hand_y if d == START else grid.centre[q, 1]
+                hand[0, 0] = regime.scene.limb.x if d == START else grid.centre[q, 0]
+                hand[0, 1] = regime.scene.limb.y if d == START else grid.centre[q, 1]
                 hand[1, 0], hand[1, 1] = grid.centre[k, 0], grid.centre[k, 1]
-                if not clear(bodies, rules, time, hand):
+                if not clear(regime, time, hand):
                     tried |= 1 << d
                     continue
             settle(grid, front, k, d, when, cost)
@@ -233,32 +229,32 @@ def settle(grid, front, k, d, when, cost):
 
 
 @njit
-def meetings(bodies, grid, rules, front, desk, t0, t1, end):
+def meetings(regime, grid, front, desk, t0, t1, end):
     """Find the cells of the set in which a target is met in [t0, t1] and put them on the desk.
 
     For the inner set that is a clear straight leg from the cell that catches before `end` [s].
     """
-    count = 0
+    bodies, count = regime.scene.bodies, 0
     poses_at(bodies, t1, desk.poses)
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
         bx, by, bz = desk.poses[b, 0], desk.poses[b, 1], desk.poses[b, 2]
-        far = (bodies.rows[b, REACH] + rules.meet + drift(bodies, b, t0, t1)) ** 2
+        far = (bodies.rows[b, REACH] + regime.meet + drift(bodies, b, t0, t1)) ** 2
         for a in range(grid.cells.size):
             k = grid.cells[a]
             x, y = grid.centre[k, 0], grid.centre[k, 1]
             if not front.alive[k] or (x - bx) ** 2 + (y - by) ** 2 + bz * bz > far:
                 continue
-            if front.arrival[k] < t0 and not rules.waiting:
+            if front.arrival[k] < t0 and not regime.waiting:
                 continue
             since = max(t0, front.arrival[k])
             t = first_touch(
-                bodies, b, x, y, x, y, rules.meet, since, t1, FINEST * (t1 - t0), desk.others
+                bodies, b, x, y, x, y, regime.meet, since, t1, FINEST * (t1 - t0), desk.others
             )
-            if t >= 0.0 and rules.exact:
-                last = min(t1 + 2.0 * rules.meet / rules.speed, end)
-                t = leg_from(bodies, rules, x, y, since, max(since, rules.after), last)
+            if t >= 0.0 and regime.exact:
+                last = min(t1 + 2.0 * regime.meet / regime.rules.speed, end)
+                t = leg_from(regime, x, y, since, max(since, regime.after), last)
             if t >= 0.0 and count < desk.cells.size:
                 desk.cells[count], desk.times[count], desk.leaves[count] = k, t, since
                 count += 1

@@ -47,14 +47,14 @@ START = COUNT  # the source besides the neighbours: the hand at t = 0, which is 
 
 
 @njit
-def earliest(grid, rules, front, k, t0, t1, s, dt, tried):
+def earliest(regime, grid, front, k, t0, t1, s, dt, tried):
     """Find the source, not yet tried, from which cell k is reached first in (t0, t1]: (d, when)."""
     best, first = -1, t1
     for d in range(COUNT + 1):
         if tried >> d & 1:
             continue
         if d == START:
-            came, until, cost = 0.0, rules.start_until, front.near[k]
+            came, until, cost = 0.0, regime.start_until, front.near[k]
         else:
             q = source_of(grid, k, d)
             if front.latest[q] < 0:
@@ -62,12 +62,12 @@ def earliest(grid, rules, front, k, t0, t1, s, dt, tried):
             came, until, cost = front.arrival[q], front.until[q], move_time(front, k, d)
         when = max(came + cost, front.away[k])
         if when <= t0:
-            if not rules.waiting:
+            if not regime.waiting:
                 continue
             when = t0
         if when > first or (when == first and best >= 0) or when - cost > until:
             continue
-        if not rules.exact and d != START and barred(grid, front, k, d, when - cost, cost, s, dt):
+        if not regime.exact and d != START and barred(grid, front, k, d, when - cost, cost, s, dt):
             continue
         best, first = d, when
     return best, first
@@ -125,34 +125,31 @@ def surrounded(grid, front, q, i, j, m):
 
 
 @njit
-def clear(bodies, rules, time, hand):
+def clear(regime, time, hand):
     """Tell whether the limb keeps its distance while the hand goes straight (2, 2) in time (2,)."""
-    if rules.hole > 0.0:
+    if regime.hole > 0.0:
         nearest = segment_point2(0.0, 0.0, hand[0, 0], hand[0, 1], hand[1, 0], hand[1, 1])
-        if nearest < rules.hole * rules.hole:
+        if nearest < regime.hole * regime.hole:
             return False
-    floor = rules.touch
-    return least_distance(bodies, time, hand, rules.rho, rules.side, floor, ANY)[0] > floor
+    floor = regime.rules.touch
+    return least_distance(regime.scene, time, hand, floor, ANY)[0] > floor
 
 
 @njit
-def leg_from(bodies, rules, x, y, leave, since, end):
+def leg_from(regime, x, y, leave, since, end):
     """When a clear straight leg that leaves (x, y) at `leave` catches a target, -1 if it cannot.
 
     Catches between `since` and `end` are looked for, joints left aside [s].
     """
-    t, _, px, py = first_interception(
-        bodies, x, y, leave, since, end, rules.speed, rules.grasp, rules.near, rules.far,
-        rules.instant,
-    )  # fmt: skip
+    t, _, px, py = first_interception(regime.scene, regime.rules, x, y, leave, since, end)
     if t < 0.0:
         return -1.0
     leg = np.array([[x, y], [px, py]])
-    return t if clear(bodies, rules, np.array([leave, t]), leg) else -1.0
+    return t if clear(regime, np.array([leave, t]), leg) else -1.0
 
 
 @njit
-def pull(bodies, rules, came, left, hand):
+def pull(regime, came, left, hand):
     """Pull a way tight: for every stop the earliest arrival by straight legs from stops before.
 
     Parameters
@@ -176,7 +173,7 @@ def pull(bodies, rules, came, left, hand):
     for j in range(1, n):
         for i in range(j):
             way = np.sqrt((hand[j, 0] - hand[i, 0]) ** 2 + (hand[j, 1] - hand[i, 1]) ** 2)
-            when = arrival[i] + way / rules.speed
+            when = arrival[i] + way / regime.rules.speed
             if when >= arrival[j] - 1e-9:
                 continue
             time[0], time[1] = arrival[i], when
@@ -186,6 +183,6 @@ def pull(bodies, rules, came, left, hand):
                 hand[j, 0],
                 hand[j, 1],
             )
-            if clear(bodies, rules, time, leg):
+            if clear(regime, time, leg):
                 arrival[j], departure[j], before[j] = when, arrival[i], i
     return arrival, departure, before

@@ -11,13 +11,13 @@ import numpy as np
 
 from gcm_learn.collision.occupancy import first_touch
 from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
-from gcm_learn.motion.verification import HOLE_MARGIN, safety_of
+from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle import kernels
-from gcm_learn.planners.oracle.kernels import Desk, Front, Grid, Rules
+from gcm_learn.planners.oracle.kernels import Desk, Front, Grid, Regime
 from gcm_learn.planners.oracle.moves import MOVES, PAST, RIM, STRETCH
 from gcm_learn.scene.bodies import LIMB, PART
-from gcm_learn.scene.limb import SIDE, elbow_position, joint_angles
+from gcm_learn.scene.limb import elbow_position, joint_angles
 from gcm_learn.situation.situation import Arm
 
 STEP = 0.97  # of the shortest move: nothing comes into the set and goes on within one step
@@ -73,9 +73,9 @@ class ReachableSet:
         self.dt = min(STEP * h / (STRETCH * arm.max_hand_speed), self.end / FEWEST_STEPS)
         self.dt = max(self.dt, self.end / MOST_STEPS)
         grid = _grid(Lattice(self.n, arm.upper_arm, arm.elbow), exact)
-        self.rules = _rules(problem, h, exact, waiting, after)
+        self.regime = _regime(problem, h, exact, waiting, after)
         useful = kernels.useful_until(
-            bodies, grid, self.end, arm.max_hand_speed, self.rules.meet, USEFUL_INSTANTS
+            bodies, grid, self.end, arm.max_hand_speed, self.regime.meet, USEFUL_INSTANTS
         )
         self.front = _front(arm, grid, h, exact, useful)
         self.grid = _part(grid, self.front.away <= useful + 1e-9)
@@ -90,7 +90,7 @@ class ReachableSet:
             leaves=np.zeros(count * size),
         )
         if not exact:
-            kernels.surely_blocked(bodies, self.grid, self.rules, self.front, self.desk, 0.0)
+            kernels.surely_blocked(self.regime, self.grid, self.front, self.desk, 0.0)
             self.front.past[0] = self.front.blocked
 
     @property
@@ -103,9 +103,7 @@ class ReachableSet:
         for s in range(1, math.ceil(self.end / self.dt) + 1):
             self._make_room()
             desk = self.desk
-            found = kernels.step(
-                self.problem.bodies, self.grid, self.rules, self.front, desk, s, self.dt, self.end
-            )
+            found = kernels.step(self.regime, self.grid, self.front, desk, s, self.dt, self.end)
             if found:
                 columns = (desk.times[:found], desk.leaves[:found], desk.cells[:found])
                 yield sorted(
@@ -181,29 +179,24 @@ def _part(grid: Grid, wanted: np.ndarray) -> Grid:
     return grid._replace(cells=np.flatnonzero(wanted), corners=np.flatnonzero(corners))
 
 
-def _rules(problem: Problem, h: float, exact: bool, waiting: bool, after: float) -> Rules:
-    arm = problem.situation.arm
-    touch, meet = arm.thickness, arm.grasp + h * math.sqrt(0.5)
-    if exact:
-        touch += safety_of(problem.start_clearance)
-        meet = problem.reach + 2.0 * h
-    return Rules(
+def _regime(problem: Problem, h: float, exact: bool, waiting: bool, after: float) -> Regime:
+    """How to round, and what to keep; an outer set asks for nothing beyond the limits."""
+    arm, rules = problem.situation.arm, problem.rules
+    meet = rules.catch + 2.0 * h if exact else arm.grasp + h * math.sqrt(0.5)
+    rules = rules._replace(
+        touch=rules.touch if exact else arm.thickness,
+        speed=arm.max_hand_speed * TIDY,
+        instant=LEG_INSTANTS * rules.instant,
+    )
+    return Regime(
+        scene=problem.scene,
+        rules=rules,
         exact=exact,
         waiting=waiting,
-        rho=arm.upper_arm,
-        side=SIDE[arm.elbow],
         hole=_hole(arm),
-        touch=touch,
         meet=meet,
-        grasp=problem.reach,
-        speed=arm.max_hand_speed * TIDY,
-        near=arm.inner_reach,
-        far=arm.reach,
-        instant=LEG_INSTANTS * problem.instant,
         after=after,
-        hand_x=arm.hand[0],
-        hand_y=arm.hand[1],
-        start_until=_start_until(problem, touch),
+        start_until=_start_until(problem, rules.touch),
         margin=4.0 * h / arm.max_hand_speed,
     )
 
