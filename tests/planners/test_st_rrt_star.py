@@ -175,7 +175,7 @@ def test_it_ends_when_nothing_better_is_to_be_expected():
 
     searches = []
     for situation in (FREE, GATE):
-        task = STRRTStarPlanner()._task(Problem(situation, "test"), 1e4, 4000)
+        task = task_of(Problem(situation, "test"), seed=0, budget_ms=1e4, iterations=4000)
         searches.append(library.Search(task, lambda *_: None))
         searches[-1].run()
     free, gate = searches
@@ -190,7 +190,7 @@ def test_what_was_found_before_a_crash_counts(monkeypatch):
     improved = library.Search._improved
 
     def crash_at_second(self, *arguments):
-        if self.best < self.task.horizon:
+        if self.best < self.task.scene.limits.horizon:
             os.kill(os.getpid(), signal.SIGSEGV)
         improved(self, *arguments)
 
