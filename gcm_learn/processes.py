@@ -9,9 +9,11 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext, SpawnProcess
 from multiprocessing.synchronize import Semaphore
+from typing import Any
 
 from gcm_learn import compiled
 
@@ -41,6 +43,8 @@ def interrupts_held() -> Iterator[None]:
     if heard:
         signal.signal(signal.SIGINT, lambda number, frame: came.append(number))
     masks = hasattr(signal, "pthread_sigmask")  # not on Windows
+    if masks:
+        resource_tracker.ensure_running()  # which lifts the mask when it is first started
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
     try:
         yield
@@ -62,12 +66,24 @@ class _Process(SpawnProcess):
             super().start()
 
 
-class _Context(SpawnContext):
-    Process = _Process
+class Context(SpawnContext):
+    """Starts new interpreters, as multiprocessing's ``spawn`` does, without Ctrl-C."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._started: list[SpawnProcess] = []
 
-CONTEXT = _Context()
-"""Starts new interpreters, as multiprocessing's ``spawn`` does, without Ctrl-C."""
+    def Process(self, *given: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]
+        """A process that is not started yet."""
+        process = _Process(*given, **named)
+        self._started.append(process)
+        return process
+
+    def kill(self) -> None:
+        """End all processes at once, also those that have not come to their work yet."""
+        for process in self._started:
+            if process.is_alive():
+                process.kill()
 
 
 @contextlib.contextmanager
@@ -81,17 +97,19 @@ def pool(workers: int, prepare: Callable[[], None] | None = None) -> Iterator[Pr
     prepare : callable, optional
         Run first in each; at the top level of a module, so that another process finds it.
     """
-    listening, speaking = CONTEXT.Pipe(duplex=False)
-    untold = CONTEXT.Semaphore(1)
+    context = Context()
+    listening, speaking = context.Pipe(duplex=False)
+    untold = context.Semaphore(1)
     begin = partial(_begin, listening, tuple(compiled.on_compile), untold, prepare)
-    executor = ProcessPoolExecutor(workers, CONTEXT, initializer=begin)
+    executor = ProcessPoolExecutor(workers, context, initializer=begin)
     try:
         with _one_thread():
             yield executor
             executor.shutdown()
     finally:
-        speaking.close()  # what still runs ends now
         executor.shutdown(wait=False, cancel_futures=True)
+        context.kill()  # what still runs
+        speaking.close()
         listening.close()
         if not untold.acquire(block=False):  # one of them has told it
             compiled.on_compile.clear()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -21,3 +23,11 @@ settings.load_profile("ci" if os.environ.get("CI") else "desk")
 def rng() -> np.random.Generator:
     """Return the generator of seed 0, fresh for every test."""
     return seeding.rng(0)
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Ctrl-C raises, also where the tests were started in the background, which ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

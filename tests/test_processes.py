@@ -26,6 +26,7 @@ def elsewhere(monkeypatch):
     """A system that lacks what macOS or Windows lack."""
     for module, name in NOT_EVERYWHERE:
         monkeypatch.delattr(module, name)
+    monkeypatch.setattr(processes.resource_tracker, "_HAVE_SIGMASK", False)
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch):

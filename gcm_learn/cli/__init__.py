@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import sys
 import traceback
@@ -39,6 +40,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         it failed on the way, 130 after Ctrl-C, 141 when the reader of its output went away.
     """
     with Interrupts() as interrupts:
+        if argv is None:  # before libraries come, so that theirs is done before
+            atexit.register(interrupts.leave, INTERRUPTED)
         try:
             from gcm_learn.cli.arguments import parse
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import _thread
+import contextlib
+import os
 import sys
 import threading
 from types import TracebackType
@@ -23,7 +25,7 @@ class Interrupts:
     """
 
     def __init__(self) -> None:
-        self.lost = False
+        self.lost = self.ended = False
         self._timer: threading.Timer | None = None
 
     def __enter__(self) -> Self:
@@ -47,12 +49,23 @@ class Interrupts:
         Compiled code that was interrupted while it returned says ``SystemError: returned a result
         with an exception set``, and a library that was being loaded may say anything.
         """
-        links: BaseException | None = error
-        while links is not None:
-            if isinstance(links, KeyboardInterrupt):
-                return True
-            links = links.__cause__ or links.__context__
-        return self.lost
+        link: BaseException | None = error
+        while link is not None and not self.ended:
+            self.ended = self.lost or isinstance(link, KeyboardInterrupt)
+            link = link.__cause__ or link.__context__
+        return self.ended
+
+    def leave(self, code: int) -> None:
+        """End this process, if it was interrupted, as the last thing that it does.
+
+        Otherwise the interpreter would end itself by a signal if any code that it ran from a
+        string, e.g. in the making of a named tuple, was interrupted.
+        """
+        if self.ended:
+            for stream in (sys.stdout, sys.stderr):
+                with contextlib.suppress(OSError, ValueError, AttributeError):
+                    stream.flush()
+            os._exit(code)
 
     def _dropped(self, dropped: UnraisableHookArgs) -> None:
         if issubclass(dropped.exc_type, KeyboardInterrupt):

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from multiprocessing.process import BaseProcess
+from multiprocessing.context import SpawnProcess
 
 from gcm_learn.evaluation.contest import warmed
-from gcm_learn.processes import CONTEXT, cores
+from gcm_learn.processes import Context, cores
 
 
-def compile_ahead(names: Sequence[str]) -> BaseProcess | None:
+def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
     """Start compiling what entrants run; join the process before they are needed.
 
     None if there are no names, or a single core, where a second process would only be in the way.
     """
     if not names or cores() < 2:
         return None
-    process = CONTEXT.Process(target=_compile, args=(tuple(names),), daemon=True)
+    process = Context().Process(target=_compile, args=(tuple(names),), daemon=True)
     process.start()
     return process
 

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import ctypes
+import json
+import os
 import signal
+import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 from gcm_learn.cli import main
 from gcm_learn.cli.interrupts import Interrupts
 
-
-@pytest.fixture(autouse=True)
-def interrupts_count():
-    """Ctrl-C raises, also where the tests were started in the background, which ignores it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
+pytestmark = pytest.mark.usefixtures("interruptible")
 
 
 def drop_an_interrupt() -> None:
@@ -58,9 +56,77 @@ def test_an_error_that_follows_from_it_is_not_blamed(
     assert capsys.readouterr() == ("", "gcm-learn: interrupted\n")
 
 
+def test_an_error_that_compiled_code_makes_of_it_is_one(
+    scene_file, scene, planner, capsys, monkeypatch
+):
+    def plan(situation):
+        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
+
+    monkeypatch.setattr(planner, "plan", plan)
+    assert main(["solve", str(scene_file(scene()))]) == 130
+    assert capsys.readouterr() == ("", "gcm-learn: interrupted\n")
+
+
+def test_one_that_a_library_prints_comes_again(capsys):
+    with pytest.raises(KeyboardInterrupt), Interrupts() as interrupts:
+        sys.excepthook(KeyboardInterrupt, KeyboardInterrupt(), None)  # as PyErr_Print does
+        assert interrupts.lost
+        wait()
+    assert capsys.readouterr().err == ""
+
+
 def test_other_dropped_errors_are_reported_as_ever(monkeypatch):
     reported = []
     monkeypatch.setattr(sys, "unraisablehook", lambda dropped: reported.append(dropped.exc_type))
     with Interrupts() as interrupts:
         ctypes.CFUNCTYPE(None)(lambda: 1 / 0)()
     assert reported == [ZeroDivisionError] and not interrupts.lost
+
+
+ROOT = Path(__file__).parents[2]
+SUITE = ROOT / "data" / "suites" / "demo.jsonl"
+COMMANDS = {
+    "solve": ("solve", "scenes.jsonl", "--out", "solutions.jsonl"),
+    "generate": ("generate", ROOT / "data" / "specs" / "train.toml", "--out", "set"),
+    "demo": ("demo", "--out", "demo"),
+    "evaluate": ("evaluate", "--policies", "layered,straight,gcm", "--out", "evaluation"),
+}
+
+
+def interrupted(command: str, moment: float, folder: Path) -> tuple[int, str]:
+    """Exit code and complaint of a command whose processes all get Ctrl-C, as on a terminal."""
+    lines = [json.dumps(json.loads(x)["situation"]) for x in SUITE.read_text("utf-8").splitlines()]
+    (folder / "scenes.jsonl").write_text("\n".join(lines * 100))
+    run = subprocess.Popen(
+        [sys.executable, "-m", "gcm_learn", *map(str, COMMANDS[command])],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    time.sleep(moment)
+    os.killpg(run.pid, signal.SIGINT)
+    _, error = run.communicate(timeout=60.0)
+    return run.returncode, error
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="no groups of processes")
+@pytest.mark.parametrize(
+    ("command", "moment"),
+    [
+        ("solve", 1.0), ("solve", 2.5), ("generate", 1.2), ("generate", 2.0), ("demo", 1.6),
+        ("demo", 4.0), ("evaluate", 2.0),
+    ],
+)  # fmt: skip
+def test_a_command_ends_in_one_line(command, moment, tmp_path):
+    assert interrupted(command, moment, tmp_path) == (130, "gcm-learn: interrupted\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_ends_in_one_line_at_any_moment(command, tmp_path):
+    for k in range(5, 40):
+        ended = interrupted(command, 0.1 * k, tmp_path)
+        assert ended == (130, "gcm-learn: interrupted\n"), f"after {k} tenths of a second"

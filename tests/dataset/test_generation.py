@@ -226,7 +226,7 @@ def test_eight_workers_and_one_give_the_same_bytes(small, tmp_path):
 
 
 @pytest.mark.slow
-def test_ctrl_c_leaves_a_folder_that_goes_on(small, tmp_path):
+def test_ctrl_c_leaves_a_folder_that_goes_on(small, tmp_path, interruptible):
     spec = write_spec(small, tmp_path, count=4000)
     done = run_generate(spec, tmp_path / "out", "--workers", "2")
     wait_for(lambda: len(list((tmp_path / "out").glob("shards/shard-*"))) >= 2)
