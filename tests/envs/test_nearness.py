@@ -68,7 +68,7 @@ def test_what_is_said_to_be_away_is_not_caught(turned, rng):
 def test_rooms_are_distances_where_bodies_are_near(turned, rng):
     """Exact to bodies near the limb and to discs, to the ball that holds a body else."""
     kinds = set()
-    for situation, bodies in turned:
+    for situation, (bodies, *_) in turned:
         rho, n = situation.arm.upper_arm, len(bodies.rows)
         poses, moments = np.zeros((n, 12)), np.empty((6, near.MOMENT_COLUMNS))
         for time, way in pieces(situation, rng, 20):
