@@ -18,10 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from gcm_learn import dataset
-from gcm_learn.dataset import DatasetSpec, FamilyShare
-from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.shards import make_shard
-from gcm_learn.dataset.warming import warm_up
+from gcm_learn.dataset import DatasetSpec, FamilyShare, Folder, make_shard, warm_up
 
 MAPS = {"wave": ("gcm", "layered"), "marching": ("marching", "layered")}
 READS = 20_000

@@ -22,17 +22,16 @@ import os
 from pathlib import Path
 
 from gcm_learn import dataset
-from gcm_learn.dataset.item import make_item
-from gcm_learn.dataset.spec import DatasetSpec, FamilyShare
+from gcm_learn.dataset import DatasetSpec, FamilyShare, make_item
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))
 families = tuple(FamilyShare(name) for name in ("gate", "crossing-swarm", "random-planar"))
 spec = DatasetSpec(name="notebook", seed=7, count=1000, families=families, planners=("layered",),
                    map="marching", rungs=2)  # fmt: skip
 for k in range(3 if FAST else 12):
-    found = make_item(spec, k).found
+    found = make_item(spec, k)
     print(k, found.family, found.stratum, found.plans["layered"].message)
-again = make_item(spec, 2).found
+again = make_item(spec, 2)
 assert again.situation == found.situation or k != 2
 
 # %% [markdown]

@@ -15,7 +15,7 @@ from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from gcm_learn.dataset.manifest import Manifest
+    from gcm_learn.dataset import Manifest
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Generate:
 
     def _check(self, total: int) -> int:
         """Verify what there is; the exit code is 1 if anything is wrong."""
-        from gcm_learn.dataset.verifying import verify_dataset
+        from gcm_learn.dataset import verify_dataset
 
         with Progress(total, "records verified") as progress:
             report = verify_dataset(self.out, self.workers, progress=progress.advance)

@@ -21,7 +21,7 @@ class Inspect:
     def run(self) -> int:
         """Print it."""
         dataset_package()
-        from gcm_learn.dataset.manifest import survey
+        from gcm_learn.dataset import survey
 
         print("\n".join(report(survey(self.folder))))
         return 0

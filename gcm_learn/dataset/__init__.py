@@ -13,24 +13,50 @@ except ImportError as _error:  # pragma: no cover - depends on what is installed
         "gcm_learn.dataset needs pyarrow and fsspec: pip install 'gcm_learn[data]'"
     ) from _error
 
+from gcm_learn.dataset.feeding import WINDOW, Example, MapCache
+from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import generate
+from gcm_learn.dataset.item import make_item, planner_of
+from gcm_learn.dataset.manifest import Manifest, survey
+from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.dataset.reader import Dataset
 from gcm_learn.dataset.reader import open_dataset as open
 from gcm_learn.dataset.record import Record
-from gcm_learn.dataset.spec import DatasetSpec, FamilyShare, spec_to_json
-from gcm_learn.dataset.spec_file import read_spec, spec_from_json
+from gcm_learn.dataset.shards import make_shard, uncollected
+from gcm_learn.dataset.spec import (
+    DatasetSpec,
+    FamilyShare,
+    read_spec,
+    spec_from_json,
+    spec_to_json,
+)
 from gcm_learn.dataset.splits import Holdout, Split
+from gcm_learn.dataset.verifying import verify_dataset
+from gcm_learn.dataset.warming import warm_up
 
 __all__ = [
+    "WINDOW",
     "Dataset",
     "DatasetSpec",
+    "Example",
     "FamilyShare",
+    "Folder",
     "Holdout",
+    "Manifest",
+    "MapCache",
     "Record",
     "Split",
     "generate",
+    "make_item",
+    "make_shard",
     "open",
+    "planner_of",
+    "quantities_of",
     "read_spec",
     "spec_from_json",
     "spec_to_json",
+    "survey",
+    "uncollected",
+    "verify_dataset",
+    "warm_up",
 ]

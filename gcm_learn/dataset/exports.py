@@ -1,27 +1,22 @@
-"""Records in other formats: plain numpy archives, and episodes for offline reinforcement learning.
+"""Catches as episodes for offline reinforcement learning.
 
 Hugging Face `datasets` needs no export: ``load_dataset("parquet", data_files=records.files)``.
 """
 
 from __future__ import annotations
 
-import json
-import os
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gcm_learn.dataset.reader import Dataset
-from gcm_learn.dataset.record import Record
+from gcm_learn.dataset import Dataset, Record
 from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.planners import Plan
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.limb import elbow_position
 from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation
-from gcm_learn.storage import whole_file
 
 if TYPE_CHECKING:
     from minari import MinariDataset
@@ -31,45 +26,6 @@ BODIES = 8  # that an observation has room for
 PER_BODY = 7  # x, y, z, velocity x, y, bounding radius, 1 for a target and -1 for an obstacle
 ARM = 7  # share of the horizon that has passed, hand x, y, elbow x, y, upper arm, hand speed
 INSTANT = 1e-4  # [s] over which velocities are measured
-
-
-def export_npz(
-    records: Dataset, path: str | os.PathLike[str], labels: Sequence[str] = ("stratum", "family")
-) -> Path:
-    """Write maps and labels to one compressed archive that needs nothing but numpy.
-
-    Arrays: ``arrival`` (m, n, n) uint16 in steps of ``quantum`` [s] (65535 where there is none),
-    ``obstacles`` (m, n, n) bool, ``horizon`` [s], ``index``, the labels, and ``situation`` as text
-    in the exchange format.
-    """
-    path, n = Path(path).with_suffix(".npz"), records.spec.n
-    if records.spec.map == "none":
-        raise DatasetError(f"{records.folder.url}: its records hold no maps")
-    columns = ["arrival", "effective_obstacles", "quantum", "horizon", "index", "situation"]
-    table = records.table(list(dict.fromkeys([*columns, *labels])))
-    cells = {name: table[name].to_pylist() for name in columns[:2]}
-    arrival = np.frombuffer(b"".join(cells["arrival"]), "<u2").reshape(-1, n, n)
-    bits = np.frombuffer(b"".join(cells["effective_obstacles"]), np.uint8)
-    obstacles = np.unpackbits(bits.reshape(len(table), -1), axis=1, count=n * n)
-    plain = {name: table[name].to_numpy() for name in ("quantum", "horizon", "index")}
-    words = {name: _array(table[name].to_pylist()) for name in ("situation", *labels)}
-    with whole_file(path) as place:
-        np.savez_compressed(
-            place,
-            allow_pickle=False,
-            arrival=arrival,
-            obstacles=obstacles.reshape(-1, n, n).astype(bool),
-            header=np.array(json.dumps({"name": records.spec.name, "n": n})),
-            **plain,
-            **words,
-        )
-    return path
-
-
-def _array(values: list[Any]) -> np.ndarray:
-    """An array without objects; missing words are empty."""
-    texts = any(isinstance(value, str) for value in values)
-    return np.array([("" if v is None else v) for v in values] if texts else values)
 
 
 def export_minari(

@@ -13,7 +13,6 @@ from gcm_learn.storage import is_unfinished, stream_hash, temporary_name, write_
 
 SHARDS = "shards"
 MANIFEST = "manifest.json"
-SPEC = "spec.json"
 
 
 class Folder:

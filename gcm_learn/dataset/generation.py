@@ -10,8 +10,9 @@ from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from typing import Any
 
+from gcm_learn.dataset.cluster import ClusterPool
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.item import Item, make_item
+from gcm_learn.dataset.item import make_item, no_item
 from gcm_learn.dataset.manifest import (
     Manifest,
     manifest_of,
@@ -19,10 +20,11 @@ from gcm_learn.dataset.manifest import (
     read_manifest,
     write_manifest,
 )
+from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
 from gcm_learn.dataset.spec import DatasetSpec
-from gcm_learn.dataset.warming import warm_up
+from gcm_learn.dataset.warming import warm_and_make, warm_up
 from gcm_learn.dataset.workers import LocalPool
 from gcm_learn.errors import DatasetError
 from gcm_learn.processes import cores, pool
@@ -118,20 +120,16 @@ def _made(
     """Make shards; they come as they are ready."""
     alone = partial(make_alone, spec, url=url)
     if cluster is not None:
-        from gcm_learn.dataset.cluster import cluster_results
-
-        return cluster_results(spec, url, shards, cluster, alone)
+        return ClusterPool(partial(warm_and_make, spec, url=url), cluster, alone).results(shards)
     work = partial(make_shard, spec, url=url)
     return LocalPool(work, workers, alone, prepare=partial(warm_up, spec)).results(shards)
 
 
 def make_alone(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
     """Make a shard whose processes died, item by item: one that kills its process is recorded."""
-    items = []
     with _Keeper(spec) as keeper:
-        for k in spec.indices(shard):
-            items.append(keeper.item(k))
-    return write_shard(spec, shard, items, url)
+        records = [keeper.item(k) for k in spec.indices(shard)]
+    return write_shard(spec, shard, records, url)
 
 
 class _Keeper:
@@ -154,7 +152,7 @@ class _Keeper:
         except BrokenProcessPool:
             raise DatasetError("processes die before they make anything (memory?)") from None
 
-    def item(self, k: int) -> Item:
+    def item(self, k: int) -> Record:
         """Make item k; if its process dies twice, so be it."""
         for _ in range(2):
             try:
@@ -162,4 +160,4 @@ class _Keeper:
             except BrokenProcessPool:
                 self._stack.close()
                 self._start()
-        return Item(k, error="the process that made it died")
+        return no_item(self.spec, k, "the process that made it died")

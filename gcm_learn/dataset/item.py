@@ -3,91 +3,88 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, Generic, Literal
 
-from gcm_learn.dataset.case import Case, OracleLabel
 from gcm_learn.dataset.parameters import parameters_of, quantities_of, structure_of, twin_key
+from gcm_learn.dataset.record import OracleLabel, Record
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of, split_of
-from gcm_learn.maps import CognitiveMap
-from gcm_learn.planners import Plan
+from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
+from gcm_learn.planners import FrontPlanner, Plan, Planner, gcm, get_planner, marching
+from gcm_learn.planners.completion import Problem, straight_plan
+from gcm_learn.planners.feedback import Exploration, Lessons
+from gcm_learn.planners.fronts import Explore, Params
+from gcm_learn.planners.layered import layered
+from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import Frame, canonical
+from gcm_learn.wave import MarchingParams, WaveParams, march_layers
 
 AUDIT = 1  # salt of the lot that decides which items the oracle labels as well
 LONGEST_ERROR = 300  # characters
+Verdict = Literal["L", "W", "Q", "U", "blocked", "other"]
+FRONTS = ("gcm", "marching", "layered")
+ENGINES = {"wave": "gcm", "marching": "marching", "layered": "layered"}
+"""The planner whose first map is the map of an engine."""
 
 
-@dataclass(frozen=True)
-class Found:
-    """An accepted situation, in canonical form, and what is known of it."""
-
-    family: str
-    situation: Situation
-    frame: Frame
-    stratum: str
-    map: CognitiveMap | None
-    plans: dict[str, Plan]
-    oracle: OracleLabel | None
-    structure: str
-    parameters: object
-    """(m,) float32 ndarray: see `parameters`."""
-    twin_key: int
-    quantities: dict[str, float]
-    split: str
+@lru_cache(maxsize=64)
+def planner_of(name: str, n: int, rungs: int) -> Planner:
+    """A planner by name; those with fronts on lattices of n cells, on their first rungs only."""
+    if name not in FRONTS:
+        return get_planner(name)
+    made: FrontPlanner = (
+        gcm(WaveParams(n=n))
+        if name == "gcm"
+        else (marching if name == "marching" else layered)(MarchingParams(n=n))
+    )
+    return replace(made, rungs=made.rungs[:rungs])
 
 
-@dataclass
-class Item:
-    """What came of index k."""
-
-    index: int
-    found: Found | None = None
-    """None if making it failed."""
-    attempts: int = 0
-    """Situations drawn."""
-    rejected: Counter[str] = field(default_factory=Counter)
-    """How many of them were not wanted, by stratum; also "blocked" (the limb touches an obstacle at
-    t = 0) and "other" (not the wanted stratum, and not looked into any further)."""
-    error: str | None = None
-    """What went wrong."""
-
-
-def make_item(spec: DatasetSpec, k: int) -> Item:
+def make_item(spec: DatasetSpec, k: int) -> Record:
     """Make item k.  Whatever goes wrong is recorded: one bad item never stops a run."""
-    item = Item(k)
+    record = no_item(spec, k)
+    values = record.values
     try:
-        item.found = _find(spec, item)
-        if item.found is None:
+        if not _find(spec, values):
             wanted = spec.wanted(k)
             kind = "situation" if wanted is None else f"situation of stratum {wanted}"
-            item.error = f"no {kind} in {spec.attempts} draws"
+            values["error"] = f"no {kind} in {spec.attempts} draws"
     except Exception as error:
-        item.error = f"{type(error).__name__}: {error}"[:LONGEST_ERROR]
-    return item
+        values["error"] = f"{type(error).__name__}: {error}"[:LONGEST_ERROR]
+    return record
 
 
-def _find(spec: DatasetSpec, item: Item) -> Found | None:
-    """Draw until the situation is of the wanted stratum."""
-    wanted = spec.wanted(item.index)
-    while item.attempts < spec.attempts:
-        source = rng(spec.seed, item.index, item.attempts)
-        item.attempts += 1
+def no_item(spec: DatasetSpec, k: int, error: str | None = None) -> Record:
+    """Item k of which nothing is known, and why."""
+    return Record(spec, {"index": k, "attempts": 0, "rejected": Counter(), "error": error})
+
+
+def _find(spec: DatasetSpec, values: dict[str, Any]) -> bool:
+    """Draw until the situation is of the wanted stratum, and add what is known of it."""
+    k = values["index"]
+    wanted = spec.wanted(k)
+    while values["attempts"] < spec.attempts:
+        source = rng(spec.seed, k, values["attempts"])
+        values["attempts"] += 1
         family = spec.choose(source)
-        drawn = family.draw(source, f"{spec.name}-{item.index}")
-        situation, frame = canonical(drawn)
+        situation, frame = canonical(family.draw(source, f"{spec.name}-{k}"))
         case = Case(situation, spec)
         verdict = case.verdict(wanted)
         if verdict == "blocked" or (wanted is not None and verdict != wanted):
-            item.rejected[verdict] += 1
+            values["rejected"][verdict] += 1
             continue
-        return _found(spec, item.index, family.family, frame, case, verdict)
-    return None
+        values |= _known(spec, k, family.family, case, frame) | {"stratum": verdict}
+        return True
+    return False
 
 
-def _found(spec: DatasetSpec, k: int, family: str, frame: Frame, case: Case, stratum: str) -> Found:
+def _known(spec: DatasetSpec, k: int, family: str, case: Case, frame: Frame) -> dict[str, Any]:
+    """The parts of a record of an accepted situation."""
     situation = case.situation
     # A record keeps one map: those of the plans would be most of a shard's memory.
     plans = {name: replace(case.plan(name), map=None) for name in spec.planners}
@@ -95,17 +92,130 @@ def _found(spec: DatasetSpec, k: int, family: str, frame: Frame, case: Case, str
     structure, parameters = structure_of(situation), parameters_of(situation)
     top_speed = float(case.problem.bodies.rows[:, TOP_SPEED].max())
     quantities = quantities_of(situation, top_speed)
-    return Found(
-        family=family,
-        situation=situation,
-        frame=frame,
-        stratum=stratum,
-        map=case.map(),
-        plans=plans,
-        oracle=case.oracle() if audited else None,
-        structure=structure,
-        parameters=parameters,
-        twin_key=twin_key(structure, parameters),
-        quantities=quantities,
-        split=split_of(spec.split, spec.holdouts, spec.seed, k, family, quantities),
-    )
+    return {
+        "family": family,
+        "situation": situation,
+        "frame": frame,
+        "map": case.map(),
+        "plans": plans,
+        "oracle": case.oracle() if audited else None,
+        "structure": structure,
+        "parameters": parameters,
+        "twin_key": twin_key(structure, parameters),
+        "quantities": quantities,
+        "split": split_of(spec.split, spec.holdouts, spec.seed, k, family, quantities),
+    }
+
+
+class Case:
+    """A situation and what planners say of it, each asked at most once and the cheap ones first."""
+
+    def __init__(self, situation: Situation, spec: DatasetSpec) -> None:
+        self.situation = situation
+        self.spec = spec
+        self.problem = Problem(situation, "case")
+        self._early = self.problem.early_answer()
+        self._plans: dict[str, Plan] = {}
+        self._first_maps: dict[str, CognitiveMap] = {}
+        self._bounds: Bounds | None = None
+
+    @property
+    def blocked(self) -> bool:
+        """Whether the limb touches an obstacle at t = 0."""
+        return self._early is not None and self._early.status == "start_blocked"
+
+    def verdict(self, wanted: str | None = None) -> Verdict:
+        """The stratum; "other" as soon as it is known that it is not the wanted one.
+
+        Straight line, first arrival and waiting are tried in this order until one catches. The
+        oracle decides what is left of them if it is to label, and U if no movement can catch.
+        """
+        if self.blocked:
+            return "blocked"
+        if self.plan("straight").caught:
+            return "L"
+        if wanted == "L":
+            return "other"
+        if self.plan("marching").caught:
+            return "W"
+        if self.spec.label == "oracle":
+            return stratum(self.situation, self.bounds())
+        if wanted == "W":
+            return "other"
+        if self.plan("layered").caught:
+            return "Q"
+        if wanted not in (None, "U"):
+            return "U"
+        # A record must not hold a catch and say that there is none.
+        return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
+
+    def plan(self, name: str) -> Plan:
+        """What a planner answers."""
+        if name not in self._plans:
+            self._plans[name] = self._planned(name)
+        return self._plans[name]
+
+    def _planned(self, name: str) -> Plan:
+        """Answer as the planner does, sharing what all of them need."""
+        if self._early is not None:
+            return replace(self._early, planner=name)
+        if name == "oracle":
+            return self.bounds().plan
+        problem = Problem(self.situation, name, self.problem.scene)
+        if name == "straight":
+            plan, reason = straight_plan(problem)
+            return plan if plan is not None else problem.answer("unreachable", reason)
+        planner = planner_of(name, self.spec.n, self.spec.rungs)
+        if not isinstance(planner, FrontPlanner):
+            return planner.plan(self.situation)
+        if planner.direct and self.plan("straight").caught:
+            return replace(self.plan("straight"), planner=name)
+        first, *others = planner.rungs
+        witness = _Witness(name, first.explore, self._first_maps)
+        return replace(planner, rungs=(replace(first, explore=witness), *others)).climb(problem)
+
+    def map(self) -> CognitiveMap | None:
+        """The map of the specification's engine, with its default parameters and full margin."""
+        if self.spec.map == "none" or self.blocked:
+            return None
+        name = ENGINES[self.spec.map]
+        if name in self.spec.planners:
+            self.plan(name)
+        if name not in self._first_maps:
+            self._first_maps[name] = self._explored()
+        return self._first_maps[name]
+
+    def _explored(self) -> CognitiveMap:
+        """The map on its own, where no planner needed one."""
+        bodies = self.problem.bodies
+        if self.spec.map == "wave":
+            return build_map(self.situation, WaveParams(n=self.spec.n), bodies=bodies)
+        params = MarchingParams(n=self.spec.n)
+        if self.spec.map == "marching":
+            return build_map(self.situation, params, bodies=bodies)
+        task = task_of(self.situation, params, bodies)
+        return layered_map(self.situation, task, march_layers(task, params))
+
+    def bounds(self) -> Bounds:
+        """The oracle's bounds on the earliest catch."""
+        if self._bounds is None:
+            self._bounds = bounds(self.situation)
+        return self._bounds
+
+    def oracle(self) -> OracleLabel:
+        """The oracle's label."""
+        known = self.bounds()
+        return OracleLabel(stratum(self.situation, known), known.lower, known.upper)
+
+
+class _Witness(Generic[Params]):
+    """Explores for a planner's first rung and keeps the first map."""
+
+    def __init__(self, name: str, explore: Explore[Params], maps: dict[str, CognitiveMap]) -> None:
+        self.name, self.maps = name, maps
+        self.explore: Explore[Params] = explore
+
+    def __call__(self, problem: Problem, params: Params, lessons: Lessons) -> Exploration:
+        made = self.explore(problem, params, lessons)
+        self.maps.setdefault(self.name, made.map)
+        return made

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from gcm_learn.dataset.folder import MANIFEST, Folder
-from gcm_learn.dataset.schema import VERSION
+from gcm_learn.dataset.record import VERSION
 from gcm_learn.dataset.shards import (
     MOST_ERRORS,
     DamagedShardError,
@@ -18,8 +18,7 @@ from gcm_learn.dataset.shards import (
     info_of,
     shard_name,
 )
-from gcm_learn.dataset.spec import STRATA, DatasetSpec, spec_to_json
-from gcm_learn.dataset.spec_file import spec_from_json
+from gcm_learn.dataset.spec import STRATA, DatasetSpec, spec_from_json, spec_to_json
 from gcm_learn.errors import DatasetError
 from gcm_learn.storage import content_hash
 

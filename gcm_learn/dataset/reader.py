@@ -5,25 +5,26 @@ from __future__ import annotations
 import os
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.dataset.cache import MapCache, cached
-from gcm_learn.dataset.examples import Example
+from gcm_learn.dataset import feeding
+from gcm_learn.dataset.feeding import COLUMNS, WINDOW, Example, MapCache
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.manifest import Manifest, read_manifest, spec_of
-from gcm_learn.dataset.record import Record, Row
-from gcm_learn.dataset.schema import LABELS
+from gcm_learn.dataset.record import LABELS, VERSION, Record, Row
 from gcm_learn.dataset.shards import ROW_GROUP, header_of, read_columns
 from gcm_learn.dataset.spec import DatasetSpec
-from gcm_learn.dataset.streaming import WINDOW, stream
 from gcm_learn.errors import DatasetError, UnknownNameError
+from gcm_learn.storage import content_hash
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+BLOCK = 1000  # records that are copied into a cache at a time
 GROUPS_KEPT = 16  # row groups that stay decoded, for readers that stay near
 
 
@@ -133,14 +134,10 @@ class Dataset(Sequence[Record]):
         """Record k, or those of a slice or of an array of positions or of truth values."""
         if isinstance(k, slice | np.ndarray):
             return Dataset(self._shelf, self._places[k], self._all)
-        return self._record(self._shelf.row(int(self._places[k])))
+        return Record(self.spec, {}, self._shelf.row(int(self._places[k])))
 
     def __iter__(self) -> Iterator[Record]:
         return (self[k] for k in range(len(self)))
-
-    def _record(self, row: Row) -> Record:
-        spec = self.spec
-        return Record(row, spec.n, spec.map, spec.planners)
 
     def column(self, name: str) -> np.ndarray:
         """A label of every record (m,), without reading anything else."""
@@ -174,18 +171,55 @@ class Dataset(Sequence[Record]):
         Parameters
         ----------
         folder : path-like, optional
-            Where caches are kept; by default within the dataset's folder.
+            Where caches are kept; by default within the dataset's, if that is on this machine.
         labels : sequence of str
             Label columns that the examples carry.
         """
+        if self.spec.map == "none":
+            raise DatasetError(f"{self.folder.url}: its records hold no maps")
+        if folder is None and self.folder.local is None:
+            raise DatasetError(f"{self.folder.url}: is not on this machine; name a folder for it")
         whole = Dataset(self._shelf, self._all)
-        return cached(self, whole, folder, labels)
+        indices = whole.column("index")
+        key = content_hash(f"{VERSION} {self.spec.digest}", indices.tobytes())
+        place = Path(folder or self.folder.path("cache")) / key[:16]
+        if not place.exists():
+            blocks = (whole[k : k + BLOCK].table(COLUMNS) for k in range(0, len(whole), BLOCK))
+            feeding.build_cache(place, self.spec.n, len(whole), blocks)
+        rows = np.searchsorted(indices, self.column("index"))
+        return MapCache(place, rows, {name: self.column(name) for name in labels})
 
     def stream(
-        self, seed: int = 0, epoch: int = 0, *, window: int = WINDOW, labels: Sequence[str] = ()
+        self,
+        seed: int = 0,
+        epoch: int = 0,
+        *,
+        window: int = WINDOW,
+        labels: Sequence[str] = (),
+        part: tuple[int, int] = (0, 1),
     ) -> Iterator[Example]:
-        """All maps once, in a random order that seed and epoch decide; see `streaming.stream`."""
-        return stream(self, seed, epoch, window=window, labels=labels)
+        """All maps once, in an order that seed, epoch and part decide.
+
+        Row groups are read in a random order, and every example that is read takes the place of a
+        random one in the window, which is given out. With a window as large as the dataset every
+        order is equally likely.
+
+        Parameters
+        ----------
+        seed, epoch : int
+            Non-negative.
+        window : int
+            Examples that are held in memory, 13 KB each at 80 x 80 cells.
+        labels : sequence of str
+            Label columns that examples carry.
+        part : (int, int)
+            (i, n): the i-th of n parts, which together are the whole.
+        """
+        groups = self.groups()
+        return feeding.stream(
+            lambda k: self.read_group(groups[k], [*COLUMNS, *labels]),
+            len(groups), seed, epoch, window=window, labels=labels, part=part,
+        )  # fmt: skip
 
     def groups(self) -> list[Group]:
         """The row groups that hold its records, for readers that read whole ones."""

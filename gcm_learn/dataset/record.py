@@ -1,25 +1,260 @@
-"""A record as it is read: labels at once, situation, map and plans when they are asked for."""
+"""A record of a dataset: the one table of its columns, how they are filled and how they are read.
+
+`data/README.md` explains each column.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, cast
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass
+from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.dataset.schema import LABELS, UNREACHED, plan_column
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.dataset.cells import (
+    COUNT,
+    MAP,
+    NUMBER,
+    PLAN,
+    WORD,
+    Types,
+    map_cells,
+    map_of,
+    plan_cell,
+    plan_of,
+)
+from gcm_learn.dataset.spec import STRATA, DatasetSpec
+from gcm_learn.dataset.splits import QUANTITIES
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.maps.cognitive_map import Contact
-from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import Plan
-from gcm_learn.situation import Situation, situation_from_json
+from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 from gcm_learn.situation.canonical import Frame
+
+VERSION = "gcm-learn/record@1"
+REJECTS = (*STRATA, "blocked", "other")
+
+_ORACLE = {"oracle_stratum": WORD, "oracle_lower": NUMBER, "oracle_upper": NUMBER}
+Value = TypeVar("Value")
+
+
+def plan_column(planner: str) -> str:
+    """Name of the column of a planner's plans."""
+    return f"plan_{planner}"
+
+
+class Part(Generic[Value]):
+    """A part of a record: its columns, and both ways between its value and their cells.
+
+    Parameters
+    ----------
+    types : DataType, mapping of str to DataType or callable
+        Of one column of the part's name, of several by name, or of those that a specification has.
+    pack : callable
+        ``pack(value)`` gives a cell for each column. None is nothing but empty cells.
+    unpack : callable
+        ``unpack(record, *cells)`` gives the value back. Nothing but empty cells are None.
+    label : bool
+        Whether it is cheap to read: all but the situation, its parameters, the map and the plans.
+    """
+
+    def __init__(
+        self,
+        types: pa.DataType | Types | Callable[[DatasetSpec], Types],
+        pack: Callable[[Any], Sequence[Any]] = lambda value: (value,),
+        unpack: Callable[..., Value] = lambda record, cell: cell,
+        label: bool = True,
+    ) -> None:
+        self._types, self.pack, self.unpack, self.label = types, pack, unpack, label
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name, kind = name, self._types
+        self.fixed: Types = {name: kind} if isinstance(kind, pa.DataType) else {}
+        """Those that do not depend on the specification."""
+        if isinstance(kind, Mapping):
+            self.fixed = kind
+
+    def types(self, spec: DatasetSpec) -> Types:
+        """Arrow types of the columns by name, in the order of the file."""
+        return self._types(spec) if callable(self._types) else self.fixed
+
+    def cells(self, record: Record) -> dict[str, Any]:
+        """The value of a record as cells by column."""
+        names, value = self.types(record.spec), record.values.get(self.name)
+        cells = [None] * len(names) if value is None else self.pack(value)
+        return dict(zip(names, cells, strict=True))
+
+    @overload
+    def __get__(self, record: None, owner: type) -> Part[Value]: ...
+
+    @overload
+    def __get__(self, record: Record, owner: type) -> Value: ...
+
+    def __get__(self, record: Record | None, owner: type) -> Any:
+        """The value of a record, made of its cells when it is asked for the first time."""
+        if record is None:
+            return self
+        if self.name not in record.values:
+            cells = [record.row.get(name) for name in self.types(record.spec)]
+            empty = bool(cells) and all(cell is None for cell in cells)
+            record.values[self.name] = None if empty else self.unpack(record, *cells)
+        return record.values[self.name]
+
+
+@dataclass(frozen=True)
+class OracleLabel:
+    """What the oracle says of a situation."""
+
+    stratum: str
+    lower: float
+    """No movement catches before [s]; infinite if none does."""
+    upper: float
+    """When the oracle's plan catches [s]; infinite if it does not."""
+
+    @property
+    def decided(self) -> bool:
+        """Whether a catch was found or ruled out."""
+        return math.isinf(self.lower) or not math.isinf(self.upper)
+
+
+def _situation_cell(situation: Situation) -> tuple[str]:
+    return (json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False),)
+
+
+class Record:
+    """One record of a dataset, as it was made or as it is read.
+
+    Its parts are the columns of a shard, in their order. The situation is in its canonical form
+    (hand on the positive x axis, elbow on the right); map and plans belong to it.
+
+    Parameters
+    ----------
+    spec : DatasetSpec
+    values : mapping of str to object
+        Parts that are known.
+    row : mapping of str to object, optional
+        Its cells by column, as stored, of which the other parts are made.
+    """
+
+    index = Part[int](pa.int64())
+    """Position in the specification's sequence of items."""
+    family = Part[str](WORD)
+    """Family that the situation was drawn from."""
+    stratum = Part[str](WORD)
+    """L, W, Q or U."""
+    split = Part[str](WORD)
+    """train, validation, test, or the name of a held-out split."""
+    structure = Part[str](WORD)
+    """What `parameters` mean."""
+    twin_key = Part[int](pa.int64())
+    """Equal for twins: see `parameters.twin_key`."""
+    oracle = Part[OracleLabel | None](_ORACLE, astuple, lambda _, *cells: OracleLabel(*cells))
+    """The oracle's label, None if it was not asked."""
+    quantities = Part[dict[str, float]](
+        dict.fromkeys(QUANTITIES, NUMBER),
+        lambda quantities: [quantities[name] for name in QUANTITIES],
+        lambda _, *cells: dict(zip(QUANTITIES, cells, strict=True)),
+    )
+    """What range splits ask about."""
+    frame = Part[Frame](
+        {"angle": NUMBER, "mirrored": pa.bool_()}, astuple, lambda _, *cells: Frame(*cells)
+    )
+    """How the situation lay when it was drawn."""
+    attempts = Part[int](COUNT)
+    """Situations drawn."""
+    rejected = Part[Mapping[str, int]](
+        pa.struct([(name, COUNT) for name in REJECTS]),
+        lambda counts: [{name: counts[name] for name in REJECTS}],
+    )
+    """How many of them were not wanted, by stratum; also "blocked" (the limb touches an obstacle at
+    t = 0) and "other" (not the wanted stratum, and not looked into any further)."""
+    error = Part[str | None](WORD)
+    """Why there is no record: then it has nothing but index, attempts and rejected."""
+    situation = Part[Situation](
+        WORD,
+        _situation_cell,
+        lambda _, text: situation_from_json(json.loads(text)),
+        label=False,
+    )
+    """The situation, canonical."""
+    parameters = Part[np.ndarray](
+        pa.list_(pa.float32()), unpack=lambda _, cell: np.asarray(cell, np.float32), label=False
+    )
+    """The situation as numbers (m,) float32; what they mean is its structure."""
+    map = Part[CognitiveMap | None](
+        lambda spec: {} if spec.map == "none" else MAP,
+        map_cells,
+        lambda record, *cells: (
+            map_of(record.situation, record.spec.map, record.n, cells) if cells else None
+        ),
+        label=False,
+    )
+    """The cognitive map, None if the record has none."""
+    plans = Part[dict[str, Plan]](
+        lambda spec: {plan_column(name): PLAN for name in spec.planners},
+        lambda plans: [plan_cell(plan) for plan in plans.values()],
+        lambda record, *cells: {
+            name: plan_of(record.situation, name, cell)
+            for name, cell in zip(record.planners, cells, strict=True)
+        },
+        label=False,
+    )
+    """The plans by planner."""
+
+    def __init__(
+        self,
+        spec: DatasetSpec,
+        values: Mapping[str, Any],
+        row: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.spec, self.values, self._row = spec, dict(values), row
+
+    @property
+    def row(self) -> Mapping[str, Any]:
+        """Its cells by column, as stored; see data/README.md."""
+        if self._row is not None:
+            return self._row
+        return {name: cell for part in PARTS for name, cell in part.cells(self).items()}
+
+    @property
+    def labels(self) -> dict[str, Any]:
+        """The cheap columns."""
+        return {name: self.row[name] for name in LABELS}
+
+    @property
+    def n(self) -> int:
+        """Cells along a side of the map."""
+        return self.spec.n
+
+    @property
+    def planners(self) -> tuple[str, ...]:
+        """Whose plans it holds."""
+        return self.spec.planners
+
+    @property
+    def counts(self) -> np.ndarray | None:
+        """Arrivals (n, n) uint16 in steps of `quantum` seconds; 65535 where there is none."""
+        cell = self.row.get("arrival")
+        return None if cell is None else np.frombuffer(cell, "<u2").reshape(self.n, self.n)
+
+
+PARTS: tuple[Part[Any], ...] = tuple(p for p in vars(Record).values() if isinstance(p, Part))
+LABELS = tuple(name for part in PARTS if part.label for name in part.fixed)
+"""Columns that are cheap to read: all but the situation, its parameters, the map and the plans."""
+
+
+def schema_of(spec: DatasetSpec) -> pa.Schema:
+    """Arrow schema of a dataset's shards."""
+    return pa.schema([column for part in PARTS for column in part.types(spec).items()])
+
+
+def rows_of(spec: DatasetSpec, records: Sequence[Record]) -> pa.Table:
+    """Records as a table, without metadata."""
+    schema, rows = schema_of(spec), [record.row for record in records]
+    columns = [pa.array([row[c.name] for row in rows], type=c.type) for c in schema]
+    return pa.Table.from_arrays(columns, schema=schema)
 
 
 class Row(Mapping[str, Any]):
@@ -51,127 +286,3 @@ def _value(cell: pa.Scalar) -> Any:
     if pa.types.is_struct(cell.type):
         return {name: _value(member) for name, member in cell.items()}
     return cell.as_py()
-
-
-@dataclass(frozen=True)
-class Record:
-    """One record of a dataset.
-
-    The situation is in its canonical form (hand on the positive x axis, elbow on the right); map
-    and plans belong to it. `frame` tells how it lay when it was drawn.
-    """
-
-    row: Mapping[str, Any]
-    """Its cells by column, as stored; see data/README.md."""
-    n: int
-    """Cells along a side of the map."""
-    engine: str
-    """Of the map: wave, marching, layered or none."""
-    planners: tuple[str, ...]
-
-    @property
-    def index(self) -> int:
-        """Position in the specification's sequence of items."""
-        return int(self.row["index"])
-
-    @property
-    def labels(self) -> dict[str, Any]:
-        """The cheap columns."""
-        return {name: self.row[name] for name in LABELS}
-
-    @property
-    def stratum(self) -> str:
-        """L, W, Q or U."""
-        return cast(str, self.row["stratum"])
-
-    @property
-    def family(self) -> str:
-        """Family that the situation was drawn from."""
-        return cast(str, self.row["family"])
-
-    @property
-    def split(self) -> str:
-        """train, validation, test, or the name of a held-out split."""
-        return cast(str, self.row["split"])
-
-    @cached_property
-    def situation(self) -> Situation:
-        """The situation, canonical."""
-        return situation_from_json(json.loads(self.row["situation"]))
-
-    @property
-    def frame(self) -> Frame:
-        """How the situation lay when it was drawn."""
-        return Frame(self.row["angle"], self.row["mirrored"])
-
-    @property
-    def parameters(self) -> np.ndarray:
-        """The situation as numbers (m,) float32; what they mean is the column `structure`."""
-        return np.asarray(self.row["parameters"], dtype=np.float32)
-
-    @property
-    def counts(self) -> np.ndarray | None:
-        """Arrivals (n, n) uint16 in steps of `quantum` seconds; 65535 where there is none."""
-        cell = self.row.get("arrival")
-        return None if cell is None else np.frombuffer(cell, "<u2").reshape(self.n, self.n)
-
-    @cached_property
-    def map(self) -> CognitiveMap | None:
-        """The cognitive map, None if the record has none."""
-        counts = self.counts
-        if counts is None:
-            return None
-        arm, row, n = self.situation.arm, self.row, self.n
-        contact = None
-        lattice = Lattice(n, arm.upper_arm, arm.elbow)
-        if row["contact_cell"] is not None:
-            iy, ix = divmod(row["contact_cell"], n)
-            position = (float(lattice.centres[ix]), float(lattice.centres[iy]))
-            contact = Contact((iy, ix), position, row["contact_time"], row["contact_body"])
-        later = row["later"]
-        if later is not None:
-            sheets = np.frombuffer(later, "<u2").reshape(-1, n, n)
-        return CognitiveMap(
-            lattice=lattice,
-            hand=arm.hand,
-            arrival=_arrival(counts, row["quantum"]),
-            effective_obstacles=_bits(row["effective_obstacles"], n),
-            effective_target=_bits(row["effective_target"], n),
-            contact=contact,
-            kappa=row["kappa"],
-            engine=self.engine,
-            later=None if later is None else _arrival(sheets, row["quantum"]),
-        )
-
-    @cached_property
-    def plans(self) -> dict[str, Plan]:
-        """The plans by planner."""
-        return {name: self._plan(name, self.row[plan_column(name)]) for name in self.planners}
-
-    def _plan(self, planner: str, cells: Mapping[str, Any]) -> Plan:
-        arm, way, clearance = self.situation.arm, None, cells["clearance"]
-        if cells["time"] is not None:
-            hand = np.asarray(cells["hand"], dtype=float).reshape(-1, 2)
-            time = np.asarray(cells["time"], dtype=float)
-            way = Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
-            clearance = math.inf if clearance is None else clearance
-        return Plan(
-            name=self.situation.name,
-            planner=planner,
-            status=cells["status"],
-            message=cells["message"],
-            planning_ms=math.nan,  # no record holds times: it would not be the same twice
-            catch_time=cells["catch_time"],
-            catch_body=cells["catch_body"],
-            clearance=clearance,
-            trajectory=way,
-        )
-
-
-def _arrival(counts: np.ndarray, quantum: float) -> np.ma.MaskedArray:
-    return np.ma.MaskedArray(counts * quantum, mask=counts == UNREACHED)
-
-
-def _bits(packed: bytes, n: int) -> np.ndarray:
-    bits = np.unpackbits(np.frombuffer(packed, np.uint8), count=n * n)
-    return bits.reshape(n, n).astype(bool)

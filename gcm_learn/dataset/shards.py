@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -14,10 +16,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gcm_learn import __version__, compiled
-from gcm_learn.dataset.collector import uncollected
+from gcm_learn.dataset.cells import PLAN
 from gcm_learn.dataset.folder import SHARDS, Folder
-from gcm_learn.dataset.item import Item, make_item
-from gcm_learn.dataset.schema import LABELS, PLAN, VERSION, plan_column, rows_of
+from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.record import LABELS, VERSION, Record, plan_column, rows_of
 from gcm_learn.dataset.spec import DatasetSpec, spec_to_json
 from gcm_learn.errors import DatasetError
 
@@ -34,7 +36,6 @@ _MADE_BY = (
     "wave",
     "maps",
     "planners",
-    "families",
     "families",
     "dataset",
 )
@@ -82,23 +83,35 @@ def code_version() -> str:
     return f"{__version__}+{compiled.sources_hash(_MADE_BY)}"
 
 
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Let no collector of garbage look through a growing heap again and again."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
 def make_shard(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
     """Make a shard and write it."""
     # Items are trees: nothing of them is left to a collector that would visit all of them again
     # and again.
     with uncollected():
-        items = [make_item(spec, k) for k in spec.indices(shard)]
-    return write_shard(spec, shard, items, url)
+        records = [make_item(spec, k) for k in spec.indices(shard)]
+    return write_shard(spec, shard, records, url)
 
 
-def write_shard(spec: DatasetSpec, shard: int, items: Sequence[Item], url: str) -> ShardInfo:
+def write_shard(spec: DatasetSpec, shard: int, records: Sequence[Record], url: str) -> ShardInfo:
     """Write the items of a shard to its file."""
-    info = _summary(spec, shard, items)
+    info = _summary(spec, shard, records)
     content = spec_to_json(spec)
     del content["count"]  # a larger dataset has the same shards
     header = {"format": VERSION, "info": asdict(info), "spec": content}
     metadata = {KEY: json.dumps(header, sort_keys=True).encode()}
-    table = rows_of(spec, items).replace_schema_metadata(metadata)
+    table = rows_of(spec, records).replace_schema_metadata(metadata)
     sink = io.BytesIO()
     pq.write_table(
         table,
@@ -126,10 +139,10 @@ def _encodings(spec: DatasetSpec) -> dict[str, str]:
     return {f"{column}.list.element": "BYTE_STREAM_SPLIT" for column in columns}
 
 
-def _summary(spec: DatasetSpec, shard: int, items: Sequence[Item]) -> ShardInfo:
-    found = [item.found for item in items if item.found is not None]
-    failed = {str(item.index): item.error or "" for item in items if item.found is None}
-    rejected: Counter[str] = sum((item.rejected for item in items), Counter())
+def _summary(spec: DatasetSpec, shard: int, records: Sequence[Record]) -> ShardInfo:
+    found = [record for record in records if record.error is None]
+    failed = {str(one.index): one.error for one in records if one.error is not None}
+    rejected = sum((Counter(one.rejected) for one in records), Counter[str]())
     strata: dict[str, Counter[str]] = {}
     for one in found:
         strata.setdefault(one.family, Counter())[one.stratum] += 1
@@ -137,12 +150,12 @@ def _summary(spec: DatasetSpec, shard: int, items: Sequence[Item]) -> ShardInfo:
     caught = Counter(n for one in found for n, plan in one.plans.items() if plan.caught)
     return ShardInfo(
         shard=shard,
-        rows=len(items),
+        rows=len(records),
         spec=spec.digest,
         code=code_version(),
         strata={family: dict(sorted(strata[family].items())) for family in sorted(strata)},
         splits=dict(sorted(Counter(one.split for one in found).items())),
-        attempts=sum(item.attempts for item in items),
+        attempts=sum(one.attempts for one in records),
         rejected=dict(sorted(rejected.items())),
         caught={name: caught[name] for name in spec.planners},
         audited=dict(sorted(Counter(f"{s}/{o.stratum}" for s, o in audited).items())),

@@ -1,19 +1,24 @@
-"""What a dataset is made from: a small file of which every record is a pure function."""
+"""What a dataset is made from: a small file of which every record is a pure function.
+
+Files, TOML or JSON, are read strictly: wrong ones are refused in one line.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import json
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, Literal
+from pathlib import Path
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from gcm_learn.dataset import checks
 from gcm_learn.dataset.splits import Holdout, Split
-from gcm_learn.errors import FamilyError, SpecError
+from gcm_learn.errors import FamilyError, FileFormatError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
 from gcm_learn.handspace.lattice import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.planners import planner_names
@@ -22,6 +27,7 @@ from gcm_learn.storage import content_hash
 
 FORMAT = "gcm-learn/dataset-spec@1"
 STRATA = ("L", "W", "Q", "U")
+_Record = TypeVar("_Record")
 GOLDEN = (5**0.5 - 1) / 2  # multiples of it fill (0, 1) evenly, whatever their number
 
 
@@ -34,8 +40,6 @@ class FamilyShare:
     """Relative to the other families."""
     config: Mapping[str, Any] = field(default_factory=dict)
     """Ranges that differ from the family's own."""
-
-    title: ClassVar[str] = "families"
 
     def __post_init__(self) -> None:
         checks.choice(self.family, "family", family_names())
@@ -168,3 +172,87 @@ def _plain(value: object) -> object:
     if isinstance(value, Mapping):
         return {str(name): _plain(member) for name, member in value.items()}
     return [_plain(v) for v in value] if isinstance(value, tuple | list) else value
+
+
+def read_spec(path: str | Path) -> DatasetSpec:
+    """Read a specification from a ``.toml`` or ``.json`` file.
+
+    Raises
+    ------
+    FileFormatError
+        One line: ``spec.toml: families[1].share: must be positive (got -1)``.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (".toml", ".json"):
+        raise FileFormatError(f"{path}: a specification ends in .toml or .json")
+    try:
+        text = path.read_bytes().decode("utf-8")
+        toml = path.suffix.lower() == ".toml"
+        return spec_from_json(tomllib.loads(text) if toml else json.loads(text))
+    except OSError as error:
+        raise FileFormatError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"{path}: is not UTF-8 text ({error.reason})") from None
+    except SpecError as error:
+        raise FileFormatError(f"{path}: {error}") from None
+    except (tomllib.TOMLDecodeError, json.JSONDecodeError) as error:
+        raise FileFormatError(f"{path}: {error}") from None
+
+
+def spec_from_json(obj: object) -> DatasetSpec:
+    """Return the specification that parsed TOML or JSON describes.
+
+    Raises
+    ------
+    SpecError
+        With the path of the offending field.
+    """
+    members = dict(_table(obj, ""))
+    if members.pop("format", None) != FORMAT:
+        raise SpecError("format", f"must be {FORMAT!r}")
+    parts: dict[str, Any] = {}
+    if "families" in members:
+        parts["families"] = _records(FamilyShare, members.pop("families"), "families")
+    if "holdouts" in members:
+        parts["holdouts"] = _records(Holdout, members.pop("holdouts"), "holdouts")
+    if "split" in members:
+        parts["split"] = _record(Split, members.pop("split"), "split")
+    if isinstance(members.get("planners"), list):
+        members["planners"] = tuple(members["planners"])
+    return _record(DatasetSpec, members, "", parts)
+
+
+def _records(record: type[_Record], obj: object, path: str) -> tuple[_Record, ...]:
+    if not isinstance(obj, list):
+        raise SpecError(path, f"must be a list of tables (got {obj!r})")
+    return tuple(_record(record, entry, f"{path}[{k}]") for k, entry in enumerate(obj))
+
+
+def _record(
+    record: type[_Record], obj: object, path: str, parts: Mapping[str, Any] | None = None
+) -> _Record:
+    """Return a record of a table's members and of parts that are records already."""
+    members = {**_table(obj, path), **(parts or {})}
+    fields = dataclasses.fields(record)  # type: ignore[arg-type]
+    known = {f.name: f for f in fields}
+    for name in members:
+        if name not in known:
+            raise SpecError(_join(path, name), f"is not a known field (known: {', '.join(known)})")
+    for name, f in known.items():
+        needed = f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING
+        if needed and name not in members:
+            raise SpecError(_join(path, name), "is missing")
+    try:
+        return record(**members)
+    except SpecError as error:
+        raise SpecError(_join(path, error.field), error.reason) from None
+
+
+def _table(obj: object, path: str) -> Mapping[str, Any]:
+    if not isinstance(obj, Mapping):
+        raise SpecError(path, f"must be a table (got {obj!r})")
+    return obj
+
+
+def _join(path: str, name: str) -> str:
+    return f"{path}.{name}" if path and name else path or name

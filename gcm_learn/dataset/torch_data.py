@@ -9,10 +9,7 @@ import torch
 from torch.utils.data import Dataset as TorchDataset
 from torch.utils.data import IterableDataset, get_worker_info
 
-from gcm_learn.dataset.cache import MapCache
-from gcm_learn.dataset.examples import Example
-from gcm_learn.dataset.reader import Dataset
-from gcm_learn.dataset.streaming import WINDOW, stream
+from gcm_learn.dataset import WINDOW, Dataset, Example, MapCache
 
 Item = dict[str, Any]
 
@@ -84,7 +81,7 @@ class TorchStream(IterableDataset):
         drawn = 0 if worker is None else worker.seed - worker.id
         epoch, self.epoch = drawn + self.epoch, self.epoch + 1
         window = max(self.window // part[1], 1)
-        examples = stream(
-            self.records, self.seed, epoch, window=window, labels=self.labels, part=part
+        examples = self.records.stream(
+            self.seed, epoch, window=window, labels=self.labels, part=part
         )
         return map(self.transform, examples)

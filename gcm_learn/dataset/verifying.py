@@ -11,8 +11,7 @@ from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.manifest import read_manifest, spec_of
 from gcm_learn.dataset.reader import Dataset, open_shard
-from gcm_learn.dataset.record import Record
-from gcm_learn.dataset.schema import rows_of
+from gcm_learn.dataset.record import Record, rows_of
 from gcm_learn.dataset.shards import code_version, info_of, shard_name
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of

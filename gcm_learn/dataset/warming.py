@@ -9,12 +9,13 @@ from filelock import FileLock
 from llvmlite import binding
 
 from gcm_learn import compiled
-from gcm_learn.dataset.case import Case
-from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.item import Case, make_item
+from gcm_learn.dataset.shards import ShardInfo, make_shard
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 
 DRAWS = 2  # items of each family
+_WARM: set[str] = set()  # specifications that this process is ready for
 
 
 def warm_up(spec: DatasetSpec) -> None:
@@ -40,6 +41,14 @@ def warm_up(spec: DatasetSpec) -> None:
         _run(spec)
         with contextlib.suppress(OSError):
             done.touch()
+
+
+def warm_and_make(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
+    """Make a shard in a process that may be new."""
+    if spec.digest not in _WARM:
+        warm_up(spec)
+        _WARM.add(spec.digest)
+    return make_shard(spec, shard, url)
 
 
 def _run(spec: DatasetSpec) -> None:

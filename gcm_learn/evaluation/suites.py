@@ -24,7 +24,7 @@ from gcm_learn.situation import Situation, situation_from_json, situation_to_jso
 from gcm_learn.storage import content_hash, write_whole
 
 if TYPE_CHECKING:
-    from gcm_learn.dataset.spec import DatasetSpec
+    from gcm_learn.dataset import DatasetSpec
 
 LARGEST = 1000  # situations of a suite
 SHARD = 25
@@ -79,7 +79,7 @@ class Suite:
 
     def spec(self, name: str, count: int) -> DatasetSpec:
         """The dataset that holds the first `count` of them."""
-        from gcm_learn.dataset.spec import DatasetSpec, FamilyShare  # needs pyarrow
+        from gcm_learn.dataset import DatasetSpec, FamilyShare  # needs pyarrow
 
         families = tuple(FamilyShare(f, 1.0, config) for f, config in self.families.items())
         return DatasetSpec(

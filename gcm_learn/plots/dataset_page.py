@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from gcm_learn.dataset import Dataset, Record
-from gcm_learn.dataset.manifest import Manifest
+from gcm_learn.dataset import Dataset, Manifest, Record
 from gcm_learn.planners import Plan
 from gcm_learn.plots import style
 from gcm_learn.plots.maps import plot_map

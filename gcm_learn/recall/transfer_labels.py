@@ -16,9 +16,7 @@ from itertools import islice
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.dataset import Dataset
-from gcm_learn.dataset.collector import uncollected
-from gcm_learn.dataset.parameters import quantities_of
+from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.planners.completion import Problem, straight_plan
 from gcm_learn.recall import trial

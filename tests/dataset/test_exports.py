@@ -2,29 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 
 from gcm_learn import dataset
-from gcm_learn.dataset.exports import ARM, PER_BODY, STEP, episode_of, export_minari, export_npz
+from gcm_learn.dataset.exports import ARM, PER_BODY, STEP, episode_of, export_minari
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.scene.packing import pose
-from gcm_learn.situation import situation_from_json
-
-
-def test_an_archive_needs_nothing_but_numpy(records, tmp_path):
-    part = records[:12]
-    path = export_npz(part, tmp_path / "maps", labels=("stratum", "upper_arm"))
-    with np.load(path, allow_pickle=False) as content:
-        for k, record in enumerate(part):
-            np.testing.assert_array_equal(content["arrival"][k], record.counts)
-            np.testing.assert_array_equal(content["obstacles"][k], record.map.effective_obstacles)
-            assert content["stratum"][k] == record.stratum
-            assert content["upper_arm"][k] == record.row["upper_arm"]
-            assert situation_from_json(json.loads(str(content["situation"][k]))) == record.situation
-    assert [p.name for p in tmp_path.iterdir()] == ["maps.npz"]
 
 
 def test_an_episode_is_the_movement_and_what_is_seen_on_the_way(records):

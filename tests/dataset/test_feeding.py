@@ -41,7 +41,7 @@ def test_the_picture_is_the_map(records, tmp_path):
 
 def test_the_cache_is_built_once_and_for_all_parts(records, tmp_path, monkeypatch):
     first = records[:5].cache(tmp_path)
-    monkeypatch.setattr("gcm_learn.dataset.cache._fill", None)
+    monkeypatch.setattr("gcm_learn.dataset.feeding.build_cache", None)
     assert records[20:].cache(tmp_path).folder == first.folder
     assert [p.name for p in tmp_path.iterdir()] == [first.folder.name]
 
@@ -84,9 +84,7 @@ def test_a_wide_window_mixes_everything(records):
 
 
 def test_parts_of_a_stream_are_the_whole(records):
-    from gcm_learn.dataset.streaming import stream
-
-    seen = [e.index for i in range(4) for e in stream(records, 5, part=(i, 4), window=5)]
+    seen = [e.index for i in range(4) for e in records.stream(5, part=(i, 4), window=5)]
     assert sorted(seen) == list(range(50))
 
 

@@ -194,7 +194,7 @@ def test_an_item_that_kills_its_process_is_recorded(small, tmp_path, monkeypatch
                     with pytest.raises(making.BrokenProcessPool):
                         self._pool.submit(os.getpid).result()
                     self._start()
-                return making.Item(k, error="the process that made it died")
+                return making.no_item(small, k, "the process that made it died")
             return super().item(k)
 
     monkeypatch.setattr(making, "_Keeper", Fragile)

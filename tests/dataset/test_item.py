@@ -9,9 +9,8 @@ import pytest
 
 from gcm_learn import dataset
 from gcm_learn.dataset import item as items
-from gcm_learn.dataset.case import Case
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.item import Case, make_item
 from gcm_learn.dataset.parameters import parameters_of, structure_of, twin_key
 from gcm_learn.dataset.shards import make_shard, shard_name
 from gcm_learn.errors import SituationError
@@ -46,8 +45,8 @@ def test_a_shard_has_the_same_bytes_whatever_was_made_before(small, tmp_path):
 def test_plans_and_labels_are_those_of_the_planners(small):
     spec = replace(small, n=80, rungs=4)
     for k in range(25):
-        found = make_item(spec, k).found
-        assert found is not None
+        found = make_item(spec, k)
+        assert found.error is None
         answers = {
             name: get_planner(name).plan(found.situation)
             for name in ("straight", "marching", "layered")
@@ -67,19 +66,19 @@ def test_plans_and_labels_are_those_of_the_planners(small):
 def test_rejection_fills_a_stratum_and_counts_what_it_threw_away(wanted, small):
     spec = replace(small, strata={wanted: 1.0})
     made = [make_item(spec, k) for k in range(6)]
-    assert {item.found.stratum for item in made} == {wanted}
+    assert {item.stratum for item in made} == {wanted}
     for item in made:
         assert item.attempts == 1 + item.rejected.total()
         assert wanted not in item.rejected
     assert sum(item.attempts for item in made) > len(made)
-    alone = Case(made[0].found.situation, small)
+    alone = Case(made[0].situation, small)
     assert alone.verdict() == wanted
 
 
 def test_a_stratum_that_is_not_found_is_a_failure_not_a_loop(small):
     never = replace(small, strata={"Q": 1.0}, attempts=2)
     item = make_item(never, 1)
-    assert item.found is None and item.attempts == 2
+    assert item.situation is None and item.attempts == 2
     assert item.error == "no situation of stratum Q in 2 draws"
 
 
@@ -123,10 +122,10 @@ def test_twins_have_one_key_and_others_do_not(make):
 
 def test_the_oracle_labels_what_it_is_asked_to(small):
     audited = replace(small, audit=1.0)
-    found = [make_item(audited, k).found for k in range(4)]
+    found = [make_item(audited, k) for k in range(4)]
     for one in found:
         assert one.oracle.lower <= one.oracle.upper
         assert one.oracle.decided
-    assert make_item(small, 0).found.oracle is None
-    labelled = make_item(replace(small, label="oracle"), 0).found
+    assert make_item(small, 0).oracle is None
+    labelled = make_item(replace(small, label="oracle"), 0)
     assert labelled.stratum == labelled.oracle.stratum == found[0].oracle.stratum

@@ -10,9 +10,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from gcm_learn import build_map, dataset
+from gcm_learn.dataset.cells import counts_of
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import make_item
-from gcm_learn.dataset.schema import counts_of
 from gcm_learn.dataset.shards import KEY, shard_name
 from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.motion.rules import rules_of
@@ -23,7 +23,7 @@ from gcm_learn.wave import MarchingParams
 
 def test_records_come_back_as_they_were_made(records):
     for k in (0, 19, 20, 33, 49):
-        record, found = records[k], make_item(records.spec, k).found
+        record, found = records[k], make_item(records.spec, k)
         assert record.index == k and record.situation == found.situation
         assert (record.stratum, record.family, record.split) == (
             found.stratum, found.family, found.split

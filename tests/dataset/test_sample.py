@@ -11,7 +11,7 @@ import pytest
 
 from gcm_learn import dataset
 from gcm_learn.dataset import read_spec
-from gcm_learn.dataset.schema import schema_of
+from gcm_learn.dataset.record import schema_of
 from gcm_learn.dataset.verifying import verify_shard
 
 DATA = Path(__file__).parents[2] / "data"

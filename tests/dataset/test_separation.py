@@ -11,6 +11,7 @@ from gcm_learn import dataset
 from gcm_learn.dataset import DatasetSpec, FamilyShare, Holdout, Split, generation
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import make_shard, shard_name, write_shard
 from gcm_learn.dataset.spec import DatasetSpec as Spec
@@ -76,8 +77,8 @@ def test_twins_are_left_out(mixed, tmp_path):
     for shard in (0, 1):
         make_shard(spec, shard, str(tmp_path))
     items = [make_item(spec, k) for k in spec.indices(2)]
-    items[4] = replace(items[4], found=make_item(spec, 3).found)
-    items[7] = replace(items[7], found=make_item(spec, 12).found)
+    items[4] = Record(spec, make_item(spec, 3).values | {"index": items[4].index})
+    items[7] = Record(spec, make_item(spec, 12).values | {"index": items[7].index})
     write_shard(spec, 2, items, str(tmp_path))
     names = [shard_name(k) for k in range(3)]
     assert twins_of(folder, names) == [24, 27]
@@ -93,9 +94,9 @@ def test_a_twin_in_the_test_split_would_be_at_distance_zero(mixed, tmp_path):
     folder = Folder(tmp_path)
     folder.make()
     items = [make_item(spec, k) for k in spec.indices(0)]
-    twin = next(k for k, item in enumerate(items) if item.found.split == "test")
-    train = next(k for k, item in enumerate(items) if item.found.split == "train")
-    items[twin] = replace(items[twin], found=replace(items[train].found, split="test"))
+    twin = next(k for k, item in enumerate(items) if item.split == "test")
+    train = next(k for k, item in enumerate(items) if item.split == "train")
+    items[twin] = Record(spec, items[train].values | {"index": twin, "split": "test"})
     write_shard(spec, 0, items, str(tmp_path))
     names = [shard_name(0)]
     assert distance_of(folder, spec, names, [])["smallest"] == 0.0

@@ -15,7 +15,7 @@ from gcm_learn.cli import main
 from gcm_learn.dataset import spec_to_json
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import make_item
-from gcm_learn.dataset.schema import rows_of
+from gcm_learn.dataset.record import Record, rows_of
 from gcm_learn.dataset.shards import KEY, shard_name, write_shard
 from gcm_learn.dataset.verifying import verify_dataset
 from tests.dataset.conftest import SMALL
@@ -67,9 +67,7 @@ def test_missing_shards_are_found(folder):
 def spoiled(spec, shard, folder, change):
     """Write a shard whose items have been changed, and say so in the manifest."""
     items = [make_item(spec, k) for k in spec.indices(shard)]
-    for k, item in enumerate(items):
-        items[k] = replace(item, found=change(item.found))
-    write_shard(spec, shard, items, str(folder))
+    write_shard(spec, shard, [change(item) for item in items], str(folder))
     manifest = json.loads((folder / "manifest.json").read_text())
     manifest["shards"][shard]["sha256"] = Folder(folder).sha256(shard_name(shard))
     (folder / "manifest.json").write_text(json.dumps(manifest))
@@ -87,12 +85,12 @@ def spoiled(spec, shard, folder, change):
 def test_plans_that_do_not_hold_are_found(folder, spoil, said):
     spec = replace(SMALL, audit=0.1)
 
-    def change(found):
-        plan = found.plans["layered"]
+    def change(record):
+        plan = record.plans["layered"]
         if not plan.caught or plan.catch_time < 0.05:
-            return found
+            return record
         worse = replace(plan, trajectory=spoil(plan.trajectory))
-        return replace(found, plans=found.plans | {"layered": worse})
+        return Record(spec, record.values | {"plans": record.plans | {"layered": worse}})
 
     spoiled(spec, 0, folder, change)
     report = verify_dataset(folder)
@@ -103,7 +101,7 @@ def test_plans_that_do_not_hold_are_found(folder, spoil, said):
 
 def test_an_item_that_would_be_made_differently_is_found(folder):
     spec = replace(SMALL, audit=0.1)
-    spoiled(spec, 0, folder, lambda found: replace(found, stratum="L"))
+    spoiled(spec, 0, folder, lambda record: Record(spec, record.values | {"stratum": "L"}))
     assert any("made differently" in fault for fault in verify_dataset(folder).quoted)
 
 
