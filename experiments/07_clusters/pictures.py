@@ -13,10 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from gcm_learn.dataset import Record
-from gcm_learn.plots import style
-from gcm_learn.plots.maps import plot_map
-from gcm_learn.plots.waits import draw_waits
-from gcm_learn.plots.workspace import draw_targets
+from gcm_learn.plots import draw_targets, draw_waits, plot_map, style
 
 PALETTE = plt.get_cmap("tab20").colors
 SPACES = {"memories": "#0b6e4f", "situations": "#2b6cb0", "raw": "#c1666b", "maps": "#d4a017"}

@@ -300,7 +300,7 @@ def write_page(
     some: Experience, encoder: Encoder, picture: np.ndarray, clusters: dict, count: int
 ) -> None:
     """The page with the memory as points."""
-    from gcm_learn.plots.memory_page import write_memory_page
+    from gcm_learn.plots import write_memory_page
 
     memory = Memory(LearnedIndex(encoder))
     memory.add([r.situation for r in some.records],

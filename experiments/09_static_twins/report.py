@@ -14,9 +14,14 @@ import numpy as np
 
 from gcm_learn.evaluation.statistics import difference, stratified
 from gcm_learn.maps import build_map
-from gcm_learn.plots import style
-from gcm_learn.plots.maps import plot_map
-from gcm_learn.plots.workspace import draw_bodies, draw_courses, draw_targets, draw_workspace
+from gcm_learn.plots import (
+    draw_bodies,
+    draw_courses,
+    draw_targets,
+    draw_workspace,
+    plot_map,
+    style,
+)
 from gcm_learn.recall import path_of
 from gcm_learn.wave import MarchingParams
 

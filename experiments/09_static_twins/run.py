@@ -26,7 +26,7 @@ from report import write_example, write_figure, write_table  # noqa: E402
 from gcm_learn import dataset, seeding  # noqa: E402
 from gcm_learn.collision.distance import arm_distance  # noqa: E402
 from gcm_learn.dataset import Record, planner_of  # noqa: E402
-from gcm_learn.plots.maps import birth  # noqa: E402
+from gcm_learn.plots import birth  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402
     Index,
     Memory,

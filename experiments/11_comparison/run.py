@@ -21,8 +21,7 @@ from report import write_tables
 from gcm_learn.evaluation import Entry, Results, compare, draw_suite
 from gcm_learn.evaluation.blurred import compare_blurred
 from gcm_learn.evaluation.suites import hash_of
-from gcm_learn.plots import comparison_figures as figures
-from gcm_learn.plots.comparison import write_report
+from gcm_learn.plots import charged_figure, rates_figure, write_report
 
 HERE = Path(__file__).parent
 POLICIES = (
@@ -101,8 +100,8 @@ def main() -> None:
     whole = Results.joined(detours, rest)
     (given.out / "all").mkdir(exist_ok=True)
     page = write_report(whole, [*drawn["W"], *others], given.out / "all", "layered", noise)
-    figures.rates_figure(whole).savefig(HERE / "figure.png", dpi=110)
-    figure = figures.charged_figure(detours.where(np.isin(detours["entrant"], DRAWN)))
+    rates_figure(whole).savefig(HERE / "figure.png", dpi=110)
+    figure = charged_figure(detours.where(np.isin(detours["entrant"], DRAWN)))
     if figure is not None:
         figure.savefig(HERE / "charged.png", dpi=110)
     costs = {

@@ -18,8 +18,7 @@
 
 # %%
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, build_map, solve
-from gcm_learn.plots import plot_map
-from gcm_learn.plots.workspace import draw_courses, draw_workspace
+from gcm_learn.plots import draw_courses, draw_workspace, plot_map
 
 flight = PlanarQuadratic(position=(0.2, 1.6), velocity=(0.9, 0.0), acceleration=(0.0, -1.5))
 drift = PlanarQuadratic(position=(1.0, 0.45), velocity=(0.5, 0.0), acceleration=(0.0, 0.0))

@@ -44,7 +44,7 @@ class Animate:
         target = self.out or Path(f"{FileNames().unused(situation.name)}.gif")
         require_suffix(target, (".gif",))
         with staged(target) as place:
-            from gcm_learn.plots.animation import animate
+            from gcm_learn.plots import animate
 
             animate(situation, plan_one(planner, situation, self.file), place)
         print(target)

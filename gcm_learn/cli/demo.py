@@ -42,15 +42,14 @@ class Demo:
         if not 0 <= self.memory <= 2000:
             raise CommandFailure(f"--memory {self.memory}: must be from 0 to 2000")
         folder = made_folder(self.out, option="--out")
-        from gcm_learn.plots.ahead import compile_ahead
-        from gcm_learn.plots.comparison_demo import RECALLING, build_comparison, shipped_entrants
-        from gcm_learn.plots.demo import build_demo
+        from gcm_learn.cli.ahead import compile_ahead
+        from gcm_learn.plots import RECALLING, build_comparison, build_demo, shipped_methods
         from gcm_learn.recall.shipped import has_memory
 
         remembers = self.memory > 0 and has_memory()
         wanted = {"memory": remembers, "comparison": self.compare > 0}
         beside = [name for name, shown in wanted.items() if shown]
-        later = shipped_entrants() if self.compare > 0 else list(RECALLING) if remembers else []
+        later = shipped_methods() if self.compare > 0 else list(RECALLING) if remembers else []
         ahead = compile_ahead(later[::-1])  # planners last: they are compiled here meanwhile
         page = build_demo(folder, self.seed, self.random, _say, beside)
         if ahead is not None:
@@ -70,7 +69,7 @@ class Demo:
         """The page of the shipped memory, None if it is not wanted or there is none."""
         if self.memory == 0:
             return None
-        from gcm_learn.plots.memory_page import write_shipped_page
+        from gcm_learn.plots import write_shipped_page
 
         _say(f"Recalling; drawing {self.memory} memories")
         return write_shipped_page(folder / "memory", self.memory)

@@ -72,7 +72,7 @@ class Evaluate:
         from gcm_learn.evaluation import compare, draw_suite
         from gcm_learn.evaluation.entrants import entrant
         from gcm_learn.evaluation.suites import check_suite
-        from gcm_learn.plots.comparison import write_report
+        from gcm_learn.plots import write_report
 
         suites = list(dict.fromkeys(self.suite.split(",")))
         for suite in suites:

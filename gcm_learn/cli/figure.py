@@ -28,7 +28,7 @@ class Figure:
 
     def run(self) -> int:
         """Draw and save the figure."""
-        from gcm_learn.plots.figures import FIGURES, draw_figure
+        from gcm_learn.plots import FIGURES, draw_figure
 
         if self.name not in FIGURES:
             raise CommandFailure(f"no figure {self.name!r}; there are {', '.join(FIGURES)}")

@@ -46,7 +46,7 @@ class Gallery:
         if len(records) == 0:
             raise CommandFailure(f"{self.folder}: has no such records")
         folder = made_folder(self.out, option="--out")
-        from gcm_learn.plots.dataset_page import write_dataset_page
+        from gcm_learn.plots import write_dataset_page
 
         page = write_dataset_page(records, folder, self.each)
         print(f"Open {page.resolve().as_uri()} in a browser.")
@@ -54,7 +54,7 @@ class Gallery:
 
     def _show_memory(self) -> int:
         folder = made_folder(self.out, option="--out")
-        from gcm_learn.plots.memory_page import write_memory_page
+        from gcm_learn.plots import write_memory_page
         from gcm_learn.recall import Memory
 
         page = write_memory_page(Memory.load(self.folder), folder, count=100 * self.each)

@@ -1,12 +1,56 @@
-"""Pictures: functions that take records and return matplotlib axes or figures.
+"""Pictures of situations, maps, plans and comparisons, and the pages that show them.
 
 Nothing here uses matplotlib's global state, so it works without a display and in threads.
 """
 
 from __future__ import annotations
 
-from gcm_learn.plots.animation import animate
-from gcm_learn.plots.maps import plot_map
-from gcm_learn.plots.overview import plan_figure
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.comparison import charged_figure, families_figure, rates_figure
+from gcm_learn.plots.figures.film import animate
+from gcm_learn.plots.figures.maps import birth, plot_map, plot_plan
+from gcm_learn.plots.figures.paper import FIGURES, draw_figure
+from gcm_learn.plots.figures.plan import plan_figure
+from gcm_learn.plots.figures.workspace import (
+    draw_bodies,
+    draw_courses,
+    draw_targets,
+    draw_waits,
+    draw_workspace,
+)
+from gcm_learn.plots.reports.comparison import (
+    RECALLING,
+    build_comparison,
+    shipped_methods,
+    write_report,
+)
+from gcm_learn.plots.reports.dataset import write_dataset_page
+from gcm_learn.plots.reports.demo import build_demo
+from gcm_learn.plots.reports.memory import write_memory_page, write_shipped_page
 
-__all__ = ["animate", "plan_figure", "plot_map"]
+__all__ = [
+    "FIGURES",
+    "RECALLING",
+    "animate",
+    "birth",
+    "build_comparison",
+    "build_demo",
+    "charged_figure",
+    "draw_bodies",
+    "draw_courses",
+    "draw_figure",
+    "draw_targets",
+    "draw_waits",
+    "draw_workspace",
+    "families_figure",
+    "plan_figure",
+    "plot_map",
+    "plot_plan",
+    "rates_figure",
+    "shipped_methods",
+    "style",
+    "write_dataset_page",
+    "write_memory_page",
+    "write_report",
+    "write_shipped_page",
+]

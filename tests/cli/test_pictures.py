@@ -33,7 +33,7 @@ def test_demo_says_where_its_page_is(tmp_path, capsys, monkeypatch):
         progress("fig1")
         return out / "index.html"
 
-    monkeypatch.setattr("gcm_learn.plots.demo.build_demo", build_demo)
+    monkeypatch.setattr("gcm_learn.plots.build_demo", build_demo)
     assert main(["demo", "--out", "a/b", "--seed", "3", "--random", "7", "--compare", "0",
                  "--memory", "0"]) == 0  # fmt: skip
     assert asked == [(Path("a/b"), 3, 7)]
@@ -43,7 +43,7 @@ def test_demo_says_where_its_page_is(tmp_path, capsys, monkeypatch):
 
 @pytest.mark.usefixtures("_in_folder")
 def test_figure_goes_to_a_file_of_its_name(capsys, monkeypatch):
-    monkeypatch.setattr("gcm_learn.plots.figures.draw_figure", lambda name: Picture())
+    monkeypatch.setattr("gcm_learn.plots.draw_figure", lambda name: Picture())
     assert main(["figure", "fig4"]) == 0
     assert os.listdir() == ["fig4.png"] and capsys.readouterr().out == "fig4.png\n"
 
@@ -68,7 +68,7 @@ def test_animate_shows_the_chosen_situation(scene_file, scene, planner, capsys, 
     def animate(situation, plan, path):
         Path(path).write_text(f"{situation.name} {plan.planner}")
 
-    monkeypatch.setattr("gcm_learn.plots.animation.animate", animate)
+    monkeypatch.setattr("gcm_learn.plots.animate", animate)
     path = scene_file(scene("a"), scene("b c"))
     assert main(["animate", str(path), "--index", "1"]) == 0
     assert Path("b_c.gif").read_text() == "b c quiet" and planner.asked == ["b c"]
@@ -99,7 +99,7 @@ def test_gallery_shows_a_memory_as_points(tmp_path, capsys, monkeypatch):
         asked.append((memory.index.name, len(memory), out, count))
         return out / "index.html"
 
-    monkeypatch.setattr("gcm_learn.plots.memory_page.write_memory_page", write_memory_page)
+    monkeypatch.setattr("gcm_learn.plots.write_memory_page", write_memory_page)
     Memory(RandomIndex()).save(tmp_path / "m")
     assert main(["gallery", "m", "--out", "page", "--each", "3"]) == 0
     assert asked == [("random", 0, Path("page"), 300)]

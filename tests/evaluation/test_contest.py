@@ -194,9 +194,9 @@ def test_what_cannot_be_compared_leaves_nothing_behind(option, value, tmp_path, 
 
 
 def test_what_is_shipped_can_be_compared(tmp_path):
-    from gcm_learn.plots.comparison_demo import build_comparison, shipped_entrants
+    from gcm_learn.plots import build_comparison, shipped_methods
 
-    assert {"layered", "clone", "clone@20"} <= set(shipped_entrants())
+    assert {"layered", "clone", "clone@20"} <= set(shipped_methods())
     page = build_comparison(tmp_path, 4, lambda step: None, workers=1)
     text = page.read_text()
-    assert all(name in text for name in shipped_entrants())
+    assert all(name in text for name in shipped_methods())

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from gcm_learn.plots import animate
-from gcm_learn.plots.animation import FRAMES, HOLD_TIME
+from gcm_learn.plots.figures.film import FRAMES, HOLD_TIME
 
 
 def frames_of(path):

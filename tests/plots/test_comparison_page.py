@@ -13,10 +13,10 @@ from gcm_learn.evaluation.contest import compare
 from gcm_learn.evaluation.measures import measured
 from gcm_learn.evaluation.suites import Entry, draw_suite
 from gcm_learn.evaluation.table import Results
-from gcm_learn.plots import comparison_figures as figures
-from gcm_learn.plots import comparison_tables as tables
-from gcm_learn.plots import failures
-from gcm_learn.plots.comparison import write_report
+from gcm_learn.plots import write_report
+from gcm_learn.plots.figures import comparison as figures
+from gcm_learn.plots.figures import failures
+from gcm_learn.plots.reports import tables
 
 NAMES = ["straight", "layered", "clone"]
 

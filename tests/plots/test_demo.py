@@ -7,8 +7,7 @@ import re
 import pytest
 
 from gcm_learn.families.paper import PAPER_SCENES
-from gcm_learn.plots.demo import build_demo
-from gcm_learn.plots.figures import FIGURES
+from gcm_learn.plots import FIGURES, build_demo
 from gcm_learn.situation import read_situations
 
 

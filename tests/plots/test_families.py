@@ -5,7 +5,7 @@ from __future__ import annotations
 from gcm_learn.families import family_names
 from gcm_learn.planners import solve
 from gcm_learn.plots import style
-from gcm_learn.plots.families import draw_case, families_figure, first_case, shown_families
+from gcm_learn.plots.reports.documents import draw_case, families_figure, first_case, shown_families
 
 
 def test_every_family_has_a_panel_or_a_sibling_with_one():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from PIL import Image
 
-from gcm_learn.plots.gallery import write_gallery
+from gcm_learn.plots.reports.documents import write_gallery
 
 
-def test_gallery_writes_six_readable_pictures(tmp_path):
+def test_gallery_writes_readable_pictures(tmp_path):
     files = write_gallery(tmp_path / "images")
     assert [f.name for f in files] == [
         "situation.png",
@@ -16,6 +16,7 @@ def test_gallery_writes_six_readable_pictures(tmp_path):
         "map.png",
         "catch.gif",
         "waiting.png",
+        "families.png",
     ]
     for file in files:
         with Image.open(file) as picture:

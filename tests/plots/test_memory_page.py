@@ -13,8 +13,8 @@ from PIL import Image
 
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.planners import solve
-from gcm_learn.plots import memory_page
-from gcm_learn.plots.memory_page import UNIT, principal_places, write_memory_page
+from gcm_learn.plots.reports import memory as memory_page
+from gcm_learn.plots.reports.memory import UNIT, principal_places, write_memory_page
 from gcm_learn.recall import Memory, RawIndex, RecallPlanner, trace_of
 from gcm_learn.situation.canonical import canonical
 

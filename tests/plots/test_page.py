@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 
 import numpy as np
 
-from gcm_learn.plots.page import Picture, Section, Table, render
-from gcm_learn.plots.summary import STATUSES, summary_figure, tally
+from gcm_learn.plots.figures.summary import STATUSES, summary_figure, tally
+from gcm_learn.plots.reports.page import Picture, Section, Table, render
 
 
 class Links(HTMLParser):

@@ -15,14 +15,17 @@ from gcm_learn.families import paper
 from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.handspace.occupied import occupied_cells
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.plots import style
-from gcm_learn.plots.demo import engines_figure
-from gcm_learn.plots.handspace import draw_extended, draw_hand_space, extended_image, lattice_of
-from gcm_learn.plots.maps import birth, latest_arrival, plot_map, spread
-from gcm_learn.plots.poses import draw_poses
-from gcm_learn.plots.scene3d import align_views, draw_scene, draw_way
-from gcm_learn.plots.snapshots import draw_snapshot
-from gcm_learn.plots.workspace import draw_arm, draw_courses, draw_workspace
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.handspace import (
+    draw_extended,
+    draw_hand_space,
+    extended_image,
+    lattice_of,
+)
+from gcm_learn.plots.figures.maps import birth, draw_snapshot, latest_arrival, plot_map, spread
+from gcm_learn.plots.figures.plan import engines_figure
+from gcm_learn.plots.figures.view3d import align_views, draw_course, draw_scene
+from gcm_learn.plots.figures.workspace import draw_arm, draw_courses, draw_poses, draw_workspace
 
 
 def axes():
@@ -40,7 +43,7 @@ def arms_drawn(ax):
 
 def test_pyplot_is_not_used():
     """No global figure list: pictures may be drawn in threads and without a display."""
-    sources = list(Path(plots.__file__).parent.glob("*.py"))
+    sources = list(Path(plots.__file__).parent.rglob("*.py"))
     assert len(sources) > 10
     assert not [source.name for source in sources if "pyplot" in source.read_text("utf-8")]
 
@@ -252,7 +255,7 @@ def test_3d_views_can_share_limits_and_show_ways():
     panels = list(style.new_figure(8, 4).subplots(1, 2))
     for ax, t in zip(panels, (0.0, 0.6), strict=True):
         draw_scene(ax, situation, t, headroom=3.0)
-    draw_way(panels[0], situation, 0, 0.6)
+    draw_course(panels[0], situation, 0, 0.6)
     align_views(panels)
     assert panels[0].get_xlim() == panels[1].get_xlim()
     assert panels[0].get_ylim() == panels[1].get_ylim()

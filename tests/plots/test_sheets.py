@@ -11,9 +11,9 @@ import pytest
 from matplotlib.text import Annotation
 
 from gcm_learn.plots import plan_figure, style
-from gcm_learn.plots.maps import walls
-from gcm_learn.plots.sheets import MOST_SHEETS, sheet_of, sheets_figure
-from gcm_learn.plots.waits import draw_waits, notable_waits, waiting_at
+from gcm_learn.plots.figures.maps import walls
+from gcm_learn.plots.figures.plan import MOST_SHEETS, sheet_of, sheets_figure
+from gcm_learn.plots.figures.workspace import draw_waits, notable_waits, waiting_at
 
 
 def titles(figure):

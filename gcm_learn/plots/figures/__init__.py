@@ -1,0 +1,1 @@
+"""Figures: functions that take records and draw them with matplotlib."""

@@ -1,0 +1,1 @@
+"""Reports: pages of figures, tables and words, from the templates beside this."""

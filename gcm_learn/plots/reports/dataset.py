@@ -1,0 +1,151 @@
+"""A page that shows what is in a dataset: situations and maps, stratum by stratum."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from gcm_learn.planners import Plan
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.maps import plot_map, plot_plan
+from gcm_learn.plots.figures.workspace import draw_bodies, draw_courses, draw_workspace
+from gcm_learn.plots.reports.page import Picture, Section, Table, picture_of, render
+
+if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
+    from gcm_learn.dataset import Dataset, Manifest, Record
+
+COLUMNS = 4  # records side by side
+EACH = 8  # records of a stratum
+LATER = 0.3  # strength of bodies as they are at the catch
+STRATA = {
+    "L": ("L: a straight line", "The hand meets the target by going straight ahead."),
+    "W": ("W: a detour", "The hand has to go round something, but need not wait."),
+    "Q": ("Q: queueing", "No first arrival catches: the hand has to wait on its path."),
+    "U": ("U: unreachable", "No planner of the labels catches."),
+}
+LEAD = (
+    "Some situations of the data set {name}, evenly taken from each stratum. They are in their "
+    "canonical form: turned so that the hand starts on the right, and mirrored if need be so that "
+    "the elbow is on the right of the arm."
+)
+READING = (
+    "Above, the arm and the bodies at t = 0, their courses until the catch, and pale the bodies at "
+    "the catch (of solids the cuts with the arm's plane). Below, the record's map of first "
+    "arrivals; darker is later, and rings on the path are rests. The path is that of {planner}, or "
+    "of the first planner that catches."
+)
+KEY = tuple(entry for entry in style.KEY if entry[1] != "explored by the wave")
+
+
+def write_dataset_page(records: Dataset, out: Path, each: int = EACH) -> Path:
+    """Draw some records of every stratum and a page that shows them.
+
+    Parameters
+    ----------
+    records : Dataset
+    out : Path
+        Folder; made when it is missing.
+    each : int
+        Records of a stratum, where there are as many.
+
+    Returns
+    -------
+    Path
+        The page, ``index.html``.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    sections, pictures = [], []
+    for stratum, (heading, text) in STRATA.items():
+        chosen = records.where(stratum=stratum)
+        if len(chosen) == 0:
+            continue
+        shown = [chosen[int(k)] for k in _evenly(len(chosen), each)]
+        picture = _picture(shown, out / f"{stratum}.png", f"{len(chosen)} records in all.")
+        pictures.append(picture)
+        sections.append(Section(stratum, heading, [text], pictures=[picture]))
+    sections.append(_numbers(records))
+    spec = records.spec
+    lead = [LEAD.format(name=spec.name), READING.format(planner=_first_choice(spec.planners))]
+    opening = next((p for p in pictures if p.file == "W.png"), pictures[0])
+    page = out / "index.html"
+    page.write_text(render(f"Data set {spec.name}", lead, opening, KEY, sections), "utf-8")
+    return page
+
+
+def _evenly(count: int, wanted: int) -> np.ndarray:
+    """Positions of `wanted` of `count` records, or of all."""
+    return np.unique(np.linspace(0, count - 1, min(count, wanted)).round())
+
+
+def _first_choice(planners: Sequence[str]) -> str:
+    return "layered" if "layered" in planners or not planners else planners[0]
+
+
+def _picture(records: Sequence[Record], path: Path, caption: str) -> Picture:
+    """Draw records, each a situation above its map."""
+    bands = -(-len(records) // COLUMNS)
+    figure, panels = style.panel_grid(2 * bands * COLUMNS, COLUMNS, (2.9, 3.05))
+    for ax in panels:
+        ax.axis("off")
+    for k, record in enumerate(records):
+        place = k + k // COLUMNS * COLUMNS
+        draw_record(panels[place], panels[place + COLUMNS], record)
+    return picture_of(figure, path, caption)
+
+
+def draw_record(above: Axes, below: Axes, record: Record) -> None:
+    """Draw the situation of a record, and its map with a path."""
+    situation, plan = record.situation, _shown_plan(record)
+    end = situation.horizon if plan is None or plan.catch_time is None else plan.catch_time
+    above.axis("on")
+    draw_workspace(above, situation)
+    draw_bodies(above, situation, end, LATER)
+    draw_courses(above, situation, end)
+    style.title(above, f"{record.family} {record.index}")
+    if record.map is None:
+        return
+    below.axis("on")
+    if plan is None or plan.trajectory is None:
+        plot_map(record.map, below)
+        style.title(below, "no catch")
+        return
+    plot_plan(below, situation, plan, record.map, waits=False)
+    style.title(below, f"{plan.planner}: {plan.trajectory.duration:.2f} s")
+
+
+def _shown_plan(record: Record) -> Plan | None:
+    """The plan of the planner of first choice, or of the first that catches."""
+    plans = record.plans
+    order = sorted(plans, key=lambda name: name != _first_choice(list(plans)))
+    return next((plans[name] for name in order if plans[name].caught), None)
+
+
+def _numbers(records: Dataset) -> Section:
+    """Tables of what the dataset holds."""
+    manifest = records.manifest
+    if manifest is None:
+        return Section("numbers", "In numbers", ["The data set is not finished."])
+    shares = ["all", *(f"{share:.1%}" for share in manifest["shares"].values())]
+    rows = [[*_family_row(name, row)] for name, row in manifest["families"].items()]
+    columns = ("family", *manifest["shares"])
+    return Section(
+        "numbers", "In numbers", [_sentence(manifest)], [Table(columns, [*rows, shares])]
+    )
+
+
+def _family_row(name: str, strata: dict[str, int]) -> list[str]:
+    total = max(sum(strata.values()), 1)
+    return [f"{name} ({total})", *(f"{strata.get(s, 0) / total:.0%}" for s in "LWQU")]
+
+
+def _sentence(manifest: Manifest) -> str:
+    audit = manifest["audit"]
+    text = f"{manifest['records']} records of {manifest['bytes_per_record']:.0f} bytes each."
+    if audit["records"]:
+        share = audit["disagreement"]
+        text += f" The oracle labelled {audit['records']} of them; {share:.1%} differ."
+    return text

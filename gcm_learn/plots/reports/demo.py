@@ -1,0 +1,226 @@
+"""The whole story in one folder: scenes, figures, films, random situations and a page."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from gcm_learn.families.examples import gate_scene
+from gcm_learn.families.paper import CAPTION_INSTANTS, PAPER_SCENES
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners import solve
+from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.recheck import broken_promise
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
+from gcm_learn.plots.figures.paper import draw_figure
+from gcm_learn.plots.figures.plan import engines_figure, sheets_figure
+from gcm_learn.plots.figures.summary import STATUSES, Tally, summary_figure, tally
+from gcm_learn.plots.reports.page import Picture, Section, Table, number, picture_of, render
+from gcm_learn.seeding import rng
+from gcm_learn.situation import Situation, write_situations
+
+ENGINES = ("gcm", "marching")
+PLANNERS = ("gcm", "marching", "layered", "straight")
+EXTRA_FIGURES = {"fig8": ("fig7",)}  # shown in the section of another figure's scene
+OPENING = "fig3"  # the scene whose film opens the page
+WARM_UP = ("fig2", "fig5", "fig8")  # between them they use all compiled code
+
+WORDS = tomllib.loads(files(__package__).joinpath("templates/demo.toml").read_text("utf-8"))
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A situation and the plans for it, by planner."""
+
+    situation: Situation
+    plans: dict[str, Plan]
+
+
+def build_demo(
+    out: Path, seed: int, n_random: int, progress: Progress, beside: Sequence[str] = ()
+) -> Path:
+    """Solve the paper's scenes and random ones; write pictures and a page about them.
+
+    Parameters
+    ----------
+    out : Path
+        Folder; made when it is missing. Files of an earlier demo are overwritten.
+    seed : int
+        Root of the random situations.
+    n_random : int
+        How many of them.
+    progress : callable
+        Called with a sentence at every step.
+    beside : sequence of str
+        Pages that will lie in the folder as well: names in `beside` of the words.
+
+    Returns
+    -------
+    Path
+        The page, ``index.html``.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    progress("Compiling")
+    for make in (*(PAPER_SCENES[name] for name in WARM_UP), gate_scene):
+        _solved(make(), PLANNERS)  # so that the planning times told below are those of planning
+    progress("Solving the paper's scenes")
+    scenes = [_solved(make(), ENGINES) for make in PAPER_SCENES.values()]
+    write_situations(out / "paper.jsonl", [scene.situation for scene in scenes])
+    sections = []
+    for scene in scenes:
+        progress(f"Drawing {scene.situation.name}")
+        sections.append(_scene_section(out, scene))
+    sections.append(_overview(scenes))
+    progress("Drawing a gate that opens")
+    sections.append(_waiting_section(out))
+    if n_random > 0:
+        progress(f"Solving {n_random} random situations")
+        sections.append(_random_section(out, seed, n_random))
+    if beside:
+        told = [WORDS["beside"][name] for name in beside]
+        sections.append(Section("beside", "Memory, and who catches what", told))
+    sections.append(Section("more", "Your own situations", WORDS["more"]))
+    opening = next(_film(scene, "gcm") for scene in scenes if scene.situation.name == OPENING)
+    page = out / "index.html"
+    page.write_text(render(WORDS["title"], WORDS["lead"], opening, style.KEY, sections), "utf-8")
+    return page
+
+
+def _solved(situation: Situation, planners: Sequence[str]) -> Solved:
+    return Solved(situation, {name: solve(situation, name) for name in planners})
+
+
+def _overview(scenes: Sequence[Solved]) -> Section:
+    columns = (
+        "scene",
+        "paper: contact [τ]",
+        *(f"{engine}: contact [τ]" for engine in ENGINES),
+        "gcm against paper",
+        "gcm: catch [s]",
+        "gcm: clearance [forearms]",
+        *(f"{engine}: planning [ms]" for engine in ENGINES),
+    )
+    rows = [_overview_row(scene) for scene in scenes]
+    return Section("instants", "Instants of contact", WORDS["reading"], [Table(columns, rows)])
+
+
+def _overview_row(scene: Solved) -> list[str]:
+    name = scene.situation.name
+    caption = CAPTION_INSTANTS[name][-1] if name in CAPTION_INSTANTS else None
+    contacts = {engine: _contact(scene.plans[engine]) for engine in ENGINES}
+    plan, ours = scene.plans["gcm"], contacts["gcm"]
+    both = caption is not None and ours is not None
+    return [
+        name,
+        number(caption, ".0f"),
+        *(number(contacts[engine], ".0f") for engine in ENGINES),
+        f"{100 * (ours / caption - 1):+.1f} %" if both else "–",  # type: ignore[operator]
+        number(plan.catch_time, ".3f") if plan.status == "caught" else plan.status,
+        number(plan.clearance, ".3f"),
+        *(number(scene.plans[engine].planning_ms, ".1f") for engine in ENGINES),
+    ]
+
+
+def _contact(plan: Plan) -> float | None:
+    return None if plan.map is None else plan.map.contact_tau
+
+
+def _scene_section(out: Path, scene: Solved) -> Section:
+    name = scene.situation.name
+    words = WORDS["scenes"][name]
+    pictures = [
+        picture_of(draw_figure(figure), out / f"{figure}.png", WORDS["captions"][figure])
+        for figure in (*EXTRA_FIGURES.get(name, ()), name)
+    ]
+    film = _film(scene, "gcm")
+    animate(scene.situation, scene.plans["gcm"], out / film.file)
+    pictures.append(film)
+    maps = engines_figure(scene.situation, scene.plans)
+    pictures.append(picture_of(maps, out / f"{name}-engines.png", WORDS["engines"]))
+    heading = f"{words['heading']} (Fig. {name[3:]})"
+    return Section(name, heading, [words["text"]], pictures=pictures)
+
+
+def _film(scene: Solved, planner: str) -> Picture:
+    """Return the place on the page of the film of a planner's movement."""
+    plan = scene.plans[planner]
+    lasts = scene.situation.horizon if plan.catch_time is None else plan.catch_time
+    caption = WORDS["film"].format(slower=FRAMES * FRAME_TIME / 1000 / lasts)
+    return Picture(f"{scene.situation.name}.gif", caption, round(WIDTH * FILM_DPI))
+
+
+def _waiting_section(out: Path) -> Section:
+    """Solve a situation in which the hand has to wait."""
+    scene = _solved(gate_scene(), PLANNERS)
+    write_situations(out / "gate.jsonl", [scene.situation])
+    plan = scene.plans["layered"]
+    film = _film(scene, "layered")
+    animate(scene.situation, plan, out / film.file)
+    first = engines_figure(scene.situation, {name: scene.plans[name] for name in ENGINES})
+    pictures = [
+        picture_of(sheets_figure(scene.situation, plan), out / "gate.png", WORDS["sheets"]),
+        film,
+        picture_of(first, out / "gate-engines.png", WORDS["gate_shut"]),
+    ]
+    rows = [[name, number(p.catch_time, ".3f"), p.message] for name, p in scene.plans.items()]
+    table = Table(("planner", "catch [s]", "answer"), rows)
+    return Section("waiting", "Beyond the paper: waiting", WORDS["waiting"], [table], pictures)
+
+
+def _random_section(out: Path, seed: int, count: int) -> Section:
+    """Solve random situations with all planners and summarise them."""
+    solved = [_solved(random_planar(rng(seed, k)), PLANNERS) for k in range(count)]
+    tallies = [tally(name, [s.plans[name] for s in solved]) for name in PLANNERS]
+    broken = {name: _count_broken(solved, name) for name in PLANNERS}
+    caption = f"{count} random planar situations, seed {seed}. {WORDS['spreads']}"
+    picture = picture_of(summary_figure(tallies), out / "random.png", caption)
+    return Section(
+        "random",
+        f"{count} random situations",
+        [WORDS["random"]],
+        [_random_table(tallies, broken)],
+        [picture],
+    )
+
+
+def _count_broken(solved: Sequence[Solved], planner: str) -> int:
+    return sum(broken_promise(s.situation, s.plans[planner]) is not None for s in solved)
+
+
+def _random_table(tallies: Sequence[Tally], broken: dict[str, int]) -> Table:
+    columns = (
+        "planner",
+        "caught",
+        "unreachable",
+        "start blocked",
+        "broken promises",
+        "median catch [s]",
+        "median clearance [forearms]",
+        "median planning [ms]",
+    )
+    rows = [
+        [
+            t.planner,
+            *(str(t.counts[status]) for status in STATUSES),
+            str(broken[t.planner]),
+            number(_median(t.catch_times), ".3f"),
+            number(_median(t.clearances), ".3f"),
+            number(_median(t.latencies), ".2f"),
+        ]
+        for t in tallies
+    ]
+    return Table(columns, rows)
+
+
+def _median(values: np.ndarray) -> float | None:
+    """Median of the finite values; without obstacles a clearance is infinite."""
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if finite.size else None

@@ -1,0 +1,255 @@
+"""A page that shows a memory as points: pointing at one shows its map and its catch.
+
+All is in one file, so that it opens from anywhere: maps are small images within it, movements are
+told by a few instants and drawn by the page itself.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgba
+from PIL import Image
+
+from gcm_learn import seeding
+from gcm_learn.evaluation import draw_suite
+from gcm_learn.evaluation.suites import suite_file
+from gcm_learn.maps import CognitiveMap, build_map
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.maps import walls
+from gcm_learn.plots.reports.page import fill
+from gcm_learn.recall import Memory, RecallPlanner, Trace, path_of
+from gcm_learn.recall.passing import passing_of
+from gcm_learn.recall.shipped import has_memory, shipped_memory
+from gcm_learn.scene.bodies import poses_at
+from gcm_learn.scene.outlines import outline
+from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.situation import PLANAR, Disc, Situation
+from gcm_learn.situation.canonical import canonical
+from gcm_learn.wave import MarchingParams
+
+SHOWN = 600  # memories on a page
+N = 48  # cells along a side of the maps
+FRAMES = 13  # instants of a movement that are told
+CORNERS = 16  # of an outline at most
+UNIT = 1000  # of coordinates, per forearm length
+SHADES = 200  # of arrivals in an image; two more colours are the effective cells
+CANDIDATES = 20  # memories that are marked when a situation is asked
+
+SUITE, ENTRIES = "demo", 50  # where the situations come from that the shipped memory is asked
+QUESTIONS = 10  # of them, none of which a straight line solves
+
+KEY = (
+    *(
+        entry
+        for entry in style.KEY
+        if entry[1] not in ("extended obstacle", "explored by the wave")
+    ),
+    (style.EXTENDED, "the path as it was remembered"),
+)
+COLOURS = {
+    "arm": style.ARM, "obstacle": style.OBSTACLE, "target": style.TARGET, "path": style.PATH,
+    "faint": style.FAINT, "ink": style.INK, "before": style.EXTENDED,
+}  # fmt: skip
+
+Values = dict[str, Any]
+
+
+def write_memory_page(
+    memory: Memory,
+    out: Path,
+    asked: Sequence[Situation] = (),
+    *,
+    count: int = SHOWN,
+    places: np.ndarray | None = None,
+    groups: Mapping[str, Sequence[str]] | None = None,
+    title: str = "A memory of catches",
+    seed: int = 0,
+) -> Path:
+    """Write a page on which memories are points.
+
+    Parameters
+    ----------
+    memory : Memory
+    out : Path
+        Folder; made when it is missing.
+    asked : sequence of Situation
+        The page shows what is recalled in them, and how it is adapted.
+    count : int
+        Memories that are shown, besides those that are recalled; drawn by lot.
+    places : (n, 2) ndarray, optional
+        Where the memories lie in the picture; by default the first two principal components of
+        the directions of their embeddings.
+    groups : mapping, optional
+        Further words for every memory (n,) by which points are coloured, by what they tell.
+    title : str
+    seed : int
+
+    Returns
+    -------
+    Path
+        The page, ``index.html``.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    questions = [_question(memory, situation) for situation in asked]
+    recalled = [k for q in questions for k in q["tried"]]
+    lot = np.sort(seeding.rng(seed).permutation(len(memory))[:count]).tolist()
+    shown = list(dict.fromkeys([*lot, *recalled]))
+    where = {k: i for i, k in enumerate(shown)}
+    for question in questions:
+        question["tried"] = [where[k] for k in question["tried"]]
+        question["held"] = where.get(question["held"])
+    spots = _unit_square(principal_places(memory.embeddings) if places is None else places)
+    points = [_point(memory, k) | {"at": spots[k].tolist()} for k in shown]
+    for name, words in (groups or {}).items():
+        for point, k in zip(points, shown, strict=True):
+            point["words"][name] = words[k]
+    about = {"title": title, "size": len(memory), "index": memory.index.name}
+    data = {"about": about, "points": points, "asked": questions, "colours": COLOURS}
+    page = out / "index.html"
+    page.write_text(fill("memory.html", {"data": data, "key": KEY}), "utf-8")
+    return page
+
+
+def write_shipped_page(out: Path, count: int = SHOWN) -> Path | None:
+    """The page of the memory that is shipped, asked situations that it has not met.
+
+    Returns None if there is no such memory.
+    """
+    if not has_memory():
+        return None
+    asked = []
+    if suite_file(SUITE) is not None:
+        entries = draw_suite(SUITE, ENTRIES)
+        hard = [entry for entry in entries if entry.stratum in ("W", "Q")]
+        asked = [replace(e.situation, name=f"{e.family} ({e.stratum})") for e in hard[:QUESTIONS]]
+    return write_memory_page(shipped_memory("recall"), out, asked, count=count)
+
+
+def principal_places(embeddings: np.ndarray) -> np.ndarray:
+    """First two principal components (n, 2) of the embeddings' directions (n, d)."""
+    lengths = np.linalg.norm(embeddings, axis=1, keepdims=True)
+    rows = embeddings / np.maximum(lengths, 1e-12)
+    rows = rows - rows.mean(axis=0)
+    _, axes = np.linalg.eigh(rows.T @ rows)
+    return np.asarray(rows @ axes[:, :-3:-1])
+
+
+def _unit_square(places: np.ndarray) -> np.ndarray:
+    """Places (n, 2) from 0 to UNIT, whole numbers; outliers stay at the rim."""
+    low, high = np.percentile(places, [0.5, 99.5], axis=0)
+    share = (places - low) / np.maximum(high - low, 1e-12)
+    return np.rint(UNIT * np.clip(share, 0.0, 1.0)).astype(int)
+
+
+def _point(memory: Memory, k: int) -> Values:
+    """What the page tells of memory k."""
+    entry = memory[k]
+    situation, trace = entry.situation, entry.trace
+    words = {
+        "stratum": entry.stratum or "unknown",
+        "family": entry.family or "unknown",
+        "sides on which obstacles are passed": passing_of(situation, trace).sides or "none",
+    }
+    made = build_map(situation, MarchingParams(n=N))
+    return {"words": words, "map": _picture(made)} | _movement(
+        situation, *path_of(trace, situation.arm)
+    )
+
+
+def _question(memory: Memory, situation: Situation) -> Values:
+    """What is recalled in a situation, in its canonical form, and how it is adapted."""
+    turned, _ = canonical(situation)
+    planner = RecallPlanner(memory)
+    found = planner.recollect(turned)
+    tried = memory.recall(memory.index.embed_query(turned), CANDIDATES).tolist()
+    movement, trace = found.plan.trajectory, None
+    if found.memory is not None:
+        trace = Trace(memory.traces[found.memory], memory.goals[found.memory])
+        tried = list(dict.fromkeys([*tried, found.memory]))
+    time = np.array([0.0, turned.horizon]) if movement is None else movement.time
+    hand = np.array([turned.arm.hand] * 2) if movement is None else movement.hand
+    before = [] if trace is None else _whole(path_of(trace, turned.arm)[1])
+    return {
+        "name": situation.name,
+        "tried": tried,
+        "held": found.memory,
+        "checked": found.checked,
+        "before": before,
+        "map": _picture(build_map(turned, MarchingParams(n=N))),
+    } | _movement(turned, time, hand)
+
+
+def _movement(situation: Situation, time: np.ndarray, hand: np.ndarray) -> Values:
+    """Arm, trajectory and bodies until its end; lengths in 1/UNIT, times in ms."""
+    end = float(time[-1])
+    keep = np.unique(np.linspace(0, len(time) - 1, 48).round().astype(int))
+    return {
+        "arm": round(UNIT * situation.arm.upper_arm),
+        "end": round(1e3 * end),
+        "time": np.rint(1e3 * time[keep]).astype(int).tolist(),
+        "hand": _whole(hand[keep]),
+        "bodies": _bodies(situation, np.linspace(0.0, end, FRAMES)),
+    }
+
+
+def _bodies(situation: Situation, times: np.ndarray) -> list[Values]:
+    """Bodies at some instants: planar ones by shape and poses, cuts of solids by outlines."""
+    packed, frames = pack_bodies(situation), []
+    for t in times:
+        poses = np.zeros((len(situation.bodies), 12))
+        poses[:, [3, 7, 11]] = 1.0
+        poses_at(packed, float(t), poses)
+        frames.append(poses)
+    all_poses, out = np.array(frames), []
+    for b, body in enumerate(situation.bodies):
+        told: Values = {"target": body.role == "target"}
+        if isinstance(body.shape, PLANAR):
+            turn = np.unwrap(np.arctan2(all_poses[:, b, 6], all_poses[:, b, 3]))
+            told["at"] = _whole(all_poses[:, b, :2])
+            if isinstance(body.shape, Disc):
+                told["radius"] = round(UNIT * body.shape.radius)
+            else:
+                told["shape"] = _whole(np.asarray(body.shape.vertices))
+                told["turn"] = np.rint(UNIT * turn).astype(int).tolist()
+        else:
+            cuts = [outline(situation, b, float(t)) for t in times]
+            told["cuts"] = [[] if cut is None else _whole(_fewer(cut)) for cut in cuts]
+        out.append(told)
+    return out
+
+
+def _fewer(corners: np.ndarray) -> np.ndarray:
+    return corners[:: -(-len(corners) // CORNERS)]
+
+
+def _whole(points: np.ndarray) -> list[int]:
+    """Points (n, 2) as one list of whole numbers."""
+    return [int(v) for v in np.rint(UNIT * np.asarray(points, dtype=float)).ravel()]
+
+
+def _picture(made: CognitiveMap) -> str:
+    """A map as a small image, text that stands for a file."""
+    tau = made.arrival_tau
+    latest = float(tau.max()) if tau.count() else 1.0
+    cells = np.rint((SHADES - 1) * tau.filled(0.0) / max(latest, 1e-9)).astype(np.uint8) + 1
+    cells[np.ma.getmaskarray(tau)] = 0
+    cells[walls(made)], cells[made.effective_target] = SHADES + 1, SHADES + 2
+    image = Image.fromarray(cells[::-1], "P")
+    image.putpalette(_palette())
+    stream = io.BytesIO()
+    image.save(stream, "PNG", optimize=True, transparency=0)
+    return base64.b64encode(stream.getvalue()).decode("ascii")
+
+
+def _palette() -> list[int]:
+    shades = style.MAP_COLOURS(np.linspace(0.0, 1.0, SHADES))[:, :3]
+    cells = [to_rgba(colour)[:3] for colour in (style.EFFECTIVE, style.TARGET)]
+    colours = np.vstack([[(1.0, 1.0, 1.0)], shades, cells])
+    return [int(v) for v in np.rint(255 * colours).ravel()]

@@ -1,0 +1,126 @@
+"""Web pages from templates: plain HTML that opens from a folder, without a server."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+from matplotlib.figure import Figure
+
+SCALE, SHARPNESS = 80, 1.5  # [CSS pixels per inch], pixels of an image per CSS pixel
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image file beside the page, or an image within it, and what it shows."""
+
+    file: str
+    caption: str
+    width: int
+    """Of the image on the page [CSS pixels]; it may have more pixels than that."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Column names and rows of text."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    fold: str = ""
+    """If there is such a line, the table opens when it is clicked."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page: heading, paragraphs, then tables, then pictures, then folded tables.
+
+    In paragraphs, `code` and [words](address) are set as in Markdown.
+    """
+
+    anchor: str
+    heading: str
+    paragraphs: Sequence[str]
+    tables: Sequence[Table] = field(default=())
+    pictures: Sequence[Picture] = field(default=())
+
+
+def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tuple[str, str]],
+           sections: Sequence[Section]) -> str:  # fmt: skip
+    """Return a page as HTML.
+
+    Parameters
+    ----------
+    title : str
+    lead : sequence of str
+        Opening paragraphs, the first of them above the opening picture.
+    opening : Picture
+    key : sequence of (str, str)
+        Colours of the pictures and their meanings.
+    sections : sequence of Section
+
+    Returns
+    -------
+    str
+    """
+    told = {"title": title, "lead": lead, "opening": opening, "key": key, "sections": sections}
+    return fill("page.html", told)
+
+
+def fill(template: str, values: Mapping[str, Any]) -> str:
+    """Return one of the package's templates with values in it."""
+    return _templates().get_template(template).render(values)
+
+
+@cache
+def _templates() -> Environment:
+    found = Environment(
+        loader=PackageLoader(__package__), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
+    )  # fmt: skip
+    found.filters["marked"] = _marked
+    found.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
+    return found
+
+
+def _marked(text: str) -> Markup:
+    """A paragraph in which `code` and [words](address) are marked up."""
+    linked = re.sub(r"\[([^]]+)\]\(([^)]+)\)", r'<a href="\2">\1</a>', str(escape(text)))
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", linked))
+
+
+def picture_of(figure: Figure, path: Path, caption: str, *, embed: bool = False) -> Picture:
+    """Write a figure as a PNG file and return its place on the page.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : Path
+        Beside the page.
+    caption : str
+    embed : bool
+        Put the image into the page as well, which then needs no other file.
+    """
+    buffer = io.BytesIO()
+    figure.savefig(buffer, dpi=SHARPNESS * SCALE, format="png")
+    path.write_bytes(buffer.getvalue())
+    source = embedded(buffer.getvalue(), "png") if embed else path.name
+    return Picture(source, caption, round(SCALE * figure.get_figwidth()))
+
+
+def embedded(data: bytes, kind: str) -> str:
+    """An image of a kind, such as ``gif``, as an address that holds it."""
+    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
+
+
+def number(value: float | None, form: str = ".2f") -> str:
+    """A number, or a dash if there is none."""
+    return "–" if value is None or not np.isfinite(value) else format(value, form)

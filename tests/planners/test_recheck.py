@@ -1,0 +1,92 @@
+"""The second look at a catch sees every broken promise."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from gcm_learn.families.paper import PAPER_SCENES
+from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.planners import solve
+from gcm_learn.planners.recheck import broken_promise
+
+
+@pytest.fixture(scope="module")
+def planar_case():
+    situation = PAPER_SCENES["fig4"]()
+    return situation, solve(situation, "gcm")
+
+
+@pytest.fixture(scope="module")
+def solid_case():
+    situation = PAPER_SCENES["fig6"]()
+    return situation, solve(situation, "gcm")
+
+
+def with_way(plan, time, hand, **changes):
+    way = Trajectory.of_hand(time, hand)
+    return dataclasses.replace(plan, trajectory=way, **{"catch_time": way.duration, **changes})
+
+
+def test_a_verified_plan_breaks_nothing(planar_case, solid_case):
+    assert broken_promise(*planar_case) is None
+    assert broken_promise(*solid_case) is None
+
+
+def test_what_was_not_promised_cannot_be_broken(planar_case):
+    situation, plan = planar_case
+    assert broken_promise(situation, dataclasses.replace(plan, status="unreachable")) is None
+
+
+def test_a_catch_needs_a_trajectory(planar_case):
+    situation, plan = planar_case
+    assert "without" in broken_promise(situation, dataclasses.replace(plan, trajectory=None))
+
+
+def break_start(plan):
+    return with_way(plan, plan.trajectory.time, plan.trajectory.hand + 0.01)
+
+
+def break_end(plan):
+    return dataclasses.replace(plan, catch_time=plan.catch_time + 0.1)
+
+
+def break_speed(plan):
+    way = plan.trajectory
+    return with_way(plan, 0.5 * way.time, way.hand)
+
+
+def break_catch(plan):
+    way = plan.trajectory
+    half = len(way.time) // 2
+    return with_way(plan, way.time[:half], way.hand[:half])
+
+
+def break_clearance(plan):
+    """Go straight to the target: through the obstacle, at no more than the hand's speed."""
+    start, goal = plan.trajectory.hand[0], plan.trajectory.hand[-1]
+    hand = start + np.linspace(0, 1, 60)[:, None] * (goal - start)
+    return with_way(plan, np.linspace(0, plan.catch_time, 60), hand)
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (break_start, "start at the hand"),
+        (break_end, "end at the catch"),
+        (break_speed, "hand too fast"),
+        (break_catch, "not at the target"),
+        (break_clearance, "touches"),
+    ],
+)
+def test_every_promise_is_looked_at(planar_case, damage, said):
+    situation, plan = planar_case
+    assert said in broken_promise(situation, damage(plan))
+
+
+def test_joint_speeds_are_looked_at(planar_case):
+    situation, plan = planar_case
+    slow = dataclasses.replace(situation.arm, max_joint_speed=(0.01, 0.01))
+    assert "joint" in broken_promise(dataclasses.replace(situation, arm=slow), plan)
