@@ -11,7 +11,8 @@ from gcm_learn.scene.outlines import outline
 from gcm_learn.situation import Situation
 
 SIZE_INCHES, DPI = 4.8, 100
-ARM, TARGET, OBSTACLE, WAY = "#2d3748", "#2f855a", "#c05621", "#3182ce"
+ARM, TARGET, OBSTACLE, PATH = "#a61e3a", "#8e44ad", "#2b6cb0", "#5b2a86"  # as in all pictures
+INK = "#2d3748"
 
 
 class Viewer:
@@ -56,10 +57,10 @@ class Viewer:
         self._bodies(situation, time)
         hand = path[-1]
         elbow = elbow_position(hand, arm.upper_arm, arm.elbow)
-        ax.plot(path[:, 0], path[:, 1], color=WAY, lw=1.2)
+        ax.plot(path[:, 0], path[:, 1], color=PATH, lw=1.2)
         ax.plot(*np.array([(0.0, 0.0), elbow, hand]).T, color=ARM, lw=4, solid_capstyle="round")
         ax.add_patch(Circle(tuple(hand), max(arm.grasp, 0.02), color=ARM))
-        ax.text(-0.98 * limit, 0.95 * limit, f"{time:.2f} s", va="top", color=ARM)
+        ax.text(-0.98 * limit, 0.95 * limit, f"{time:.2f} s", va="top", color=INK)
         return self._picture()
 
     def _bodies(self, situation: Situation, time: float) -> None:

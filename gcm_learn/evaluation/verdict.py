@@ -17,19 +17,19 @@ WHO = {
     "straight": "goes straight to where the target can be met first",
     "straight-wait": "goes straight, but may wait before it starts",
     "potential": "is pulled to the target and pushed away from obstacles",
-    "gcm": "cognitive map by the wave of the paper, and the way down its arrival times",
+    "gcm": "cognitive map by the wave of the paper, and the descent along its arrival times",
     "marching": "the same map by causal marching instead of a wave",
     "layered": "maps with several arrivals at a place, so that the hand may wait",
     "layered-wave": "the wave, in which obstacles hold cells only while they are there",
     "oracle": "searches space and time on fine lattices, slow: the yardstick",
     "st-rrt-star": "random trees through space and time (OMPL), for a budget of time",
-    "recall": "bends remembered catches to the situation, and checks up to 20 of them",
-    "recall-1": "bends the one catch that it remembers best",
+    "recall": "adapts remembered catches to the situation, and checks up to 20 of them",
+    "recall-1": "adapts the one catch that it remembers best",
     "hybrid": "recalls first, and plans as layered does when recall fails",
     "recall-raw": "finds memories by what situations are made of, not by what an encoder learned",
     "recall-pca": "finds memories by principal components of maps",
-    "recall-random": "bends up to 20 memories drawn at random: what checking alone is worth",
-    "splines-random": "checks up to 20 smooth ways drawn at random: what checking alone is worth",
+    "recall-random": "adapts up to 20 memories drawn at random: what checking alone is worth",
+    "splines-random": "checks up to 20 smooth paths drawn at random: what checking alone is worth",
     "clone": "network that imitates planned catches step by step",
     "ppo": "network that learned in the arena from nothing (PPO)",
     "sac": "network of velocities that learned in the arena from nothing (SAC)",
@@ -38,7 +38,7 @@ WHO = {
 
 
 def who(names: Sequence[str]) -> list[tuple[str, str]]:
-    """Entrants and what they do, as far as it is known."""
+    """Methods and what they do, as far as it is known."""
     rows = []
     for name in names:
         bare, _, tries = name.partition("@")

@@ -12,6 +12,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.transforms import offset_copy
 
 from gcm_learn.evaluation.blurred import HABITS, blurred
 from gcm_learn.evaluation.contest import DELAYS
@@ -22,7 +23,7 @@ from gcm_learn.plots.figures import style
 
 _PAIRED = colormaps["tab20"].colors  # type: ignore[attr-defined]
 COLOURS = (*_PAIRED[::2], *_PAIRED[1::2])  # strong ones first
-NAMES = {"L": "L: straight line", "W": "W: way round", "Q": "Q: waiting", "U": "U: unreachable"}
+NAMES = {"L": "L: straight line", "W": "W: detour", "Q": "Q: waiting", "U": "U: unreachable"}
 OUTCOMES = (
     ("caught", "#3d7f93"),
     ("declined or late", "#d9e0e8"),
@@ -37,6 +38,7 @@ MOVES = (
     ("least clearance", "[forearms]"),
     ("fastest joint", "[rad/s]"),
 )
+BESIDE = 1.3  # [pt] between curves that coincide
 FULL_TOUCH = 50.0  # share of touches that has the darkest colour [%]
 Colour = tuple[float, float, float]
 
@@ -190,12 +192,16 @@ def charged_strata(results: Results) -> list[str]:
 
 
 def charged_figure(results: Results) -> Figure | None:
-    """Catches over charged time by stratum; None if that was not measured."""
+    """Catches over charged time by stratum; None if that was not measured.
+
+    Curves that coincide are drawn side by side, a line's width apart.
+    """
     strata, names = charged_strata(results), results.entrants
     if not strata:
         return None
     figure = style.new_figure(1.6 + 3.2 * len(strata), max(3.2, 0.5 + 0.2 * len(names)))
     panels = figure.subplots(1, len(strata), sharey=True, squeeze=False)[0]
+    middle = (len(names) - 1) / 2
     for ax, stratum in zip(panels, strata, strict=True):
         part = of_stratum(results, stratum)
         for place, name in enumerate(names):
@@ -204,12 +210,12 @@ def charged_figure(results: Results) -> Figure | None:
                 continue
             shares = [100 * point.value for point in curve]
             colour, m = colour_of(results, name), measured(part, name)
-            # Thinner ones above wider ones: curves that coincide are all seen.
-            width = 1.2 + 2.4 * (1.0 - place / max(len(names) - 1, 1))
-            ax.plot(1e3 * np.array(DELAYS), shares, lw=width, color=colour, label=name)
+            aside = offset_copy(ax.transData, figure, 0.0, BESIDE * (middle - place), "points")
+            ax.plot(1e3 * np.array(DELAYS), shares, lw=BESIDE, color=colour, label=name,
+                    transform=aside)  # fmt: skip
             if m.own is not None:
                 ax.plot(min(m.latency, 1e3 * DELAYS[-1]), 100 * m.own.value, "*", color=colour,
-                        ms=10, mec="white", mew=0.6, zorder=5)  # fmt: skip
+                        ms=8, mec="white", mew=0.6, zorder=5, transform=aside)  # fmt: skip
         _chart(ax, NAMES[stratum], "thinking [ms]", "y")
         ax.set_ylim(-2, 104)
     panels[0].set_ylabel("caught [%]", fontsize=style.SMALL)

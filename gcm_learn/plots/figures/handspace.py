@@ -89,11 +89,6 @@ def draw_hand(ax: Axes, hand: tuple[float, float] | np.ndarray) -> None:
     ax.plot([hand[0]], [hand[1]], "o", color="black", mec="white", mew=1.0, ms=7.5, zorder=12)
 
 
-@lru_cache(maxsize=8)
-def _lattice(n: int, upper_arm: float, elbow: str) -> Lattice:
-    return Lattice(n, upper_arm, elbow)
-
-
 def lattice_of(arm: Arm, n: int) -> Lattice:
-    """Return a lattice over an arm's hand-space; the same one for arms of one shape."""
-    return _lattice(n, arm.upper_arm, arm.elbow)
+    """Return a lattice over an arm's hand-space."""
+    return Lattice(n, arm.upper_arm, arm.elbow)

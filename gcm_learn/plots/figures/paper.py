@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +16,7 @@ from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_extended, draw_hand_space
-from gcm_learn.plots.figures.maps import draw_snapshot, plot_map
+from gcm_learn.plots.figures.maps import draw_snapshot, plot_plan
 from gcm_learn.plots.figures.view3d import (
     HEADROOM,
     align_views,
@@ -29,8 +28,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_arm,
     draw_body,
     draw_courses,
-    draw_poses,
-    draw_targets,
+    draw_movement,
     draw_workspace,
 )
 from gcm_learn.scene.packing import pose
@@ -102,10 +100,11 @@ def fig2() -> Figure:
     """Draw two obstacles, their overlapping images and a path round them."""
     situation, plan = _solved("fig2")
     figure, (a, b) = _panels(1, 2, size=4.2)
-    _draw_arm_poses(a, situation, plan, 5)
+    draw_movement(a, situation, plan, 5)
     style.title(a, "work-space (later is darker)")
     draw_hand_space(b, situation)
-    _draw_path(b, plan)
+    if plan.trajectory is not None:
+        style.draw_path(b, plan.trajectory.hand)
     style.title(b, "hand-space: images overlap")
     return figure
 
@@ -136,8 +135,9 @@ def fig4() -> Figure:
     style.title(panels[1], "hand-space, τ = 0")
     _draw_snapshots(panels[2:5], situation, plan)
     whole = build_map(situation, WaveParams(until="horizon"))
-    _draw_map(panels[5], situation, replace(plan, map=whole))
-    _draw_arm_poses(panels[6], situation, plan, 3)
+    plot_plan(panels[5], situation, plan, whole)
+    style.title(panels[5], "cognitive map")
+    draw_movement(panels[6], situation, plan, 3)
     style.title(panels[6], "work-space: movement")
     style.key(panels[7], style.KEY)
     return figure
@@ -153,7 +153,7 @@ def fig5() -> Figure:
     draw_workspace(panels[1], situation)
     style.title(panels[1], "plane P, t = 0")
     _draw_snapshots(panels[2:5], situation, plan)
-    _draw_arm_poses(panels[5], situation, plan, 4)
+    draw_movement(panels[5], situation, plan, 4)
     style.title(panels[5], "work-space: movement")
     return figure
 
@@ -216,25 +216,6 @@ def _panels(
 def _solved(name: str) -> tuple[Situation, Plan]:
     situation = PAPER_SCENES[name]()
     return situation, solve(situation, "gcm")
-
-
-def _draw_path(ax: Axes, plan: Plan) -> None:
-    if plan.trajectory is not None:
-        style.draw_path(ax, plan.trajectory.hand)
-
-
-def _draw_map(ax: Axes, situation: Situation, plan: Plan) -> None:
-    if plan.map is not None:
-        plot_map(plan.map, ax, None if plan.trajectory is None else plan.trajectory.hand)
-        draw_targets(ax, situation, plan.catch_time)
-    style.title(ax, "cognitive map")
-
-
-def _draw_arm_poses(ax: Axes, situation: Situation, plan: Plan, count: int) -> None:
-    if plan.trajectory is None:
-        draw_workspace(ax, situation)
-    else:
-        draw_poses(ax, situation, plan.trajectory, count=count)
 
 
 def _draw_snapshots(panels: Sequence[Axes], situation: Situation, plan: Plan) -> None:

@@ -17,9 +17,8 @@ from gcm_learn.plots.figures.maps import draw_colour_bar, latest_arrival, plot_p
 from gcm_learn.plots.figures.view3d import HEADROOM, draw_scene
 from gcm_learn.plots.figures.workspace import (
     draw_courses,
-    draw_poses,
+    draw_movement,
     draw_waits,
-    draw_workspace,
     notable_waits,
 )
 from gcm_learn.situation import Situation
@@ -61,9 +60,12 @@ def plan_figure(situation: Situation, plan: Plan) -> Figure:
     figure.suptitle(_headline(plan), fontsize=style.TITLE, color=style.INK)
     if situation.is_solid:
         _draw_solid(panels.pop(0), situation, plan)
-    _draw_movement(panels[0], situation, plan, "movement (later is darker)", "start")
+    draw_movement(panels[0], situation, plan)
     if plan.trajectory is None:
         draw_courses(panels[0], situation, situation.horizon)
+        style.title(panels[0], "work-space: start")
+    else:
+        style.title(panels[0], "work-space: movement (later is darker)")
     _draw_map_or_handspace(panels[1:], situation, plan)
     return figure
 
@@ -87,15 +89,6 @@ def _draw_solid(ax: Axes, situation: Situation, plan: Plan) -> None:
     hand = None if plan.trajectory is None else plan.trajectory.hand[-1]
     draw_scene(ax, situation, t, hand=hand, headroom=HEADROOM)
     style.title(ax, "at the start" if plan.catch_time is None else "at the catch")
-
-
-def _draw_movement(ax: Axes, situation: Situation, plan: Plan, moving: str, resting: str) -> None:
-    """Draw the poses of a movement, or the work-space at the start if there is none."""
-    if plan.trajectory is None:
-        draw_workspace(ax, situation)
-    else:
-        draw_poses(ax, situation, plan.trajectory)
-    style.title(ax, f"work-space: {resting if plan.trajectory is None else moving}")
 
 
 def _draw_map_or_handspace(panels: Sequence[Axes], situation: Situation, plan: Plan) -> None:
@@ -132,7 +125,8 @@ def sheets_figure(situation: Situation, plan: Plan) -> Figure:
     """
     count = 1 + (0 if plan.map is None else shown_sheets(plan.map))
     figure, panels = style.panel_grid(count, count, (STRIP, STRIP), (0.6, 0.35))
-    _draw_movement(panels[0], situation, plan, "movement", "movement")
+    draw_movement(panels[0], situation, plan)
+    style.title(panels[0], "work-space: movement")
     if plan.map is not None:
         draw_sheets(panels[1:], situation, plan)
         if plan.map.sheets.count():

@@ -17,6 +17,7 @@ from gcm_learn.situation import Arm, Body, Situation
 
 if TYPE_CHECKING:
     from gcm_learn.motion.trajectory import Trajectory, Wait
+    from gcm_learn.planners.plan import Plan
 
 PALEST = 0.25  # share of colour of the earliest pose
 SHORTEST = 0.02  # share of the movement: shorter rests are not to be seen
@@ -158,6 +159,14 @@ def draw_poses(
     return ax
 
 
+def draw_movement(ax: Axes, situation: Situation, plan: Plan, count: int = 4) -> None:
+    """Draw `count` poses of a plan's movement, or the start if there is none."""
+    if plan.trajectory is None:
+        draw_workspace(ax, situation)
+    else:
+        draw_poses(ax, situation, plan.trajectory, count=count)
+
+
 def notable_waits(trajectory: Trajectory) -> list[Wait]:
     """Return the rests of a movement that are long enough to be shown."""
     return trajectory.waits(SHORTEST * trajectory.duration)
@@ -233,5 +242,6 @@ def _label(ax: Axes, place: np.ndarray, text: str, size: float, side: np.ndarray
         text, tuple(place), xytext=tuple((0.5 * size + BESIDE) * side), textcoords="offset points",
         ha="center" if steep else "left" if side[0] > 0 else "right",
         va="center" if abs(side[0]) > 2 * abs(side[1]) else "bottom" if side[1] > 0 else "top",
-        fontsize=style.SMALL, color=style.PATH, zorder=15, path_effects=[style.HALO],
+        fontsize=style.SMALL, color=style.PATH, zorder=15,
+        bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
     )  # fmt: skip

@@ -13,7 +13,15 @@ from gcm_learn.planners import Plan
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import plot_map, plot_plan
 from gcm_learn.plots.figures.workspace import draw_bodies, draw_courses, draw_workspace
-from gcm_learn.plots.reports.page import Picture, Section, Table, picture_of, render
+from gcm_learn.plots.reports.page import (
+    Picture,
+    Section,
+    Table,
+    picture_of,
+    render,
+    section,
+    words,
+)
 
 if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
     from gcm_learn.dataset import Dataset, Manifest, Record
@@ -21,23 +29,7 @@ if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
 COLUMNS = 4  # records side by side
 EACH = 8  # records of a stratum
 LATER = 0.3  # strength of bodies as they are at the catch
-STRATA = {
-    "L": ("L: a straight line", "The hand meets the target by going straight ahead."),
-    "W": ("W: a detour", "The hand has to go round something, but need not wait."),
-    "Q": ("Q: queueing", "No first arrival catches: the hand has to wait on its path."),
-    "U": ("U: unreachable", "No planner of the labels catches."),
-}
-LEAD = (
-    "Some situations of the data set {name}, evenly taken from each stratum. They are in their "
-    "canonical form: turned so that the hand starts on the right, and mirrored if need be so that "
-    "the elbow is on the right of the arm."
-)
-READING = (
-    "Above, the arm and the bodies at t = 0, their courses until the catch, and pale the bodies at "
-    "the catch (of solids the cuts with the arm's plane). Below, the record's map of first "
-    "arrivals; darker is later, and rings on the path are rests. The path is that of {planner}, or "
-    "of the first planner that catches."
-)
+WORDS = words("dataset")
 KEY = tuple(entry for entry in style.KEY if entry[1] != "explored by the wave")
 
 
@@ -59,20 +51,20 @@ def write_dataset_page(records: Dataset, out: Path, each: int = EACH) -> Path:
     """
     out.mkdir(parents=True, exist_ok=True)
     sections, pictures = [], []
-    for stratum, (heading, text) in STRATA.items():
+    for stratum in "LWQU":
         chosen = records.where(stratum=stratum)
         if len(chosen) == 0:
             continue
         shown = [chosen[int(k)] for k in _evenly(len(chosen), each)]
         picture = _picture(shown, out / f"{stratum}.png", f"{len(chosen)} records in all.")
         pictures.append(picture)
-        sections.append(Section(stratum, heading, [text], pictures=[picture]))
+        sections.append(section(WORDS, stratum, pictures=[picture]))
     sections.append(_numbers(records))
-    spec = records.spec
-    lead = [LEAD.format(name=spec.name), READING.format(planner=_first_choice(spec.planners))]
+    told = {"name": records.spec.name, "planner": _first_choice(records.spec.planners)}
+    title, *lead = [text.format(**told) for text in (WORDS["title"], *WORDS["lead"])]
     opening = next((p for p in pictures if p.file == "W.png"), pictures[0])
     page = out / "index.html"
-    page.write_text(render(f"Data set {spec.name}", lead, opening, KEY, sections), "utf-8")
+    page.write_text(render(title, lead, opening, KEY, sections), "utf-8")
     return page
 
 
@@ -128,13 +120,12 @@ def _numbers(records: Dataset) -> Section:
     """Tables of what the dataset holds."""
     manifest = records.manifest
     if manifest is None:
-        return Section("numbers", "In numbers", ["The data set is not finished."])
+        return section(WORDS, "numbers", text=["The data set is not finished."])
     shares = ["all", *(f"{share:.1%}" for share in manifest["shares"].values())]
     rows = [[*_family_row(name, row)] for name, row in manifest["families"].items()]
     columns = ("family", *manifest["shares"])
-    return Section(
-        "numbers", "In numbers", [_sentence(manifest)], [Table(columns, [*rows, shares])]
-    )
+    listed = [Table(columns, [*rows, shares])]
+    return section(WORDS, "numbers", listed, told={"sentence": _sentence(manifest)})
 
 
 def _family_row(name: str, strata: dict[str, int]) -> list[str]:

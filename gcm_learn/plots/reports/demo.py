@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.paper import CAPTION_INSTANTS, PAPER_SCENES
@@ -21,7 +20,16 @@ from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, an
 from gcm_learn.plots.figures.paper import draw_figure
 from gcm_learn.plots.figures.plan import engines_figure, sheets_figure
 from gcm_learn.plots.figures.summary import STATUSES, Tally, summary_figure, tally
-from gcm_learn.plots.reports.page import Picture, Section, Table, number, picture_of, render
+from gcm_learn.plots.reports.page import (
+    Picture,
+    Section,
+    Table,
+    number,
+    picture_of,
+    render,
+    section,
+    words,
+)
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation, write_situations
 
@@ -31,8 +39,7 @@ EXTRA_FIGURES = {"fig8": ("fig7",)}  # shown in the section of another figure's 
 OPENING = "fig3"  # the scene whose film opens the page
 WARM_UP = ("fig2", "fig5", "fig8")  # between them they use all compiled code
 
-WORDS = tomllib.loads(files(__package__).joinpath("templates/demo.toml").read_text("utf-8"))
-
+WORDS = words("demo")
 Progress = Callable[[str], None]
 
 
@@ -86,8 +93,8 @@ def build_demo(
         sections.append(_random_section(out, seed, n_random))
     if beside:
         told = [WORDS["beside"][name] for name in beside]
-        sections.append(Section("beside", "Memory, and who catches what", told))
-    sections.append(Section("more", "Your own situations", WORDS["more"]))
+        sections.append(section(WORDS, "beside", text=told))
+    sections.append(section(WORDS, "more"))
     opening = next(_film(scene, "gcm") for scene in scenes if scene.situation.name == OPENING)
     page = out / "index.html"
     page.write_text(render(WORDS["title"], WORDS["lead"], opening, style.KEY, sections), "utf-8")
@@ -109,7 +116,7 @@ def _overview(scenes: Sequence[Solved]) -> Section:
         *(f"{engine}: planning [ms]" for engine in ENGINES),
     )
     rows = [_overview_row(scene) for scene in scenes]
-    return Section("instants", "Instants of contact", WORDS["reading"], [Table(columns, rows)])
+    return section(WORDS, "instants", [Table(columns, rows)])
 
 
 def _overview_row(scene: Solved) -> list[str]:
@@ -135,25 +142,27 @@ def _contact(plan: Plan) -> float | None:
 
 def _scene_section(out: Path, scene: Solved) -> Section:
     name = scene.situation.name
-    words = WORDS["scenes"][name]
-    pictures = [
-        picture_of(draw_figure(figure), out / f"{figure}.png", WORDS["captions"][figure])
-        for figure in (*EXTRA_FIGURES.get(name, ()), name)
-    ]
-    film = _film(scene, "gcm")
-    animate(scene.situation, scene.plans["gcm"], out / film.file)
-    pictures.append(film)
+    drawn = (*EXTRA_FIGURES.get(name, ()), name)
+    pictures = [_kept(out, figure, draw_figure(figure)) for figure in drawn]
+    pictures.append(_film(scene, "gcm"))
+    animate(scene.situation, scene.plans["gcm"], out / pictures[-1].file)
     maps = engines_figure(scene.situation, scene.plans)
-    pictures.append(picture_of(maps, out / f"{name}-engines.png", WORDS["engines"]))
-    heading = f"{words['heading']} (Fig. {name[3:]})"
-    return Section(name, heading, [words["text"]], pictures=pictures)
+    caption = WORDS["captions"]["engines"]
+    pictures.append(picture_of(maps, out / f"{name}-engines.png", caption))
+    return section(WORDS, name, pictures=pictures)
+
+
+def _kept(out: Path, name: str, figure: Figure, told: Mapping[str, int] | None = None) -> Picture:
+    """Write a figure and return its place on the page, with the caption of its name."""
+    caption = WORDS["captions"][name].format(**(told or {}))
+    return picture_of(figure, out / f"{name}.png", caption)
 
 
 def _film(scene: Solved, planner: str) -> Picture:
     """Return the place on the page of the film of a planner's movement."""
     plan = scene.plans[planner]
     lasts = scene.situation.horizon if plan.catch_time is None else plan.catch_time
-    caption = WORDS["film"].format(slower=FRAMES * FRAME_TIME / 1000 / lasts)
+    caption = WORDS["captions"]["film"].format(slower=FRAMES * FRAME_TIME / 1000 / lasts)
     return Picture(f"{scene.situation.name}.gif", caption, round(WIDTH * FILM_DPI))
 
 
@@ -166,13 +175,13 @@ def _waiting_section(out: Path) -> Section:
     animate(scene.situation, plan, out / film.file)
     first = engines_figure(scene.situation, {name: scene.plans[name] for name in ENGINES})
     pictures = [
-        picture_of(sheets_figure(scene.situation, plan), out / "gate.png", WORDS["sheets"]),
+        _kept(out, "gate", sheets_figure(scene.situation, plan)),
         film,
-        picture_of(first, out / "gate-engines.png", WORDS["gate_shut"]),
+        _kept(out, "gate-engines", first),
     ]
     rows = [[name, number(p.catch_time, ".3f"), p.message] for name, p in scene.plans.items()]
     table = Table(("planner", "catch [s]", "answer"), rows)
-    return Section("waiting", "Beyond the paper: waiting", WORDS["waiting"], [table], pictures)
+    return section(WORDS, "waiting", [table], pictures)
 
 
 def _random_section(out: Path, seed: int, count: int) -> Section:
@@ -180,15 +189,9 @@ def _random_section(out: Path, seed: int, count: int) -> Section:
     solved = [_solved(random_planar(rng(seed, k)), PLANNERS) for k in range(count)]
     tallies = [tally(name, [s.plans[name] for s in solved]) for name in PLANNERS]
     broken = {name: _count_broken(solved, name) for name in PLANNERS}
-    caption = f"{count} random planar situations, seed {seed}. {WORDS['spreads']}"
-    picture = picture_of(summary_figure(tallies), out / "random.png", caption)
-    return Section(
-        "random",
-        f"{count} random situations",
-        [WORDS["random"]],
-        [_random_table(tallies, broken)],
-        [picture],
-    )
+    told = {"count": count, "seed": seed}
+    picture = _kept(out, "random", summary_figure(tallies), told)
+    return section(WORDS, "random", [_random_table(tallies, broken)], [picture], told=told)
 
 
 def _count_broken(solved: Sequence[Solved], planner: str) -> int:

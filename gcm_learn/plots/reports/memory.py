@@ -22,6 +22,7 @@ from gcm_learn.evaluation import draw_suite
 from gcm_learn.evaluation.suites import suite_file
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.comparison import NAMES
 from gcm_learn.plots.figures.maps import walls
 from gcm_learn.plots.reports.page import fill
 from gcm_learn.recall import Memory, RecallPlanner, Trace, path_of
@@ -57,6 +58,8 @@ COLOURS = {
     "arm": style.ARM, "obstacle": style.OBSTACLE, "target": style.TARGET, "path": style.PATH,
     "faint": style.FAINT, "ink": style.INK, "before": style.EXTENDED,
 }  # fmt: skip
+
+SIDES = {"l": "left", "r": "right"}
 
 Values = dict[str, Any]
 
@@ -152,13 +155,13 @@ def _point(memory: Memory, k: int) -> Values:
     """What the page tells of memory k."""
     entry = memory[k]
     situation, trace = entry.situation, entry.trace
+    sides = [SIDES[letter] for letter in passing_of(situation, trace).sides]
     words = {
-        "stratum": entry.stratum or "unknown",
+        "stratum": NAMES.get(entry.stratum or "", "unknown"),
         "family": entry.family or "unknown",
-        "sides on which obstacles are passed": passing_of(situation, trace).sides or "none",
+        "sides of the hand on which obstacles are passed": ", ".join(sides) or "none",
     }
-    made = build_map(situation, MarchingParams(n=N))
-    return {"words": words, "map": _picture(made)} | _movement(
+    return {"words": words, "map": _picture(situation)} | _movement(
         situation, *path_of(trace, situation.arm)
     )
 
@@ -182,7 +185,7 @@ def _question(memory: Memory, situation: Situation) -> Values:
         "held": found.memory,
         "checked": found.checked,
         "before": before,
-        "map": _picture(build_map(turned, MarchingParams(n=N))),
+        "map": _picture(turned),
     } | _movement(turned, time, hand)
 
 
@@ -234,8 +237,17 @@ def _whole(points: np.ndarray) -> list[int]:
     return [int(v) for v in np.rint(UNIT * np.asarray(points, dtype=float)).ravel()]
 
 
-def _picture(made: CognitiveMap) -> str:
-    """A map as a small image, text that stands for a file."""
+def _map_of(situation: Situation) -> CognitiveMap:
+    """A coarse map; without the margin where a hand close to an obstacle could not start."""
+    made = build_map(situation, MarchingParams(n=N))
+    if made.arrival.count() > 1:
+        return made
+    return build_map(situation, MarchingParams(n=N, margin=0.0))
+
+
+def _picture(situation: Situation) -> str:
+    """The map of a situation as a small image, text that stands for a file."""
+    made = _map_of(situation)
     tau = made.arrival_tau
     latest = float(tau.max()) if tau.count() else 1.0
     cells = np.rint((SHADES - 1) * tau.filled(0.0) / max(latest, 1e-9)).astype(np.uint8) + 1

@@ -5,9 +5,11 @@ from __future__ import annotations
 import base64
 import io
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +75,42 @@ def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tupl
     """
     told = {"title": title, "lead": lead, "opening": opening, "key": key, "sections": sections}
     return fill("page.html", told)
+
+
+def section(
+    told_of: Mapping[str, Any],
+    anchor: str,
+    tables: Sequence[Table] = (),
+    pictures: Sequence[Picture] = (),
+    *,
+    text: Sequence[str] | None = None,
+    told: Mapping[str, Any] | None = None,
+) -> Section:
+    """Return a section with the words that a page's text file has under `sections`.
+
+    Parameters
+    ----------
+    told_of : mapping
+        Of `words`.
+    anchor : str
+    tables : sequence of Table
+    pictures : sequence of Picture
+    text : sequence of str, optional
+        Other paragraphs than those of the file.
+    told : mapping, optional
+        What is filled into braces.
+    """
+    entry = told_of["sections"][anchor]
+    found = entry["text"] if text is None else text
+    paragraphs = [found] if isinstance(found, str) else found
+    filled = [paragraph.format(**(told or {})) for paragraph in paragraphs]
+    return Section(anchor, entry["heading"].format(**(told or {})), filled, tables, pictures)
+
+
+def words(page: str) -> dict[str, Any]:
+    """Return what a page says, from its text file among the templates."""
+    found = files(__package__).joinpath("templates", f"{page}.toml")
+    return tomllib.loads(found.read_text("utf-8"))
 
 
 def fill(template: str, values: Mapping[str, Any]) -> str:

@@ -72,25 +72,18 @@ def strata_table(results: Results) -> Table:
 
 def by_stratum(results: Results) -> list[Table]:
     """Everything measured in each stratum, folded."""
-    out = []
-    for s in results.strata:
-        part = of_stratum(results, s)
-        out.append(measures_table(part, f"{s}: {STRATA[s]} ({_count(part)})"))
-    return out
+    return [_folded(of_stratum(results, s), f"{s}: {STRATA[s]}") for s in results.strata]
 
 
 def by_family(results: Results) -> list[Table]:
     """Everything measured in each family's reachable situations, folded."""
-    there, out = reachable(results), []
-    for family in there.families:
-        part = there.where(there["family"] == family)
-        out.append(measures_table(part, f"{family} ({_count(part)})"))
-    return out
+    there = reachable(results)
+    return [_folded(there.where(there["family"] == name), name) for name in there.families]
 
 
-def _count(results: Results) -> str:
+def _folded(results: Results, heading: str) -> Table:
     count = len(results.of_entrant(results.entrants[0]))
-    return f"{count} situation{'s' * (count != 1)}"
+    return measures_table(results, f"{heading} ({count} situation{'s' * (count != 1)})")
 
 
 def pairs_table(results: Results, reference: str, fold: str = "") -> Table:

@@ -147,11 +147,11 @@ function ask(k) {
   if (query === null) { drawPoints(); return; }
   const q = D.asked[k];
   $("answer-words").textContent = q.held === null
-    ? `None of ${q.checked} checked ways holds: this one has to be planned.`
-    : `Way ${q.checked} of those that were checked holds; it came from the memory with the red ` +
-      `ring, shown above. Caught after ${(q.end / 1000).toFixed(2)} s.`;
+    ? `None of ${q.checked} checked paths is free of collisions: this one has to be planned.`
+    : `Path ${q.checked} of those that were checked is free of collisions; it came from the memory ` +
+      `with the red ring, shown above. Caught after ${(q.end / 1000).toFixed(2)} s.`;
   show(q.held === null ? q.tried[0] : q.held);
-  chart("bent-map", q);
+  chart("answer-map", q);
 }
 function nearest(event) {
   const box = $("points").getBoundingClientRect(), f = 1120 / box.width;
@@ -178,7 +178,7 @@ if (!D.asked.length) $("asking").style.display = "none";
 drawLegend(); show(0);
 function tick(now) {
   scene("catch", D.points[shown], now);
-  if (query !== null) scene("bent", D.asked[query], now, D.asked[query].before);
+  if (query !== null) scene("answer-catch", D.asked[query], now, D.asked[query].before);
   requestAnimationFrame(tick);
 }
 requestAnimationFrame(tick);
