@@ -12,6 +12,7 @@ import pyarrow as pa
 from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.maps.cognitive_map import Contact
+from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import Plan
 from gcm_learn.situation import Situation
@@ -132,6 +133,7 @@ def plan_of(situation: Situation, planner: str, cells: Mapping[str, Any]) -> Pla
         planner=planner,
         status=cells["status"],
         message=cells["message"],
+        failure=Failure.of(cells["message"]),
         planning_ms=math.nan,  # no record holds times: it would not be the same twice
         catch_time=cells["catch_time"],
         catch_body=cells["catch_body"],

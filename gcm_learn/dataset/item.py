@@ -163,8 +163,7 @@ class Case:
             return self.bounds().plan
         problem = Problem(self.situation, name, self.problem.scene)
         if name == "straight":
-            plan, reason = straight_plan(problem)
-            return plan if plan is not None else problem.answer("unreachable", reason)
+            return straight_plan(problem)
         planner = planner_of(name, self.spec.n, self.spec.rungs)
         if not isinstance(planner, FrontPlanner):
             return planner.plan(self.situation)

@@ -9,6 +9,7 @@ import numpy as np
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.clearance import RESOLUTION
+from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import target_distance
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
 from gcm_learn.motion.trajectory import Trajectory
@@ -32,8 +33,8 @@ class Verdict:
     clearance: float
     """Smallest distance of limb and obstacles, less the thickness; only the order of magnitude of
     the failure when `good` is False."""
-    reason: str
-    """Empty, or what is wrong, in one clause."""
+    reason: Reason | None = None
+    """What is wrong."""
     touched: float | None = None
     """When the limb is touched [s]; None if it is not, or something else is wrong."""
 
@@ -107,10 +108,10 @@ def nearest_to_shoulder(hand):
 
 NOTHING, ELSEWHERE, LATE, OUTSIDE, ROUND, FAST = range(6)
 FAULTS = {
-    ELSEWHERE: "the path does not start at the hand",
-    OUTSIDE: "the path leaves the reachable ring",
-    ROUND: "the arm would have to turn round within no time near the shoulder",
-    FAST: "the hand would have to be faster than max_hand_speed",
+    ELSEWHERE: Failure.WRONG_START,
+    OUTSIDE: Failure.OUTSIDE,
+    ROUND: Failure.SINGULAR,
+    FAST: Failure.HAND_SPEED,
 }
 
 
@@ -156,38 +157,38 @@ def verify(scene: Scene, rules: Rules, trajectory: Trajectory, body: int) -> Ver
     Verdict
     """
     reason = _kinematic_fault(scene, trajectory) or _miss(scene, trajectory, body)
-    if reason:
+    if reason is not None:
         return Verdict(False, 0.0, reason)
     time, hand, thickness = trajectory.time, trajectory.hand, scene.limb.thickness
     distance, when = least_distance(scene, time, hand, rules.touch, RESOLUTION)
     if distance <= rules.touch:
-        reason = f"the limb is touched at t = {when:.3f} s"
+        reason = Failure.COLLISION.with_numbers(when=when)
         return Verdict(False, distance - thickness, reason, touched=float(when))
     free = np.inf if distance > 1e200 else distance - thickness
-    return Verdict(True, float(free), "")
+    return Verdict(True, float(free))
 
 
-def _kinematic_fault(scene: Scene, trajectory: Trajectory) -> str:
+def _kinematic_fault(scene: Scene, trajectory: Trajectory) -> Reason | None:
     """What of start, horizon, ring and speeds is not kept, or nothing."""
     hand, time, limits = trajectory.hand, trajectory.time, scene.limits
     fault = _fault(scene, time, hand, trajectory.joints)
     if fault == LATE:
-        return f"the catch at {time[-1]:.3f} s comes after the horizon"
+        return Failure.LATE.with_numbers(when=time[-1])
     if fault != NOTHING:
-        return FAULTS[fault]
+        return Reason(FAULTS[fault])
     if limits.shoulder < np.inf and len(time) > 1:
         turns = joint_turns(hand, scene.limb.rho, scene.limb.side, PARTS)
         most = np.array([limits.shoulder, limits.elbow]) * (1.0 + SPEED_TOLERANCE)
         if np.any(turns > most * np.diff(time)[:, None]):
-            return "a joint would have to be faster than max_joint_speed"
-    return ""
+            return Reason(Failure.JOINT_SPEED)
+    return None
 
 
-def _miss(scene: Scene, trajectory: Trajectory, body: int) -> str:
+def _miss(scene: Scene, trajectory: Trajectory, body: int) -> Reason | None:
     """Whether the hand misses the target at the end."""
     poses = np.zeros((len(scene.bodies.rows), 12))
     pose_at(scene.bodies, body, trajectory.duration, poses)
     distance = target_distance(scene.bodies, poses, body, *trajectory.hand[-1])
     if distance > scene.limits.grasp - 0.5 * CATCH_SAFETY:
-        return "the hand misses the target"
-    return ""
+        return Reason(Failure.MISSED)
+    return None

@@ -9,12 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from gcm_learn.maps import CognitiveMap
+from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import first_catch, first_interception, may_be_reached
 from gcm_learn.motion.rules import Rules, rules_of, start_clearance
 from gcm_learn.motion.timing import keep_limits, refine, segment_times, straight_way
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import HOLE_MARGIN, Verdict, verify
-from gcm_learn.planners.plan import Plan, Status
+from gcm_learn.planners.plan import Plan
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.scene import Scene
@@ -49,19 +50,26 @@ class Problem:
         """What movements keep so that they are surely verified."""
         return rules_of(self.scene, self.start_clearance)
 
-    def answer(
-        self, status: Status, message: str, cognitive_map: CognitiveMap | None = None
-    ) -> Plan:
+    def answer(self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None) -> Plan:
         """A plan without a catch."""
-        elapsed = 1e3 * (clock.perf_counter() - self.started)
-        return Plan(self.situation.name, self.planner, status, message, elapsed, map=cognitive_map)
+        reason = why if isinstance(why, Reason) else Reason(why)
+        blocked = reason.failure is Failure.START_BLOCKED
+        return Plan(
+            name=self.situation.name,
+            planner=self.planner,
+            status="start_blocked" if blocked else "unreachable",
+            message=str(reason),
+            planning_ms=1e3 * (clock.perf_counter() - self.started),
+            failure=reason.failure,
+            map=cognitive_map,
+        )
 
     def early_answer(self) -> Plan | None:
         """What can be said without planning: blocked at the start, or hopeless."""
         if self.start_clearance <= 0.0:
-            return self.answer("start_blocked", "the limb touches an obstacle at t = 0")
+            return self.answer(Failure.START_BLOCKED)
         if not may_be_reached(self.scene):
-            return self.answer("unreachable", "no target comes within reach before the horizon")
+            return self.answer(Failure.OUT_OF_REACH)
         return None
 
     def caught(
@@ -217,18 +225,19 @@ def judged(
     return problem.caught(attempt, verdict.clearance, cognitive_map), verdict
 
 
-def checked(problem: Problem, attempt: Attempt) -> tuple[Plan | None, str]:
+def checked(problem: Problem, attempt: Attempt) -> tuple[Plan | None, Reason | None]:
     """Verify an attempt: a plan if it holds, else why not."""
     plan, verdict = judged(problem, attempt)
     return plan, verdict.reason
 
 
-def straight_plan(problem: Problem) -> tuple[Plan | None, str]:
-    """Go straight to the earliest interception: a plan if it holds, else why not."""
-    way = straight_catch(problem, np.array(problem.situation.arm.hand), 0.0)
-    if way is None:
-        return None, "no straight line meets a target in time"
-    time, hand, body = way
+def straight_plan(problem: Problem) -> Plan:
+    """Go straight to the earliest interception: the plan, or why it does not hold."""
+    path = straight_catch(problem, np.array(problem.situation.arm.hand), 0.0)
+    if path is None:
+        return problem.answer(Failure.NO_STRAIGHT_LINE)
+    time, hand, body = path
     if time[-1] <= 0.0:
         time, hand = time[:1], hand[:1]
-    return checked(problem, attempt_of(problem, time, hand, body))
+    plan, reason = checked(problem, attempt_of(problem, time, hand, body))
+    return problem.answer(reason or Failure.NO_STRAIGHT_LINE) if plan is None else plan

@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 from gcm_learn.handspace.lattice import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
+from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt, Problem, finish, judged, straight_plan
 from gcm_learn.planners.feedback import Exploration, Lessons
@@ -57,31 +58,30 @@ class FrontPlanner:
         problem = Problem(situation, self.name)
         answer = problem.early_answer()
         if answer is None and self.direct:
-            answer = straight_plan(problem)[0]
+            straight = straight_plan(problem)
+            answer = straight if straight.caught else None
         return self.climb(problem) if answer is None else answer
 
     def climb(self, problem: Problem) -> Plan:
         """Answer by maps, after what can be said without one has been said."""
         first: CognitiveMap | None = None
-        reason = ""
+        reason: Reason | None = None
         for rung in self.rungs:
             lessons = Lessons(beyond=rung.beyond)
             for trial in range(rung.trials):
                 found = rung.explore(problem, rung.params, lessons)
                 first = found.map if first is None else first
                 if found.map.contact is None:
-                    reason = reason or "the front meets no target within the horizon"
+                    reason = reason or Reason(Failure.NO_INTERCEPTION)
                     if rung.decisive and trial == 0:
-                        return problem.answer("unreachable", reason, first)
+                        return problem.answer(reason or Failure.NO_INTERCEPTION, first)
                     break
                 plan, failures = _first_that_holds(problem, found)
                 if plan is not None:
                     return plan
-                reason = "no target can be met from where the front made contact"
-                if failures:
-                    reason = failures[0][1].reason
+                reason = failures[0][1].reason if failures else Reason(Failure.NO_ENDING)
                 lessons = lessons.after(found, failures, problem.situation.arm.max_hand_speed)
-        return problem.answer("unreachable", reason, first)
+        return problem.answer(reason or Failure.NO_INTERCEPTION, first)
 
 
 def _first_that_holds(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from gcm_learn.maps import CognitiveMap
+from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.situation import Situation
 
@@ -34,6 +35,8 @@ class Plan:
     """Smallest distance of limb and obstacles, less the thickness [forearm lengths]; infinite
     without obstacles."""
     trajectory: Trajectory | None = None
+    failure: Failure | None = None
+    """Why there is no catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
     """The map that the plan came from; planners without maps leave it out."""
 

@@ -27,6 +27,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import keep_limits, refine, straight_way
 from gcm_learn.motion.trajectory import Trajectory
@@ -106,7 +107,7 @@ def retime(plan: Plan, situation: Situation, max_acceleration: float) -> Plan:
     if plan.trajectory is None or plan.trajectory.duration == 0.0:
         return plan
     problem = Problem(situation, plan.planner)
-    reason = "no target is met in time"
+    reason: Reason | None = Reason(Failure.NO_TARGET_MET)
     answer: Plan | None = None
     attempts = (_attempt(problem, *m) for m in _motions(problem, plan.trajectory, max_acceleration))
     for attempt in sorted(filter(None, attempts), key=lambda a: a.trajectory.duration):
@@ -114,8 +115,9 @@ def retime(plan: Plan, situation: Situation, max_acceleration: float) -> Plan:
         if answer is not None:
             break
     if answer is None:
-        limit = f"accelerations up to {max_acceleration:g}"
-        answer = problem.answer("unreachable", f"not with {limit}: {reason}")
+        answer = problem.answer(
+            Failure.TOO_SLOW.with_numbers(limit=max_acceleration, reason=reason)
+        )
     elapsed = 1e3 * (clock.perf_counter() - problem.started)
     return replace(answer, planning_ms=plan.planning_ms + elapsed)
 

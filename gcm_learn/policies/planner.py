@@ -12,6 +12,7 @@ from gcm_learn import artifacts, seeding
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import PolicyError
+from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.timing import refine
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners.completion import Attempt, Problem, checked
@@ -77,7 +78,7 @@ class ActorPlanner:
             plan = self._verified(problem, time, frame.original(hand))
             if plan is not None:
                 return plan
-        return problem.answer("unreachable", f"none of {self.tries} tried ways catches")
+        return problem.answer(Failure.NO_VALID_ROLLOUT.with_numbers(count=self.tries))
 
     def _verified(self, problem: Problem, time: np.ndarray, hand: np.ndarray) -> Plan | None:
         """The way as a plan, if it holds with any target."""

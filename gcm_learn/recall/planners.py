@@ -7,6 +7,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
+from gcm_learn.motion.failures import Failure
 from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.planners.plan import Plan, Planner
 from gcm_learn.planners.registry import get_planner, register
@@ -66,9 +67,7 @@ class RecallPlanner:
         problem = Problem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None or len(self.memory) == 0:
-            return Recollection(
-                answer or problem.answer("unreachable", "nothing is known"), None, 0
-            )
+            return Recollection(answer or problem.answer(Failure.NO_MEMORY), None, 0)
         place = self.memory.index.embed_query(situation, problem.scene)
         pool = self.candidates * (POOL if max(self.novelty, self.regret) > 0.0 else 1)
         chosen = self.memory.recall(place, pool)
@@ -155,7 +154,7 @@ def _first(
         if plan is not None:
             return plan, k, total
         # The verification has the last word: what is left is tried.
-    return problem.answer("unreachable", f"none of {total} remembered ways holds"), -1, total
+    return problem.answer(Failure.NO_VALID_MEMORY.with_numbers(count=total)), -1, total
 
 
 @dataclass(frozen=True)

@@ -164,7 +164,7 @@ class School:
             problem = Problem(family.draw(source, "drawn"), "lesson")
             if problem.early_answer() is not None or self._is_held_out(family.family, problem):
                 continue
-            if rng.random() >= EASY and straight_plan(problem)[0] is not None:
+            if rng.random() >= EASY and straight_plan(problem).caught:
                 continue
             yield problem
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
+from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.interception import first_interception, target_distance
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem, checked, finish
@@ -125,10 +126,10 @@ class PotentialPlanner:
         rules = problem.rules._replace(speed=arm.max_hand_speed * (1.0 - 1e-8))
         count = descend_field(problem.scene, rules, Field(self.influence, self.gain), hand)
         if count < 0:
-            return problem.answer("unreachable", "the field leads to no target in time")
+            return problem.answer(Failure.NO_FIELD_LINE)
         time = np.linspace(0.0, horizon, len(hand))[:count]
         attempt = finish(problem, np.vstack([hand[:1], hand[:count]]), np.append(0.0, time))
         if attempt is None:
-            return problem.answer("unreachable", "the field leads to no target in time")
+            return problem.answer(Failure.NO_FIELD_LINE)
         plan, reason = checked(problem, attempt)
-        return plan if plan is not None else problem.answer("unreachable", reason)
+        return plan if plan is not None else problem.answer(reason or Failure.NO_FIELD_LINE)

@@ -29,6 +29,7 @@ from types import ModuleType
 import numpy as np
 
 from gcm_learn.errors import MissingExtraError, PlatformError
+from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_interception
 from gcm_learn.motion.timing import straight_way
 from gcm_learn.motion.verification import HOLE_MARGIN
@@ -148,7 +149,7 @@ def _search(task: Task) -> tuple[list[Improvement], float]:
 
 def _best(problem: Problem, paths: list[np.ndarray]) -> Plan:
     """The last path that holds, as a plan."""
-    reason = "the trees do not meet in the time that they have"
+    reason: Reason | None = Reason(Failure.NO_TREE)
     for path in reversed(paths):
         attempt = finish(problem, *_sampled(path))
         if attempt is None:
@@ -156,7 +157,7 @@ def _best(problem: Problem, paths: list[np.ndarray]) -> Plan:
         plan, reason = checked(problem, attempt)
         if plan is not None:
             return plan
-    return problem.answer("unreachable", reason)
+    return problem.answer(reason or Failure.NO_TREE)
 
 
 def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,8 +18,4 @@ class StraightPlanner:
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""
         problem = Problem(situation, self.name)
-        answer = problem.early_answer()
-        if answer is not None:
-            return answer
-        plan, reason = straight_plan(problem)
-        return plan if plan is not None else problem.answer("unreachable", reason)
+        return problem.early_answer() or straight_plan(problem)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import segment_times, straight_way
 from gcm_learn.planners.baselines.straight import StraightPlanner
@@ -37,7 +38,7 @@ class StraightWaitPlanner:
         at_once = StraightPlanner(self.name).plan(situation)
         if at_once.caught:
             return at_once
-        reason = "no straight line meets a target in time"
+        reason: Reason | None = Reason(Failure.NO_STRAIGHT_LINE)
         for way, leave, end in self._interceptions(problem):
             spare = max(end - leave[-1], 0.0)
             for share in self.shares if spare > problem.rules.instant else (0.0,):
@@ -49,7 +50,7 @@ class StraightWaitPlanner:
                 plan, reason = checked(problem, attempt)
                 if plan is not None:
                     return plan
-        return problem.answer("unreachable", reason)
+        return problem.answer(reason or Failure.NO_STRAIGHT_LINE)
 
     def _interceptions(self, problem: Problem) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
         """Straight ways (m, 2) to interceptions, their times (m,) without waits, and when."""

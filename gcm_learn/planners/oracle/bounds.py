@@ -18,6 +18,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_interception
 from gcm_learn.motion.timing import straight_way
 from gcm_learn.planners.baselines.straight import StraightPlanner
@@ -109,7 +110,7 @@ def bounds(
     if known.plan.caught:
         elapsed = 1e3 * (clock.perf_counter() - problem.started)
         return replace(known, plan=replace(known.plan, planning_ms=elapsed))
-    return replace(known, plan=problem.answer("unreachable", _why(known)))
+    return replace(known, plan=problem.answer(_why(known)))
 
 
 def stratum(situation: Situation, known: Bounds | None = None) -> Stratum:
@@ -188,11 +189,11 @@ def _time(plan: Plan) -> float:
     return math.inf if plan.catch_time is None else plan.catch_time
 
 
-def _why(known: Bounds) -> str:
+def _why(known: Bounds) -> Reason:
     """Why there is no plan."""
     if math.isinf(known.lower):
-        return "certainly unreachable: no movement meets a target within the horizon"
-    return f"no verified catch was found, though none is ruled out from {known.lower:.3f} s on"
+        return Reason(Failure.IMPOSSIBLE)
+    return Failure.UNDECIDED.with_numbers(since=known.lower)
 
 
 def _unhindered(problem: Problem) -> float:

@@ -1,0 +1,58 @@
+"""Why there is no catch: reasons that can be counted, each with its sentence."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from enum import Enum
+
+
+class Failure(Enum):
+    """A reason, whose value is its sentence; numbers stand in braces."""
+
+    START_BLOCKED = "the limb touches an obstacle at t = 0"
+    OUT_OF_REACH = "no target comes within reach before the horizon"
+    NO_INTERCEPTION = "the front meets no target within the horizon"
+    NO_ENDING = "no target can be met from where the front made contact"
+    NO_STRAIGHT_LINE = "no straight line meets a target in time"
+    NO_FIELD_LINE = "the field leads to no target in time"
+    NO_TREE = "the trees do not meet in the time that they have"
+    NO_MEMORY = "nothing is known"
+    NO_VALID_MEMORY = "none of {count} remembered ways holds"
+    NO_VALID_ROLLOUT = "none of {count} tried ways catches"
+    IMPOSSIBLE = "certainly unreachable: no movement meets a target within the horizon"
+    UNDECIDED = "no verified catch was found, though none is ruled out from {since:.3f} s on"
+    TOO_SLOW = "not with accelerations up to {limit:g}: {reason}"
+    LATE = "the catch at {when:.3f} s comes after the horizon"
+    WRONG_START = "the path does not start at the hand"
+    OUTSIDE = "the path leaves the reachable ring"
+    SINGULAR = "the arm would have to turn round within no time near the shoulder"
+    HAND_SPEED = "the hand would have to be faster than max_hand_speed"
+    JOINT_SPEED = "a joint would have to be faster than max_joint_speed"
+    MISSED = "the hand misses the target"
+    NO_TARGET_MET = "no target is met in time"
+    COLLISION = "the limb is touched at t = {when:.3f} s"
+
+    def with_numbers(self, **numbers: object) -> Reason:
+        """The reason with what stands in its braces."""
+        return Reason(self, numbers)
+
+    @classmethod
+    def of(cls, message: str) -> Failure | None:
+        """The reason whose sentence a message is; None for that of a catch."""
+        for failure in cls:
+            pieces = re.split(r"\{[^}]*\}", failure.value)
+            if re.fullmatch(".*".join(map(re.escape, pieces)), message):
+                return failure
+        return None
+
+
+@dataclass(frozen=True)
+class Reason:
+    """A failure with its numbers; as a string it is a sentence."""
+
+    failure: Failure
+    numbers: dict[str, object] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return self.failure.value.format(**self.numbers)
