@@ -135,7 +135,7 @@ def test_the_memory_that_ships_holds_nothing_that_is_held_out_or_compared_on():
     holdouts = dataset.read_spec(DATA / "specs" / "train.toml").holdouts
     for k in range(0, len(memory), 5):
         entry = memory[k]
-        top = float(pack(entry.situation).rows[:, TOP_SPEED].max())
+        top = float(pack(entry.situation).bodies.rows[:, TOP_SPEED].max())
         quantities = quantities_of(entry.situation, top)
         assert not any(holdout.holds(entry.family, quantities) for holdout in holdouts)
     bodies = {entry.situation.bodies for entry in draw_suite("demo", 50, DATA / "suites")}
