@@ -4,7 +4,7 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-PIP    := $(BIN)/python -m pip --disable-pip-version-check install --progress-bar off --constraint constraints.txt
+PIP    := $(BIN)/python -m pip --disable-pip-version-check install -qq --progress-bar off --constraint constraints.txt
 
 # One thread each: the kernels are single-threaded, and small machines stay usable.
 export NUMBA_NUM_THREADS    ?= 1
@@ -41,7 +41,6 @@ format: $(VENV)/.dev  ## rewrite the sources in the house style
 bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets and the arena
 	$(BIN)/python experiments/benchmarks/run.py
 	$(BIN)/python experiments/benchmarks/dataset.py
-	@$(BIN)/python -c 'import gymnasium' 2>/dev/null || $(PIP) --quiet gymnasium
 	$(BIN)/python experiments/benchmarks/arena.py
 
 clean:  ## remove what was built, except .venv
@@ -64,12 +63,13 @@ $(VENV)/.created:
 
 $(VENV)/.core: $(VENV)/.created pyproject.toml constraints.txt
 	@echo "Installing gcm_learn (a minute or two the first time) ..."
-	@$(PIP) --quiet --editable .
+	@$(PIP) --editable .
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.created pyproject.toml constraints.txt
-	@echo "Installing gcm_learn and the tools of its tests (a minute or two the first time) ..."
-	@$(PIP) --quiet --editable ".[dev]"
+	@echo "Installing gcm_learn and all that its tests need (a few minutes the first time) ..."
+	@$(PIP) "$$(grep '^torch==' constraints.txt)"  # as a range it would bring CUDA along
+	@$(PIP) --editable ".[dev]"
 	@touch $@ $(VENV)/.core
 
 # scikit-fmm is built from source. Without a compiler the benchmark still runs and leaves it out.
@@ -77,5 +77,5 @@ $(VENV)/.dev: $(VENV)/.created pyproject.toml constraints.txt
 peers: $(VENV)/.dev
 	@$(BIN)/python -c 'import skfmm' 2>/dev/null || { \
 	  echo "Building scikit-fmm for the comparison ..."; \
-	  $(PIP) --quiet scikit-fmm || \
+	  $(PIP) scikit-fmm || \
 	  echo "scikit-fmm could not be built: its comparison is left out." >&2; }

@@ -4,19 +4,42 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from typing import TypeVar
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
 from gcm_learn import seeding
+from tests import skips
+
+CI = bool(os.environ.get("CI"))
+Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 
 # Compilation makes the first example slow, so there is no deadline. Continuous integration
 # draws the same examples every time: a red run must be about the change.
 settings.register_profile("desk", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True)
-settings.load_profile("ci" if os.environ.get("CI") else "desk")
+settings.load_profile("ci" if CI else "desk")
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """In continuous integration no test is skipped without an agreement."""
+    return _judged((yield))
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """And no module."""
+    return _judged((yield))
+
+
+def _judged(report: Report) -> Report:
+    if CI:
+        skips.judge(report)
+    return report
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@
 # seconds, and the shoulder is the origin.
 
 # %%
+# %matplotlib inline
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, build_map, solve
 from gcm_learn.plots import draw_courses, draw_workspace, plot_map
 

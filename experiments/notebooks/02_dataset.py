@@ -18,6 +18,7 @@
 # `data`.
 
 # %%
+# %matplotlib inline
 import os
 from pathlib import Path
 

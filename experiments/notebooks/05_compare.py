@@ -18,6 +18,7 @@
 # and more situations this is the main figure of the report that `gcm-learn evaluate` writes.
 
 # %%
+# %matplotlib inline
 import os
 
 from gcm_learn.evaluation import compare, draw_suite
