@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from typing import Any
 
@@ -20,16 +18,16 @@ from gcm_learn.dataset.manifest import (
     read_manifest,
     write_manifest,
 )
-from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.warming import warm_and_make, warm_up
 from gcm_learn.dataset.workers import LocalPool
 from gcm_learn.errors import DatasetError
-from gcm_learn.processes import cores, pool
+from gcm_learn.processes import cores
 
 BETWEEN_MANIFESTS = 60.0  # [s]
+DIED = "the process that made it died"
 
 
 def generate(
@@ -127,37 +125,9 @@ def _made(
 
 def make_alone(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
     """Make a shard whose processes died, item by item: one that kills its process is recorded."""
-    with _Keeper(spec) as keeper:
-        records = [keeper.item(k) for k in spec.indices(shard)]
+    dead = partial(no_item, spec, error=DIED)
+    work = LocalPool(partial(make_item, spec), 1, dead, partial(warm_up, spec), ahead=1)
+    records = sorted(work.results(spec.indices(shard)), key=lambda record: record.index)
+    if len(records) > 1 and all(record.error == DIED for record in records):
+        raise DatasetError("processes die before they make anything (memory?)")
     return write_shard(spec, shard, records, url)
-
-
-class _Keeper:
-    """One process that makes items, replaced when it dies."""
-
-    def __init__(self, spec: DatasetSpec) -> None:
-        self.spec, self._stack = spec, contextlib.ExitStack()
-
-    def __enter__(self) -> _Keeper:
-        self._start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._stack.close()
-
-    def _start(self) -> None:
-        self._pool = self._stack.enter_context(pool(1))
-        try:
-            self._pool.submit(warm_up, self.spec).result()
-        except BrokenProcessPool:
-            raise DatasetError("processes die before they make anything (memory?)") from None
-
-    def item(self, k: int) -> Record:
-        """Make item k; if its process dies twice, so be it."""
-        for _ in range(2):
-            try:
-                return self._pool.submit(make_item, self.spec, k).result()
-            except BrokenProcessPool:
-                self._stack.close()
-                self._start()
-        return no_item(self.spec, k, "the process that made it died")

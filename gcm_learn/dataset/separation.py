@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.shards import read_columns
@@ -53,19 +54,17 @@ def distance_of(
         large dataset a random sample of the test records is measured, against all training
         records. `pair` are the two items that are nearest to each other.
     """
-    away = set(twins)
-    tests, total = _tests(folder, spec, names, away)
+    tests, total = _tests(folder, spec, names, twins)
     nearest = {structure: np.full(len(t[0]), np.inf) for structure, t in tests.items()}
     neighbour = {structure: np.full(len(t[0]), -1) for structure, t in tests.items()}
-    for table in _tables(folder, names, ["index", "split", "structure", "parameters"]):
-        for structure, indices, numbers in _groups(table, "train", away):
-            if structure in tests:
-                d2 = _squared(tests[structure][1], numbers)
-                best = d2.argmin(axis=1)
-                least = np.sqrt(np.maximum(d2[np.arange(len(d2)), best], 0.0))
-                closer = least < nearest[structure]
-                nearest[structure][closer] = least[closer]
-                neighbour[structure][closer] = indices[best[closer]]
+    for structure, indices, numbers in _groups(folder, names, twins, lambda s: s == "train"):
+        if structure in tests:
+            away = _distances(tests[structure][1], numbers)
+            best = away.argmin(axis=1)
+            least = away[np.arange(len(away)), best]
+            closer = least < nearest[structure]
+            nearest[structure][closer] = least[closer]
+            neighbour[structure][closer] = indices[best[closer]]
     every = np.concatenate([*nearest.values(), np.zeros(0)])
     known = np.isfinite(every)
     out: dict[str, Any] = {
@@ -86,35 +85,27 @@ def distance_of(
     return out
 
 
-def _squared(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Squared distances (m, n) between rows (m, p) and (n, p), free of cancellation."""
+def _distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Distances (m, n) between rows (m, p) and (n, p), free of cancellation."""
     out = np.zeros((len(a), len(b)))
     for column in range(a.shape[1]):
         out += (a[:, column, None] - b[None, :, column]) ** 2
-    return out
+    return np.sqrt(out, out=out)
 
 
 def _tests(
-    folder: Folder, spec: DatasetSpec, names: Sequence[str], away: set[int]
+    folder: Folder, spec: DatasetSpec, names: Sequence[str], twins: Sequence[int]
 ) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], int]:
     """A sample of the test records by structure, (indices, parameters) each; how many there are."""
-    found = []
-    for table in _tables(folder, names, ["index", "split"]):
-        split = table["split"].to_pylist()
-        index = table["index"].to_pylist()
-        found += [k for k, s in zip(index, split, strict=True) if _is_test(s) and k not in away]
-    chosen = set(sorted(found, key=lambda k: lot_of(spec.seed, k, SAMPLE))[:MOST])
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = defaultdict(list)
-    for table in _tables(folder, names, ["index", "split", "structure", "parameters"]):
-        for structure, indices, numbers in _groups(table, "test", away):
-            keep = np.isin(indices, list(chosen))
-            if keep.any():
-                parts[structure].append((indices[keep], numbers[keep]))
-    joined = {
-        structure: (np.concatenate([i for i, _ in p]), np.vstack([n for _, n in p]))
-        for structure, p in parts.items()
-    }
-    return joined, len(found)
+    for structure, indices, numbers in _groups(folder, names, twins, _is_test):
+        parts[structure].append((indices, numbers))
+    found = [int(k) for part in parts.values() for indices, _ in part for k in indices]
+    chosen = sorted(found, key=lambda k: lot_of(spec.seed, k, SAMPLE))[:MOST]
+    joined = {s: tuple(map(np.concatenate, zip(*part, strict=True))) for s, part in parts.items()}
+    kept = {s: np.isin(indices, chosen) for s, (indices, _) in joined.items()}
+    sample = {s: (i[kept[s]], n[kept[s]]) for s, (i, n) in joined.items() if kept[s].any()}
+    return sample, len(found)
 
 
 def _is_test(split: str) -> bool:
@@ -122,19 +113,17 @@ def _is_test(split: str) -> bool:
 
 
 def _groups(
-    table: pa.Table, role: str, away: set[int]
+    folder: Folder, names: Sequence[str], twins: Sequence[int], wanted: Callable[[str], bool]
 ) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Structure, indices (m,) and parameters (m, p) of a shard's training or test records."""
-    index, split = table["index"].to_pylist(), table["split"].to_pylist()
-    structure = table["structure"].to_pylist()
-    numbers = table["parameters"].combine_chunks()
-    rows: dict[str, list[int]] = defaultdict(list)
-    for k, (i, s) in enumerate(zip(index, split, strict=True)):
-        if (_is_test(s) if role == "test" else s == role) and i not in away:
-            rows[structure[k]].append(k)
-    for name, places in rows.items():
-        vectors = np.array([numbers[k].values.to_numpy() for k in places], dtype=float)
-        yield name, np.array([index[k] for k in places]), vectors
+    """Structure, indices (m,) and parameters (m, p) of records, shard by shard."""
+    for table in _tables(folder, names, ["index", "split", "structure", "parameters"]):
+        good = ~np.isin(table["index"].to_numpy(), twins)
+        good &= np.array([wanted(split) for split in table["split"].to_pylist()], dtype=bool)
+        part = table.filter(pa.array(good))
+        for structure in part["structure"].unique().to_pylist():
+            rows = part.filter(pc.equal(part["structure"], structure))
+            numbers = pc.list_flatten(rows["parameters"]).to_numpy()
+            yield structure, rows["index"].to_numpy(), numbers.reshape(len(rows), -1).astype(float)
 
 
 def _tables(folder: Folder, names: Sequence[str], columns: list[str]) -> Iterator[pa.Table]:

@@ -156,22 +156,10 @@ class DatasetSpec:
 
 def spec_to_json(spec: DatasetSpec) -> dict[str, Any]:
     """The specification as JSON values; `spec_from_json` gives back an equal one."""
-    out: dict[str, Any] = {"format": FORMAT}
-    for f in dataclasses.fields(spec):
-        value = getattr(spec, f.name)
-        if value is not None:
-            out[f.name] = _plain(value)
-    return out
-
-
-def _plain(value: object) -> object:
-    """JSON values of records, tuples and mappings."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        members = ((f.name, getattr(value, f.name)) for f in dataclasses.fields(value))
-        return {name: _plain(member) for name, member in members if member is not None}
-    if isinstance(value, Mapping):
-        return {str(name): _plain(member) for name, member in value.items()}
-    return [_plain(v) for v in value] if isinstance(value, tuple | list) else value
+    given = dataclasses.asdict(
+        spec, dict_factory=lambda members: {k: v for k, v in members if v is not None}
+    )
+    return {"format": FORMAT, **json.loads(json.dumps(given))}
 
 
 def read_spec(path: str | Path) -> DatasetSpec:

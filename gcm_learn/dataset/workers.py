@@ -10,7 +10,6 @@ from typing import Generic, TypeVar
 
 from gcm_learn.processes import pool
 
-AHEAD = 2  # tasks that wait for each worker, so that none is idle and the queue stays short
 STRIKES = 3  # times that a task may be under way when a process dies, before it is done alone
 Result = TypeVar("Result")
 
@@ -31,6 +30,9 @@ class LocalPool(Generic[Result]):
         ``alone(task)``, run in this process for tasks that kill theirs.
     prepare : callable, optional
         Run first in each process.
+    ahead : int
+        Tasks that wait for each worker or are with it: more than one, so that none is idle, and
+        one where a process that dies must tell which task was to blame.
     """
 
     def __init__(
@@ -39,8 +41,10 @@ class LocalPool(Generic[Result]):
         workers: int,
         alone: Callable[[int], Result],
         prepare: Callable[[], None] | None = None,
+        ahead: int = 2,
     ) -> None:
         self.work, self.workers, self.alone, self.prepare = work, workers, alone, prepare
+        self.ahead = ahead
         self.rebuilt = 0
         """How often processes had to be replaced."""
 
@@ -93,7 +97,7 @@ class LocalPool(Generic[Result]):
         strikes: Counter[int],
     ) -> bool:
         """Keep the queue filled; tells whether the pool is broken."""
-        while len(running) < AHEAD * self.workers:
+        while len(running) < self.ahead * self.workers:
             if again and strikes[again[0]] >= STRIKES:
                 return False  # to be done alone, once the queue is empty
             task = again.popleft() if again else next(coming, None)

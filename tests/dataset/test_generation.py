@@ -16,10 +16,11 @@ import pytest
 
 from gcm_learn import dataset
 from gcm_learn.dataset import generate
-from gcm_learn.dataset import generation as making
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import make_alone
+from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.manifest import read_manifest
+from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.shards import ShardInfo, make_shard, shard_name
 from gcm_learn.errors import DatasetError
 from tests.dataset.conftest import make_here
@@ -153,6 +154,13 @@ def cursed(spec, shard, url) -> ShardInfo:
     return make_shard(spec, shard, url)
 
 
+def fatal(spec, k) -> Record:
+    """Make an item, but die whenever item 23 is asked for."""
+    if k == 23:
+        os.abort()
+    return make_item(spec, k)
+
+
 def test_a_killed_worker_costs_nothing_but_time(small, tmp_path, monkeypatch, small_folder):
     make_here(small, str(tmp_path / "here"))
     monkeypatch.setattr("gcm_learn.dataset.generation.make_shard", mortal)
@@ -186,22 +194,25 @@ def test_a_shard_that_always_kills_its_process_is_made_alone(small, tmp_path, mo
 
 @pytest.mark.slow
 def test_an_item_that_kills_its_process_is_recorded(small, tmp_path, monkeypatch):
-    class Fragile(making._Keeper):
-        def item(self, k):
-            if k == 23:
-                for _ in range(2):
-                    self._pool.submit(os.abort)
-                    with pytest.raises(making.BrokenProcessPool):
-                        self._pool.submit(os.getpid).result()
-                    self._start()
-                return making.no_item(small, k, "the process that made it died")
-            return super().item(k)
-
-    monkeypatch.setattr(making, "_Keeper", Fragile)
+    monkeypatch.setattr("gcm_learn.dataset.generation.make_item", fatal)
     Folder(tmp_path).make()
     info = make_alone(small, 1, str(tmp_path))
     assert info.failures == 1 and info.failed == {"23": "the process that made it died"}
     assert info.rows == 20
+
+
+def deadly(spec, k) -> Record:
+    """Die whatever is asked for."""
+    os.abort()
+
+
+@pytest.mark.slow
+def test_processes_that_make_nothing_are_no_dataset(small, tmp_path, monkeypatch):
+    monkeypatch.setattr("gcm_learn.dataset.generation.make_item", deadly)
+    Folder(tmp_path).make()
+    with pytest.raises(DatasetError, match="die before they make anything"):
+        make_alone(replace(small, shard_size=2), 1, str(tmp_path))
+    assert Folder(tmp_path).names("shards") == []
 
 
 def run_generate(spec: Path, out: Path, *options: str) -> subprocess.Popen:
