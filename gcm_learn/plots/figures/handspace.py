@@ -72,14 +72,12 @@ def _drawn_over_rim(lattice: Lattice) -> tuple[np.ndarray, np.ndarray]:
 
 
 def show_image(ax: Axes, image: np.ndarray, arm: Arm, zorder: float = 2.0) -> AxesImage:
-    """Lay an image over the reachable disc without disturbing the view's limits."""
+    """Lay an image over the reachable disc."""
     reach = arm.reach
-    limits = ax.axis()
     shown = ax.imshow(
         image, origin="lower", extent=(-reach, reach, -reach, reach), zorder=zorder,
         interpolation="antialiased",
     )  # fmt: skip
-    ax.axis(limits)
     shown.set_clip_path(Circle((0, 0), reach, transform=ax.transData))
     return shown
 

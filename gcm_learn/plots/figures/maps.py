@@ -113,12 +113,10 @@ def draw_effective(ax: Axes, cognitive_map: CognitiveMap, tau: float | None = No
     ):
         there = cells if tau is None else cells & (born <= tau)
         image = there[..., None] * np.array(to_rgba(colour))
-        limits = ax.axis()
         ax.imshow(
             image, origin="lower", extent=cognitive_map.lattice.extent, zorder=4,
             interpolation="antialiased",
         )  # fmt: skip
-        ax.axis(limits)
 
 
 def walls(cognitive_map: CognitiveMap) -> np.ndarray:
@@ -201,7 +199,7 @@ def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, darkest: float) -> None
     if latest <= 0.0:
         return
     tau = np.where(np.isfinite(far := spread(cognitive_map)), far, 2 * latest)
-    centres, limits = cognitive_map.lattice.centres, ax.axis()
+    centres = cognitive_map.lattice.centres
     shown = ax.contourf(
         centres, centres, tau, levels=np.linspace(0.0, latest, SHADES), cmap=style.MAP_COLOURS,
         norm=Normalize(0.0, darkest), zorder=1,
@@ -211,7 +209,6 @@ def _draw_arrival(ax: Axes, cognitive_map: CognitiveMap, darkest: float) -> None
     lines = ax.contour(
         centres, centres, tau, levels=rings, colors="white", linewidths=0.9, zorder=2
     )
-    ax.axis(limits)
     _clip_at_rim(ax, cognitive_map, shown, lines)
 
 
@@ -264,7 +261,7 @@ def draw_explored(ax: Axes, cognitive_map: CognitiveMap, tau: float) -> None:
     ahead = np.minimum(spread(cognitive_map) - tau, FAR)
     if not (ahead < 0.0).any():
         return
-    centres, limits = cognitive_map.lattice.centres, ax.axis()
+    centres = cognitive_map.lattice.centres
     region = ax.contourf(
         centres, centres, ahead, levels=[-np.inf, 0.0], colors=[style.EXPLORED], zorder=1
     )
@@ -273,5 +270,4 @@ def draw_explored(ax: Axes, cognitive_map: CognitiveMap, tau: float) -> None:
         centres, centres, np.ma.masked_where(stuck, ahead), levels=[0.0], colors=[style.FRONT],
         linewidths=1.8, zorder=3,
     )  # fmt: skip
-    ax.axis(limits)
     _clip_at_rim(ax, cognitive_map, region, front)

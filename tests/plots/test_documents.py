@@ -1,11 +1,19 @@
-"""The picture of the families: a panel each, of a situation worth showing."""
+"""The pictures of the README and the documents can be drawn again."""
 
 from __future__ import annotations
+
+from PIL import Image
 
 from gcm_learn.families import family_names
 from gcm_learn.planners import solve
 from gcm_learn.plots import style
-from gcm_learn.plots.reports.documents import draw_case, families_figure, first_case, shown_families
+from gcm_learn.plots.reports.documents import (
+    draw_case,
+    families_figure,
+    first_case,
+    shown_families,
+    write_gallery,
+)
 
 
 def test_every_family_has_a_panel_or_a_sibling_with_one():
@@ -24,3 +32,20 @@ def test_a_shown_case_needs_more_than_a_straight_line():
     ax = draw_case(style.new_figure(2.0, 2.0).subplots(), situation, plan)
     bodies = len(situation.bodies)
     assert len(ax.patches) >= 4 * bodies  # at four instants
+
+
+def test_gallery_writes_readable_pictures(tmp_path):
+    files = write_gallery(tmp_path / "images")
+    assert [f.name for f in files] == [
+        "situation.png",
+        "hand-space.png",
+        "wave.png",
+        "map.png",
+        "catch.gif",
+        "waiting.png",
+        "families.png",
+    ]
+    for file in files:
+        with Image.open(file) as picture:
+            assert min(picture.size) >= 280
+        assert file.stat().st_size < 400_000
