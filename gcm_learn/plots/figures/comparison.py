@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -38,7 +39,7 @@ MOVES = (
     ("least clearance", "[forearms]"),
     ("fastest joint", "[rad/s]"),
 )
-BESIDE = 1.3  # [pt] between curves that coincide
+BESIDE = 1.6  # [pt] between curves that coincide
 FULL_TOUCH = 50.0  # share of touches that has the darkest colour [%]
 Colour = tuple[float, float, float]
 
@@ -201,22 +202,24 @@ def charged_figure(results: Results) -> Figure | None:
         return None
     figure = style.new_figure(1.6 + 3.2 * len(strata), max(3.2, 0.5 + 0.2 * len(names)))
     panels = figure.subplots(1, len(strata), sharey=True, squeeze=False)[0]
-    middle = (len(names) - 1) / 2
     for ax, stratum in zip(panels, strata, strict=True):
-        part = of_stratum(results, stratum)
-        for place, name in enumerate(names):
+        part, drawn = of_stratum(results, stratum), Counter[tuple[float, ...]]()
+        for name in names:
             curve = charged_curve(part, name)
             if not curve:
                 continue
             shares = [100 * point.value for point in curve]
             colour, m = colour_of(results, name), measured(part, name)
-            aside = offset_copy(ax.transData, figure, 0.0, BESIDE * (middle - place), "points")
+            beside = BESIDE * drawn[tuple(shares)] * (-1 if np.mean(shares) > 50 else 1)
+            drawn[tuple(shares)] += 1
+            aside = offset_copy(ax.transData, figure, 0.0, beside, "points")
             ax.plot(1e3 * np.array(DELAYS), shares, lw=BESIDE, color=colour, label=name,
                     transform=aside)  # fmt: skip
             if m.own is not None:
                 ax.plot(min(m.latency, 1e3 * DELAYS[-1]), 100 * m.own.value, "*", color=colour,
                         ms=8, mec="white", mew=0.6, zorder=5, transform=aside)  # fmt: skip
         _chart(ax, NAMES[stratum], "thinking [ms]", "y")
+        ax.set_xlim(-50 * DELAYS[-1], 1050 * DELAYS[-1])  # shifted curves count for no limits
         ax.set_ylim(-2, 104)
     panels[0].set_ylabel("caught [%]", fontsize=style.SMALL)
     _legend_beside(figure, panels[-1])
