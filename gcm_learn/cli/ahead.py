@@ -11,7 +11,7 @@ from gcm_learn.processes import Context, cores
 
 
 def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
-    """Start compiling what entrants run; join the process before they are needed.
+    """Start compiling what methods run; join the process before they are needed.
 
     None if there are no names, or a single core, where a second process would only be in the way.
     """
@@ -23,7 +23,7 @@ def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
 
 
 def _compile(names: Sequence[str]) -> None:
-    """Let entrants answer once; what goes wrong here is said by whoever needs them."""
+    """Let methods answer once; what goes wrong here is said by whoever needs them."""
     for name in names:
         with contextlib.suppress(Exception):
             warmed(name)
