@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.envs import kernels as k
 from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import ArenaError
-from gcm_learn.motion.rules import rules_of, start_clearance
+from gcm_learn.motion.rules import opening
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.completion import CATCH_STEP
 from gcm_learn.recall.raw_features import own_axis
@@ -86,10 +86,9 @@ class Pool:
 def _arm_row(situation: Situation, scene: Scene) -> np.ndarray:
     """The arm of a canonical situation as a row."""
     arm = situation.arm
-    free = start_clearance(scene)
+    free, rules = opening(scene)
     if free <= 0.0:
         raise ArenaError(f"situation {situation.name!r}: the limb touches an obstacle at t = 0")
-    rules = rules_of(scene, free)
     row = np.zeros(k.ARM_COLUMNS)
     row[k.RHO], row[k.SPEED], row[k.THICKNESS] = arm.upper_arm, arm.max_hand_speed, arm.thickness
     row[k.FLOOR] = rules.touch

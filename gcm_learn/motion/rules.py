@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.collision.sweep import least_distance
+from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 from gcm_learn.scene.scene import Scene
 
@@ -26,31 +27,39 @@ class Rules(NamedTuple):
     instant: float  # resolution in time of interceptions [s]
 
 
-def rules_of(scene: Scene, at_start: float | None = None) -> Rules:
-    """The rules of a scene.
+def rules_of(scene: Scene) -> Rules:
+    """The rules of a scene."""
+    return opening(scene)[1]
 
-    Parameters
-    ----------
-    scene : Scene
-    at_start : float, optional
-        `start_clearance`, if the caller has it at hand [forearm lengths].
-    """
-    at_start = start_clearance(scene) if at_start is None else at_start
-    targets = scene.bodies.rows[scene.bodies.rows[:, PART] == HAND, TOP_SPEED]
-    fastest = scene.limits.speed + targets.max()
-    return Rules(
-        touch=scene.limb.thickness + safety_of(at_start),
-        catch=scene.limits.grasp - CATCH_SAFETY,
-        speed=scene.limits.speed * (1.0 - SPEED_SAFETY),
-        instant=float(max(_INSTANT / fastest, scene.limits.horizon / _MOST_INSTANTS)),
+
+def opening(scene: Scene) -> tuple[float, Rules]:
+    """`start_clearance` and `rules_of` at once: many plans take little longer than these."""
+    distance, fastest = _at_start(scene)
+    free, limits = distance - scene.limb.thickness, scene.limits
+    rules = Rules(
+        touch=scene.limb.thickness + safety_of(free),
+        catch=limits.grasp - CATCH_SAFETY,
+        speed=limits.speed * (1.0 - SPEED_SAFETY),
+        instant=max(_INSTANT / (limits.speed + fastest), limits.horizon / _MOST_INSTANTS),
     )
+    return free, rules
 
 
 def start_clearance(scene: Scene) -> float:
     """Distance of the limb at t = 0 to the obstacles, less the thickness [forearm lengths]."""
-    hand = np.array([[scene.limb.x, scene.limb.y]])
-    distance, _ = least_distance(scene, np.zeros(1), hand, -1.0, 1.0)
-    return float(distance) - scene.limb.thickness
+    distance: float = _at_start(scene)[0]
+    return distance - scene.limb.thickness
+
+
+@njit
+def _at_start(scene):
+    """Distance of the limb at t = 0 to the obstacles, and top speed of the fastest target."""
+    hand, fastest = np.empty((1, 2)), 0.0
+    hand[0, 0], hand[0, 1] = scene.limb.x, scene.limb.y
+    for b in range(scene.bodies.rows.shape[0]):
+        if scene.bodies.rows[b, PART] == HAND:
+            fastest = max(fastest, scene.bodies.rows[b, TOP_SPEED])
+    return least_distance(scene, np.zeros(1), hand, -1.0, 1.0)[0], fastest
 
 
 def safety_of(at_start: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import first_catch, first_interception, may_be_reached
-from gcm_learn.motion.rules import Rules, rules_of, start_clearance
+from gcm_learn.motion.rules import Rules, opening
 from gcm_learn.motion.timing import keep_limits, refine, segment_times, straight_way
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import HOLE_MARGIN, Verdict, verify
@@ -41,14 +41,18 @@ class Problem:
         return self.scene.bodies
 
     @cached_property
-    def start_clearance(self) -> float:
-        """Room that obstacles leave the limb at t = 0 [forearm lengths]."""
-        return start_clearance(self.scene)
+    def _opening(self) -> tuple[float, Rules]:
+        return opening(self.scene)
 
-    @cached_property
+    @property
+    def start_clearance(self) -> float:
+        """Clearance of the limb at t = 0 [forearm lengths]."""
+        return self._opening[0]
+
+    @property
     def rules(self) -> Rules:
         """What movements keep so that they are surely verified."""
-        return rules_of(self.scene, self.start_clearance)
+        return self._opening[1]
 
     def answer(self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None) -> Plan:
         """A plan without a catch."""

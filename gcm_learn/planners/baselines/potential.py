@@ -39,7 +39,7 @@ class Field(NamedTuple):
     gain: float  # eta
 
 
-@njit
+@njit(_nrt=False)
 def repulsion(scene, field, poses, x, y):
     """Khatib's repulsive potential of all obstacles for a hand at (x, y)."""
     ex, ey = elbow_of(x, y, scene.limb.rho, scene.limb.side)
