@@ -31,12 +31,15 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     """The lines that tell what a manifest says."""
     spec, records = manifest["spec"], max(manifest["records"], 1)
     state = "complete" if manifest["complete"] else f"{manifest['records']} of {spec['count']}"
+    if not manifest.get("planned", True):
+        state += " or more (no manifest tells how many are planned)"
     yield f"{manifest['name']}: {manifest['records']} records, {state}"
     size = f"{spec['n']} x {spec['n']}"
     yield f"  seed {spec['seed']}, map {spec['map']} {size}, rungs {spec['rungs']}"
     yield f"  {manifest['bytes'] / 1e6:.1f} MB, {manifest['bytes_per_record']:.0f} bytes a record"
     yield f"  hash {manifest['hash']}"
-    yield f"  code {', '.join(f'{c} ({n} shards)' for c, n in manifest['code'].items())}"
+    if manifest["code"]:
+        yield f"  code {', '.join(f'{c} ({n} shards)' for c, n in manifest['code'].items())}"
     for run in manifest["runs"]:
         hands = run.get("cluster") or f"{run['workers']} workers"
         rate = run["records"] / max(run["seconds"], 1e-9)

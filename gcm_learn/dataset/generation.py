@@ -72,6 +72,8 @@ def generate(
     progress(sum(infos[shard].rows for shard in mine if shard in infos))
     workers = workers or cores()
     hands = {"cluster": cluster} if cluster else {"workers": workers}
+    if len(infos) < spec.shards:  # whoever looks before the first shard is told what is planned
+        write_manifest(folder, manifest_of(folder, spec, infos, runs))
     began = told = time.monotonic()
     fresh: set[int] = set()
     run: dict[str, Any] = {"records": 0, "seconds": 0.0, **hands}

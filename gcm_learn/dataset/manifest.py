@@ -1,4 +1,7 @@
-"""What a dataset says of itself: made anew from its shards, whenever it is written."""
+"""What a dataset says of itself: made anew from its shards, whenever it is written.
+
+It is first written before the first shard, with the specification of what is to come.
+"""
 
 from __future__ import annotations
 
@@ -165,14 +168,20 @@ def _sum(counts: Iterable[Mapping[str, int]]) -> Counter[str]:
 
 
 def survey(path: str | os.PathLike[str]) -> Manifest:
-    """The manifest of a dataset, or what it would be now if it is not finished."""
+    """The manifest of a dataset, or what it would be now if it is not finished.
+
+    ``planned`` tells whether it is known how many records there are to be: a folder without a
+    manifest has only its shards to go by, and is never called complete.
+    """
     folder = Folder(path)
     manifest = read_manifest(folder)
     if manifest is not None and manifest["complete"]:
-        return manifest
+        return manifest | {"planned": True}
     spec = spec_of(folder)
     runs = [] if manifest is None else manifest["runs"]
-    return manifest_of(folder, spec, present(folder, spec, range(spec.shards)), runs)
+    now = manifest_of(folder, spec, present(folder, spec, range(spec.shards)), runs)
+    known = manifest is not None
+    return now | {"complete": known and now["complete"], "planned": known}
 
 
 def spec_of(folder: Folder) -> DatasetSpec:
@@ -182,6 +191,11 @@ def spec_of(folder: Folder) -> DatasetSpec:
     ------
     DatasetError
         If the folder holds no dataset.
+
+    Notes
+    -----
+    Versions before this one wrote no manifest in the first minute. Of what they left unfinished,
+    the last shard that is there decides the count.
     """
     manifest = read_manifest(folder)
     if manifest is not None:

@@ -54,10 +54,12 @@ def write_model(
 
 
 def _origin(records: Dataset) -> dict[str, str]:
-    """Hashes that tell which dataset it was."""
+    """Hashes that tell which dataset it was; one that is not finished has none of its own."""
     manifest = records.manifest
     origin = {"spec": records.spec.digest}
-    return origin if manifest is None else {**origin, "hash": manifest["hash"]}
+    if manifest is not None and manifest["complete"]:
+        origin["hash"] = manifest["hash"]
+    return origin
 
 
 def _start(trainer: Trainer) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 
@@ -61,3 +62,66 @@ def test_gallery_shows_every_stratum_that_is_there(folder, tmp_path, capsys):
     for stratum in there:
         assert f'src="{stratum}.png"' in page and (out / f"{stratum}.png").stat().st_size > 5000
     assert main(["gallery", folder, "--split", "nothing", "--out", str(out)]) == 2
+
+
+class Interrupted:
+    """A pool that makes one shard in this process, and is then told to stop."""
+
+    def __init__(self, work, workers, alone, prepare):
+        self.work = work
+
+    def results(self, tasks):
+        """The first shard, then Ctrl-C."""
+        yield self.work(next(iter(tasks)))
+        raise KeyboardInterrupt
+
+
+def hashes(folder) -> list[str]:
+    place = Folder(str(folder))
+    return [place.sha256(f"shards/{name}") for name in place.names("shards")]
+
+
+@pytest.fixture
+def interrupted(tmp_path, monkeypatch):
+    """A dataset of which one shard of three was made, and its specification."""
+    out, spec = tmp_path / "out", tmp_path / "spec.json"
+    spec.write_text(json.dumps(dataset.spec_to_json(SMALL)))
+    with monkeypatch.context() as patch:
+        patch.setattr("gcm_learn.dataset.generation.LocalPool", Interrupted)
+        assert main(["generate", str(spec), "--out", str(out)]) == 130
+    return out, spec
+
+
+def test_an_interrupted_dataset_says_what_is_missing(interrupted, capsys):
+    out, _ = interrupted
+    assert main(["inspect", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "small: 20 records, 20 of 50\n" in said and "complete" not in said
+    assert len(dataset.open(out)) == 20 and dataset.open(out).spec == SMALL
+
+
+def test_before_the_first_shard_there_is_a_manifest(tmp_path, monkeypatch, capsys):
+    def none(spec, url, shards, workers, cluster):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("gcm_learn.dataset.generation._made", none)
+    with pytest.raises(KeyboardInterrupt):
+        dataset.generate(SMALL, tmp_path)
+    assert main(["inspect", str(tmp_path)]) == 0
+    assert "small: 0 records, 0 of 50\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("manifest", [True, False])
+def test_what_was_left_half_made_goes_on_to_the_same_bytes(interrupted, manifest, capsys):
+    out, spec = interrupted
+    if not manifest:  # as it was left before there was one from the beginning
+        (out / "manifest.json").unlink()
+        assert main(["inspect", str(out)]) == 0
+        said = capsys.readouterr().out
+        assert "20 records, 20 of 20 or more" in said and "complete" not in said
+    assert main(["generate", str(spec), "--out", str(out), "--workers", "1"]) == 0
+    make_here(SMALL, str(out.parent / "whole"))
+    assert hashes(out) == hashes(out.parent / "whole") and len(hashes(out)) == 3
+    capsys.readouterr()
+    assert main(["inspect", str(out)]) == 0
+    assert "small: 50 records, complete\n" in capsys.readouterr().out

@@ -118,9 +118,9 @@ def _shown_plan(record: Record) -> Plan | None:
 
 def _numbers(records: Dataset) -> Section:
     """Tables of what the dataset holds."""
-    manifest = records.manifest
-    if manifest is None:
-        return section(WORDS, "numbers", text=["The data set is not finished."])
+    from gcm_learn.dataset import survey
+
+    manifest = survey(records.folder.url)
     shares = ["all", *(f"{share:.1%}" for share in manifest["shares"].values())]
     rows = [[*_family_row(name, row)] for name, row in manifest["families"].items()]
     columns = ("family", *manifest["shares"])
