@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import arg
 
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.files import made_folder
+from gcm_learn.cli.files import made_folder, staged
 from gcm_learn.cli.progress import Progress
 from gcm_learn.errors import MissingExtraError
 
@@ -93,10 +93,7 @@ class Evaluate:
             results = compare(
                 names, entries, charge=self.charge, workers=self.workers, progress=progress.advance
             )
-        try:
-            results.save(folder / "results.parquet")
-        except ModuleNotFoundError as error:
-            raise MissingExtraError("a table", str(error.name), "data") from None
+        _save(results, folder / "results.parquet")
         seen = self._blurred(names, entries, deviations, folder) if deviations else None
         page = write_report(results, entries, folder, self.reference, seen)
         for name in names:
@@ -120,8 +117,17 @@ class Evaluate:
             seen = compare_blurred(
                 planners, entries, deviations, workers=self.workers, progress=progress.advance
             )
-        seen.save(folder / "noise.parquet")
+        _save(seen, folder / "noise.parquet")
         return seen
+
+
+def _save(results: Results, path: Path) -> None:
+    """Write a table, or say why there is none; the report does without."""
+    try:
+        with staged(path) as place:
+            results.save(place)
+    except ModuleNotFoundError as error:
+        print(f"No table: {MissingExtraError(path.name, str(error.name), 'data')}")
 
 
 def _deviations(text: str) -> list[float]:

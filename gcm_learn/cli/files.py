@@ -48,8 +48,8 @@ def output(out: Path | None) -> Iterator[TextIO]:
             with open(place, "w", encoding="utf-8") as stream:
                 yield stream
         except OSError as error:
-            if error.filename is not None:  # of another file
-                raise
+            if error.filename is not None or isinstance(error, BrokenPipeError):
+                raise  # of another file, or of a reader that went away
             raise CommandFailure(f"--out {out}: {why(error)}") from None
 
 

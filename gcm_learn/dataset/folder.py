@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import posixpath
+from pathlib import Path
 from typing import BinaryIO, cast
 
 import fsspec
 from fsspec.implementations.local import LocalFileSystem
 
-from gcm_learn.storage import is_unfinished, stream_hash, temporary_name, write_whole
+from gcm_learn import artifacts
+from gcm_learn.storage import is_unfinished, stream_hash, temporary_name, user_cache, write_whole
 
 SHARDS = "shards"
 MANIFEST = "manifest.json"
@@ -33,6 +35,16 @@ class Folder:
     def local(self) -> str | None:
         """Path of the folder if it is on this machine."""
         return self._root if isinstance(self._files, LocalFileSystem) else None
+
+    def caches(self) -> Path:
+        """Where caches of a dataset on this machine are kept: in its folder, if it can take them.
+
+        What is shipped stays as it is, and the sample's are among the user's.
+        """
+        folder = Path(self._root)
+        if os.access(folder, os.W_OK) and not _is_sample(folder):
+            return folder / "cache"
+        return user_cache("maps")
 
     def path(self, name: str) -> str:
         """Full path of a file within the file system."""
@@ -96,3 +108,8 @@ class Folder:
         """Hash of a file's content."""
         with self.open(name) as stream:
             return stream_hash(stream)
+
+
+def _is_sample(folder: Path) -> bool:
+    """Whether it is the sample that comes with the package."""
+    return folder.resolve() == (artifacts.shipped("data") / "sample").resolve()

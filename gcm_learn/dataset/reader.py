@@ -108,7 +108,7 @@ class Dataset(Sequence[Record]):
 
     @property
     def manifest(self) -> Manifest | None:
-        """What it says of itself; None for one that is not finished."""
+        """What it last said of itself, finished or not; None if it never did."""
         return read_manifest(self._shelf.folder)
 
     @property
@@ -171,7 +171,7 @@ class Dataset(Sequence[Record]):
         Parameters
         ----------
         folder : path-like, optional
-            Where caches are kept; by default within the dataset's, if that is on this machine.
+            Where caches are kept; by default see `Folder.caches`.
         labels : sequence of str
             Label columns that the examples carry.
         """
@@ -182,7 +182,7 @@ class Dataset(Sequence[Record]):
         whole = Dataset(self._shelf, self._all)
         indices = whole.column("index")
         key = content_hash(f"{VERSION} {self.spec.digest}", indices.tobytes())
-        place = Path(folder or self.folder.path("cache")) / key[:16]
+        place = Path(folder or self.folder.caches()) / key[:16]
         if not place.exists():
             blocks = (whole[k : k + BLOCK].table(COLUMNS) for k in range(0, len(whole), BLOCK))
             feeding.build_cache(place, self.spec.n, len(whole), blocks)

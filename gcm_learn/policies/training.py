@@ -83,10 +83,13 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
 
 
 def _claim(run: Run) -> None:
-    """Write the plan, or refuse a folder in which another one is under way."""
+    """Write the plan, or refuse a folder in which another one is under way.
+
+    One that has logged nothing has learned nothing, and is written over.
+    """
     text = json.dumps(plan_to_json(run.plan), indent=1) + "\n"
     path = run.folder / CONFIG
-    if path.exists():
+    if path.exists() and (run.folder / LOG).exists():
         old = json.loads(path.read_text("utf-8"))
         new = json.loads(text)
         for both in (old, new):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.files import FileNames, made_folder, staged
+from gcm_learn.cli.files import FileNames, made_folder, output, staged
 
 
 def test_nothing_is_seen_before_the_end(tmp_path):
@@ -70,3 +70,11 @@ def test_file_names_are_safe_and_differ(names):
     assert len({name.lower() for name in made}) == len(names)
     for name in made:
         assert name.isascii() and name[0] not in ".-" and "/" not in name and len(name) < 100
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+def test_a_full_place_is_named():
+    full = Path("/dev/full")
+    with pytest.raises(CommandFailure, match="--out /dev/full: No space left"), output(full) as out:
+        out.write("much")
+        out.flush()

@@ -143,3 +143,14 @@ def test_a_copied_folder_has_its_own_cache(records, tmp_path):
     copy = dataset.open(folder)
     assert copy.cache().folder.is_relative_to(folder)
     np.testing.assert_array_equal(copy.cache()[3].arrival, records[3].counts)
+
+
+def test_caches_of_the_shipped_sample_are_the_users(records, tmp_path, monkeypatch):
+    """So reading it leaves nothing beside it; neither does what cannot be written to."""
+    monkeypatch.setattr("gcm_learn.dataset.folder.user_cache", lambda name: tmp_path / name)
+    monkeypatch.setattr("gcm_learn.dataset.folder._is_sample", lambda folder: True)
+    assert records.cache().folder.parent == tmp_path / "maps"
+    monkeypatch.undo()
+    monkeypatch.setattr("gcm_learn.dataset.folder.user_cache", lambda name: tmp_path / name)
+    monkeypatch.setattr("gcm_learn.dataset.folder.os.access", lambda *asked: False)
+    assert records.cache().folder.parent == tmp_path / "maps"

@@ -95,6 +95,22 @@ def test_a_learner_goes_on_where_it_stopped(tmp_path):
         train(read_plan(written(path, n_envs=4)), tmp_path / "run", told.append)
 
 
+def test_a_run_that_never_began_does_not_claim_its_folder(tmp_path, monkeypatch):
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies import training
+
+    def fail(*args, **options):
+        raise PolicyError("no such dataset")
+
+    run = tmp_path / "run"
+    with monkeypatch.context() as patch:
+        patch.setattr(training, "gather", fail)
+        with pytest.raises(PolicyError, match="no such dataset"):
+            training.train(read_plan(written(tmp_path / "ppo.yml", n_envs=4)), run)
+    training.train(read_plan(written(tmp_path / "ppo.yml", n_timesteps=128)), run)
+    assert (run / "actor.npz").exists()
+
+
 def test_a_replay_buffer_begins_with_the_catches_it_is_shown(tmp_path):
     """A clone of velocities is SAC's start; what is shown are the arena's own steps."""
     pytest.importorskip("stable_baselines3")
