@@ -1,0 +1,88 @@
+"""What a wheel carries: the code, the models and the smallest suite, and nothing else."""
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from gcm_learn import artifacts
+from gcm_learn.evaluation.suites import FROZEN
+
+ROOT = Path(__file__).parents[1]
+LARGEST = 25e6  # bytes
+SOURCES = ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "models", "data")
+ACTORS = ("clone", "ppo", "ppo-clone", "sac")
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """A wheel of this checkout, built from a copy of it."""
+    pytest.importorskip("setuptools", minversion="77")
+    copy = tmp_path_factory.mktemp("copy")
+    shutil.copytree(
+        ROOT / "gcm_learn", copy / "gcm_learn", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    for name in SOURCES:
+        if (ROOT / name).is_dir():
+            big = shutil.ignore_patterns("train", "cache", "tensorboard", "*.zip", "*.pkl")
+            shutil.copytree(ROOT / name, copy / name, ignore=big)
+        else:
+            shutil.copy(ROOT / name, copy / name)
+    (copy / "models" / "clone" / "model.zip").write_bytes(b"what training needs to go on")
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet"]
+    subprocess.run([*command, "--wheel-dir", copy / "wheel", copy], check=True)
+    return next((copy / "wheel").glob("*.whl"))
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """The wheel, laid out as it is when it is installed."""
+    site = tmp_path_factory.mktemp("site")
+    zipfile.ZipFile(wheel).extractall(site)
+    return site
+
+
+def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
+    assert wheel.stat().st_size < LARGEST
+    names = zipfile.ZipFile(wheel).namelist()
+    carried = {Path(name).relative_to("gcm_learn/_shipped") for name in names if "_shipped" in name}
+    wanted = {Path("models", name, "actor.npz") for name in ACTORS}
+    wanted |= {Path("models/recall/manifest.json"), Path("models/encoder/encoder.safetensors")}
+    assert wanted | {Path("data/suites/demo.jsonl")} <= carried
+    assert all((ROOT / path).is_file() for path in carried)
+    assert {path.suffix for path in carried}.isdisjoint({".zip", ".pkl", ".parquet"})
+    code = {path.relative_to(ROOT).as_posix() for path in (ROOT / "gcm_learn").rglob("*.py")}
+    assert code == {name for name in names if name.endswith(".py")}
+
+
+def test_it_is_carried_unchanged(installed):
+    for kind in ("models", "data"):
+        folder = installed / "gcm_learn" / artifacts.IN_WHEEL / kind
+        for path in (path for path in folder.rglob("*") if path.is_file()):
+            assert path.read_bytes() == (ROOT / kind / path.relative_to(folder)).read_bytes()
+
+
+def test_an_installed_package_finds_it_and_writes_elsewhere(installed, tmp_path):
+    code = f"""
+import gcm_learn
+from gcm_learn import artifacts
+from gcm_learn.evaluation import draw_suite
+from gcm_learn.policies.planner import actor_names, shipped_actor
+from gcm_learn.recall.shipped import shipped_memory
+assert gcm_learn.__file__.startswith({str(installed)!r})
+assert artifacts.kept("data").is_relative_to({str(tmp_path)!r}), artifacts.kept("data")
+assert len(shipped_memory("recall")) > 1000
+assert actor_names() == {list(ACTORS)}
+assert all(shipped_actor(name).layers for name in actor_names())
+assert len(draw_suite("demo", {max(FROZEN["demo"])})) == {max(FROZEN["demo"])}
+"""
+    before = sorted(path for path in installed.rglob("*") if path.is_file())
+    env = {name: text for name, text in os.environ.items() if not name.startswith("GCM_LEARN")}
+    env |= {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
+    env |= dict.fromkeys(("XDG_DATA_HOME", "LOCALAPPDATA", "HOME"), str(tmp_path))
+    subprocess.run([sys.executable, "-c", code], check=True, env=env, cwd=tmp_path)
+    assert sorted(path for path in installed.rglob("*") if path.is_file()) == before
