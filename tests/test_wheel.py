@@ -21,7 +21,6 @@ ACTORS = ("clone", "ppo", "ppo-clone", "sac")
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
     """A wheel of this checkout, built from a copy of it."""
-    pytest.importorskip("setuptools", minversion="77")
     copy = tmp_path_factory.mktemp("copy")
     shutil.copytree(
         ROOT / "gcm_learn", copy / "gcm_learn", ignore=shutil.ignore_patterns("__pycache__")

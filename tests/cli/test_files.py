@@ -72,7 +72,7 @@ def test_file_names_are_safe_and_differ(names):
         assert name.isascii() and name[0] not in ".-" and "/" not in name and len(name) < 100
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
 def test_a_full_place_is_named():
     full = Path("/dev/full")
     with pytest.raises(CommandFailure, match="--out /dev/full: No space left"), output(full) as out:
