@@ -22,8 +22,9 @@ help:  ## show this list
 demo: $(VENV)/.core  ## solve the paper's scenes and 200 random ones, with figures, into demo/
 	$(BIN)/gcm-learn demo --out demo
 
+# Two at once, most of whose time is compiling on a new machine; who is done helps the other.
 test: lint  ## everything that must pass: style, types, import direction, tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow
