@@ -102,13 +102,13 @@ def _episodes(
 
 def episode_of(record: Record, plan: Plan, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Observations (m + 1, p) and actions (m, 2) of a catch; the last step may be a short one."""
-    situation, way = record.situation, plan.trajectory
-    if way is None:
+    situation, trajectory = record.situation, plan.trajectory
+    if trajectory is None:
         raise DatasetError(f"item {record.index}: the plan of {plan.planner} is no catch")
-    time = np.append(np.arange(0.0, way.duration, step), way.duration)
+    time = np.append(np.arange(0.0, trajectory.duration, step), trajectory.duration)
     if len(time) > 2 and time[-1] - time[-2] < 1e-9:
         time = np.delete(time, -2)
-    hand = way.hand_at(time)
+    hand = trajectory.hand_at(time)
     actions = np.diff(hand, axis=0) / np.diff(time)[:, None] / situation.arm.max_hand_speed
     return _observations(situation, time, hand), actions
 

@@ -11,7 +11,7 @@ import pytest
 
 from gcm_learn import dataset
 from gcm_learn.dataset import read_spec
-from gcm_learn.dataset.record import schema_of
+from gcm_learn.dataset.record import PARTS, Record, rows_of, schema_of
 from gcm_learn.dataset.verifying import verify_shard
 
 DATA = Path(__file__).parents[2] / "data"
@@ -32,6 +32,12 @@ def test_it_is_what_its_specification_says_and_light(sample):
     assert {family.family for family in spec.families} == set(sample.column("family"))
     shares = np.array([list(sample.column("stratum")).count(s) for s in "LWQU"]) / 500
     assert np.abs(shares - 0.25).max() < 0.01
+
+
+def test_records_are_packed_as_they_were_stored(sample):
+    part = sample[::50]
+    made = [Record(sample.spec, {p.name: p.__get__(one, Record) for p in PARTS}) for one in part]
+    assert part.table().replace_schema_metadata(None).equals(rows_of(sample.spec, made))
 
 
 def test_its_catches_hold(sample):
