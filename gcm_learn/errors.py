@@ -7,13 +7,13 @@ class GcmError(Exception):
     """Base of every error that this package raises on purpose."""
 
 
-class SituationError(GcmError, ValueError):
-    """A situation breaks a rule of the exchange contract.
+class FieldError(GcmError, ValueError):
+    """A field has a value that it may not have.
 
     Parameters
     ----------
     field : str
-        Path of the offending field, e.g. ``"bodies[1].shape.radius"``.
+        Path of the field, e.g. ``"bodies[1].shape.radius"``; empty if it is the whole.
     reason : str
         What is wrong with it, with the value that was given.
     """
@@ -22,6 +22,18 @@ class SituationError(GcmError, ValueError):
         super().__init__(f"{field}: {reason}" if field else reason)
         self.field = field
         self.reason = reason
+
+
+class SituationError(FieldError):
+    """A situation breaks a rule of the exchange contract."""
+
+
+class FamilyError(FieldError):
+    """A family of situations is asked for something it does not know or cannot draw."""
+
+
+class SpecError(FieldError):
+    """A dataset's specification asks for something that there is not."""
 
 
 class FileFormatError(GcmError, ValueError):
@@ -34,40 +46,6 @@ class UnknownNameError(GcmError, ValueError):
 
 class LatticeError(GcmError, ValueError):
     """A lattice or wave parameter is outside the range in which the engine is valid."""
-
-
-class FamilyError(GcmError, ValueError):
-    """A family of situations is asked for something it does not know or cannot draw.
-
-    Parameters
-    ----------
-    field : str
-        Path of the offending field, e.g. ``"gate.arm.upper_arm"``.
-    reason : str
-        What is wrong with it, with the value that was given.
-    """
-
-    def __init__(self, field: str, reason: str) -> None:
-        super().__init__(f"{field}: {reason}")
-        self.field = field
-        self.reason = reason
-
-
-class SpecError(GcmError, ValueError):
-    """A dataset's specification asks for something that there is not.
-
-    Parameters
-    ----------
-    field : str
-        Path of the offending field, e.g. ``"families[1].share"``.
-    reason : str
-        What is wrong with it, with the value that was given.
-    """
-
-    def __init__(self, field: str, reason: str) -> None:
-        super().__init__(f"{field}: {reason}" if field else reason)
-        self.field = field
-        self.reason = reason
 
 
 class DatasetError(GcmError, RuntimeError):
