@@ -7,7 +7,7 @@ from gcm_learn.envs import views
 from gcm_learn.errors import EncoderError, PolicyError, RecallError
 from gcm_learn.evaluation import suites
 from gcm_learn.policies.planner import actor_names, shipped_actor
-from gcm_learn.recall.shipped import has_memory, shipped_memory
+from gcm_learn.recall import has_memory, shipped_memory
 
 
 @pytest.fixture

@@ -26,24 +26,25 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 from report import write_figure, write_table  # noqa: E402
 
 from gcm_learn import dataset, get_planner, seeding  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402  # noqa: E402
     Encoder,
     HybridPlanner,
     Index,
+    LearnedIndex,
     Memory,
+    PcaIndex,
     RandomIndex,
     RawIndex,
     RecallPlanner,
+    Scale,
     SplinesPlanner,
     Trace,
     load_encoder,
+    nearest_rows,
+    raw_features,
     trace_of,
     unverified,
 )
-from gcm_learn.recall.index import Scale, nearest_rows  # noqa: E402
-from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
-from gcm_learn.recall.pca import PcaIndex  # noqa: E402
-from gcm_learn.recall.raw_features import raw_features  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 
 STRATA = ("L", "W", "Q")
@@ -120,7 +121,7 @@ def filed(
     yield "raw", memory_of(RawIndex(scale), nearest_rows(scale(bank.features)), bank, "exact")
     control = RandomIndex()
     traces = [Trace(k, g) for k, g in zip(bank.traces, bank.goals, strict=True)]
-    places = np.array([control.embed_memory(None, trace) for trace in traces])  # type: ignore
+    places = np.array([control.embed_memories([None], [trace])[0] for trace in traces])  # type: ignore
     yield "random", memory_of(control, places, bank, "exact")
     if len(traces) <= maps:
         situations = [train[int(k)].situation for k in bank.records]

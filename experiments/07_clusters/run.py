@@ -27,13 +27,21 @@ from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # n
 
 from gcm_learn import dataset, seeding  # noqa: E402
 from gcm_learn.dataset import Record  # noqa: E402
-from gcm_learn.recall import Encoder, Memory, Trace, load_encoder, trace_of, transfer  # noqa: E402  # noqa: E402
-from gcm_learn.recall.index import Scale  # noqa: E402
-from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
-from gcm_learn.recall.passing import passing  # noqa: E402
-from gcm_learn.recall.pca import COMPONENTS, map_picture  # noqa: E402
-from gcm_learn.recall.raw_features import raw_features  # noqa: E402
-from gcm_learn.recall.waypoints import ring_share  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402  # noqa: E402  # noqa: E402
+    Encoder,
+    LearnedIndex,
+    Memory,
+    Scale,
+    Trace,
+    load_encoder,
+    map_picture,
+    passing,
+    raw_features,
+    ring_share,
+    trace_of,
+    transfer,
+)
+from gcm_learn.recall.index import COMPONENTS  # noqa: E402
 
 K = 16  # clusters of k-means
 LEAST, FEW = 40, 8  # members of a cluster of HDBSCAN; principal components that it is asked in

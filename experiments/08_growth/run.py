@@ -30,12 +30,12 @@ from gcm_learn.evaluation.statistics import stratified  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402
     Coverage,
     Index,
+    LearnedIndex,
     Memory,
     RawIndex,
     grow,
     load_encoder,
 )
-from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 
 MIXES = {"natural": ("L", "W", "Q", "U"), "W and Q": ("W", "Q")}

@@ -29,6 +29,7 @@ from gcm_learn.dataset import Record, planner_of  # noqa: E402
 from gcm_learn.plots import birth  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402
     Index,
+    LearnedIndex,
     Memory,
     RandomIndex,
     RawIndex,
@@ -37,7 +38,6 @@ from gcm_learn.recall import (  # noqa: E402
     load_encoder,
     trace_of,
 )
-from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at  # noqa: E402
 from gcm_learn.scene.limb import SIDE, elbow_of  # noqa: E402
 from gcm_learn.scene.packing import pack_bodies  # noqa: E402

@@ -9,10 +9,8 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.recall import Trace
-from gcm_learn.recall.index import nearest_rows
-from gcm_learn.recall.pca import COMPONENTS, RIDGE, PcaIndex, _inputs, map_picture
-from gcm_learn.recall.raw_features import raw_features
+from gcm_learn.recall import PcaIndex, Trace, map_picture, nearest_rows, raw_features
+from gcm_learn.recall.index import COMPONENTS, RIDGE, _inputs
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.situation import Situation
 

@@ -32,20 +32,22 @@ from gcm_learn.maps import build_map  # noqa: E402
 from gcm_learn.motion.clearance import clearance  # noqa: E402
 from gcm_learn.planners import Plan  # noqa: E402
 from gcm_learn.planners.completion import Problem  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402  # noqa: E402  # noqa: E402
     EncoderConfig,
+    LearnedIndex,
     Memory,
+    PcaIndex,
     RandomIndex,
     RawIndex,
     RecallPlanner,
+    Scale,
+    School,
     Trace,
+    nearest_rows,
     pictures,
+    raw_features,
 )
-from gcm_learn.recall.index import Scale, nearest_rows  # noqa: E402
-from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
-from gcm_learn.recall.pca import PcaIndex  # noqa: E402
-from gcm_learn.recall.raw_features import COUNT, raw_features  # noqa: E402
-from gcm_learn.recall.transfer_labels import School  # noqa: E402
+from gcm_learn.recall.raw_features import COUNT  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 from gcm_learn.wave import MarchingParams  # noqa: E402
 

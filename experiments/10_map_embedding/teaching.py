@@ -8,10 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from gcm_learn.recall import Encoder, EncoderConfig, Index, Memory, training
-from gcm_learn.recall.training import Effort, Trainer
-from gcm_learn.recall.training_data import Best, Lesson
-from gcm_learn.recall.transfer_labels import School
+from gcm_learn.recall import (
+    Best,
+    Effort,
+    Encoder,
+    EncoderConfig,
+    Index,
+    Lesson,
+    Memory,
+    School,
+    Trainer,
+    training,
+)
 
 # Of the weights over the steps: the package's average is for long runs, and would here still hold
 # much of the weights at random that training starts from.

@@ -31,14 +31,14 @@ from gcm_learn.planners.completion import Problem  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402  # noqa: E402
     Adaptation,
     EncoderConfig,
+    LearnedIndex,
     Memory,
     RecallPlanner,
+    School,
     Trace,
     load_encoder,
     unverified,
 )
-from gcm_learn.recall.learned_index import LearnedIndex  # noqa: E402
-from gcm_learn.recall.transfer_labels import School  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 from gcm_learn.situation.canonical import canonical  # noqa: E402
 

@@ -21,8 +21,8 @@ import os
 from pathlib import Path
 
 from gcm_learn import dataset, families, solve
-from gcm_learn.recall.planners import RecallPlanner, SplinesPlanner
-from gcm_learn.recall.remember import remember
+from gcm_learn.recall import RecallPlanner, SplinesPlanner
+from gcm_learn.recall import remember
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))
 root = next(p for p in [Path.cwd(), *Path.cwd().parents] if (p / "data" / "sample").exists())

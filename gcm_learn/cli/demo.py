@@ -44,7 +44,7 @@ class Demo:
         folder = made_folder(self.out, option="--out")
         from gcm_learn.cli.ahead import compile_ahead
         from gcm_learn.plots import RECALLING, build_comparison, build_demo, shipped_methods
-        from gcm_learn.recall.shipped import has_memory
+        from gcm_learn.recall import has_memory
 
         remembers = self.memory > 0 and has_memory()
         wanted = {"memory": remembers, "comparison": self.compare > 0}

@@ -36,7 +36,7 @@ class Gallery:
         """Build the page and say where it is."""
         if self.each < 1:
             raise CommandFailure(f"--each {self.each}: must be at least 1")
-        from gcm_learn.recall.disk import is_memory
+        from gcm_learn.recall import is_memory
 
         if is_memory(Path(self.folder)):
             return self._show_memory()

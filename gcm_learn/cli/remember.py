@@ -13,7 +13,7 @@ from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from gcm_learn.recall.index import Index
+    from gcm_learn.recall import Index
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Remember:
         split = self.split or "train"
         if split != "all":
             records = records.where(split=split)
-        from gcm_learn.recall.remember import remember
+        from gcm_learn.recall import remember
 
         index = _index(self.index)
         total = len(records) if self.most is None else min(self.most, len(records))
@@ -83,6 +83,6 @@ def _index(name: str) -> str | Index:
     """The trained index of a folder, or the name itself."""
     if not Path(name).is_dir():
         return name
-    from gcm_learn.recall.learned_index import LearnedIndex
+    from gcm_learn.recall import LearnedIndex
 
     return LearnedIndex.load(Path(name))

@@ -64,9 +64,7 @@ class TrainEncoder:
             if value is not None and value < 1:
                 raise CommandFailure(f"--{name} {value}: must be at least 1")
         records, trainers = dataset_package().open(self.dataset), _training()
-        from gcm_learn.recall import EncoderConfig, load_encoder
-        from gcm_learn.recall.model_card import write_model
-        from gcm_learn.recall.transfer_labels import School
+        from gcm_learn.recall import EncoderConfig, School, load_encoder, write_model
 
         config = EncoderConfig(dim=self.dim, memory=self.memory, seed=self.seed)
         total = len(records.where(split="train"))

@@ -13,7 +13,7 @@ from gcm_learn.errors import ArenaError
 from gcm_learn.motion.rules import opening
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.completion import CATCH_STEP
-from gcm_learn.recall.raw_features import own_axis
+from gcm_learn.recall import own_axis
 from gcm_learn.scene.bodies import FIRST, LAST, SWING, Bodies
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.scene import Scene

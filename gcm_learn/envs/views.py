@@ -25,7 +25,7 @@ from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams
 
 if TYPE_CHECKING:
-    from gcm_learn.recall.towers import Encoder
+    from gcm_learn.recall import Encoder
 
 CELLS = 80  # along a side of a map
 OBSTACLE, UNREACHED, LAST, FIRST = 0, 32, 64, 255  # brightness of cells
@@ -34,7 +34,7 @@ OBSTACLE, UNREACHED, LAST, FIRST = 0, 32, 64, 255  # brightness of cells
 @cache
 def encoder() -> Encoder:
     """The one among the models."""
-    from gcm_learn.recall.encoder_files import CONFIG, load_encoder
+    from gcm_learn.recall import CONFIG, load_encoder
 
     folder = artifacts.model("encoder", CONFIG)
     if folder is None:

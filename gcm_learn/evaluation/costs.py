@@ -12,8 +12,7 @@ from gcm_learn import artifacts
 from gcm_learn.evaluation.entrants import PlannerEntrant, entrant
 from gcm_learn.policies.actor import FILE
 from gcm_learn.policies.planner import actor_folder, actor_names, shipped_actor
-from gcm_learn.recall import Memory
-from gcm_learn.recall.disk import MANIFEST
+from gcm_learn.recall import MANIFEST, Memory
 
 CONFIG, LOG, METRICS = "config.json", "log.jsonl", "metrics.json"
 

@@ -1,4 +1,4 @@
-"""Memory: catches that are kept, found again from a new situation alone, and bent to it.
+"""Memory: catches that are kept, found again from a new situation alone, and adapted to it.
 
 >>> from gcm_learn.recall import Memory, RawIndex, RecallPlanner, trace_of
 >>> memory = Memory(RawIndex.fit(situations))                         # doctest: +SKIP
@@ -6,47 +6,102 @@
 >>> RecallPlanner(memory).plan(another)                               # doctest: +SKIP
 """
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
-from gcm_learn.recall.encoder_config import EncoderConfig
-from gcm_learn.recall.encoder_files import load_encoder, save_encoder
-from gcm_learn.recall.growth import Coverage, Curve, grow
-from gcm_learn.recall.index import Index, RandomIndex, RawIndex, index_class
+from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
+from gcm_learn.recall.growth import Coverage, Curve, grow, remember
+from gcm_learn.recall.index import (
+    Index,
+    LearnedIndex,
+    PcaIndex,
+    RandomIndex,
+    RawIndex,
+    index_class,
+    nearest_rows,
+)
+from gcm_learn.recall.memory_features import map_picture
+from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
     HybridPlanner,
     RecallPlanner,
     Recollection,
     Rollout,
     SplinesPlanner,
+    has_memory,
+    shipped_memory,
     unverified,
 )
-from gcm_learn.recall.store import Entry, Memory
-from gcm_learn.recall.towers import Encoder
-from gcm_learn.recall.waypoints import Trace, path_of, trace_of
+from gcm_learn.recall.raw_features import Scale, own_axis, raw_features
+from gcm_learn.recall.store import MANIFEST, Entry, Memory, is_memory
+from gcm_learn.recall.waypoints import Trace, path_of, ring_share, trace_of
+
+if TYPE_CHECKING:
+    from gcm_learn.recall.training import Effort, Trainer, write_model
+    from gcm_learn.recall.transfer_labels import Best, Lesson, School
+
+# Loaded when they are asked for: they need pyarrow or torch.
+_LATE = {
+    "training": ("Effort", "Trainer", "write_model"),
+    "transfer_labels": ("Best", "Lesson", "School"),
+}
+_PLACE = {name: place for place, names in _LATE.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """A name that needs more libraries, when it is first asked for."""
+    if name not in _PLACE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_PLACE[name]}"), name)
+
 
 __all__ = [
+    "CONFIG",
+    "MANIFEST",
     "Adaptation",
+    "Best",
     "Coverage",
     "Curve",
+    "Effort",
     "Encoder",
     "EncoderConfig",
     "Entry",
     "HybridPlanner",
     "Index",
+    "LearnedIndex",
+    "Lesson",
     "Memory",
+    "PcaIndex",
     "RandomIndex",
     "RawIndex",
     "RecallPlanner",
     "Recollection",
     "Rollout",
+    "Scale",
+    "School",
     "SplinesPlanner",
     "Trace",
+    "Trainer",
     "adapt",
     "grow",
+    "has_memory",
     "index_class",
+    "is_memory",
     "load_encoder",
+    "map_picture",
+    "nearest_rows",
+    "own_axis",
+    "passing",
+    "passing_of",
     "path_of",
+    "raw_features",
+    "remember",
+    "ring_share",
     "save_encoder",
+    "shipped_memory",
     "trace_of",
     "transfer",
     "unverified",
+    "write_model",
 ]

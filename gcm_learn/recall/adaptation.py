@@ -17,7 +17,7 @@ import numpy as np
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import SPACING, refine, spread
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
-from gcm_learn.recall import kernels, trial
+from gcm_learn.recall import kernels, trials
 from gcm_learn.recall.kernels import Query
 from gcm_learn.recall.waypoints import Trace, ring_share
 from gcm_learn.situation import Situation
@@ -118,5 +118,5 @@ def transfer(
     out = np.full(len(rows), -1.0)
     for style, tempo in how.ways:
         left = np.flatnonzero(out < 0.0)
-        out[left] = trial.transfer(traces, goals, rows[left], query, style, tempo, how.mends)
+        out[left] = trials.transfer(traces, goals, rows[left], query, style, tempo, how.mends)
     return out

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,20 +10,23 @@ from typing import ClassVar, Protocol, Self
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.errors import MissingExtraError, RecallError, UnknownNameError
-from gcm_learn.recall.raw_features import ARM, COUNT, OBSTACLE, SLOTS, TARGET, raw_features
+from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
+from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
+from gcm_learn.recall.kernels import KNOTS
+from gcm_learn.recall.memory_features import map_picture
+from gcm_learn.recall.raw_features import COUNT, Scale, raw_features
 from gcm_learn.recall.waypoints import Trace
 from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, content_number
 
 FILE = "index.npz"
-_MODULES = {  # looked up late, for what is learned needs more libraries
-    "raw": "gcm_learn.recall.index:RawIndex",
-    "random": "gcm_learn.recall.index:RandomIndex",
-    "pca": "gcm_learn.recall.pca:PcaIndex",
-    "learned": "gcm_learn.recall.learned_index:LearnedIndex",
-}
+COMPONENTS = 24
+SPARE, ITERATIONS = 8, 8  # of the subspace iteration
+COSINES = 512
+WIDTH = 6.0  # of the cosines' kernel [spreads of a parameter]
+RIDGE = 3.0  # weight of the penalty
+_NAMES = ("mean", "spread", "centre", "components", "waves", "phases", "weights")
 
 
 class Index(Protocol):
@@ -54,9 +56,6 @@ class Index(Protocol):
             The situation packed, if the caller has it at hand.
         """
 
-    def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:
-        """Embedding (dim,) float32 of a memory, of which everything may be known."""
-
     def embed_memories(
         self, situations: Sequence[Situation], traces: Sequence[Trace]
     ) -> np.ndarray:
@@ -72,18 +71,6 @@ class Index(Protocol):
     @classmethod
     def fit(cls, situations: Sequence[Situation], seed: int = 0) -> Self:
         """One for memories of situations like these, if it takes no training of its own."""
-
-
-def index_class(name: str) -> type[Index]:
-    """The class of a registered index; raises UnknownNameError with the known names."""
-    if name not in _MODULES:
-        raise UnknownNameError(f"index: {name!r} is not one of {', '.join(_MODULES)}")
-    module, attribute = _MODULES[name].split(":")
-    try:
-        found: type[Index] = getattr(importlib.import_module(module), attribute)
-    except ImportError as error:
-        raise MissingExtraError(f"index {name!r}", str(error.name), "learn") from None
-    return found
 
 
 def hash_of(name: str, *arrays: np.ndarray) -> str:
@@ -121,37 +108,6 @@ def nearest_rows(places: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Scale:
-    """Brings raw parameters to a common scale; slots that are free lie in the middle of things."""
-
-    mean: np.ndarray
-    """(COUNT,) float32"""
-    spread: np.ndarray
-    """(COUNT,) float32"""
-
-    @classmethod
-    def of(cls, features: np.ndarray) -> Scale:
-        """Fit to raw parameters (n, COUNT); all slots of obstacles share one scale."""
-        head = ARM + TARGET
-        slots = features[:, head:].reshape(-1, OBSTACLE)
-        slots = slots[slots[:, 0] > 0.0]
-        if len(slots) == 0:
-            slots = np.zeros((1, OBSTACLE))
-        mean = np.concatenate([features[:, :head].mean(axis=0), np.tile(slots.mean(axis=0), SLOTS)])
-        spread = np.concatenate([features[:, :head].std(axis=0), np.tile(slots.std(axis=0), SLOTS)])
-        mean[head::OBSTACLE], spread[head::OBSTACLE] = 0.0, 1.0  # whether there is one
-        spread = np.where(spread > 1e-6, spread, 1.0)
-        return cls(mean.astype(np.float32), spread.astype(np.float32))
-
-    def __call__(self, features: np.ndarray) -> np.ndarray:
-        """Parameters (..., COUNT) on that scale."""
-        out = (features - self.mean) / self.spread
-        slots = out[..., ARM + TARGET :].reshape(*out.shape[:-1], SLOTS, OBSTACLE)
-        slots *= slots[..., :1]  # present is 1, free is 0
-        return out
-
-
-@dataclass(frozen=True)
 class RawIndex:
     """Neighbours in the space of raw canonical parameters, each on its own scale."""
 
@@ -176,10 +132,6 @@ class RawIndex:
     def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
         return nearest_query(self.scale(raw_features(situation, scene)))
-
-    def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:
-        """Embedding of a memory: that of its situation."""
-        return self.embed_memories([situation], [trace])[0]
 
     def embed_memories(
         self, situations: Sequence[Situation], traces: Sequence[Trace]
@@ -223,15 +175,11 @@ class RandomIndex:
         """A direction that depends on the situation's numbers only."""
         return self._direction(raw_features(situation, scene), 0)
 
-    def embed_memory(self, situation: Situation, trace: Trace) -> np.ndarray:
-        """A direction that depends on the memory's numbers only."""
-        return self._direction(trace.knots, 1)
-
     def embed_memories(
         self, situations: Sequence[Situation], traces: Sequence[Trace]
     ) -> np.ndarray:
         """Directions of memories."""
-        rows = [self.embed_memory(s, t) for s, t in zip(situations, traces, strict=True)]
+        rows = [self._direction(trace.knots, 1) for trace in traces]
         return np.array(rows, dtype=np.float32).reshape(-1, self.dim)
 
     def _direction(self, numbers: np.ndarray, kind: int) -> np.ndarray:
@@ -248,3 +196,163 @@ class RandomIndex:
     def load(cls, folder: Path) -> RandomIndex:
         """Read the seed."""
         return cls(int(read_arrays(folder, ("seed",))[0][0]))
+
+
+@dataclass(frozen=True)
+class LearnedIndex:
+    """Places situations and memories by a trained encoder.
+
+    Examples
+    --------
+    >>> index = LearnedIndex(load_encoder("models/encoder"))  # doctest: +SKIP
+    >>> memory = remember(records, index)                     # doctest: +SKIP
+    """
+
+    encoder: Encoder
+    name: ClassVar[str] = "learned"
+
+    @property
+    def key(self) -> str:
+        """Hash of the encoder's weights."""
+        return self.encoder.key
+
+    @property
+    def dim(self) -> int:
+        """Numbers of an embedding."""
+        return self.encoder.dim
+
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+        """Embedding of a situation."""
+        return self.encoder.embed_situation(situation, scene)
+
+    def embed_memories(
+        self, situations: Sequence[Situation], traces: Sequence[Trace]
+    ) -> np.ndarray:
+        """Embeddings of memories."""
+        knots = np.array([t.knots for t in traces], np.float32).reshape(-1, KNOTS, 4)
+        goals = np.array([t.goal for t in traces], np.float32).reshape(-1, 2)
+        return self.encoder.embed_memories(situations, knots, goals)
+
+    def save(self, folder: Path) -> None:
+        """Write the encoder."""
+        save_encoder(self.encoder, folder)
+
+    @classmethod
+    def load(cls, folder: Path) -> Self:
+        """Read the encoder."""
+        try:
+            return cls(load_encoder(folder))
+        except EncoderError as error:
+            raise RecallError(str(error)) from None
+
+    @classmethod
+    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> Self:
+        """Refused: this one takes training."""
+        raise RecallError("index 'learned': has to be trained first, see gcm-learn train-encoder")
+
+
+@dataclass(frozen=True)
+class PcaIndex:
+    """Neighbours by principal components of maps: a control without a network.
+
+    A memory is filed under the components of its situation's map. A query must not know its own
+    map, so where it would lie is predicted from its raw parameters by ridge regression, linear in
+    them and in cosines of random combinations of them (Rahimi and Recht, NIPS 2007).
+    """
+
+    scale: Scale
+    centre: np.ndarray
+    """(2 CELLS CELLS,): mean of the maps."""
+    components: np.ndarray
+    """(COMPONENTS, 2 CELLS CELLS)"""
+    waves: np.ndarray
+    """(COUNT, COSINES)"""
+    phases: np.ndarray
+    """(COSINES,) [rad]"""
+    weights: np.ndarray
+    """(COUNT + COSINES + 1, COMPONENTS)"""
+    name: ClassVar[str] = "pca"
+
+    @classmethod
+    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> PcaIndex:
+        """Components of the situations' maps, and the regression from raw parameters to them."""
+        pictures = np.array([map_picture(s) for s in situations])
+        features = np.array([raw_features(s) for s in situations])
+        centre = pictures.mean(axis=0)
+        scale, rng = Scale.of(features), seeding.rng(seed)
+        components = _components(pictures - centre, rng)
+        waves = (rng.standard_normal((COUNT, COSINES)) / WIDTH).astype(np.float32)
+        phases = rng.uniform(0.0, 2.0 * np.pi, COSINES).astype(np.float32)
+        inputs = _inputs(scale(features), waves, phases).astype(float)
+        places = (pictures - centre) @ components.T
+        penalty = RIDGE * np.eye(inputs.shape[1])
+        weights = np.linalg.solve(inputs.T @ inputs + penalty, inputs.T @ places)
+        return cls(scale, centre, components, waves, phases, weights.astype(np.float32))
+
+    @property
+    def key(self) -> str:
+        """Hash of all its numbers."""
+        return hash_of(self.name, *self._arrays())
+
+    @property
+    def dim(self) -> int:
+        """The components and one number for their distance."""
+        return len(self.components) + 1
+
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+        """Where the map of a situation probably lies."""
+        features = self.scale(raw_features(situation, scene)[None])
+        return nearest_query((_inputs(features, self.waves, self.phases) @ self.weights)[0])
+
+    def embed_memories(
+        self, situations: Sequence[Situation], traces: Sequence[Trace]
+    ) -> np.ndarray:
+        """Where the maps of memories lie."""
+        rows = [self.components @ (map_picture(s) - self.centre) for s in situations]
+        return nearest_rows(np.array(rows).reshape(-1, len(self.components)))
+
+    def save(self, folder: Path) -> None:
+        """Write its numbers."""
+        write_arrays(folder, dict(zip(_NAMES, self._arrays(), strict=True)))
+
+    @classmethod
+    def load(cls, folder: Path) -> PcaIndex:
+        """Read its numbers."""
+        mean, spread, *rest = read_arrays(folder, _NAMES)
+        return cls(Scale(mean, spread), *rest)
+
+    def _arrays(self) -> tuple[np.ndarray, ...]:
+        regression = (self.waves, self.phases, self.weights)
+        return (self.scale.mean, self.scale.spread, self.centre, self.components, *regression)
+
+
+def _components(pictures: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """First principal components (at most COMPONENTS, m) of centred pictures (n, m).
+
+    By subspace iteration, with a few more directions than are wanted.
+    """
+    count = min(COMPONENTS, *pictures.shape)
+    extra = min(count + SPARE, *pictures.shape)
+    basis = rng.standard_normal((pictures.shape[1], extra)).astype(np.float32)
+    for _ in range(ITERATIONS):
+        basis = np.linalg.qr(pictures.T @ (pictures @ basis))[0]
+    _, _, turn = np.linalg.svd(pictures @ basis, full_matrices=False)
+    return (turn[:count] @ basis.T).astype(np.float32)
+
+
+def _inputs(scaled: np.ndarray, waves: np.ndarray, phases: np.ndarray) -> np.ndarray:
+    """What the regression is linear in (n, COUNT + COSINES + 1)."""
+    cosines = np.cos(scaled @ waves + phases) * np.sqrt(2.0 / len(phases))
+    return np.hstack([scaled, cosines, np.ones((len(scaled), 1), dtype=np.float32)])
+
+
+_CLASSES: dict[str, type[Index]] = {
+    kind.name: kind for kind in (RawIndex, RandomIndex, PcaIndex, LearnedIndex)
+}
+
+
+def index_class(name: str) -> type[Index]:
+    """The class of a registered index; raises UnknownNameError with the known names."""
+    if name not in _CLASSES:
+        raise UnknownNameError(f"index: {name!r} is not one of {', '.join(_CLASSES)}")
+    return _CLASSES[name]

@@ -1,4 +1,11 @@
-"""The towers while they learn, in torch; `towers` holds them once they have learned."""
+"""The towers while they learn, in torch, and what they are asked for; `encoder` uses them.
+
+Labels say which memories are valid in which situations. The binary loss asks each pair for its own
+odds, which makes the order of all memories right on the whole; the listwise one asks that valid
+ones outweigh the others in a softmax over the list, which makes the first places right, where
+recall looks; the contrast asks the same of a situation's own memory alone, against those that are
+not valid (others that are valid are left out: they are no less right).
+"""
 
 from __future__ import annotations
 
@@ -7,16 +14,16 @@ from itertools import pairwise
 import numpy as np
 import torch
 from torch import Tensor, nn
+from torch.nn import functional
 
 from gcm_learn.errors import EncoderError
-from gcm_learn.recall import pictures
 from gcm_learn.recall.clearance_features import CELLS, CONTEXT, STEPS, Looks
-from gcm_learn.recall.encoder_config import EncoderConfig
-from gcm_learn.recall.towers import LAYERS, Encoder
+from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
+from gcm_learn.recall.memory_features import COUNT
 
 
 class TowerNet(nn.Module):
-    """A perceptron with inputs on a common scale, see `towers.Tower`."""
+    """A perceptron with inputs on a common scale, see `encoder.Tower`."""
 
     def __init__(self, inputs: int, width: int, dim: int) -> None:
         super().__init__()
@@ -54,7 +61,7 @@ class EncoderNet(nn.Module):
         if config.uses_traces:
             self.trace = TowerNet(way_count, config.width, config.dim)
         if config.uses_maps:
-            self.map = TowerNet(pictures.COUNT, config.width, config.dim)
+            self.map = TowerNet(COUNT, config.width, config.dim)
         self.hope = nn.Linear(config.dim, 1)
         self.config = config
 
@@ -93,3 +100,46 @@ class EncoderNet(nn.Module):
         state = self.state_dict()
         wanted = {name: value for name, value in state.items() if not name.startswith("hope.")}
         return {name: value.numpy().astype(np.float16) for name, value in wanted.items()}
+
+
+_NEVER = -1e4
+
+
+def binary(scores: Tensor, hope: Tensor, holds: Tensor) -> Tensor:
+    """Mean cross-entropy of single pairs.
+
+    Parameters
+    ----------
+    scores, holds : (n, m) tensor
+        Inner products, and whether the memory holds.
+    hope : (n, 1) tensor
+        Added to the logits of a situation: how easy it is does not change the order.
+    """
+    return functional.binary_cross_entropy_with_logits(scores + hope, holds.to(scores.dtype))
+
+
+def listwise(scores: Tensor, holds: Tensor) -> Tensor:
+    """Mean of -log of the softmax's weight on memories that hold, over situations with any."""
+    some = holds.any(dim=1)
+    if not bool(some.any()):
+        return scores.sum() * 0.0
+    scores, holds = scores[some], holds[some]
+    good = torch.logsumexp(scores.masked_fill(~holds, _NEVER), dim=1)
+    return (torch.logsumexp(scores, dim=1) - good).mean()
+
+
+def contrast(scores: Tensor, holds: Tensor, own: Tensor) -> Tensor:
+    """The same for own memories only.
+
+    Parameters
+    ----------
+    own : (n,) tensor of int64
+        Column of a situation's own memory, -1 for those without.
+    """
+    some = own >= 0
+    if not bool(some.any()):
+        return scores.sum() * 0.0
+    scores, holds, own = scores[some], holds[some], own[some, None]
+    mine = scores.gather(1, own)
+    others = torch.logsumexp(scores.masked_fill(holds, _NEVER), dim=1, keepdim=True)
+    return (torch.logaddexp(mine, others) - mine).mean()

@@ -1,4 +1,4 @@
-"""Planners that recall: memories are bent to a situation, the first that holds is the plan."""
+"""Planners that recall: memories are adapted to a situation, the first valid one is the plan."""
 
 from __future__ import annotations
 
@@ -7,26 +7,32 @@ from functools import lru_cache, partial
 
 import numpy as np
 
+from gcm_learn import artifacts, seeding
+from gcm_learn.errors import RecallError
 from gcm_learn.motion.failures import Failure
 from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.planners.plan import Plan, Planner
 from gcm_learn.planners.registry import get_planner, register
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, adapt, attempt_at, query_of
+from gcm_learn.recall.index import index_class
+from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.recall.raw_features import raw_features
-from gcm_learn.recall.shipped import shipped_memory
-from gcm_learn.recall.splines import random_traces
-from gcm_learn.recall.store import Memory
-from gcm_learn.recall.trial import Offer, first_that_holds
+from gcm_learn.recall.store import MANIFEST, Memory
+from gcm_learn.recall.trials import Offer, first_that_holds
 from gcm_learn.recall.waypoints import Trace
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
-POOL = (
-    4  # memories that are recalled for each that is checked, so that twins of failures are left out
-)
+POOL = 4  # memories recalled for each that is checked: twins of failures are left out
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
 REGRET = 1.0  # what a memory loses by the failure of one in the same direction [log-odds]
+HALF_TURN = 1.8  # largest change of the hand's direction [rad]
+RIMS = (0.15, 0.98)  # shares of the ring
+TIMES = (0.2, 1.0)  # of the end [horizons]
+WAITERS = 4  # one in so many waits on its way
+_REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
+WHOLE = "recall"
 
 
 @dataclass(frozen=True)
@@ -90,9 +96,52 @@ def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = No
     return Offer(chosen, (near @ query).astype(float), near, left)
 
 
+def random_traces(
+    seed: int, index: int, count: int, start: float, horizon: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Random movements in the form of traces.
+
+    Parameters
+    ----------
+    seed, index : int
+        Decide all that is random.
+    count : int
+    start : float
+        Share of the ring where the hand is at t = 0.
+    horizon : float
+        [s]
+
+    Returns
+    -------
+    traces, goals : (count, KNOTS, 4), (count, 2) ndarray of float32
+    """
+    rng = seeding.rng(seed, index)
+    s = np.linspace(0.0, 1.0, KNOTS)[None]
+    angles = rng.uniform(-HALF_TURN, HALF_TURN, (2, count, 1))
+    rings = rng.uniform(*RIMS, (2, count, 1))
+    ends = horizon * rng.uniform(*TIMES, (count, 1))
+    waits = rng.integers(WAITERS, size=(count, 1)) == 0
+    traces = np.zeros((count, KNOTS, 4), np.float32)
+    traces[:, :, ANGLE] = 2.0 * s * (1.0 - s) * angles[0] + s * s * angles[1]
+    way = (1.0 - s) ** 2 * start + 2.0 * s * (1.0 - s) * rings[0] + s * s * rings[1]
+    traces[:, :, RING] = way
+    traces[:, :, TIME] = s * ends
+    half = KNOTS // 2
+    traces[:, half, EARLIEST] = np.where(waits, 0.5 * ends, 0.0)[:, 0]
+    goals = traces[:, -1, [ANGLE, RING]]
+    return traces, np.ascontiguousarray(goals)
+
+
 @dataclass(frozen=True)
 class SplinesPlanner:
-    """Random movements in place of memories: the control for what verification does alone."""
+    """Random movements in place of memories: the control for what verification does alone.
+
+    A spline's hand starts where the query's does. Its direction and its share of the ring follow
+    quadratic Bezier curves from there, whose middle control point and end are drawn: directions
+    evenly within HALF_TURN of the first, shares within RIMS, the time of the end within TIMES; one
+    in WAITERS waits half way until half of that time. Ends are then adapted to the target like
+    those of memories, so what is random is the way there.
+    """
 
     candidates: int = CANDIDATES
     seed: int = 0
@@ -182,9 +231,34 @@ def unverified(
     return Rollout(attempt, attempt is not None and checked(problem, attempt)[0] is not None)
 
 
-@lru_cache(maxsize=8)
-def _memory(name: str) -> Memory:
-    return shipped_memory(name)
+def has_memory() -> bool:
+    """Whether there is a memory that planners can ask."""
+    return artifacts.model(WHOLE, MANIFEST) is not None
+
+
+def shipped_memory(name: str) -> Memory:
+    """The memory of a planner's name, e.g. ``recall``.
+
+    Controls that have none of their own file that of ``recall`` anew, by their own index.
+
+    Raises
+    ------
+    RecallError
+        One line that says how to make one.
+    """
+    folder = artifacts.model(name, MANIFEST) or artifacts.model(WHOLE, MANIFEST)
+    if folder is None:
+        make = f"gcm-learn remember DATASET --out {artifacts.own('models') / name}"
+        reason = artifacts.missing("models", f"memory {name!r}", make)
+        raise RecallError(f"planner {name!r}: {reason}")
+    memory = Memory.load(folder)
+    if folder.name == name or name not in _REFILED:
+        return memory
+    kind = index_class(_REFILED[name])
+    return memory.refiled(kind.fit(memory.situations(), 0))
+
+
+_memory = lru_cache(maxsize=8)(shipped_memory)
 
 
 def _recalling(name: str) -> RecallPlanner:

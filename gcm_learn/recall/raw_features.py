@@ -8,6 +8,8 @@ constant acceleration is the same as position, velocity and acceleration, and se
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from gcm_learn.collision.distance import segment_point2
@@ -50,6 +52,37 @@ def raw_features(situation: Situation, scene: Scene | None = None) -> np.ndarray
     angle = float(np.arctan2(y, x))
     _body_features(scene, angle, out)
     return out
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Brings raw parameters to a common scale; slots that are free lie in the middle of things."""
+
+    mean: np.ndarray
+    """(COUNT,) float32"""
+    spread: np.ndarray
+    """(COUNT,) float32"""
+
+    @classmethod
+    def of(cls, features: np.ndarray) -> Scale:
+        """Fit to raw parameters (n, COUNT); all slots of obstacles share one scale."""
+        head = ARM + TARGET
+        slots = features[:, head:].reshape(-1, OBSTACLE)
+        slots = slots[slots[:, 0] > 0.0]
+        if len(slots) == 0:
+            slots = np.zeros((1, OBSTACLE))
+        mean = np.concatenate([features[:, :head].mean(axis=0), np.tile(slots.mean(axis=0), SLOTS)])
+        spread = np.concatenate([features[:, :head].std(axis=0), np.tile(slots.std(axis=0), SLOTS)])
+        mean[head::OBSTACLE], spread[head::OBSTACLE] = 0.0, 1.0  # whether there is one
+        spread = np.where(spread > 1e-6, spread, 1.0)
+        return cls(mean.astype(np.float32), spread.astype(np.float32))
+
+    def __call__(self, features: np.ndarray) -> np.ndarray:
+        """Parameters (..., COUNT) on that scale."""
+        out = (features - self.mean) / self.spread
+        slots = out[..., ARM + TARGET :].reshape(*out.shape[:-1], SLOTS, OBSTACLE)
+        slots *= slots[..., :1]  # present is 1, free is 0
+        return out
 
 
 @njit

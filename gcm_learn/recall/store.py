@@ -1,27 +1,38 @@
-"""The memory: catches filed under embeddings, found again by inner product."""
+"""The memory: catches filed under embeddings, found again by inner product; in it and on disk.
+
+On disk it is whole or not at all, and not read before it is needed. A folder holds a manifest and
+the folder of data that it names. Saving writes new data beside the old, then replaces the manifest
+by renaming, then removes the old data: whoever reads or crashes in between has the one or the
+other.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
+import uuid
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args, overload
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.errors import RecallError
-from gcm_learn.recall.disk import read_arrays, read_manifest, write_memory
 from gcm_learn.recall.index import Index, index_class
-from gcm_learn.recall.kernels import KNOTS, TIME
+from gcm_learn.recall.kernels import KNOTS
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.waypoints import Trace
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 from gcm_learn.situation.canonical import canonical
+from gcm_learn.storage import to_disk, write_whole
 
+FORMAT = "gcm-learn/memory@1"
+MANIFEST = "manifest.json"
+DATA = "data-"
 Forgotten = Literal["least used", "oldest", "random"]
 SPARE = 1.5  # room is made for this many times the entries that there are
 MANY = 20_000  # learned entries from which nearly the best are good enough by default
@@ -106,19 +117,9 @@ class Memory:
         return self._columns["goals"][: self._size]
 
     @property
-    def catch_times(self) -> np.ndarray:
-        """(n,) float32 [s]"""
-        return self.traces[:, -1, TIME]
-
-    @property
     def labels(self) -> np.ndarray:
-        """(n, 2) int16: family and stratum as positions in `words`."""
+        """(n, 2) int16: family and stratum as positions in the list of words."""
         return self._columns["labels"][: self._size]
-
-    @property
-    def words(self) -> list[str]:
-        """Names of families and strata."""
-        return list(self._words)
 
     @property
     def uses(self) -> np.ndarray:
@@ -215,14 +216,6 @@ class Memory:
             raise RecallError(f"first: {first!r} is not one of {known}")
         self.forget(order[: self._size - size])
 
-    def merge(self, other: Memory) -> None:
-        """Take over all memories of another one that was filed by the same index."""
-        self._refuse_other_key(other.index.key, "the memory to merge")
-        words = np.array([self._word(w) for w in other._words])
-        fresh = {name: np.array(other._columns[name][: len(other)]) for name in _COLUMNS}
-        fresh["labels"] = words[fresh["labels"]].reshape(-1, 2)
-        self._append(fresh, [other._text(k) for k in range(len(other))])
-
     def refiled(self, index: Index) -> Memory:
         """The same memories, filed by another index."""
         out = Memory(index, self.search)
@@ -230,7 +223,7 @@ class Memory:
             traces = [Trace(k, g) for k, g in zip(self.traces, self.goals, strict=True)]
             out._words = list(self._words)
             fresh = {name: np.array(self._columns[name][: self._size]) for name in _COLUMNS}
-            fresh["embeddings"] = index.embed_memories(_Situations(self), traces)
+            fresh["embeddings"] = index.embed_memories(self.situations(), traces)
             out._append(fresh, [self._text(k) for k in range(self._size)])
         return out
 
@@ -278,21 +271,18 @@ class Memory:
             raise RecallError(f"{place}: paths of {manifest['knots']} knots, expected {KNOTS}")
         if index is None:
             index = index_class(stamp["name"]).load(place / manifest["data"])
+        if stamp["key"] != index.key:
+            raise RecallError(
+                f"{place}: filed by an index with key {stamp['key']}, asked by {index.name!r} with "
+                f"key {index.key}: file it anew (Memory.refiled)"
+            )
         out = cls(index, search)
-        out._refuse_other_key(stamp["key"], str(place))
         columns = read_arrays(place, manifest, mmap)
         out._columns = {name: columns[name] for name in _COLUMNS}
         out._size, out._words = int(manifest["size"]), list(manifest["words"])
         out._old_texts = columns["situations"]
         out._old_starts = np.concatenate([[0], np.cumsum(columns["lengths"], dtype=np.int64)])
         return out
-
-    def _refuse_other_key(self, key: str, what: str) -> None:
-        if key != self.index.key:
-            raise RecallError(
-                f"{what}: filed by an index with key {key}, asked by {self.index.name!r} with key "
-                f"{self.index.key}: file it anew (Memory.refiled)"
-            )
 
     def _append(self, fresh: dict[str, np.ndarray], texts: list[bytes]) -> None:
         size = self._size + len(texts)
@@ -323,28 +313,84 @@ class Memory:
         return self._words.index(word)
 
 
-class _Situations(Sequence[Situation]):
-    """The situations of a memory, read only when they are looked at: not all indexes do."""
-
-    def __init__(self, memory: Memory, rows: range | None = None) -> None:
-        self._memory, self._rows = memory, range(len(memory)) if rows is None else rows
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    @overload
-    def __getitem__(self, k: int) -> Situation: ...
-
-    @overload
-    def __getitem__(self, k: slice) -> _Situations: ...
-
-    def __getitem__(self, k: int | slice) -> Situation | _Situations:
-        if isinstance(k, slice):
-            return _Situations(self._memory, self._rows[k])
-        return self._memory.situation(self._rows[k])
-
-
 def _packed(situation: Situation) -> bytes:
     """A situation as compressed JSON text."""
     text = json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False)
     return zlib.compress(text.encode(), 6)
+
+
+def write_memory(
+    folder: Path,
+    arrays: Mapping[str, np.ndarray],
+    about: Mapping[str, Any],
+    extra: Callable[[Path], None] | None = None,
+) -> None:
+    """Write a memory.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if there is none; a memory in it is replaced.
+    arrays : mapping
+        Columns by name.
+    about : mapping
+        What the manifest says, as JSON values.
+    extra : callable, optional
+        Writes more files into the folder of data that it is given.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    data = folder / f"{DATA}{uuid.uuid4().hex[:12]}"
+    data.mkdir()
+    try:
+        for name, array in arrays.items():
+            np.save(data / f"{name}.npy", array)
+        if extra is not None:
+            extra(data)
+        sizes = {path.name: path.stat().st_size for path in sorted(data.iterdir())}
+        for path in data.iterdir():
+            to_disk(path)
+        manifest = {"format": FORMAT, **about, "data": data.name, "bytes": sizes}
+        write_whole(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n", durable=True)
+    except BaseException:
+        shutil.rmtree(data, ignore_errors=True)
+        raise
+    for old in folder.glob(f"{DATA}*"):
+        if old != data:
+            shutil.rmtree(old, ignore_errors=True)
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """What a memory says of itself, checked against the files that there are."""
+    path = folder / MANIFEST
+    try:
+        manifest = json.loads(path.read_text("utf-8"))
+        if manifest["format"] != FORMAT:
+            raise RecallError(f"{path}: format is {manifest['format']!r}, expected {FORMAT!r}")
+        for name, size in manifest["bytes"].items():
+            found = (folder / manifest["data"] / name).stat().st_size
+            if found != size:
+                raise RecallError(f"{path}: {name} has {found} bytes, expected {size}")
+    except FileNotFoundError as error:
+        missing = Path(error.filename).name
+        raise RecallError(f"{folder}: no memory there ({missing} is missing)") from None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise RecallError(f"{path}: not a memory's manifest ({error})") from None
+    return dict(manifest)
+
+
+def is_memory(folder: Path) -> bool:
+    """Whether a folder says that it holds a memory, whole or not."""
+    try:
+        manifest = json.loads((folder / MANIFEST).read_text("utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(manifest, dict) and manifest.get("format") == FORMAT
+
+
+def read_arrays(folder: Path, manifest: Mapping[str, Any], mmap: bool) -> dict[str, np.ndarray]:
+    """Columns of a memory, left on disk until they are read if `mmap`."""
+    data = folder / str(manifest["data"])
+    return {
+        path.stem: np.asarray(np.load(path, mmap_mode="r" if mmap else None))
+        for path in sorted(data.glob("*.npy"))
+    }

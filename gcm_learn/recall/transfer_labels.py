@@ -1,4 +1,4 @@
-"""Lessons for encoders: which memories, bent to a situation, catch in it.
+"""What an encoder learns from: which memories, adapted to a situation, catch in it.
 
 Memories are the catches of a dataset. Situations are those of its records, each once, and when
 these are used up others that are drawn from the same specification: they need no plan to learn
@@ -9,9 +9,12 @@ these are left out.
 from __future__ import annotations
 
 import gc
+import io
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,16 +22,66 @@ from gcm_learn import seeding
 from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.planners.completion import Problem, straight_plan
-from gcm_learn.recall import trial
+from gcm_learn.recall import trials
 from gcm_learn.recall.adaptation import DEFAULT, query_of
-from gcm_learn.recall.clearance_features import gathered, look
+from gcm_learn.recall.clearance_features import Looks, gathered, look
 from gcm_learn.recall.kernels import KNOTS
-from gcm_learn.recall.path_features import ways
-from gcm_learn.recall.pictures import picture_of
-from gcm_learn.recall.training_data import Best, Lesson
+from gcm_learn.recall.memory_features import picture_of, ways
 from gcm_learn.recall.waypoints import trace_of
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.situation import Situation
+from gcm_learn.storage import write_whole
+
+Best = Callable[[Looks, int], np.ndarray]
+"""From looks at n situations and a number k, the memories (n, k) that fit best by what is known so
+far, the best first."""
+
+
+class Lesson(NamedTuple):
+    """Situations, memories, and which of them hold."""
+
+    looks: Looks
+    """Of n situations."""
+    rows: np.ndarray
+    """Memories that were tried: (m,) int64 on all situations, or (n, m) on each its own."""
+    holds: np.ndarray
+    """(n, m) bool"""
+    own: np.ndarray
+    """(n,) int64: column of a situation's own memory, -1 for those without."""
+
+    def save(self, path: Path) -> None:
+        """Write it into a file."""
+        stream = io.BytesIO()
+        looks, *rest = self
+        np.savez(stream, *looks, *rest)
+        write_whole(path, stream.getvalue())
+
+    @classmethod
+    def load(cls, path: Path) -> Lesson:
+        """Read it from a file."""
+        with np.load(path) as file:
+            arrays = [file[f"arr_{k}"] for k in range(len(file.files))]
+        size = len(Looks._fields)
+        return cls(Looks(*arrays[:size]), *arrays[size:])
+
+
+class Teacher(Protocol):
+    """Gives lessons about memories, and examines."""
+
+    @property
+    def ways(self) -> np.ndarray:
+        """Features (m, f) float32 of the memories' ways, see `ways.ways`."""
+
+    @property
+    def pictures(self) -> np.ndarray | None:
+        """Features (m, pictures.COUNT) float32 of their maps; None if none are wanted."""
+
+    def lesson(self, index: int, best: Best | None) -> Lesson:
+        """Lesson number `index`; on the memories that seem best if `best` is given."""
+
+    def exam(self, best: Best) -> dict[str, float]:
+        """Marks by name, on situations that no lesson has."""
+
 
 SITUATIONS = 512  # of a lesson
 ALONE = 0.4  # share of them that are others of the same lesson with one of their obstacles alone
@@ -150,7 +203,7 @@ class School:
         """Which memories hold in a situation (m,) bool."""
         (style, tempo), query = DEFAULT.ways[0], query_of(problem)
         chosen = np.ascontiguousarray(rows, dtype=np.int64)
-        times = trial.transfer(self.traces, self.goals, chosen, query, style, tempo, 0)
+        times = trials.transfer(self.traces, self.goals, chosen, query, style, tempo, 0)
         held: np.ndarray = times >= 0.0
         return held
 

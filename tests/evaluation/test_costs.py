@@ -10,7 +10,7 @@ from gcm_learn.artifacts import shipped
 from gcm_learn.evaluation import costs as module
 from gcm_learn.evaluation.costs import costs
 from gcm_learn.policies.planner import shipped_actor
-from gcm_learn.recall.shipped import shipped_memory
+from gcm_learn.recall import shipped_memory
 
 
 def test_entrants_share_what_they_hold():

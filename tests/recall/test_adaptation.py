@@ -18,8 +18,8 @@ from gcm_learn.planners.layered import layered
 from gcm_learn.recall import Adaptation, adapt, path_of, trace_of, transfer
 from gcm_learn.recall.adaptation import attempt_at, query_of
 from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
-from gcm_learn.recall.splines import random_traces
-from gcm_learn.recall.trial import Offer, first_that_holds
+from gcm_learn.recall.planners import random_traces
+from gcm_learn.recall.trials import Offer, first_that_holds
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned

@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import families, get_planner, solve
 from gcm_learn.planners import Plan
 from gcm_learn.recall import HybridPlanner, Memory, RandomIndex, RecallPlanner
-from gcm_learn.recall.shipped import shipped_memory
+from gcm_learn.recall.planners import shipped_memory
 
 CHECKS = 20  # of recall, and of all that it is compared with but `recall-1`
 

@@ -18,7 +18,7 @@ from gcm_learn.evaluation import draw_suite
 from gcm_learn.recall import Memory, RawIndex
 from gcm_learn.recall import transfer_labels as lessons
 from gcm_learn.recall.clearance_features import look
-from gcm_learn.recall.remember import remember
+from gcm_learn.recall.growth import remember
 from gcm_learn.recall.transfer_labels import School
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack

@@ -16,13 +16,13 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.completion import Problem
 from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, index_class
 from gcm_learn.recall.adaptation import DEFAULT, query_of, transfer
+from gcm_learn.recall.encoder import Encoder
+from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.kernels import KNOTS
-from gcm_learn.recall.learned_index import LearnedIndex
+from gcm_learn.recall.memory_features import count
 from gcm_learn.recall.networks import EncoderNet
-from gcm_learn.recall.path_features import count
 from gcm_learn.recall.search import Searcher
-from gcm_learn.recall.towers import Encoder
-from gcm_learn.recall.trial import Offer, first_that_holds
+from gcm_learn.recall.trials import Offer, first_that_holds
 from tests.referee import judge
 from tests.transforms import turned
 
@@ -71,13 +71,13 @@ def test_a_query_knows_neither_map_nor_catch(catches, traces, memory):
     np.testing.assert_allclose(
         index.embed_query(situation), index.embed_query(turned(situation, 0.7)), atol=1e-4
     )
-    one = index.embed_memory(memory.situation(0), traces[0])
-    two = index.embed_memory(memory.situation(1), traces[0])
+    one = index.embed_memories([memory.situation(0)], traces[:1])[0]
+    two = index.embed_memories([memory.situation(1)], traces[:1])[0]
     assert not np.allclose(one, two)  # the same way on another map
     alone = learned(2)
     np.testing.assert_array_equal(
-        alone.embed_memory(memory.situation(0), traces[0]),
-        alone.embed_memory(memory.situation(1), traces[0]),
+        alone.embed_memories([memory.situation(0)], traces[:1])[0],
+        alone.embed_memories([memory.situation(1)], traces[:1])[0],
     )
 
 

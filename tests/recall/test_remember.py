@@ -13,7 +13,7 @@ from gcm_learn import dataset
 from gcm_learn.cli import main
 from gcm_learn.errors import RecallError
 from gcm_learn.recall import Memory, RecallPlanner
-from gcm_learn.recall.remember import remember
+from gcm_learn.recall.growth import remember
 from tests.dataset.conftest import SMALL, make_here
 
 
@@ -37,7 +37,7 @@ def test_all_catches_are_remembered_and_recalled(folder):
     caught = [(record, plan) for record, plan in zip(records, best, strict=True) if plan]
     assert 0 < len(memory) == len(caught)
     np.testing.assert_allclose(
-        memory.catch_times, [plan.catch_time for _, plan in caught], rtol=1e-6
+        memory.traces[:, -1, 2], [plan.catch_time for _, plan in caught], rtol=1e-6
     )
     for k, (record, _) in enumerate(caught):
         assert memory[k].situation == record.situation

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from gcm_learn.errors import MissingExtraError, RecallError
-from gcm_learn.recall import Memory, RandomIndex, RawIndex, disk
-from gcm_learn.recall.pca import PcaIndex
+from gcm_learn.recall import Memory, RandomIndex, RawIndex, store
+from gcm_learn.recall.index import PcaIndex
 from gcm_learn.recall.search import Searcher, top
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned
@@ -119,23 +119,11 @@ def test_what_is_forgotten_first_is_chosen(memory):
     assert len(memory) == 20
 
 
-def test_merging_parts_gives_the_whole(memory, catches, traces):
-    parts = [Memory(memory.index) for _ in range(2)]
-    for part, some in zip(parts, (slice(0, 100), slice(100, None)), strict=True):
-        strata = [memory[k].stratum for k in range(len(memory))[some]]
-        situations = [s for s, _ in catches[some]]
-        part.add(situations, traces[some], ["random-planar"] * len(situations), strata)
-    parts[0].merge(parts[1])
-    assert same(parts[0], memory)
-
-
 def test_another_index_is_refused(memory, catches, tmp_path):
     memory.save(tmp_path)
     other = RawIndex.fit([s for s, _ in catches[:20]])
     with pytest.raises(RecallError, match=f"filed by an index with key {memory.index.key}"):
         Memory.load(tmp_path, other)
-    with pytest.raises(RecallError, match="filed by an index"):
-        memory.merge(Memory(other))
     assert len(Memory.load(tmp_path, memory.index)) == len(memory)
 
 
@@ -149,7 +137,7 @@ def test_an_interrupted_save_leaves_the_old_memory(memory, at, tmp_path, monkeyp
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(disk.np if at == "np.save" else disk, at.removeprefix("np."), stop)
+        patch.setattr(store.np if at == "np.save" else store, at.removeprefix("np."), stop)
         with pytest.raises(KeyboardInterrupt):
             changed.save(tmp_path)
     assert same(Memory.load(tmp_path), memory)

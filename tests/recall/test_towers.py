@@ -15,10 +15,9 @@ from gcm_learn.errors import EncoderError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.recall import EncoderConfig, load_encoder, save_encoder
 from gcm_learn.recall.clearance_features import gathered, look
+from gcm_learn.recall.encoder import Encoder
+from gcm_learn.recall.memory_features import COUNT, count, picture_of, ways
 from gcm_learn.recall.networks import EncoderNet
-from gcm_learn.recall.path_features import count, ways
-from gcm_learn.recall.pictures import COUNT, picture_of
-from gcm_learn.recall.towers import Encoder
 
 KNOTS = 24
 

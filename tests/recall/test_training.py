@@ -15,10 +15,10 @@ from gcm_learn import seeding
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall import EncoderConfig
 from gcm_learn.recall.clearance_features import CELLS, CONTEXT, Looks
-from gcm_learn.recall.losses import binary, contrast, listwise
-from gcm_learn.recall.path_features import count
+from gcm_learn.recall.memory_features import count
+from gcm_learn.recall.networks import binary, contrast, listwise
 from gcm_learn.recall.training import CHECKPOINT, LOG, Effort, Trainer
-from gcm_learn.recall.training_data import Lesson
+from gcm_learn.recall.transfer_labels import Lesson
 
 MEMORIES, SITUATIONS = 120, 96
 

@@ -17,7 +17,7 @@ from gcm_learn.cli import main
 from gcm_learn.recall import Adaptation, Memory, load_encoder, transfer
 from gcm_learn.recall import transfer_labels as lessons
 from gcm_learn.recall.clearance_features import look
-from gcm_learn.recall.learned_index import LearnedIndex
+from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.transfer_labels import School
 from tests.dataset.conftest import SMALL, make_here
 

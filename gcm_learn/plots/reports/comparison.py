@@ -26,7 +26,7 @@ from gcm_learn.plots.reports.page import (
     words,
 )
 from gcm_learn.policies.planner import actor_names
-from gcm_learn.recall.shipped import has_memory
+from gcm_learn.recall import has_memory
 
 PAGE = "report.html"
 WORDS = words("comparison")

@@ -25,9 +25,15 @@ from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.comparison import NAMES
 from gcm_learn.plots.figures.maps import walls
 from gcm_learn.plots.reports.page import fill
-from gcm_learn.recall import Memory, RecallPlanner, Trace, path_of
-from gcm_learn.recall.passing import passing_of
-from gcm_learn.recall.shipped import has_memory, shipped_memory
+from gcm_learn.recall import (
+    Memory,
+    RecallPlanner,
+    Trace,
+    has_memory,
+    passing_of,
+    path_of,
+    shipped_memory,
+)
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack_bodies
