@@ -14,7 +14,7 @@ from gcm_learn.cli.files import FileNames, staged
 from gcm_learn.cli.solve import plan_one, read
 
 if TYPE_CHECKING:
-    from gcm_learn.situation.situation import Situation
+    from gcm_learn.situation import Situation
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Animate:
 
     def run(self) -> int:
         """Plan, draw and save the film."""
-        from gcm_learn.planners.registry import get_planner
+        from gcm_learn.planners import get_planner
 
         planner = get_planner(self.planner)
         situation = self._chosen(read(self.file))

@@ -17,8 +17,8 @@ from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from gcm_learn.planners.plan import Plan, Planner
-    from gcm_learn.situation.situation import Situation
+    from gcm_learn.planners import Plan, Planner
+    from gcm_learn.situation import Situation
 
     Draw = Callable[[Situation, Plan], None]
 
@@ -48,7 +48,7 @@ class Solve:
 
     def run(self) -> int:
         """Solve the file; see `gcm_learn.cli.main` for the exit codes."""
-        from gcm_learn.planners.registry import get_planner
+        from gcm_learn.planners import get_planner
 
         planner = get_planner(self.planner)
         situations = read(self.file)
@@ -61,7 +61,7 @@ class Solve:
 
 def read(file: str) -> list[Situation]:
     """Return the situations of a file or of standard input (``-``)."""
-    from gcm_learn.situation.json_format import read_situations
+    from gcm_learn.situation import read_situations
 
     if file == "-" and sys.stdin is None:
         raise CommandFailure("standard input is closed")
@@ -98,7 +98,7 @@ def _solve_all(
 
 
 def _line(plan: Plan, situation: Situation, file: str) -> str:
-    from gcm_learn.planners.plan import plan_to_json
+    from gcm_learn.planners import plan_to_json
 
     try:
         return json.dumps(plan_to_json(plan), allow_nan=False) + "\n"

@@ -12,8 +12,7 @@ import pyarrow as pa
 from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.maps.cognitive_map import Contact
-from gcm_learn.motion.failures import Failure
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Failure, Trajectory
 from gcm_learn.planners import Plan
 from gcm_learn.situation import Situation
 from gcm_learn.wave import WaveParams

@@ -13,9 +13,7 @@ import numpy as np
 from gcm_learn.dataset import Dataset, Record
 from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.planners import Plan
-from gcm_learn.scene.bodies import poses_at
-from gcm_learn.scene.limb import elbow_position
-from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.scene import elbow_position, pack_bodies, poses_at
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:

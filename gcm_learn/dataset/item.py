@@ -12,16 +12,27 @@ from gcm_learn.dataset.record import OracleLabel, Record
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of, split_of
 from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
-from gcm_learn.planners import FrontPlanner, Plan, Planner, gcm, get_planner, marching
-from gcm_learn.planners.completion import Problem, straight_plan
-from gcm_learn.planners.feedback import Exploration, Lessons
-from gcm_learn.planners.fronts import Explore, Params
-from gcm_learn.planners.layered import layered
-from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
-from gcm_learn.scene.bodies import TOP_SPEED
+from gcm_learn.planners import (
+    Bounds,
+    Exploration,
+    Explore,
+    FrontPlanner,
+    Lessons,
+    Params,
+    Plan,
+    Planner,
+    Problem,
+    bounds,
+    gcm,
+    get_planner,
+    layered,
+    marching,
+    straight_plan,
+    stratum,
+)
+from gcm_learn.scene import TOP_SPEED
 from gcm_learn.seeding import rng
-from gcm_learn.situation import Situation
-from gcm_learn.situation.canonical import Frame, canonical
+from gcm_learn.situation import Frame, Situation, canonical
 from gcm_learn.wave import MarchingParams, WaveParams, march_layers
 
 AUDIT = 1  # salt of the lot that decides which items the oracle labels as well

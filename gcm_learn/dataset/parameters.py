@@ -11,10 +11,20 @@ import math
 
 import numpy as np
 
-from gcm_learn.situation import Body, Disc, Pendulum, PlanarQuadratic, Polygon, Situation
-from gcm_learn.situation.frames import rotation_of
-from gcm_learn.situation.motion import SolidQuadratic
-from gcm_learn.situation.shapes import Box, Capsule, Cylinder, Sphere
+from gcm_learn.situation import (
+    Body,
+    Box,
+    Capsule,
+    Cylinder,
+    Disc,
+    Pendulum,
+    PlanarQuadratic,
+    Polygon,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    rotation_of,
+)
 
 DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]
 

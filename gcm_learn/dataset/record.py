@@ -30,8 +30,7 @@ from gcm_learn.dataset.spec import STRATA, DatasetSpec
 from gcm_learn.dataset.splits import QUANTITIES
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners import Plan
-from gcm_learn.situation import Situation, situation_from_json, situation_to_json
-from gcm_learn.situation.canonical import Frame
+from gcm_learn.situation import Frame, Situation, situation_from_json, situation_to_json
 
 VERSION = "gcm-learn/record@1"
 REJECTS = (*STRATA, "blocked", "other")

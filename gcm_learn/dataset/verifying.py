@@ -18,10 +18,9 @@ from gcm_learn.dataset.splits import lot_of
 from gcm_learn.dataset.warming import warm_up
 from gcm_learn.dataset.workers import LocalPool
 from gcm_learn.errors import DatasetError, GcmError
-from gcm_learn.motion.rules import rules_of
-from gcm_learn.motion.verification import verify
+from gcm_learn.motion import rules_of, verify
 from gcm_learn.processes import cores
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene import pack
 
 MOST_FAULTS = 20  # that a report quotes
 REMAKE = 2  # salt of the lot that decides which item of a shard is made again

@@ -6,9 +6,10 @@
 """
 
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.family import ArmRanges, Family
 from gcm_learn.families.layout import WayRanges
-from gcm_learn.families.paper import PAPER_SCENES
+from gcm_learn.families.paper import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, fig3
 from gcm_learn.families.piece_family import Sizes
 from gcm_learn.families.pieces import SpaceRanges
 from gcm_learn.families.random_planar import random_planar
@@ -25,9 +26,11 @@ from gcm_learn.families.registry import (
 from gcm_learn.situation import Situation
 
 __all__ = [
-    "PAPER_SCENES",
     "ArmRanges",
+    "CAPTION_INSTANTS",
     "Family",
+    "KAPPA",
+    "PAPER_SCENES",
     "Sizes",
     "SpaceRanges",
     "WayRanges",
@@ -35,6 +38,8 @@ __all__ = [
     "family_from_dict",
     "family_names",
     "family_to_dict",
+    "fig3",
+    "gate_scene",
     "get_family",
     "item_name",
     "paper_scene",

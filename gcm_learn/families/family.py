@@ -22,8 +22,8 @@ from gcm_learn.families.ranges import (
     pick_angle,
     span,
 )
-from gcm_learn.motion.rules import start_clearance
-from gcm_learn.scene.packing import pack
+from gcm_learn.motion import start_clearance
+from gcm_learn.scene import pack
 from gcm_learn.situation import Arm, Pendulum, Situation
 
 ATTEMPTS = 50  # draws until the limb starts free; after that many the last one is given

@@ -22,7 +22,7 @@ from gcm_learn.families.ranges import (
     pick_sign,
     span,
 )
-from gcm_learn.scene.packing import integrate_swing
+from gcm_learn.scene import integrate_swing
 from gcm_learn.situation import Arm, Body, Capsule, Pendulum, Situation, Sphere
 
 _STEPS = 100  # of the integration back to t = 0; the error of a swing is far below 1e-6 rad

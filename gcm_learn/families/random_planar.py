@@ -19,8 +19,7 @@ from gcm_learn.families.ranges import (
     pick_count,
     span,
 )
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
-from gcm_learn.situation.shapes import Shape
+from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Shape, Situation
 
 SPEED = 3.3  # largest hand speed [forearm lengths / s]: kappa is about 1/400 s on 80 cells
 HORIZON = 1.2  # [s], about 480 tau

@@ -22,8 +22,8 @@ from gcm_learn.situation import (
     SolidQuadratic,
     SolidShape,
     Sphere,
+    rotation_of,
 )
-from gcm_learn.situation.frames import rotation_of
 
 Vector3 = tuple[float, float, float]
 

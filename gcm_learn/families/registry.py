@@ -23,9 +23,7 @@ from gcm_learn.families.random_solid import RandomSolid
 from gcm_learn.families.ranges import Ranges
 from gcm_learn.families.spinning import Spinning, SpinningSolid
 from gcm_learn.families.static_clutter import StaticClutter, StaticClutterSolid
-from gcm_learn.situation import Situation
-from gcm_learn.situation.checks import show
-from gcm_learn.situation.json_text import JsonTextError, RepeatedField, line_of, parse
+from gcm_learn.situation import JsonTextError, RepeatedField, Situation, line_of, parse, show
 
 _Record = TypeVar("_Record", bound=Ranges)
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from gcm_learn.collision.sweep import least_distance
+from gcm_learn.collision import least_distance
 from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.scene.packing import pack
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Situation
 
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearm lengths]

@@ -6,6 +6,7 @@ import numpy as np
 
 from gcm_learn.collision.distance import segment_distance
 from gcm_learn.compiled import njit
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     DISC,
     FIRST,
@@ -21,7 +22,6 @@ from gcm_learn.scene.bodies import (
     pose_at,
 )
 from gcm_learn.scene.cuts import cut, point_polygon_distance, region_distance
-from gcm_learn.scene.scene import Scene
 
 NOWHERE = 1e300
 _PROBE = 1e-6  # finite difference for the direction of the nearest point [forearm lengths]

@@ -8,8 +8,8 @@ import numpy as np
 
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
-from gcm_learn.scene.scene import Scene
 
 SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]
 CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]

@@ -7,7 +7,7 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.scene.limb import SIDE, joints_of
-from gcm_learn.situation.situation import Arm
+from gcm_learn.situation import Arm
 
 SPACING = 0.02  # samples of a straight way are at most this far apart [forearm lengths]
 JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured

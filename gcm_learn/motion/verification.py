@@ -13,9 +13,9 @@ from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import target_distance
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
 from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.scene.limb import joints_of
-from gcm_learn.scene.scene import Scene
 
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured

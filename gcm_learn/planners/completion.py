@@ -9,18 +9,26 @@ from functools import cached_property
 import numpy as np
 
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion.failures import Failure, Reason
-from gcm_learn.motion.interception import first_catch, first_interception, may_be_reached
-from gcm_learn.motion.rules import Rules, opening
-from gcm_learn.motion.timing import keep_limits, refine, segment_times, straight_way
-from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.motion.verification import HOLE_MARGIN, Verdict, verify
+from gcm_learn.motion import (
+    HOLE_MARGIN,
+    Failure,
+    Reason,
+    Rules,
+    Trajectory,
+    Verdict,
+    first_catch,
+    first_interception,
+    keep_limits,
+    may_be_reached,
+    opening,
+    refine,
+    segment_times,
+    straight_way,
+    verify,
+)
 from gcm_learn.planners.plan import Plan
-from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.packing import pack
-from gcm_learn.scene.scene import Scene
-from gcm_learn.situation import Situation
-from gcm_learn.situation.situation import Arm
+from gcm_learn.scene import Bodies, Scene, pack
+from gcm_learn.situation import Arm, Situation
 
 CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion.failures import Failure
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Failure, Trajectory
 from gcm_learn.situation import Situation
 
 FORMAT = "gcm-learn/solution@1"

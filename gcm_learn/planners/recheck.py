@@ -6,12 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance
-from gcm_learn.motion.clearance import clearance
-from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.scene.bodies import poses_at
-from gcm_learn.scene.limb import elbow_position
-from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.collision import arm_distance
+from gcm_learn.motion import Trajectory, clearance
+from gcm_learn.scene import elbow_position, pack_bodies, poses_at
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:

@@ -27,14 +27,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.motion.failures import Failure, Reason
-from gcm_learn.motion.interception import first_interception
-from gcm_learn.motion.timing import keep_limits, refine, straight_way
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import (
+    Failure,
+    Reason,
+    Trajectory,
+    first_interception,
+    keep_limits,
+    refine,
+    straight_way,
+)
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of, checked, first_catch_on
 from gcm_learn.planners.plan import Plan
-from gcm_learn.situation import Situation
-from gcm_learn.situation.checks import positive
+from gcm_learn.situation import Situation, positive
 
 CHORD = 1e-4  # what is linear between samples keeps that near to the motion [forearm lengths]
 FEWEST_SAMPLES = 50

@@ -22,7 +22,7 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import BOX, CAPSULE, CYLINDER, SPHERE
-from gcm_learn.situation.shapes import Box, Capsule, Cylinder, SolidShape, Sphere
+from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
 
 ARC_ERROR = 1.9e-4
 """Largest distance of a sampled arc from the true one, in radii (2.6e-4 where 256 vertices are

@@ -8,10 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from gcm_learn.scene.packing import integrate_swing
-from gcm_learn.situation.canonical import quaternion_of
-from gcm_learn.situation.frames import rotation_of
-from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
-from gcm_learn.situation.situation import Body, Situation
+from gcm_learn.situation import (
+    Body,
+    Motion,
+    Pendulum,
+    PlanarQuadratic,
+    Situation,
+    SolidQuadratic,
+    quaternion_of,
+    rotation_of,
+)
 
 STEPS_PER_PERIOD = 2000  # of a swing, as packed bodies have it
 

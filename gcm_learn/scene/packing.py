@@ -11,10 +11,20 @@ from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.limb import SIDE
 from gcm_learn.scene.scene import Limb, Limits, Scene
-from gcm_learn.situation.frames import plane_frame, rotation_of
-from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
-from gcm_learn.situation.shapes import Box, Capsule, Cylinder, Disc, Polygon, Sphere
-from gcm_learn.situation.situation import Situation
+from gcm_learn.situation import (
+    Box,
+    Capsule,
+    Cylinder,
+    Disc,
+    Pendulum,
+    PlanarQuadratic,
+    Polygon,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    plane_frame,
+    rotation_of,
+)
 
 _KIND = {
     Disc: k.DISC,

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from gcm_learn.situation.canonical import Frame, canonical, quaternion_of
+from gcm_learn.situation.checks import positive, show
+from gcm_learn.situation.frames import plane_frame, rotation_of
 from gcm_learn.situation.json_format import (
     FORMAT,
     read_situations,
@@ -9,6 +12,7 @@ from gcm_learn.situation.json_format import (
     situation_to_json,
     write_situations,
 )
+from gcm_learn.situation.json_text import JsonTextError, RepeatedField, line_of, parse
 from gcm_learn.situation.motion import (
     Motion,
     Pendulum,
@@ -32,28 +36,39 @@ from gcm_learn.situation.shapes import (
 from gcm_learn.situation.situation import Arm, Body, Plane, Situation
 
 __all__ = [
-    "FORMAT",
-    "PLANAR",
-    "SOLID",
     "Arm",
     "Body",
     "Box",
     "Capsule",
     "Cylinder",
     "Disc",
+    "FORMAT",
+    "Frame",
+    "JsonTextError",
     "Motion",
+    "PLANAR",
     "Pendulum",
     "PlanarQuadratic",
     "PlanarShape",
     "Plane",
     "Polygon",
+    "RepeatedField",
+    "SOLID",
     "Shape",
     "Situation",
     "SolidMotion",
     "SolidQuadratic",
     "SolidShape",
     "Sphere",
+    "canonical",
+    "line_of",
+    "parse",
+    "plane_frame",
+    "positive",
+    "quaternion_of",
     "read_situations",
+    "rotation_of",
+    "show",
     "situation_from_json",
     "situation_to_json",
     "write_situations",

@@ -17,7 +17,7 @@ import numpy as np
 
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion.failures import Failure
+from gcm_learn.motion import Failure
 from gcm_learn.motion.interception import first_interception, target_distance
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem, checked, finish

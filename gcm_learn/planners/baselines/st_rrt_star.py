@@ -29,10 +29,14 @@ from types import ModuleType
 import numpy as np
 
 from gcm_learn.errors import MissingExtraError, PlatformError
-from gcm_learn.motion.failures import Failure, Reason
-from gcm_learn.motion.interception import anywhere, first_interception
-from gcm_learn.motion.timing import straight_way
-from gcm_learn.motion.verification import HOLE_MARGIN
+from gcm_learn.motion import (
+    HOLE_MARGIN,
+    Failure,
+    Reason,
+    anywhere,
+    first_interception,
+    straight_way,
+)
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
 from gcm_learn.planners.baselines.st_rrt_star_moves import Task

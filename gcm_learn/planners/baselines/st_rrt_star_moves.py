@@ -14,8 +14,8 @@ from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.timing import JOINT_SLACK
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.planners.oracle.moves import ANY
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
-from gcm_learn.scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from typing import Any
 import ompl
 
 from gcm_learn import seeding
-from gcm_learn.motion.rules import Rules
+from gcm_learn.motion import Rules
 from gcm_learn.planners.baselines.st_rrt_star_moves import Task, draw_goal, leg_holds
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene import pack
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 
 # The wheel of 1.7.0 holds its library twice: the modules find the one they are linked with, and

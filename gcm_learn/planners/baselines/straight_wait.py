@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.motion.failures import Failure, Reason
-from gcm_learn.motion.interception import first_interception
-from gcm_learn.motion.timing import segment_times, straight_way
+from gcm_learn.motion import Failure, Reason, first_interception, segment_times, straight_way
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.plan import Plan

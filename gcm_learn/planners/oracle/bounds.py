@@ -18,9 +18,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from gcm_learn.motion.failures import Failure, Reason
-from gcm_learn.motion.interception import anywhere, first_interception
-from gcm_learn.motion.timing import straight_way
+from gcm_learn.motion import Failure, Reason, anywhere, first_interception, straight_way
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.fronts import marching

@@ -31,8 +31,8 @@ from gcm_learn.planners.oracle.moves import (
     move_time,
     source_of,
 )
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, drift, poses_at
-from gcm_learn.scene.scene import Scene
 
 MOST_SURE = 63  # obstacles that the outer set heeds, the bits of a word; leaving out is optimistic
 TRIES = 4  # moves into a cell that are checked in a step, best first

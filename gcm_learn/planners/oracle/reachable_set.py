@@ -9,16 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.occupancy import first_touch
+from gcm_learn.collision import first_touch
 from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
-from gcm_learn.motion.verification import HOLE_MARGIN
+from gcm_learn.motion import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle import kernels
 from gcm_learn.planners.oracle.kernels import Desk, Front, Grid, Regime
 from gcm_learn.planners.oracle.moves import MOVES, PAST, RIM, STRETCH
-from gcm_learn.scene.bodies import LIMB, PART
-from gcm_learn.scene.limb import elbow_position, joint_angles
-from gcm_learn.situation.situation import Arm
+from gcm_learn.scene import LIMB, PART, elbow_position, joint_angles
+from gcm_learn.situation import Arm
 
 STEP = 0.97  # of the shortest move: nothing comes into the set and goes on within one step
 FEWEST_STEPS, MOST_STEPS = 100, 3000  # in a horizon

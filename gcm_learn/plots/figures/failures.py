@@ -16,11 +16,11 @@ from gcm_learn.evaluation.contest import touched_point
 from gcm_learn.evaluation.entrants import entrant
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Trajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import note_in_corner, pixels, write_film
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_courses
-from gcm_learn.scene.limb import elbow_position
+from gcm_learn.scene import elbow_position
 
 MOST = 8  # failures that are drawn
 FILMS = 3  # of them as films

@@ -19,7 +19,7 @@ from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits,
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
-    from gcm_learn.planners.plan import Plan
+    from gcm_learn.planners import Plan
 
 FRAMES = 40
 FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]

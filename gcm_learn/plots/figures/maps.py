@@ -19,7 +19,7 @@ from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
     from gcm_learn.maps.cognitive_map import CognitiveMap
-    from gcm_learn.planners.plan import Plan
+    from gcm_learn.planners import Plan
 
 CONTOUR_STEP = 20.0  # [tau]
 SHADES = 40

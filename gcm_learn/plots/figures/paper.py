@@ -9,11 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.families.paper import CAPTION_INSTANTS, KAPPA, PAPER_SCENES
+from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES
 from gcm_learn.handspace.extended import extended_obstacle
 from gcm_learn.maps import build_map
-from gcm_learn.planners import solve
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_extended, draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_plan
@@ -31,7 +30,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_movement,
     draw_workspace,
 )
-from gcm_learn.scene.packing import pose
+from gcm_learn.scene import pose
 from gcm_learn.situation import Situation
 from gcm_learn.wave import WaveParams
 

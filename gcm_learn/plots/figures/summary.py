@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from gcm_learn.plots.figures import style
 
 if TYPE_CHECKING:
-    from gcm_learn.planners.plan import Plan
+    from gcm_learn.planners import Plan
 
 STATUSES = ("caught", "unreachable", "start_blocked")
 SHADES = {"caught": "#8fd3ae", "unreachable": "#cbd5e0", "start_blocked": "#a0aec0"}

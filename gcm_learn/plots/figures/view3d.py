@@ -17,8 +17,7 @@ from matplotlib.colors import to_rgb
 
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.workspace import body_colour
-from gcm_learn.scene.limb import elbow_position
-from gcm_learn.scene.packing import pose
+from gcm_learn.scene import elbow_position, pose
 from gcm_learn.situation import (
     PLANAR,
     Box,

@@ -10,14 +10,12 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon as Patch
 
 from gcm_learn.plots.figures import style
-from gcm_learn.scene.limb import elbow_position
-from gcm_learn.scene.outlines import outline
-from gcm_learn.scene.packing import pose
+from gcm_learn.scene import elbow_position, outline, pose
 from gcm_learn.situation import Arm, Body, Situation
 
 if TYPE_CHECKING:
-    from gcm_learn.motion.trajectory import Trajectory, Wait
-    from gcm_learn.planners.plan import Plan
+    from gcm_learn.motion import Trajectory, Wait
+    from gcm_learn.planners import Plan
 
 PALEST = 0.25  # share of colour of the earliest pose
 SHORTEST = 0.02  # share of the movement: shorter rests are not to be seen

@@ -9,12 +9,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from gcm_learn.families.examples import gate_scene
-from gcm_learn.families.paper import CAPTION_INSTANTS, PAPER_SCENES
-from gcm_learn.families.random_planar import random_planar
-from gcm_learn.planners import solve
-from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.recheck import broken_promise
+from gcm_learn.families import CAPTION_INSTANTS, PAPER_SCENES, gate_scene, random_planar
+from gcm_learn.planners import Plan, broken_promise, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
 from gcm_learn.plots.figures.paper import draw_figure

@@ -8,9 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gcm_learn.families import draw, family_names
-from gcm_learn.families.examples import gate_scene
-from gcm_learn.families.paper import fig3
+from gcm_learn.families import draw, family_names, fig3, gate_scene
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import animate
@@ -24,7 +22,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_targets,
     draw_workspace,
 )
-from gcm_learn.scene.outlines import outline
+from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
 
 INSTANTS = (80.0, 160.0, 240.0)  # [tau] of the wave's snapshots; the contact follows

@@ -34,11 +34,8 @@ from gcm_learn.recall import (
     path_of,
     shipped_memory,
 )
-from gcm_learn.scene.bodies import poses_at
-from gcm_learn.scene.outlines import outline
-from gcm_learn.scene.packing import pack_bodies
-from gcm_learn.situation import PLANAR, Disc, Situation
-from gcm_learn.situation.canonical import canonical
+from gcm_learn.scene import outline, pack_bodies, poses_at
+from gcm_learn.situation import PLANAR, Disc, Situation, canonical
 from gcm_learn.wave import MarchingParams
 
 SHOWN = 600  # memories on a page
