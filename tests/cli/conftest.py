@@ -79,5 +79,5 @@ class QuietPlanner:
 def planner(monkeypatch):
     """Put a planner that costs nothing in the place of every real one."""
     quiet = QuietPlanner()
-    monkeypatch.setattr("gcm_learn.planners.registry.get_planner", lambda name: quiet)
+    monkeypatch.setattr("gcm_learn.planners.get_planner", lambda name: quiet)
     return quiet

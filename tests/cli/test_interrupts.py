@@ -103,8 +103,9 @@ sys.exit(main())
 
 def interrupted(command: str, moment: float, folder: Path) -> tuple[int, str]:
     """Exit code and complaint of a command whose processes all get Ctrl-C, as on a terminal."""
-    lines = [json.dumps(json.loads(x)["situation"]) for x in SUITE.read_text("utf-8").splitlines()]
-    (folder / "scenes.jsonl").write_text("\n".join(lines * 100))
+    scene = json.loads(SUITE.read_text("utf-8").splitlines()[0])["situation"]
+    lines = [json.dumps(scene | {"name": f"scene-{k}"}) for k in range(5000)]
+    (folder / "scenes.jsonl").write_text("\n".join(lines))
     run = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, *map(str, COMMANDS[command])],
         cwd=folder,
