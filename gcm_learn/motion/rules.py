@@ -14,7 +14,7 @@ from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]
 CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]
 SPEED_SAFETY = 2e-9  # share of the speed limit that is not used, against rounding
-_INSTANT = 5e-4  # resolution of interceptions: the way of hand and target in it [forearm lengths]
+_INSTANT = 5e-4  # resolution of interceptions: how far hand and target get in it [forearm lengths]
 _MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
 
 

@@ -9,7 +9,7 @@ from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.scene.limb import SIDE, joints_of
 from gcm_learn.situation import Arm
 
-SPACING = 0.02  # samples of a straight way are at most this far apart [forearm lengths]
+SPACING = 0.02  # samples of a straight path are at most this far apart [forearm lengths]
 JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured
 MOST_PIECES = 64
 JOINT_TOLERANCE = 1e-4  # of hands on joints that are linear between samples [forearm lengths]
@@ -127,7 +127,7 @@ def spread(time, hand, spacing):
     return new_time, new_hand
 
 
-def straight_way(start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Samples (m, 2) of a straight way, at most SPACING apart, both ends included."""
+def straight_path(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Samples (m, 2) of a straight path, at most SPACING apart, both ends included."""
     pieces = max(int(np.ceil(np.hypot(*(end - start)) / SPACING)), 1)
     return start + np.linspace(0.0, 1.0, pieces + 1)[:, None] * (end - start)

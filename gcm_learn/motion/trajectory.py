@@ -84,11 +84,11 @@ class Trajectory:
         shortest : float
             Rests that last less are left out [s].
         """
-        way = np.sqrt((np.diff(self.hand, axis=0) ** 2).sum(axis=1))
+        length = np.sqrt((np.diff(self.hand, axis=0) ** 2).sum(axis=1))
         span = np.diff(self.time)
-        speed = np.divide(way, span, out=np.zeros_like(way), where=span > 0.0)
+        speed = np.divide(length, span, out=np.zeros_like(length), where=span > 0.0)
         rests = speed <= REST * speed.max(initial=0.0)
-        rests[(span == 0.0) & (way > 0.0)] = False
+        rests[(span == 0.0) & (length > 0.0)] = False
         # +1 where a run of resting segments starts, -1 after its end
         edges = np.diff(np.concatenate([[False], rests, [False]]).astype(int))
         runs = zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)

@@ -1,4 +1,4 @@
-"""From a way through hand-space to a verified catch."""
+"""From a path through hand-space to a verified catch."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from gcm_learn.motion import (
     opening,
     refine,
     segment_times,
-    straight_way,
+    straight_path,
     verify,
 )
 from gcm_learn.planners.plan import Plan
@@ -131,7 +131,7 @@ def straight_catch(
     after : float
         Interceptions before this time do not count [s].
     wait : bool
-        Spend what time is left over at the start; else it is spread evenly over the way.
+        Spend what time is left over at the start; else it is spread evenly over the path.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def straight_catch(
         )
         if body < 0:
             return None
-        hand = straight_way(start, np.array([px, py]))
+        hand = straight_path(start, np.array([px, py]))
         _, hand = refine(arm, np.zeros(len(hand)), hand)
         sooner = np.concatenate([[0.0], np.cumsum(segment_times(arm, hand))])
         if t <= since or sooner[-1] <= (t - since) * (1.0 + 1e-12):
@@ -165,10 +165,10 @@ def straight_catch(
 
 
 def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt | None:
-    """Time a way through hand-space by the front's arrival and end it on a target.
+    """Time a path through hand-space by the front's arrival and end it on a target.
 
     The movement ends where the hand first comes within grasp of a target; if it does not along the
-    way, it goes on straight from the way's end to the earliest interception.
+    path, it goes on straight from the path's end to the earliest interception.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def first_catch_on(problem: Problem, time: np.ndarray, hand: np.ndarray) -> tupl
 
 
 def timed(arm: Arm, arrival: np.ndarray, hand: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times (m,) and hands (m, 2) of a way that keeps the arm's limits; see `finish`."""
+    """Times (m,) and hands (m, 2) of a path that keeps the arm's limits; see `finish`."""
     arrival, hand = refine(arm, arrival, out_of_hole(arm, hand))
     return keep_limits(arm, hand, arrival), hand
 
@@ -204,7 +204,7 @@ def go_on(
     hand: np.ndarray,
     ending: tuple[np.ndarray, np.ndarray, int] | None,
 ) -> Attempt | None:
-    """A timed way with what `straight_catch` found from its end on; None if that is nothing."""
+    """A timed path with what `straight_catch` found from its end on; None if that is nothing."""
     if ending is None:
         return None
     time = np.concatenate([time, ending[0][1:]])

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from gcm_learn.maps import layered_map, task_of
-from gcm_learn.motion.timing import segment_times, straight_way
+from gcm_learn.motion.timing import segment_times, straight_path
 from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
 from gcm_learn.planners.feedback import Exploration, Lessons
 from gcm_learn.planners.fronts import FrontPlanner, Rung, finer, first_arrival, without_margin
@@ -96,7 +96,7 @@ def way_to(
     hand, wanted = [np.array([task.hand])], [np.zeros(1)]
     for state in chain:
         iy, ix = front.cells[state]
-        piece = straight_way(hand[-1][-1], np.array([centres[ix], centres[iy]]))
+        piece = straight_path(hand[-1][-1], np.array([centres[ix], centres[iy]]))
         under_way = np.concatenate([[0.0], np.cumsum(segment_times(arm, piece))])
         leave = max(front.arrival[state] - under_way[-1], wanted[-1][-1])
         share = under_way / max(under_way[-1], 1e-300)

@@ -1,4 +1,4 @@
-"""The same way under a limit of acceleration: slower off the mark, rounder at the corners.
+"""The same path under a limit of acceleration: slower off the mark, rounder at the corners.
 
 A plan's hand starts at full speed and turns on the spot.  Here it is followed by its own average
 over the last moments,
@@ -7,7 +7,7 @@ over the last moments,
 
 whose acceleration is (q'(t) - q'(t - w)) / w, and which is never faster than q.  It comes half a
 window late.  Where the plan has time to spare q is sent ahead by that much; where it has not the
-target is met later, from some point of the way on in a straight line.  Obstacles move meanwhile and
+target is met later, from some point of the path on in a straight line.  Obstacles move meanwhile and
 corners are cut, so whatever comes out is verified like every plan, or it is none.
 
 What is bounded is the hand's acceleration: along the motion p, and so in the second differences of
@@ -34,7 +34,7 @@ from gcm_learn.motion import (
     first_interception,
     keep_limits,
     refine,
-    straight_way,
+    straight_path,
 )
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of, checked, first_catch_on
 from gcm_learn.planners.plan import Plan
@@ -45,7 +45,7 @@ FEWEST_SAMPLES = 50
 MOST_SAMPLES = 5000
 SHORTEST = 1e-4  # window, against rounding [of the plan's time]
 GROWTH = 1.15  # of the window until the acceleration is small enough
-LEAVES = 12  # points of the way from which the target is tried in a straight line
+LEAVES = 12  # points of the path from which the target is tried in a straight line
 
 
 @dataclass(frozen=True)
@@ -79,15 +79,15 @@ class Motion:
         return float(np.hypot(*change.T).max() / window)
 
     def _integral(self, t: np.ndarray) -> np.ndarray:
-        """Integral (m, 2) of the way from the start, from 0 to t."""
-        way, span = self.hand - self.hand[0], np.diff(self.time)[:, None]
-        pieces = 0.5 * span * (way[1:] + way[:-1])
+        """Integral (m, 2) of the path from the start, from 0 to t."""
+        path, span = self.hand - self.hand[0], np.diff(self.time)[:, None]
+        pieces = 0.5 * span * (path[1:] + path[:-1])
         total = np.vstack([np.zeros((1, 2)), np.cumsum(pieces, axis=0)])
         t = np.maximum(t, 0.0)
         k = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, len(self.time) - 1)
         late = (t - self.time[k])[:, None]
         speed = np.vstack([self.velocity, np.zeros((1, 2))])[k]
-        return total[k] + late * way[k] + 0.5 * late**2 * speed
+        return total[k] + late * path[k] + 0.5 * late**2 * speed
 
 
 def retime(plan: Plan, situation: Situation, max_acceleration: float) -> Plan:
@@ -127,7 +127,7 @@ def retime(plan: Plan, situation: Situation, max_acceleration: float) -> Plan:
 
 
 def _motions(problem: Problem, path: Trajectory, most: float) -> Iterator[tuple[Motion, float]]:
-    """Motions to be averaged, and their windows: the target is dashed for from all over the way."""
+    """Motions to be averaged, and their windows: the target is dashed for from all over the path."""
     leaves = np.linspace(0.0, path.duration, LEAVES)
     for k in sorted(set(np.searchsorted(path.time, leaves).tolist())):
         window = max(problem.situation.arm.max_hand_speed / most, SHORTEST * path.duration)
@@ -143,12 +143,12 @@ def _motions(problem: Problem, path: Trajectory, most: float) -> Iterator[tuple[
 
 
 def _ahead(problem: Problem, time: np.ndarray, hand: np.ndarray, lead: float) -> Motion | None:
-    """The way up to a point, sent ahead, and on to where the hand will meet a target.
+    """The path up to a point, sent ahead, and on to where the hand will meet a target.
 
     Parameters
     ----------
     time, hand : (n,), (n, 2) ndarray
-        The way of the plan up to there.
+        The path of the plan up to there.
     lead : float
         By how much the average will be late [s].
     """
@@ -161,7 +161,7 @@ def _ahead(problem: Problem, time: np.ndarray, hand: np.ndarray, lead: float) ->
     if t < 0.0:
         return None
     # Going on beyond it for as long as the average is late keeps the average on the line.
-    leg = straight_way(hand[-1], np.array([x, y]))
+    leg = straight_path(hand[-1], np.array([x, y]))
     span = max(float(t) - leave, problem.rules.instant)
     beyond = leg[-1] + (leg[-1] - leg[0]) * 2.0 * lead / span
     times = float(time[-1]) + np.linspace(0.0, span, len(leg))[1:]

@@ -27,7 +27,7 @@ from gcm_learn.motion.timing import (
     refine,
     segment_times,
     spread,
-    straight_way,
+    straight_path,
 )
 from gcm_learn.scene import forward, joint_angles
 from gcm_learn.scene.bodies import poses_at
@@ -78,7 +78,7 @@ def test_segments_take_as_long_as_their_slowest_joint(seed):
 
 @given(pairs, pairs)
 def test_a_straight_way_is_straight_and_dense(start, end):
-    way = straight_way(np.array(start), np.array(end))
+    way = straight_path(np.array(start), np.array(end))
     assert tuple(way[0]) == start
     np.testing.assert_allclose(way[-1], end, atol=1e-12)
     steps = np.diff(way, axis=0)

@@ -13,7 +13,7 @@ from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.maps import task_of
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.layered import chain_of, way_to
+from gcm_learn.planners.layered import chain_of, path_to
 from gcm_learn.planners.layered_wave import CLOSE, EARLY, layered_wave, straightened
 from gcm_learn.wave import WaveParams, propagate_layers
 from tests.referee import judge
@@ -39,7 +39,7 @@ def bends(front):
 
 def length(front, situation, task):
     """Length of the way there [forearm lengths]."""
-    hand, _ = way_to(front, task, situation.arm, chain_of(front))
+    hand, _ = path_to(front, task, situation.arm, chain_of(front))
     return float(np.hypot(*np.diff(hand, axis=0).T).sum())
 
 
@@ -60,7 +60,7 @@ def test_straight_pieces_run_through_excited_cells(limits):
     """At every point of the way the hand is where the wave says that it can be, or all but."""
     outside, points = 0, 0
     for situation, task, front, straight in ways(92, 40, max_joint_speed=limits):
-        hand, wanted = way_to(straight, task, situation.arm, chain_of(straight))
+        hand, wanted = path_to(straight, task, situation.arm, chain_of(straight))
         crossing = task.lattice.spacing / task.speed
         step = max(int(CLOSE * task.lattice.spacing / 0.02), 1)
         for (x, y), t in zip(hand[1:-1:step], wanted[1:-1:step], strict=True):

@@ -26,7 +26,7 @@ from gcm_learn.scene.bodies import HAND, PART, poses_at
 from gcm_learn.scene.limb import elbow_of
 from gcm_learn.situation import Situation
 
-STEP = 0.02  # the hand's way in a step at most [forearm lengths]
+STEP = 0.02  # how far the hand goes in a step at most [forearm lengths]
 MOST_STEPS = 20_000  # against absurdly long horizons
 NEAREST = 1e-3  # the push grows no more below this distance [forearm lengths]
 _PROBE = 1e-5  # finite difference of the potential [forearm lengths]
@@ -96,8 +96,8 @@ def descend_field(scene, rules, field, points):
         fx = (px - x) / away - 0.5 * (u1 - u0) / _PROBE
         fy = (py - y) / away - 0.5 * (v1 - v0) / _PROBE
         force = np.sqrt(fx * fx + fy * fy)
-        way = rules.speed * dt / max(force, 1.0)
-        x, y = x + way * fx, y + way * fy
+        length = rules.speed * dt / max(force, 1.0)
+        x, y = x + length * fx, y + length * fy
         r = max(np.sqrt(x * x + y * y), 1e-12)
         scale = min(max(r, limb.near + HOLE_MARGIN), limb.far) / r
         x, y = x * scale, y * scale

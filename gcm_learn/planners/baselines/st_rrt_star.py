@@ -35,7 +35,7 @@ from gcm_learn.motion import (
     Reason,
     anywhere,
     first_interception,
-    straight_way,
+    straight_path,
 )
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
@@ -168,7 +168,7 @@ def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Hands (m, 2) and times (m,) along the straight legs between states (n, 3)."""
     hand, time = [path[:1, :2]], [path[:1, 2]]
     for before, after in pairwise(path):
-        leg = straight_way(before[:2], after[:2])
+        leg = straight_path(before[:2], after[:2])
         hand.append(leg[1:])
         time.append(np.linspace(before[2], after[2], len(leg))[1:])
     return np.vstack(hand), np.concatenate(time)

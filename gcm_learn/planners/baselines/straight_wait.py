@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.motion import Failure, Reason, first_interception, segment_times, straight_way
+from gcm_learn.motion import Failure, Reason, first_interception, segment_times, straight_path
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.plan import Plan
@@ -37,12 +37,12 @@ class StraightWaitPlanner:
         if at_once.caught:
             return at_once
         reason: Reason | None = Reason(Failure.NO_STRAIGHT_LINE)
-        for way, leave, end in self._interceptions(problem):
+        for path, leave, end in self._interceptions(problem):
             spare = max(end - leave[-1], 0.0)
             for share in self.shares if spare > problem.rules.instant else (0.0,):
                 wait = share * spare
                 time = np.concatenate([[0.0], wait + leave, [max(end, leave[-1])]])
-                attempt = finish(problem, np.vstack([way[:1], way, way[-1:]]), time)
+                attempt = finish(problem, np.vstack([path[:1], path, path[-1:]]), time)
                 if attempt is None:
                     continue
                 plan, reason = checked(problem, attempt)
@@ -51,7 +51,7 @@ class StraightWaitPlanner:
         return problem.answer(reason or Failure.NO_STRAIGHT_LINE)
 
     def _interceptions(self, problem: Problem) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
-        """Straight ways (m, 2) to interceptions, their times (m,) without waits, and when."""
+        """Straight paths (m, 2) to interceptions, their times (m,) without waits, and when."""
         horizon, arm = problem.situation.horizon, problem.situation.arm
         start, last = np.array(arm.hand), -1.0
         first = self._meet(problem, 0.0)[0]
@@ -62,10 +62,10 @@ class StraightWaitPlanner:
             if t <= last:  # the target is away for a while, or for good
                 continue
             last = t
-            way = straight_way(start, np.array([x, y]))
-            leave = np.concatenate([[0.0], np.cumsum(segment_times(arm, way))])
+            path = straight_path(start, np.array([x, y]))
+            leave = np.concatenate([[0.0], np.cumsum(segment_times(arm, path))])
             if leave[-1] <= t * (1.0 + 1e-9):
-                yield way, leave, t
+                yield path, leave, t
 
     def _meet(self, problem: Problem, since: float) -> tuple[float, float, float]:
         """Earliest interception from some time on: when (-1 if never) and where."""

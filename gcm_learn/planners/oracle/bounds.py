@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from gcm_learn.motion import Failure, Reason, anywhere, first_interception, straight_way
+from gcm_learn.motion import Failure, Reason, anywhere, first_interception, straight_path
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.fronts import marching
@@ -32,7 +32,7 @@ LAST_SIZE = 240  # for situations in which these neither find a catch nor rule i
 TIGHT = 0.02  # bounds that differ by at most this share are not refined
 MEETINGS = 8  # of an inner set of which movements are made
 A_CELL = 2  # of them in the same cell
-LOOSE = 1.015  # ways on the lattice are worth pulling tight if they take at most that much longer
+LOOSE = 1.015  # paths on the lattice are worth pulling tight if they take at most that much longer
 WORTH = 5e-4  # share of its time by which a catch must be earlier to be looked for
 FINE = 1e-3  # interceptions are trusted as a bound at this resolution [forearm lengths]
 
@@ -223,12 +223,12 @@ def _refined(problem: Problem, n: int, known: Bounds) -> Bounds:
 
 
 def _catch_by(inner: ReachableSet, meeting: Meeting, before: float) -> Plan | None:
-    """The earliest plan that follows the way to a meeting.
+    """The earliest plan that follows the path to a meeting.
 
-    The way is pulled tight, and from each of its stops the hand may dash for the target.
+    The path is pulled tight, and from each of its stops the hand may dash for the target.
     """
     problem = inner.problem
-    came, left, stops = inner.way_to(meeting.cell)
+    came, left, stops = inner.path_to(meeting.cell)
     left[-1] = meeting.leave
     arrival, departure, origin = pull(inner.regime, came, left, stops)
     end = min(before, meeting.time + inner.regime.rules.instant)
@@ -258,7 +258,7 @@ class Dash(NamedTuple):
     leave: float
     """When it leaves the stop [s]."""
     tight: bool
-    """The stop is reached by the way pulled tight, else by the way as it was."""
+    """The stop is reached by the path pulled tight, else by the path as it was."""
 
 
 def _dashes(
@@ -269,7 +269,7 @@ def _dashes(
     left: np.ndarray,
     end: float,
 ) -> Iterator[Dash]:
-    """Find the dashes from all stops: on arrival, or after the wait of the way as it was."""
+    """Find the dashes from all stops: on arrival, or after the wait of the path as it was."""
     regime = inner.regime
     for k, (x, y) in enumerate(stops):
         chances = [(arrival[k], True)]
@@ -284,10 +284,10 @@ def _dashes(
 def _sampled(
     came: np.ndarray, left: np.ndarray, stops: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Times (m,) and hands (m, 2), at least two, of a way with waits at its stops."""
+    """Times (m,) and hands (m, 2), at least two, of a path with waits at its stops."""
     time, hand = [came[:1], left[:1]], [stops[:1], stops[:1]]
     for k in range(1, len(stops)):
-        piece = straight_way(stops[k - 1], stops[k])
+        piece = straight_path(stops[k - 1], stops[k])
         time += [np.linspace(left[k - 1], came[k], len(piece))[1:], left[k : k + 1]]
         hand += [piece[1:-1], stops[k : k + 1], stops[k : k + 1]]
     return np.concatenate(time), np.concatenate(hand)

@@ -3,7 +3,7 @@
 One recurrence, R(t + dt) = dilate(R(t), v dt) minus what is occupied, with two roundings:
 
 *outer*: a cell is free unless the limb touches the same obstacle at all four of its corners, and
-ways count as short as they can be, so what this set does not reach nothing reaches;
+paths count as short as they can be, so what this set does not reach nothing reaches;
 *inner*: the hand goes straight from centre to centre and rests there, moves are checked without
 sampling and rests to a fraction of a step, so what this set reaches can be reached.
 
@@ -71,7 +71,7 @@ class Front(NamedTuple):
     past: np.ndarray  # (PAST, m) bool: occupied at the last samples of time, in turns
     arrival: np.ndarray  # (m,): when the hand last came [s]
     until: np.ndarray  # (m,): until when it could stay [s]
-    hoped: np.ndarray  # (m,): when there may be something to see, at the earliest [s]
+    earliest: np.ndarray  # (m,): when there may be something to see, at the earliest [s]
     useful: np.ndarray  # (m,): when it is too late for a catch that matters [s]
     latest: np.ndarray  # (m,) int: the cell's last node, -1 before the first
     away: np.ndarray  # (m,): least time from the start [s]
@@ -84,7 +84,7 @@ class Front(NamedTuple):
     total: np.ndarray  # (1,) int: number of nodes
 
 
-class Desk(NamedTuple):
+class Workspace(NamedTuple):
     """Room to work."""
 
     look: np.ndarray  # (m, b): when a cell or corner has to be looked at for an obstacle [s]
@@ -97,29 +97,29 @@ class Desk(NamedTuple):
 
 
 @njit
-def step(regime, grid, front, desk, s, dt, end):
-    """Take the set through step s of length dt; returns how many meetings are on the desk."""
+def step(regime, grid, front, work, s, dt, end):
+    """Take the set through step s of length dt; returns how many meetings were found."""
     t0, t1 = (s - 1) * dt, min(s * dt, end)
     if regime.exact:
-        ever_blocked(regime, grid, front, desk, t0, t1)
+        ever_blocked(regime, grid, front, work, t0, t1)
         if regime.waiting:
             leave(grid, front, t0)
     else:
-        surely_blocked(regime, grid, front, desk, t1)
+        surely_blocked(regime, grid, front, work, t1)
         front.past[s % PAST] = front.blocked
     accept(regime, grid, front, t0, t1, s, dt)
-    count = meetings(regime, grid, front, desk, t0, t1, end)
+    count = meetings(regime, grid, front, work, t0, t1, end)
     if not regime.exact:
         leave(grid, front, t1)
     return count
 
 
 @njit
-def surely_blocked(regime, grid, front, desk, t):
+def surely_blocked(regime, grid, front, work, t):
     """Mark the cells at all corners of which the limb touches the same obstacle at time t."""
     bodies = regime.scene.bodies
-    poses_at(bodies, t, desk.poses)
-    look, touched = desk.look, desk.touched
+    poses_at(bodies, t, work.poses)
+    look, touched = work.look, work.touched
     for b in range(min(bodies.rows.shape[0], MOST_SURE)):
         if bodies.rows[b, PART] == HAND:
             continue
@@ -132,7 +132,7 @@ def surely_blocked(regime, grid, front, desk, t):
             x, y, ex, ey = (
                 grid.corner[k, 0], grid.corner[k, 1], grid.corner[k, 2], grid.corner[k, 3]
             )  # fmt: skip
-            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - regime.rules.touch
+            room = arm_distance(bodies, work.poses, b, x, y, ex, ey) - regime.rules.touch
             touched[k] &= ~bit
             if room <= 0.0:
                 touched[k] |= bit
@@ -144,10 +144,10 @@ def surely_blocked(regime, grid, front, desk, t):
 
 
 @njit
-def ever_blocked(regime, grid, front, desk, t0, t1):
+def ever_blocked(regime, grid, front, work, t0, t1):
     """Mark the cells at whose centre the limb touches an obstacle at any instant of [t0, t1]."""
     bodies = regime.scene.bodies
-    poses_at(bodies, t1, desk.poses)
+    poses_at(bodies, t1, work.poses)
     front.blocked[:] = False
     shortest = FINEST * (t1 - t0)
     for b in range(bodies.rows.shape[0]):
@@ -157,19 +157,19 @@ def ever_blocked(regime, grid, front, desk, t0, t1):
         moved = drift(bodies, b, t0, t1)
         for a in range(grid.cells.size):
             k = grid.cells[a]
-            if desk.look[k, b] >= t1 or front.blocked[k] or front.away[k] > t1 + regime.margin:
+            if work.look[k, b] >= t1 or front.blocked[k] or front.away[k] > t1 + regime.margin:
                 continue
             x, y, ex, ey = (
                 grid.centre[k, 0], grid.centre[k, 1], grid.centre[k, 2], grid.centre[k, 3]
             )  # fmt: skip
-            room = arm_distance(bodies, desk.poses, b, x, y, ex, ey) - regime.rules.touch
+            room = arm_distance(bodies, work.poses, b, x, y, ex, ey) - regime.rules.touch
             if room > moved:
-                desk.look[k, b] = t1 + room / speed if speed > 0.0 else 1e300
+                work.look[k, b] = t1 + room / speed if speed > 0.0 else 1e300
             elif room <= 0.0:
                 front.blocked[k] = True
             else:
                 front.blocked[k] = 0.0 <= first_touch(
-                    bodies, b, x, y, ex, ey, regime.rules.touch, t0, t1, shortest, desk.others
+                    bodies, b, x, y, ex, ey, regime.rules.touch, t0, t1, shortest, work.others
                 )
 
 
@@ -181,7 +181,7 @@ def leave(grid, front, until):
         if front.alive[k] and front.blocked[k]:
             front.alive[k] = False
             front.until[k] = until
-            front.hoped[k] = until
+            front.earliest[k] = until
 
 
 @njit
@@ -190,7 +190,7 @@ def accept(regime, grid, front, t0, t1, s, dt):
     time, hand = np.empty(2), np.empty((2, 2))
     for a in range(grid.cells.size):
         k = grid.cells[a]
-        if front.alive[k] or front.hoped[k] > t1 or front.useful[k] < t0:
+        if front.alive[k] or front.earliest[k] > t1 or front.useful[k] < t0:
             continue
         if front.blocked[k] and (regime.exact or front.past[(s - 1) % PAST, k]):
             if not regime.waiting:  # a first arrival that is refused is none: closed for ever
@@ -225,21 +225,21 @@ def settle(grid, front, k, d, when, cost):
     front.alive[k], front.arrival[k], front.until[k], front.latest[k] = True, when, 1e300, n
     for e in range(COUNT):
         q = k + MOVES[e, 0] * grid.width + MOVES[e, 1]
-        front.hoped[q] = min(front.hoped[q], when + move_time(front, q, e))
+        front.earliest[q] = min(front.earliest[q], when + move_time(front, q, e))
 
 
 @njit
-def meetings(regime, grid, front, desk, t0, t1, end):
-    """Find the cells of the set in which a target is met in [t0, t1] and put them on the desk.
+def meetings(regime, grid, front, work, t0, t1, end):
+    """Find the cells of the set in which a target is met in [t0, t1] and write them down.
 
     For the inner set that is a clear straight leg from the cell that catches before `end` [s].
     """
     bodies, count = regime.scene.bodies, 0
-    poses_at(bodies, t1, desk.poses)
+    poses_at(bodies, t1, work.poses)
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
-        bx, by, bz = desk.poses[b, 0], desk.poses[b, 1], desk.poses[b, 2]
+        bx, by, bz = work.poses[b, 0], work.poses[b, 1], work.poses[b, 2]
         far = (bodies.rows[b, REACH] + regime.meet + drift(bodies, b, t0, t1)) ** 2
         for a in range(grid.cells.size):
             k = grid.cells[a]
@@ -250,13 +250,13 @@ def meetings(regime, grid, front, desk, t0, t1, end):
                 continue
             since = max(t0, front.arrival[k])
             t = first_touch(
-                bodies, b, x, y, x, y, regime.meet, since, t1, FINEST * (t1 - t0), desk.others
+                bodies, b, x, y, x, y, regime.meet, since, t1, FINEST * (t1 - t0), work.others
             )
             if t >= 0.0 and regime.exact:
                 last = min(t1 + 2.0 * regime.meet / regime.rules.speed, end)
                 t = leg_from(regime, x, y, since, max(since, regime.after), last)
-            if t >= 0.0 and count < desk.cells.size:
-                desk.cells[count], desk.times[count], desk.leaves[count] = k, t, since
+            if t >= 0.0 and count < work.cells.size:
+                work.cells[count], work.times[count], work.leaves[count] = k, t, since
                 count += 1
     return count
 
@@ -270,7 +270,7 @@ def useful_until(bodies, grid, until, speed, gap, instants):
     gap : float
         Distance from the centre at which a target is met.
     instants : int
-        Times at which the targets are looked at; their ways in between widen the gap.
+        Times at which the targets are looked at; what they travel in between widens the gap.
     """
     poses = np.zeros((bodies.rows.shape[0], 12))
     last = np.full(grid.centre.shape[0], -1.0)

@@ -89,7 +89,7 @@ def move_time(front, k, d):
 def barred(grid, front, k, d, leave, cost, s, dt):
     """Tell whether move d into cell k, begun at `leave`, leads through what is surely occupied.
 
-    At every sample of time on its way the hand is in one of the cells around the straight way, and
+    At every sample of time on its way the hand is in one of the cells around the straight path, and
     it passes between cells of which one is free at the sample before or after.
     """
     q = source_of(grid, k, d)
@@ -150,21 +150,21 @@ def leg_from(regime, x, y, leave, since, end):
 
 @njit
 def pull(regime, came, left, hand):
-    """Pull a way tight: for every stop the earliest arrival by straight legs from stops before.
+    """Pull a path tight: for every stop the earliest arrival by straight legs from stops before.
 
     Parameters
     ----------
     came, left : (n,) ndarray
         When the hand comes to the stops and leaves them [s].
     hand : (n, 2) ndarray
-        The stops; the way between them is known to be clear.
+        The stops; the path between them is known to be clear.
 
     Returns
     -------
     arrival, departure : (n,) ndarray
         At the stop, and from the stop before [s].
     before : (n,) int64 ndarray
-        That stop; -1 where the way as it was is best.
+        That stop; -1 where the path as it was is best.
     """
     n = came.size
     arrival, departure = came.copy(), came.copy()
@@ -172,8 +172,8 @@ def pull(regime, came, left, hand):
     time, leg = np.empty(2), np.empty((2, 2))
     for j in range(1, n):
         for i in range(j):
-            way = np.sqrt((hand[j, 0] - hand[i, 0]) ** 2 + (hand[j, 1] - hand[i, 1]) ** 2)
-            when = arrival[i] + way / regime.rules.speed
+            length = np.sqrt((hand[j, 0] - hand[i, 0]) ** 2 + (hand[j, 1] - hand[i, 1]) ** 2)
+            when = arrival[i] + length / regime.rules.speed
             if when >= arrival[j] - 1e-9:
                 continue
             time[0], time[1] = arrival[i], when

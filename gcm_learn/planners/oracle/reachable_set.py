@@ -14,7 +14,7 @@ from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
 from gcm_learn.motion import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle import kernels
-from gcm_learn.planners.oracle.kernels import Desk, Front, Grid, Regime
+from gcm_learn.planners.oracle.kernels import Front, Grid, Regime, Workspace
 from gcm_learn.planners.oracle.moves import MOVES, PAST, RIM, STRETCH
 from gcm_learn.scene import LIMB, PART, elbow_position, joint_angles
 from gcm_learn.situation import Arm
@@ -79,7 +79,7 @@ class ReachableSet:
         self.front = _front(arm, grid, h, exact, useful)
         self.grid = _part(grid, self.front.away <= useful + 1e-9)
         size, count = len(grid.centre), len(bodies.rows)
-        self.desk = Desk(
+        self.work = Workspace(
             look=np.full((size, count), -1.0),
             touched=np.zeros(size, dtype=np.uint64),
             poses=np.zeros((count, 12)),
@@ -89,7 +89,7 @@ class ReachableSet:
             leaves=np.zeros(count * size),
         )
         if not exact:
-            kernels.surely_blocked(self.regime, self.grid, self.front, self.desk, 0.0)
+            kernels.surely_blocked(self.regime, self.grid, self.front, self.work, 0.0)
             self.front.past[0] = self.front.blocked
 
     @property
@@ -101,10 +101,10 @@ class ReachableSet:
         """Follow the set and report, step by step, where it meets targets, in order of time."""
         for s in range(1, math.ceil(self.end / self.dt) + 1):
             self._make_room()
-            desk = self.desk
-            found = kernels.step(self.regime, self.grid, self.front, desk, s, self.dt, self.end)
+            work = self.work
+            found = kernels.step(self.regime, self.grid, self.front, work, s, self.dt, self.end)
             if found:
-                columns = (desk.times[:found], desk.leaves[:found], desk.cells[:found])
+                columns = (work.times[:found], work.leaves[:found], work.cells[:found])
                 yield sorted(
                     Meeting(*row) for row in zip(*(c.tolist() for c in columns), strict=True)
                 )
@@ -119,7 +119,7 @@ class ReachableSet:
             }
             self.front = front._replace(**longer)
 
-    def way_to(self, cell: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def path_to(self, cell: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Way of the hand to a cell of the set.
 
         Returns
@@ -244,7 +244,7 @@ def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> F
         past=np.zeros((1 if exact else PAST, size), dtype=bool),
         arrival=np.full(size, np.inf),
         until=np.full(size, -1.0),
-        hoped=near.copy(),
+        earliest=near.copy(),
         useful=useful,
         latest=np.full(size, -1, dtype=np.int64),
         away=away,
