@@ -7,7 +7,7 @@ over the last moments,
 
 whose acceleration is (q'(t) - q'(t - w)) / w, and which is never faster than q.  It comes half a
 window late.  Where the plan has time to spare q is sent ahead by that much; where it has not the
-target is met later, from some point of the path on in a straight line.  Obstacles move meanwhile and
+target is met later, in a straight line from some point of the path.  Obstacles move meanwhile and
 corners are cut, so whatever comes out is verified like every plan, or it is none.
 
 What is bounded is the hand's acceleration: along the motion p, and so in the second differences of
@@ -127,7 +127,7 @@ def retime(plan: Plan, situation: Situation, max_acceleration: float) -> Plan:
 
 
 def _motions(problem: Problem, path: Trajectory, most: float) -> Iterator[tuple[Motion, float]]:
-    """Motions to be averaged, and their windows: the target is dashed for from all over the path."""
+    """Motions to be averaged, and their windows: the target is dashed for from many points."""
     leaves = np.linspace(0.0, path.duration, LEAVES)
     for k in sorted(set(np.searchsorted(path.time, leaves).tolist())):
         window = max(problem.situation.arm.max_hand_speed / most, SHORTEST * path.duration)
