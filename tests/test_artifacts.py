@@ -3,9 +3,9 @@
 import pytest
 
 from gcm_learn import artifacts
-from gcm_learn.envs import views
 from gcm_learn.errors import EncoderError, PolicyError, RecallError
 from gcm_learn.evaluation import suites
+from gcm_learn.execution import embedding
 from gcm_learn.policies.planner import actor_names, shipped_actor
 from gcm_learn.recall import has_memory, shipped_memory
 
@@ -53,11 +53,11 @@ def test_what_lacks_the_file_is_passed_over(places):
 
 
 def test_what_is_missing_is_said_with_every_place_and_a_way_out(places):
-    views.encoder.cache_clear()
+    embedding.encoder.cache_clear()
     for error, ask in (
         (RecallError, lambda: shipped_memory("recall")),
         (PolicyError, lambda: shipped_actor("clone")),
-        (EncoderError, views.encoder),
+        (EncoderError, embedding.encoder),
     ):
         with pytest.raises(error) as caught:
             ask()

@@ -18,7 +18,7 @@ from typing import Any
 
 from report import write_report
 
-from gcm_learn.envs.pool import Pool
+from gcm_learn.envs import Pool
 from gcm_learn.evaluation import draw_suite
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.plan import TrainingPlan, plan_of

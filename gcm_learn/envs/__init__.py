@@ -10,31 +10,30 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gcm_learn.envs.arena import Arena
     from gcm_learn.envs.catch_arm import CatchArm
-    from gcm_learn.envs.pool import Pool
-    from gcm_learn.envs.settings import Settings, Weights
     from gcm_learn.envs.vector import CatchArms
-    from gcm_learn.envs.views import WithMap
+    from gcm_learn.envs.views import WithMap, map_image
+    from gcm_learn.execution.pool import Pool
+    from gcm_learn.execution.settings import Settings, Weights
 
 __all__ = [
-    "Arena",
     "CatchArm",
     "CatchArms",
     "Pool",
     "Settings",
     "Weights",
     "WithMap",
+    "map_image",
 ]
 
 _HOMES = {
-    "Arena": "arena",
-    "CatchArm": "catch_arm",
-    "CatchArms": "vector",
-    "Pool": "pool",
-    "Settings": "settings",
-    "Weights": "settings",
-    "WithMap": "views",
+    "CatchArm": "gcm_learn.envs.catch_arm",
+    "CatchArms": "gcm_learn.envs.vector",
+    "Pool": "gcm_learn.execution.pool",
+    "Settings": "gcm_learn.execution.settings",
+    "Weights": "gcm_learn.execution.settings",
+    "WithMap": "gcm_learn.envs.views",
+    "map_image": "gcm_learn.envs.views",
 }
 
 
@@ -47,7 +46,7 @@ def __getattr__(name: str) -> Any:
     from gcm_learn.errors import MissingExtraError
 
     try:
-        module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
+        module = importlib.import_module(_HOMES[name])
     except ModuleNotFoundError as error:
         if error.name != "gymnasium":
             raise

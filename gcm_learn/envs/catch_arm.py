@@ -9,27 +9,32 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.arena import Arena
-from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
+from gcm_learn.execution import (
+    CAUGHT,
+    COLLIDED,
+    LATE,
+    OUTCOMES,
+    RUNNING,
+    KinematicPlant,
+    Pool,
+    Settings,
+    settings_of,
+)
+from gcm_learn.execution.embedding import FARTHEST
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import Frame
 
 POOL = 256  # situations that an environment draws from a family, by default
-
-
 LARGEST = 10.0  # number of an observation
-FARTHEST = 100.0  # number of an embedding
 
 
-def box(arena: Arena) -> spaces.Box:
+def box(plant: KinematicPlant) -> spaces.Box:
     """The space of observations."""
-    bounds = np.full(arena.observations.shape[1], LARGEST, np.float32)
-    bounds[arena.settings.width :] = FARTHEST
+    bounds = np.full(plant.observations.shape[1], LARGEST, np.float32)
+    bounds[plant.settings.width :] = FARTHEST
     return spaces.Box(-bounds, bounds, dtype=np.float32)
 
 
@@ -144,10 +149,10 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")
         self.settings = settings_of(settings, control, fan, embedding)
         made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        self.arena = Arena(made, 1, self.settings)
-        self.pool = self.arena.pool
+        self.plant = KinematicPlant(made, 1, self.settings)
+        self.pool = self.plant.pool
         self.render_mode = render_mode
-        self.observation_space = box(self.arena)
+        self.observation_space = box(self.plant)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self._path: list[tuple[float, float, float]] = []
         self._turns = dict[int, list[list[float]]]()
@@ -160,12 +165,12 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
     @property
     def situation(self) -> Situation:
         """The present one, in its canonical form."""
-        return self.arena.pool.situations[int(self.arena.state.place[0])]
+        return self.plant.pool.situations[int(self.plant.state.place[0])]
 
     @property
     def frame(self) -> Frame:
         """How the present situation was drawn."""
-        return self.arena.pool.frames[int(self.arena.state.place[0])]
+        return self.plant.pool.frames[int(self.plant.state.place[0])]
 
     @property
     def trajectory(self) -> Trajectory:
@@ -182,51 +187,51 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         situation, index = wanted.pop("situation", None), wanted.pop("index", None)
         if wanted:
             raise ArenaError(f"options: {sorted(wanted)[0]!r} is not one of situation, index")
-        self.arena.pool = self.pool
+        self.plant.pool = self.pool
         if situation is not None:
             if not isinstance(situation, Situation):
                 raise ArenaError(f"options.situation: must be a situation (got {situation!r})")
-            self.arena.pool, index = Pool.of([situation]).prepared(self.settings), 0
+            self.plant.pool, index = Pool.of([situation]).prepared(self.settings), 0
         elif index is None:
             index = int(self.np_random.integers(len(self.pool)))
         elif not 0 <= index < len(self.pool):
             raise ArenaError(f"options.index: must be from 0 to {len(self.pool) - 1} (got {index})")
         self._places[0] = index
-        self.arena.put(self._everyone, self._places)
+        self.plant.put(self._everyone, self._places)
         self._path = [self._where()]
         self._turn = self._turn_of(int(index))
         if self.render_mode == "human":
             self.render()
-        return self.arena.observations[0].copy(), self._info(k.RUNNING)
+        return self.plant.observations[0].copy(), self._info(RUNNING)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move for `dt` seconds."""
         if not self._path:
             raise ArenaError("step: reset comes first")
         self._actions[0] = action
-        outcome = self.arena.move(self._actions).item()
-        observation = self.arena.observations[0].copy()
+        outcome = self.plant.move(self._actions).item()
+        observation = self.plant.observations[0].copy()
         self._path.append(self._where())
-        info, terms = self._info(outcome), self.arena.terms[0].tolist()
+        info, terms = self._info(outcome), self.plant.told.terms[0].tolist()
         catch, touch, haste, guide = terms  # a literal costs a fourth of what a zip does
         info["reward_terms"] = {"catch": catch, "touch": touch, "haste": haste, "guide": guide}
-        if outcome != k.RUNNING:
-            info["is_success"] = outcome == k.CAUGHT
+        if outcome != RUNNING:
+            info["is_success"] = outcome == CAUGHT
         if self.render_mode == "human":
             self.render()
-        ended = outcome in (k.CAUGHT, k.TOUCHED)
-        return observation, sum(terms), ended, outcome == k.LATE, info
+        ended = outcome in (CAUGHT, COLLIDED)
+        return observation, sum(terms), ended, outcome == LATE, info
 
     def _turn_of(self, index: int) -> list[list[float]]:
         """How a situation's frame turns vectors, as rows; noted for those of the pool."""
-        if self.arena.pool is not self.pool:
+        if self.plant.pool is not self.pool:
             return self.frame.original(np.eye(2)).T.tolist()
         if index not in self._turns:
             self._turns[index] = self.frame.original(np.eye(2)).T.tolist()
         return self._turns[index]
 
     def _where(self) -> tuple[float, float, float]:
-        state = self.arena.state
+        state = self.plant.state
         return (state.time.item(0), state.hand.item(0), state.hand.item(1))
 
     def _info(self, outcome: int) -> dict[str, Any]:

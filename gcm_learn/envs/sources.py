@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from gcm_learn import seeding
-from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import ArenaError
+from gcm_learn.execution import Pool
 from gcm_learn.families import Family, draw, get_family
 from gcm_learn.families.registry import family_names
 from gcm_learn.motion.rules import start_clearance

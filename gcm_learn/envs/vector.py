@@ -10,13 +10,20 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.catch_arm import POOL, box
-from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, TERMS, Settings, settings_of
 from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
+from gcm_learn.execution import (
+    CAUGHT,
+    LATE,
+    OUTCOMES,
+    RUNNING,
+    TERMS,
+    KinematicPlant,
+    Pool,
+    Settings,
+    settings_of,
+)
 
 
 class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
@@ -57,9 +64,9 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.num_envs, self.render_mode = num_envs, None
         self.settings = settings_of(settings, control, fan, embedding)
         made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        self.arena = Arena(made, num_envs, self.settings, threads)
-        self.pool = self.arena.pool
-        self.single_observation_space = box(self.arena)
+        self.plant = KinematicPlant(made, num_envs, self.settings, threads)
+        self.pool = self.plant.pool
+        self.single_observation_space = box(self.plant)
         self.single_action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -75,8 +82,8 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         places = self._drawn(self.num_envs) if index is None else np.asarray(index, np.int64)
         if places.shape != (self.num_envs,) or np.any((places < 0) | (places >= len(self.pool))):
             raise ArenaError(f"options.index: must be {self.num_envs} numbers of situations")
-        self.arena.put(self._everyone, places)
-        return self.arena.observations.copy(), {}
+        self.plant.put(self._everyone, places)
+        return self.plant.observations.copy(), {}
 
     def _drawn(self, count: int) -> np.ndarray:
         return self.np_random.integers(len(self.pool), size=count)
@@ -85,32 +92,31 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self, actions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Move all arms for a step."""
-        arena, info = self.arena, dict[str, Any]()
-        outcomes = arena.move(np.asarray(actions, float))
-        rewards = arena.terms.sum(axis=1)
-        info["reward_terms"] = dict(zip(TERMS, arena.terms.T.copy(), strict=True))
-        ended, late = (outcomes == k.CAUGHT) | (outcomes == k.TOUCHED), outcomes == k.LATE
-        over = ended | late
+        plant, info = self.plant, dict[str, Any]()
+        outcomes = plant.move(np.asarray(actions, float))
+        rewards = plant.rewards
+        info["reward_terms"] = dict(zip(TERMS, plant.told.terms.T.copy(), strict=True))
+        over, late = outcomes != RUNNING, outcomes == LATE
         if over.any():
             self._begin_anew(np.flatnonzero(over), over, info)
-        return arena.observations.copy(), rewards, ended, late, info
+        return plant.observations.copy(), rewards, over & ~late, late, info
 
     def _begin_anew(self, arms: np.ndarray, over: np.ndarray, info: dict[str, Any]) -> None:
         """Note how episodes ended, and begin others."""
-        arena = self.arena
+        plant = self.plant
         last, names = np.empty(self.num_envs, object), np.full(self.num_envs, "", object)
         for e in arms:
-            last[e] = arena.observations[e].copy()
-            names[e] = OUTCOMES[arena.outcomes[e]]
+            last[e] = plant.observations[e].copy()
+            names[e] = OUTCOMES[plant.told.outcomes[e]]
         info["final_obs"], info["_final_obs"] = last, over
         info["final_info"] = {
-            "time": arena.state.time.copy(),
+            "time": plant.state.time.copy(),
             "outcome": names,
-            "is_success": arena.outcomes == k.CAUGHT,
-            "index": arena.state.place.copy(),
+            "is_success": plant.told.outcomes == CAUGHT,
+            "index": plant.state.place.copy(),
         }
         info["_final_info"] = over
-        arena.put(arms, self._drawn(len(arms)))
+        plant.put(arms, self._drawn(len(arms)))
 
 
 def _generator(seed: int) -> tuple[np.random.Generator, int]:

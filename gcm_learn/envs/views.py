@@ -1,6 +1,6 @@
-"""A situation as a whole: the picture of its cognitive map, and how an encoder embeds it.
+"""A situation as a whole: the picture of its cognitive map.
 
-Both follow from the situation at t = 0, so they stay the same during an episode.
+It follows from the situation at t = 0, so it stays the same during an episode.
 
 >>> import gymnasium
 >>> from gcm_learn.envs import WithMap
@@ -9,44 +9,20 @@ Both follow from the situation at t = 0, so they stay the same during an episode
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from gcm_learn import artifacts
-from gcm_learn.envs.catch_arm import FARTHEST, CatchArm
-from gcm_learn.errors import ArenaError, EncoderError
+from gcm_learn.envs.catch_arm import CatchArm
+from gcm_learn.errors import ArenaError
 from gcm_learn.maps import build_map
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams
 
-if TYPE_CHECKING:
-    from gcm_learn.recall import Encoder
-
 CELLS = 80  # along a side of a map
 OBSTACLE, UNREACHED, LAST, FIRST = 0, 32, 64, 255  # brightness of cells
-
-
-@cache
-def encoder() -> Encoder:
-    """The one among the models."""
-    from gcm_learn.recall import CONFIG, load_encoder
-
-    folder = artifacts.model("encoder", CONFIG)
-    if folder is None:
-        make = f"gcm-learn train-encoder DATASET --out {artifacts.own('models') / 'encoder'}"
-        raise EncoderError(artifacts.missing("models", "encoder", make))
-    return load_encoder(folder)
-
-
-def embeddings_of(situations: Sequence[Situation]) -> np.ndarray:
-    """Embeddings (s, dim) float32 of situations."""
-    found = np.array([encoder().embed_situation(situation) for situation in situations])
-    return np.clip(found, -FARTHEST, FARTHEST)
 
 
 def map_image(situation: Situation) -> np.ndarray:

@@ -8,14 +8,12 @@ from typing import Protocol
 
 import numpy as np
 
-from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.execution import OUTCOMES, Pool
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import Planner, get_planner, planner_names
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.planner import ActorPlanner, actor_names, shipped_actor
-from gcm_learn.policies.rollout import play
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import canonical
 
@@ -76,7 +74,7 @@ class ActorEntrant:
         """Play an episode."""
         turned, frame = canonical(situation)
         since = clock.process_time()
-        episodes = play(self.actor, Pool.of([turned]), np.zeros(1, np.int64))
+        episodes = self.actor.play(Pool.of([turned]), np.zeros(1, np.int64))
         latency = 1e3 * (clock.process_time() - since) / max(int(episodes.steps[0]), 1)
         time, hand = episodes.path(0)
         arm = situation.arm

@@ -14,15 +14,19 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.arena import Arena
-from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, Settings
 from gcm_learn.evaluation.suites import Entry
+from gcm_learn.execution import (
+    OUTCOMES,
+    KinematicPlant,
+    Moment,
+    Pool,
+    Settings,
+    into_frame,
+    run_episode,
+)
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import Planner
 from gcm_learn.planners.completion import Attempt, Problem, checked
-from gcm_learn.policies.demonstrations import into_frame
 from gcm_learn.scene.later import later
 from gcm_learn.situation import Situation
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
@@ -211,6 +215,24 @@ class _Agent:
         return (self._way.hand_at(end) - hand) / (end - at)
 
 
+class _Agents:
+    """One for each arm."""
+
+    def __init__(self, agents: Sequence[_Agent], speed: np.ndarray) -> None:
+        self._agents, self._speed, self._steps = agents, speed, 0
+
+    def act(self, moment: Moment) -> np.ndarray:
+        """Velocities (n, 2), after a look where it is time for one."""
+        wanted = np.zeros(moment.hand.shape)
+        for e in np.flatnonzero(moment.running).tolist():
+            t, hand = float(moment.time[e]), moment.hand[e].copy()
+            if self._steps % round(LOOK / STEP) == 0:
+                self._agents[e].look(t, hand)
+            wanted[e] = self._agents[e].velocity(t, hand) / self._speed[e]
+        self._steps += 1
+        return into_frame(moment.hand, wanted)
+
+
 def under_noise(
     planner: Planner, entries: Sequence[Entry], noise: Noise, habit: Habit, seed: int = 0
 ) -> list[str]:
@@ -231,24 +253,8 @@ def under_noise(
     list of str
         caught, touched or late.
     """
-    settings = Settings(dt=STEP, slots=0)
     agents = [_Agent(planner, entry, noise, habit, seed) for entry in entries]
     pool = Pool.of([entry.situation for entry in entries])
-    n = len(entries)
-    arena = Arena(pool, n, settings)
-    arena.put(np.arange(n), np.arange(n))
-    speed = pool.world.arms[:, k.SPEED]
-    alive, outcomes = np.ones(n, bool), np.zeros(n, np.int64)
-    looks, steps = round(LOOK / STEP), 0
-    while alive.any():
-        wanted = np.zeros((n, 2))
-        for e in np.flatnonzero(alive):
-            t, hand = float(arena.state.time[e]), arena.state.hand[e].copy()
-            if steps % looks == 0:
-                agents[e].look(t, hand)
-            wanted[e] = agents[e].velocity(t, hand) / speed[e]
-        outcomes[alive] = arena.move(into_frame(arena.state.hand, wanted))[alive]
-        alive &= outcomes == k.RUNNING
-        arena.state.time[~alive] = pool.world.arms[~alive, k.HORIZON]
-        steps += 1
-    return [OUTCOMES[o] for o in outcomes]
+    plant = KinematicPlant(pool, len(entries), Settings(dt=STEP, slots=0))
+    episodes = run_episode(_Agents(agents, pool.speed), plant, np.arange(len(entries)))
+    return [OUTCOMES[o] for o in episodes.outcomes]

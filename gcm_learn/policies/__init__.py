@@ -1,6 +1,5 @@
-"""What acts: followers of plans, and learned policies with their training."""
+"""What acts: learned policies, their training, and planners that try them out."""
 
 from gcm_learn.policies.actor import Actor
-from gcm_learn.policies.rollout import Episodes, play
 
-__all__ = ["Actor", "Episodes", "play"]
+__all__ = ["Actor"]

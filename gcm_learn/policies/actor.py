@@ -10,8 +10,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from gcm_learn.envs.settings import Settings, settings_of
 from gcm_learn.errors import PolicyError
+from gcm_learn.execution import (
+    Episodes,
+    KinematicPlant,
+    Moment,
+    Pool,
+    Settings,
+    run_episode,
+    settings_of,
+)
 from gcm_learn.policies.directions import turned, velocities
 from gcm_learn.storage import whole_file
 
@@ -38,7 +46,7 @@ class Actor:
     spread: np.ndarray
     """Logarithm of the deviations of sampled actions (2,); of no use to choices."""
     settings: Settings
-    """Of the arena in which it was trained."""
+    """Of the arms with which it was trained."""
 
     def scores(self, observations: np.ndarray) -> np.ndarray:
         """Last layer (n, out) for observations (n, width)."""
@@ -60,6 +68,16 @@ class Actor:
             scores = scores + np.exp(self.spread) * rng.standard_normal(scores.shape)
         aimed = np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)
         return turned(observations, aimed)
+
+    def play(
+        self, pool: Pool, places: np.ndarray, rng: np.random.Generator | None = None
+    ) -> Episodes:
+        """Play one episode in each of some situations (n,) of a pool.
+
+        With a generator, actions are drawn; else they are the most likely ones.
+        """
+        plant = KinematicPlant(pool, len(places), self.settings)
+        return run_episode(_Acting(self, rng), plant, places)
 
     def save(self, folder: Path) -> Path:
         """Write it into a folder as arrays; returns the file."""
@@ -112,6 +130,18 @@ class Actor:
             )
 
 
+@dataclass(frozen=True)
+class _Acting:
+    """An actor as an agent."""
+
+    actor: Actor
+    rng: np.random.Generator | None
+
+    def act(self, moment: Moment) -> np.ndarray:
+        """Its actions (n, 2)."""
+        return self.actor.act(moment.observations, self.rng)
+
+
 def _check_encoder(path: Path, settings: Settings, key: str) -> None:
     """Refuse an actor that has learned from another encoder's embeddings."""
     if settings.embedding and key != _encoder_key(settings):
@@ -122,7 +152,7 @@ def _encoder_key(settings: Settings) -> str:
     """Of the encoder whose embeddings are told; empty if there is none."""
     if not settings.embedding:
         return ""
-    from gcm_learn.envs.views import encoder
+    from gcm_learn.execution.embedding import encoder
 
     return encoder().key
 

@@ -10,8 +10,8 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.envs.fan import RAYS
-from gcm_learn.envs.settings import Settings
+from gcm_learn.execution import Settings
+from gcm_learn.execution.fan import RAYS
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import Demonstrations
 from gcm_learn.policies.directions import aimed_of, choices_of

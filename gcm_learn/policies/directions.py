@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.envs.fan import RAYS
-from gcm_learn.envs.observation import ARM
+from gcm_learn.execution.fan import RAYS
+from gcm_learn.execution.observation import ARM
 
 REST = RAYS - 1
 MEETING = ARM + 14  # the direction of the meeting in an observation

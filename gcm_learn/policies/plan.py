@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from gcm_learn.envs.settings import Settings, settings_of
 from gcm_learn.errors import FileFormatError, GcmError, MissingExtraError, PolicyError
+from gcm_learn.execution import Settings, settings_of
 
 ENVIRONMENT = "CatchArm-v0"
 ALGORITHMS = ("clone", "ppo", "sac", "tqc")

@@ -9,16 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from gcm_learn import artifacts, seeding
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import PolicyError
+from gcm_learn.execution import CAUGHT, Pool
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.timing import refine
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners.completion import Attempt, Problem, checked
 from gcm_learn.planners.plan import Plan
 from gcm_learn.policies.actor import FILE, Actor
-from gcm_learn.policies.rollout import play
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import canonical
 from gcm_learn.situation.json_format import situation_to_json
@@ -63,15 +61,15 @@ class ActorPlanner:
             return answer
         turned, frame = canonical(situation)
         pool, here = Pool.of([turned]).prepared(self.actor.settings), np.zeros(1, np.int64)
-        found = [play(self.actor, pool, here)]
+        found = [self.actor.play(pool, here)]
         if self.tries > 1:
             source = seeding.rng(self.seed, _number(turned))
             drawn = np.zeros(self.tries - 1, np.int64)
-            found.append(play(self.actor, pool, drawn, source))
+            found.append(self.actor.play(pool, drawn, source))
         ways = [
             (float(e.times[arm]), e, arm)
             for e in found
-            for arm in np.flatnonzero(e.outcomes == k.CAUGHT)
+            for arm in np.flatnonzero(e.outcomes == CAUGHT)
         ]
         for _, episodes, arm in sorted(ways, key=lambda way: way[0]):
             time, hand = episodes.path(int(arm))

@@ -14,12 +14,10 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import MissingExtraError, PolicyError
+from gcm_learn.execution import RUNNING, Pool, Steps
 from gcm_learn.policies.actor import CLIP, Actor
 from gcm_learn.policies.cloning import layers_of
-from gcm_learn.policies.demonstrations import Moves
 from gcm_learn.policies.directions import aimed_of
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.vec_env import ArenaVecEnv
@@ -109,14 +107,14 @@ def acting(model: BaseAlgorithm) -> tuple[nn.Module, ...]:
     return model.policy.actor.latent_pi, model.policy.actor.mu
 
 
-def show(model: BaseAlgorithm, moves: Moves) -> None:
+def show(model: BaseAlgorithm, moves: Steps) -> None:
     """Put steps of demonstrations into the replay buffer of a learner that has one."""
     env, buffer = model.get_env(), model.replay_buffer  # type: ignore[attr-defined]
     assert isinstance(env, VecNormalize)
     if env.obs_rms.count < _SEEN:
         env.obs_rms.update(moves.told)
     aimed = aimed_of(moves.told, moves.actions).astype(np.float32)
-    ended = moves.outcomes != k.RUNNING
+    ended = moves.outcomes != RUNNING
     nothing = [dict[str, bool]() for _ in range(env.num_envs)]
     for first in range(0, len(moves.arms) - env.num_envs + 1, env.num_envs):
         rows = slice(first, first + env.num_envs)

@@ -6,17 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.pool import Pool
+from gcm_learn.execution import CAUGHT, COLLIDED, Pool
 from gcm_learn.policies.actor import Actor
-from gcm_learn.policies.rollout import play
 from gcm_learn.policies.situations import by_group
 
 
 def score(actor: Actor, pool: Pool, groups: Sequence[str]) -> dict[str, float]:
     """Shares of catches and touches, over all situations and by group."""
-    episodes = play(actor, pool, np.arange(len(pool)))
-    caught, touched = episodes.outcomes == k.CAUGHT, episodes.outcomes == k.TOUCHED
+    episodes = actor.play(pool, np.arange(len(pool)))
+    caught, touched = episodes.outcomes == CAUGHT, episodes.outcomes == COLLIDED
     out = {"caught": float(caught.mean()), "touched": float(touched.mean())}
     out |= {f"caught {g}": v for g, v in by_group(groups, caught).items()}
     out |= {f"touched {g}": v for g, v in by_group(groups, touched).items()}

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.envs.pool import Pool
 from gcm_learn.envs.sources import SALT
 from gcm_learn.errors import PolicyError
+from gcm_learn.execution import Pool
 from gcm_learn.families import draw, family_names
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import get_planner

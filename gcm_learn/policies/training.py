@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import torch
 
-from gcm_learn.envs.pool import Pool
 from gcm_learn.errors import PolicyError
+from gcm_learn.execution import Pool
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.policies.actor import Actor, settings_to_json
 from gcm_learn.policies.card import write_card

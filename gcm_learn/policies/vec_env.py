@@ -9,12 +9,9 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnv
 
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.arena import Arena
 from gcm_learn.envs.catch_arm import box
-from gcm_learn.envs.fan import RAYS
-from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import OUTCOMES, Settings
+from gcm_learn.execution import CAUGHT, OUTCOMES, RUNNING, KinematicPlant, Pool, Settings
+from gcm_learn.execution.fan import RAYS
 from gcm_learn.policies.directions import turned, velocities
 from gcm_learn.seeding import rng
 
@@ -42,49 +39,49 @@ class ArenaVecEnv(VecEnv):
     def __init__(
         self, pool: Pool, count: int, settings: Settings, seed: int, *, choices: bool
     ) -> None:
-        self.arena, self.choices = Arena(pool, count, settings), choices
+        self.plant, self.choices = KinematicPlant(pool, count, settings), choices
         velocity = spaces.Box(-1.0, 1.0, (2,), np.float32)
         actions = spaces.Discrete(RAYS) if choices else velocity
-        super().__init__(count, box(self.arena), actions)
+        super().__init__(count, box(self.plant), actions)
         self._source = rng(seed)
         self._actions = np.zeros((count, 2))
         self._sums, self._lengths = np.zeros(count), np.zeros(count, np.int64)
 
     def reset(self) -> np.ndarray:
         """Begin all episodes."""
-        self.arena.put(np.arange(self.num_envs), self._drawn(self.num_envs))
+        self.plant.put(np.arange(self.num_envs), self._drawn(self.num_envs))
         self._sums[:], self._lengths[:] = 0.0, 0
-        return self.arena.observations.copy()
+        return self.plant.observations.copy()
 
     def _drawn(self, count: int) -> np.ndarray:
-        return self._source.integers(len(self.arena.pool), size=count)
+        return self._source.integers(len(self.plant.pool), size=count)
 
     def step_async(self, actions: np.ndarray) -> None:
         """Note what to do."""
-        observations = self.arena.observations
+        observations = self.plant.observations
         self._actions = (velocities if self.choices else turned)(observations, actions)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Do it."""
-        arena = self.arena
-        outcomes = arena.move(self._actions)
-        rewards = arena.terms.sum(axis=1).astype(np.float32)
+        plant = self.plant
+        outcomes = plant.move(self._actions)
+        rewards = plant.rewards.astype(np.float32)
         self._sums += rewards
         self._lengths += 1
-        over = outcomes != k.RUNNING
+        over = outcomes != RUNNING
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         arms = np.flatnonzero(over)
         for e in arms:
             infos[e] = {
-                "terminal_observation": arena.observations[e].copy(),
-                "is_success": bool(outcomes[e] == k.CAUGHT),
+                "terminal_observation": plant.observations[e].copy(),
+                "is_success": bool(outcomes[e] == CAUGHT),
                 "outcome": OUTCOMES[outcomes[e]],
                 "episode": {"r": float(self._sums[e]), "l": int(self._lengths[e]), "t": 0.0},
             }
         if len(arms):
             self._sums[arms], self._lengths[arms] = 0.0, 0
-            arena.put(arms, self._drawn(len(arms)))
-        return arena.observations.copy(), rewards, over, infos
+            plant.put(arms, self._drawn(len(arms)))
+        return plant.observations.copy(), rewards, over, infos
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Begin the order of situations anew."""

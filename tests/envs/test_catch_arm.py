@@ -23,7 +23,7 @@ from tests.transforms import mirrored, turned
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs.catch_arm import CatchArm  # noqa: E402
-from gcm_learn.envs.observation import ARM  # noqa: E402
+from gcm_learn.execution.observation import ARM  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -148,7 +148,7 @@ def test_the_guide_adds_up_to_the_first_potential(scenes, rng):
             factor, over = 0.97 * factor, ended or late
         again = CatchArm(scenes[:6], settings=settings)
         again.reset(options={"index": index})
-        from gcm_learn.envs.kernels import time_to_go
+        from gcm_learn.execution.stepping import time_to_go
 
         first = time_to_go(env.pool.world, index, env.situation.arm.hand[0], 0.0)
         assert total == pytest.approx(2.0 * first, abs=1e-9)
@@ -156,7 +156,7 @@ def test_the_guide_adds_up_to_the_first_potential(scenes, rng):
 
 def test_time_to_go_leads_to_the_target_in_an_empty_world():
     """Without obstacles it is the way to the contact at the hand's speed."""
-    from gcm_learn.envs.guidance import field_of
+    from gcm_learn.execution.guidance import field_of
     from gcm_learn.families import paper_scene
 
     scene = paper_scene("fig4")

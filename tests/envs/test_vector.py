@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -58,7 +60,7 @@ def test_ended_episodes_begin_anew(scenes, rng):
         over = ended | late
         assert ("final_obs" in info) == over.any()
         for e in np.flatnonzero(over):
-            place = arms.arena.state.place[e]
+            place = arms.plant.state.place[e]
             fresh, _ = CatchArm(arms.pool).reset(options={"index": int(place)})
             np.testing.assert_array_equal(observations[e], fresh)
             ends += 1
@@ -104,3 +106,17 @@ def test_bad_arguments(scenes):
         CatchArms(2, scenes, threads=0)
     with pytest.raises(ArenaError, match=r"options.index: must be 2 numbers"):
         CatchArms(2, scenes).reset(options={"index": [0, 10_000]})
+
+
+def test_threads_change_nothing(scenes, rng):
+    """Whoever moves an arm, it moves the same; nor does it matter if the batch was pickled."""
+    batches = [CatchArms(7, scenes, threads=n) for n in (1, 3)]
+    batches.append(pickle.loads(pickle.dumps(batches[1])))
+    for arms in batches:
+        arms.reset(seed=3)
+    for _ in range(60):
+        action = rng.uniform(-1, 1, (7, 2))
+        first, *others = [arms.step(action) for arms in batches]
+        for other in others:
+            for k in range(4):
+                np.testing.assert_array_equal(first[k], other[k])

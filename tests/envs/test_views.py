@@ -11,7 +11,8 @@ from gcm_learn.wave import MarchingParams
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs import CatchArm, CatchArms, WithMap  # noqa: E402
-from gcm_learn.envs.views import encoder, map_image  # noqa: E402
+from gcm_learn.envs.views import map_image  # noqa: E402
+from gcm_learn.execution.embedding import encoder  # noqa: E402
 
 
 def test_the_picture_says_what_the_map_does(scenes):
@@ -27,7 +28,7 @@ def test_the_picture_says_what_the_map_does(scenes):
         assert np.all(np.diff(picture[reached][order].astype(int)) <= 0)
         step = env.step(np.zeros(2, np.float32))[0]
         np.testing.assert_array_equal(step["map"][0], picture)
-        np.testing.assert_array_equal(step["state"], env.arm.arena.observations[0])
+        np.testing.assert_array_equal(step["state"], env.arm.plant.observations[0])
     alone, _ = WithMap(CatchArm(scenes), only=True).reset(options={"index": 7})
     np.testing.assert_array_equal(alone, map_image(CatchArm(scenes).pool.situations[7]))
 

@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 
 from gcm_learn import families, planners
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.fan import RAYS
-from gcm_learn.envs.pool import Pool
-from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import PolicyError
+from gcm_learn.execution import CAUGHT, Pool, Settings
+from gcm_learn.execution.fan import RAYS
 from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import act_out
 from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, turned, velocities
 from gcm_learn.policies.planner import ActorPlanner
-from gcm_learn.policies.rollout import play
 from gcm_learn.situation.canonical import canonical
 
 SETTINGS = Settings(fan=True)
@@ -64,15 +61,15 @@ def test_an_actor_that_goes_straight_catches_what_the_straight_line_does(drawn):
     pool = Pool.of(drawn)
     straight = np.array([planners.solve(s, "straight").caught for s in drawn])
     for head in ("choice", "velocity"):
-        episodes = play(straight_actor(head), pool, np.arange(len(pool)))
-        caught = episodes.outcomes == k.CAUGHT
+        episodes = straight_actor(head).play(pool, np.arange(len(pool)))
+        caught = episodes.outcomes == CAUGHT
         assert straight.sum() > 10
         assert np.mean(caught[straight]) > 0.85  # the meeting is told about, not exactly
 
 
 def test_episodes_tell_what_the_hand_did(drawn):
     pool = Pool.of(drawn)
-    episodes = play(straight_actor(), pool, np.arange(len(pool)))
+    episodes = straight_actor().play(pool, np.arange(len(pool)))
     for e in range(len(pool)):
         time, hand = episodes.path(e)
         assert len(time) == episodes.steps[e] + 1 and time[-1] == episodes.times[e]

@@ -165,7 +165,7 @@ def test_learners_act_as_their_arrays_do(tmp_path):
         observations = env.reset()
         for _ in range(20):
             observations, *_ = env.step(np.array([env.action_space.sample() for _ in range(8)]))
-        raw = env.venv.arena.observations
+        raw = env.venv.plant.observations
         wanted, _ = model.predict(observations, deterministic=True)
         actor = rl.actor_of(model, plan)
         got = actor.scores(raw).argmax(axis=1) if plan.actions == "choice" else actor.act(raw)

@@ -88,7 +88,7 @@ def test_checkpoints_are_judged_on_the_situations_for_validation(tmp_path):
 def test_a_clone_does_not_learn_the_steps_that_measure_it(rng):
     """Where there is nothing to learn it can only learn by heart, and that does not help there."""
     pytest.importorskip("torch")
-    from gcm_learn.envs.settings import Settings
+    from gcm_learn.execution import Settings
     from gcm_learn.policies.cloning import Cloning, clone
     from gcm_learn.policies.demonstrations import Demonstrations
 

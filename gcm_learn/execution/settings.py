@@ -1,4 +1,4 @@
-"""What can be chosen about the arena."""
+"""What can be chosen about arms that act step by step."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from gcm_learn.envs import fan as rays
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs import observation as o
 from gcm_learn.errors import ArenaError
+from gcm_learn.execution import fan as rays
+from gcm_learn.execution import observation as o
+from gcm_learn.execution.world import HAND_VELOCITY, JOINT_VELOCITY, Options
 
-CONTROLS = {"hand": k.HAND_VELOCITY, "joint": k.JOINT_VELOCITY}
+CONTROLS = {"hand": HAND_VELOCITY, "joint": JOINT_VELOCITY}
 OUTCOMES = ("running", "caught", "touched", "late")  # by the kernels' codes
 TERMS = ("catch", "touch", "haste", "guide")
 
@@ -38,15 +38,10 @@ class Weights:
             if not isinstance(value, (int, float)) or not 0.0 <= value < 1e6:
                 raise ArenaError(f"weights.{f.name}: must be a number from 0 on (got {value!r})")
 
-    @property
-    def row(self) -> np.ndarray:
-        """As the kernels want them (TERMS,)."""
-        return np.array([float(getattr(self, name)) for name in TERMS])
-
 
 @dataclass(frozen=True)
 class Settings:
-    """What can be chosen about the arena; the defaults are those of ``CatchArm-v0``."""
+    """What can be chosen; the defaults are those of ``CatchArm-v0``."""
 
     control: Literal["hand", "joint"] = "hand"
     """Whether actions are velocities of the hand or of the joints."""
@@ -79,9 +74,18 @@ class Settings:
     @property
     def width(self) -> int:
         """Length of an observation without an embedding."""
-        return (
-            o.ARM + o.TARGET + self.slots * o.OBSTACLE + (rays.RAYS * rays.RAY if self.fan else 0)
-        )
+        fan = rays.RAYS * rays.RAY if self.fan else 0
+        return o.ARM + o.TARGET + self.slots * o.OBSTACLE + fan
+
+    @property
+    def options(self) -> tuple[Any, ...]:
+        """`Options`, as a plain tuple."""
+        weights = np.array([float(getattr(self.weights, name)) for name in TERMS])
+        made = Options(
+            CONTROLS[self.control], self.joint_rate, self.dt, weights, self.discount, self.slots,
+            self.fan,
+        )  # fmt: skip
+        return tuple(made)
 
 
 def settings_of(

