@@ -36,18 +36,18 @@ def caught(results: Results) -> Interval:
 
 
 def by_stratum(whole: Results) -> list[str]:
-    """Catches, touches, times and latency of every entrant."""
+    """Catches, touches, times and latency of every method."""
     lines = head(
         "policy", "L", "W", "Q", "touched, W and Q", "U declined", "time / oracle", "ms", "95 %"
     )
-    for name in whole.entrants:
-        mine = whole.of_entrant(name)
+    for name in whole.methods:
+        mine = whole.of_method(name)
         cells = [share(caught(mine.where(mine["stratum"] == s))) for s in "LWQ"]
         hard = measured(mine.where(np.isin(mine["stratum"].astype(str), ("W", "Q"))), name)
         all_of_it = measured(mine.where(mine["stratum"] != "U"), name)
         lines.append(
             line(
-                f"`{name}`", *cells, f"{100 * hard.touched.value:.1f}",
+                f"`{name}`", *cells, f"{100 * hard.collisions.value:.1f}",
                 f"{100 * declines(whole, name).value:.1f}", f"{all_of_it.ratio:.3f}",
                 f"{all_of_it.latency:.1f}", f"{all_of_it.latency_95:.1f}",
             )
@@ -58,16 +58,16 @@ def by_stratum(whole: Results) -> list[str]:
 def of_natural(natural: Results) -> list[str]:
     """Catches of what can be caught in the natural mix."""
     reachable = natural.where(natural["stratum"] != "U")
-    lines = head("policy", f"caught of {len(reachable) // len(natural.entrants)}", "touched")
-    for name in natural.entrants:
+    lines = head("policy", f"caught of {len(reachable) // len(natural.methods)}", "touched")
+    for name in natural.methods:
         m = measured(reachable, name)
-        lines.append(line(f"`{name}`", share(m.caught), f"{100 * m.touched.value:.1f}"))
+        lines.append(line(f"`{name}`", share(m.caught), f"{100 * m.collisions.value:.1f}"))
     return lines
 
 
 def in_time(results: Results, name: str) -> np.ndarray:
     """Whether each is caught after 20 ms in which an answer was found (n,)."""
-    mine = results.of_entrant(name)
+    mine = results.of_method(name)
     return (mine["charged_20"] == "caught") & (mine["latency_ms"] <= ALLOWED)
 
 
@@ -78,13 +78,13 @@ def thinking(charged: Results) -> list[str]:
         "policy", *(f"{name.removeprefix('charged_')} ms" for name in delays), "own latency",
         "20 ms, if ready by then", "ms", "95 %",
     )  # fmt: skip
-    for name in charged.entrants:
-        mine = charged.of_entrant(name)
+    for name in charged.methods:
+        mine = charged.of_method(name)
         groups, m = mine["family"].astype(str), measured(charged, name)
         cells = [share(stratified(mine[d] == "caught", groups)) for d in (*delays, "charged_own")]
         cells.append(share(stratified(in_time(charged, name), groups)))
         lines.append(line(f"`{name}`", *cells, f"{m.latency:.1f}", f"{m.latency_95:.1f}"))
-    first, second = charged.of_entrant("hybrid"), charged.of_entrant("gcm")
+    first, second = charged.of_method("hybrid"), charged.of_method("gcm")
     groups = first["family"].astype(str)
     lines += ["", *head("`hybrid` against `gcm` on W", "points (95 %)", "only `hybrid`",
                         "only `gcm`", "p (McNemar)")]  # fmt: skip
@@ -108,8 +108,8 @@ def inexact(noise: Results) -> list[str]:
     for b in blurred(noise):
         lines.append(
             line(
-                f"`{b.entrant}`", f"{b.noise:g}", b.way if b.noise else "seen exactly",
-                share(b.caught), f"{100 * b.touched:.1f}", f"{100 * b.lost:.1f}",
+                f"`{b.method}`", f"{b.noise:g}", b.way if b.noise else "seen exactly",
+                share(b.caught), f"{100 * b.collisions:.1f}", f"{100 * b.lost:.1f}",
             )
         )  # fmt: skip
     return lines
@@ -130,7 +130,7 @@ def write_tables(
         f"{name} {cost['cpu']:.0f} min of a core ({cost['minutes']:.0f} by the clock)"
         for name, cost in costs.items()
     )
-    n = len(noise.where((noise["noise"] == 0.0) & (noise["entrant"] == noise.entrants[0])))
+    n = len(noise.where((noise["noise"] == 0.0) & (noise["entrant"] == noise.methods[0])))
     parts = [
         f"Suites, how many of each and hash: {counts}. Took: {spent}.",
         "## By stratum\n\nCatches [%] with 95 % intervals, resampled within families.",

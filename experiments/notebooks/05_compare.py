@@ -42,7 +42,7 @@ reachable = results.where(results["stratum"] != "U")
 for name in names:
     m = measured(reachable, name)
     print(
-        f"{name:14} caught {m.caught.value:4.0%}, touched {m.touched.value:4.0%}, {m.latency:6.1f} ms"
+        f"{name:14} caught {m.caught.value:4.0%}, touched {m.collisions.value:4.0%}, {m.latency:6.1f} ms"
     )
 
 # %%

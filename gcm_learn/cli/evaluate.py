@@ -70,7 +70,7 @@ class Evaluate:
             raise CommandFailure(f"--reference {self.reference}: is not one of --policies")
         deviations = _deviations(self.noise)
         from gcm_learn.evaluation import compare, draw_suite
-        from gcm_learn.evaluation.entrants import entrant
+        from gcm_learn.evaluation.methods import get_method
         from gcm_learn.evaluation.suites import check_suite
         from gcm_learn.plots import write_report
 
@@ -78,7 +78,7 @@ class Evaluate:
         for suite in suites:
             check_suite(suite, self.count)
         for name in names:
-            entrant(name)  # refused before anything is drawn or written
+            get_method(name)  # refused before anything is drawn or written
         folder = made_folder(self.out, option="--out")
         entries = []
         for suite in suites:
@@ -97,7 +97,7 @@ class Evaluate:
         seen = self._blurred(names, entries, deviations, folder) if deviations else None
         page = write_report(results, entries, folder, self.reference, seen)
         for name in names:
-            mine = results.of_entrant(name)
+            mine = results.of_method(name)
             reachable = mine["stratum"] != "U"
             share = (mine["outcome"][reachable] == "caught").mean() if reachable.any() else 0.0
             print(f"{name:16} caught {share:6.1%} of {int(reachable.sum())} reachable")

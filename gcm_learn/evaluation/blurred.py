@@ -8,7 +8,7 @@ from typing import Any
 
 from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation.crew import rows_of
-from gcm_learn.evaluation.entrants import Entrant, PlannerEntrant, entrant
+from gcm_learn.evaluation.methods import Method, PlannerMethod, get_method
 from gcm_learn.evaluation.noise import Habit, Noise, under_noise
 from gcm_learn.evaluation.statistics import Interval, wilson
 from gcm_learn.evaluation.suites import Entry
@@ -61,7 +61,7 @@ def compare_blurred(
         If a name is no planner, or a deviation negative.
     """
     for name in names:
-        _planner_of(entrant(name))
+        _planner_of(get_method(name))
     for place in deviations:
         if not 0.0 <= place <= 1.0:
             raise SuiteError(f"noise: must be from 0 to 1 forearms (got {place})")
@@ -74,8 +74,8 @@ def episodes(names: Sequence[str], entries: Sequence[Entry], deviations: Sequenc
     return len(names) * len(entries) * (1 + len(HABITS) * len({*deviations} - {0.0}))
 
 
-def _planner_of(made: Entrant) -> Any:
-    if not isinstance(made, PlannerEntrant):
+def _planner_of(made: Method) -> Any:
+    if not isinstance(made, PlannerMethod):
         raise SuiteError(f"noise: {made.name!r} is no planner")
     return made.planner
 
@@ -93,7 +93,7 @@ def _jobs(
 def _do(job: _Job) -> list[dict[str, Any]]:
     """The rows of a job."""
     habit, caution = HABITS[job.way]
-    planner = _planner_of(entrant(job.name))
+    planner = _planner_of(get_method(job.name))
     outcomes = under_noise(planner, job.entries, Noise(job.place, caution), habit)
     return [
         {
@@ -119,12 +119,12 @@ def _ordered(rows: list[dict[str, Any]], names: Sequence[str]) -> list[dict[str,
 class Blurred:
     """Catches of a planner that sees inexactly in some way."""
 
-    entrant: str
+    method: str
     noise: float
     """Deviation of places [forearms]."""
     way: str
     caught: Interval
-    touched: float
+    collisions: float
     """Share that touches an obstacle."""
     lost: float
     """Share of all that is caught with exact perception, less that caught so."""
@@ -134,7 +134,7 @@ def blurred(results: Results) -> list[Blurred]:
     """Every planner, deviation and way, on reachable situations."""
     there = results.where(results["stratum"] != "U")
     out = []
-    for name in results.entrants:
+    for name in results.methods:
         mine = there.where(there["entrant"] == name)
         exact = mine.where(mine["noise"] == 0.0)["outcome"]
         best = float((exact == "caught").mean())
@@ -145,6 +145,6 @@ def blurred(results: Results) -> list[Blurred]:
                     continue
                 outcome = rows["outcome"]
                 caught = wilson(int((outcome == "caught").sum()), len(rows))
-                touched = float((outcome == "touched").mean())
-                out.append(Blurred(name, place, way, caught, touched, best - caught.value))
+                collisions = float((outcome == "touched").mean())
+                out.append(Blurred(name, place, way, caught, collisions, best - caught.value))
     return out

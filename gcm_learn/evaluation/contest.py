@@ -1,4 +1,4 @@
-"""The comparison itself: every entrant on every situation, on all cores."""
+"""The comparison itself: every method on every situation, on all cores."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from gcm_learn.collision.distance import segment_distance
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.evaluation.crew import rows_of
-from gcm_learn.evaluation.entrants import Entrant, Result, entrant
+from gcm_learn.evaluation.methods import Method, Result, get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
@@ -27,12 +27,12 @@ from gcm_learn.situation import Situation
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
 NO_OBSTACLE = 1e200  # a distance beyond this one says that there is none [forearm lengths]
 _CHUNK = 10  # situations that a process takes at once
-_POINTS = 101  # of each part of the limb, among which the touched one is looked for
+_POINTS = 101  # of each part of the limb, among which the nearest one is looked for
 
 
 @dataclass(frozen=True)
 class Job:
-    """Some situations for one entrant."""
+    """Some situations for one method."""
 
     name: str
     entries: tuple[Entry, ...]
@@ -48,12 +48,12 @@ def compare(
     workers: int | None = None,
     progress: Callable[[int], object] = lambda count: None,
 ) -> Results:
-    """Let entrants answer the same situations.
+    """Let methods answer the same situations.
 
     Parameters
     ----------
     names : sequence of str
-        See `entrants.entrant`.
+        See `methods.get_method`.
     entries : sequence of Entry
     charge : int
         Situations of each stratum for which charged thinking is measured.
@@ -65,10 +65,10 @@ def compare(
     Returns
     -------
     Results
-        Ordered by entrant and situation.
+        Ordered by method and situation.
     """
     for name in names:
-        entrant(name)  # refused here rather than in a process
+        get_method(name)  # refused here rather than in a process
     marks = _marked(entries, charge)
     jobs = list(_jobs(names, entries, marks))
     return Results.of(_ordered(rows_of(jobs, do, workers, progress), names))
@@ -97,11 +97,11 @@ def _ordered(rows: list[dict[str, Any]], names: Sequence[str]) -> list[dict[str,
 
 
 @lru_cache(maxsize=32)
-def warmed(name: str) -> Entrant:
-    """An entrant that has answered once: what is compiled or loaded then is no thinking."""
+def warmed(name: str) -> Method:
+    """A method that has answered once: what is compiled or loaded then is no thinking."""
     from gcm_learn.families import draw
 
-    made = entrant(name)
+    made = get_method(name)
     for k in range(3):
         made.run(draw("crossing-swarm", 3, k))
     return made
@@ -115,7 +115,7 @@ def do(job: Job) -> list[dict[str, Any]]:
     ]
 
 
-def row_of(made: Entrant, entry: Entry, charge: bool) -> dict[str, Any]:
+def row_of(made: Method, entry: Entry, charge: bool) -> dict[str, Any]:
     """One answer, with everything that is measured of it."""
     situation = entry.situation
     result = made.run(situation)
@@ -142,39 +142,39 @@ def row_of(made: Entrant, entry: Entry, charge: bool) -> dict[str, Any]:
 
 
 def _movement(situation: Situation, result: Result) -> dict[str, Any]:
-    """Numbers of the hand's way."""
+    """Numbers of the hand's path."""
     names = ("end", "length", "clearance", "peak_hand", "peak_shoulder", "peak_elbow", "part")
     out: dict[str, Any] = dict.fromkeys(names)
-    way, arm = result.trajectory, situation.arm
-    if way is None:
+    path, arm = result.trajectory, situation.arm
+    if path is None:
         return out
-    spans = np.maximum(np.diff(way.time), 1e-12)
-    out |= {"end": way.duration, "length": way.length, "clearance": result.clearance}
+    spans = np.maximum(np.diff(path.time), 1e-12)
+    out |= {"end": path.duration, "length": path.length, "clearance": result.clearance}
     if result.clearance is None and result.outcome == "caught":
-        out["clearance"] = clearance_of(situation, way)
+        out["clearance"] = clearance_of(situation, path)
     if len(spans):
-        steps = np.sqrt((np.diff(way.hand, axis=0) ** 2).sum(axis=1))
-        turns = joint_turns(way.hand, arm.upper_arm, SIDE[arm.elbow], PARTS) / spans[:, None]
+        steps = np.sqrt((np.diff(path.hand, axis=0) ** 2).sum(axis=1))
+        turns = joint_turns(path.hand, arm.upper_arm, SIDE[arm.elbow], PARTS) / spans[:, None]
         out["peak_hand"] = float((steps / spans).max())
         out["peak_shoulder"], out["peak_elbow"] = (float(v) for v in turns.max(axis=0))
     if result.outcome == "touched":
-        out["part"] = touched_part(situation, way)
+        out["part"] = collided_part(situation, path)
     return out
 
 
-def clearance_of(situation: Situation, way: Trajectory) -> float:
-    """Least distance of the limb to the obstacles on a way, less its thickness [forearm lengths].
+def clearance_of(situation: Situation, path: Trajectory) -> float:
+    """Least distance of the limb to the obstacles on a path, less its thickness [forearm lengths].
 
     Infinite without obstacles.
     """
-    distance, _ = least_distance(pack(situation), way.time, way.hand, -1.0, RESOLUTION)
+    distance, _ = least_distance(pack(situation), path.time, path.hand, -1.0, RESOLUTION)
     return np.inf if distance > NO_OBSTACLE else float(distance) - situation.arm.thickness
 
 
-def touched_part(situation: Situation, way: Trajectory) -> str:
-    """Which part of the limb is nearer to an obstacle at the end of a way."""
-    elbow, hand = _limb_at_end(situation, way)
-    bodies, poses = _posed(situation, way.duration)
+def collided_part(situation: Situation, path: Trajectory) -> str:
+    """Which part of the limb is nearer to an obstacle at the end of a path."""
+    elbow, hand = _limb_at_end(situation, path)
+    bodies, poses = _posed(situation, path.duration)
     near = {
         "forearm": _nearness(bodies, poses, elbow, hand),
         "upper arm": _nearness(bodies, poses, np.zeros(2), elbow),
@@ -182,19 +182,19 @@ def touched_part(situation: Situation, way: Trajectory) -> str:
     return min(near, key=lambda part: near[part])
 
 
-def touched_point(situation: Situation, way: Trajectory) -> np.ndarray:
-    """The point (2,) of the limb that is nearest to an obstacle at the end of a way."""
-    elbow, hand = _limb_at_end(situation, way)
+def collision_point(situation: Situation, path: Trajectory) -> np.ndarray:
+    """The point (2,) of the limb that is nearest to an obstacle at the end of a path."""
+    elbow, hand = _limb_at_end(situation, path)
     shares = np.linspace(0.0, 1.0, _POINTS)[:, None]
     points = np.concatenate([shares * elbow, elbow + shares * (hand - elbow)])
-    bodies, poses = _posed(situation, way.duration)
+    bodies, poses = _posed(situation, path.duration)
     near = [_nearness(bodies, poses, point, point) for point in points]
     return np.asarray(points[int(np.argmin(near))])
 
 
-def _limb_at_end(situation: Situation, way: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+def _limb_at_end(situation: Situation, path: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     """Elbow and hand, each (2,)."""
-    arm, hand = situation.arm, way.hand[-1]
+    arm, hand = situation.arm, path.hand[-1]
     return np.array(elbow_of(hand[0], hand[1], arm.upper_arm, SIDE[arm.elbow])), hand
 
 

@@ -1,4 +1,4 @@
-"""What entrants are made of, and what it took to make them, as far as their files tell."""
+"""What methods are made of, and what it took to make them, as far as their files tell."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gcm_learn import artifacts
-from gcm_learn.evaluation.entrants import PlannerEntrant, entrant
+from gcm_learn.evaluation.methods import PlannerMethod, get_method
 from gcm_learn.policies.actor import FILE
 from gcm_learn.policies.planner import actor_folder, actor_names, shipped_actor
 from gcm_learn.recall import MANIFEST, Memory
@@ -19,9 +19,9 @@ CONFIG, LOG, METRICS = "config.json", "log.jsonl", "metrics.json"
 
 @dataclass(frozen=True)
 class Cost:
-    """Of entrants that have the same memory or network."""
+    """Of methods that have the same memory or network."""
 
-    entrants: tuple[str, ...]
+    methods: tuple[str, ...]
     memories: int | None = None
     """Catches that are remembered."""
     weights: int | None = None
@@ -39,7 +39,7 @@ class Cost:
 
 
 def costs(names: Sequence[str]) -> list[Cost]:
-    """Costs of entrants by name; who holds nothing, because it plans anew, is left out."""
+    """Costs of methods by name; who holds nothing, because it plans anew, is left out."""
     found: dict[str, Cost] = {}
     for name in names:
         bare = name.partition("@")[0]
@@ -48,15 +48,15 @@ def costs(names: Sequence[str]) -> list[Cost]:
             continue
         key = bare if memory is None else f"{memory.index.key} {len(memory)}"
         if key in found:
-            found[key] = replace(found[key], entrants=(*found[key].entrants, name))
+            found[key] = replace(found[key], methods=(*found[key].methods, name))
         else:
             found[key] = _of_actor(name, bare) if memory is None else _of_memory(name, memory)
     return list(found.values())
 
 
 def _memory_of(name: str) -> Memory | None:
-    made = entrant(name)
-    planner: Any = made.planner if isinstance(made, PlannerEntrant) else None
+    made = get_method(name)
+    planner: Any = made.planner if isinstance(made, PlannerMethod) else None
     return getattr(getattr(planner, "recall", planner), "memory", None)
 
 

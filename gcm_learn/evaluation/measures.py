@@ -15,12 +15,12 @@ REACHABLE = ("L", "W", "Q")
 
 @dataclass(frozen=True)
 class Measures:
-    """Of one entrant on some situations."""
+    """Of one method on some situations."""
 
-    entrant: str
+    method: str
     count: int
     caught: Interval
-    touched: Interval
+    collisions: Interval
     forearm: float
     """Share in which the forearm touches an obstacle."""
     upper_arm: float
@@ -28,7 +28,7 @@ class Measures:
     ratio: float
     """Median of the catch's time over the oracle's, where both catch."""
     length: float
-    """Median way of the hand at catches [forearm lengths]."""
+    """Median path length of the hand at catches [forearm lengths]."""
     clearance: float
     """Median least clearance of catches [forearm lengths]."""
     peak_hand: float
@@ -43,9 +43,9 @@ class Measures:
     """Catches if each thinking is charged; None if that was not measured."""
 
 
-def measured(results: Results, entrant: str) -> Measures:
-    """Measures of an entrant on the rows that there are of it."""
-    mine = results.of_entrant(entrant)
+def measured(results: Results, method: str) -> Measures:
+    """Measures of a method on the rows that there are of it."""
+    mine = results.of_method(method)
     n, outcome = len(mine), mine["outcome"]
     caught, touched = outcome == "caught", outcome == "touched"
     end, earliest = mine["end"].astype(float), mine["earliest"].astype(float)
@@ -56,10 +56,10 @@ def measured(results: Results, entrant: str) -> Measures:
     if charged.any():
         own = wilson(int((mine["charged_own"][charged] == "caught").sum()), int(charged.sum()))
     return Measures(
-        entrant=entrant,
+        method=method,
         count=n,
         caught=wilson(int(caught.sum()), n),
-        touched=wilson(int(touched.sum()), n),
+        collisions=wilson(int(touched.sum()), n),
         forearm=float(np.mean(mine["part"] == "forearm")) if n else float("nan"),
         upper_arm=float(np.mean(mine["part"] == "upper arm")) if n else float("nan"),
         ratio=_median(end[both] / earliest[both]),
@@ -73,9 +73,9 @@ def measured(results: Results, entrant: str) -> Measures:
     )
 
 
-def charged_curve(results: Results, entrant: str) -> list[Interval]:
+def charged_curve(results: Results, method: str) -> list[Interval]:
     """Shares of catches over `DELAYS`; empty if they were not measured."""
-    mine = results.of_entrant(entrant)
+    mine = results.of_method(method)
     curve = []
     for delay in DELAYS:
         outcome = mine[f"charged_{round(1e3 * delay)}"]
@@ -86,16 +86,16 @@ def charged_curve(results: Results, entrant: str) -> list[Interval]:
     return curve
 
 
-def declines(results: Results, entrant: str) -> Interval:
+def declines(results: Results, method: str) -> Interval:
     """Share of unreachable situations in which nothing was touched."""
-    mine = results.of_entrant(entrant)
+    mine = results.of_method(method)
     mine = mine.where(mine["stratum"] == "U")
     return wilson(int((mine["outcome"] != "touched").sum()), len(mine))
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two entrants on the same situations."""
+    """Two methods on the same situations."""
 
     first: str
     second: str
@@ -108,14 +108,14 @@ class Pair:
 
 
 def pairs(results: Results, reference: str) -> list[Pair]:
-    """Every entrant against one of them, on reachable situations."""
+    """Every method against one of them, on reachable situations."""
     reachable = results.where(np.isin(results["stratum"].astype(str), REACHABLE))
-    there = reachable.of_entrant(reference)
+    there = reachable.of_method(reference)
     out = []
-    for name in results.entrants:
+    for name in results.methods:
         if name == reference or not len(there):
             continue
-        mine = reachable.of_entrant(name)
+        mine = reachable.of_method(name)
         first, second = mine["outcome"] == "caught", there["outcome"] == "caught"
         b, c, p = mcnemar(first, second)
         delta = difference(first, second, mine["family"])

@@ -1,8 +1,8 @@
-"""Perception that is not exact: where bodies are and how fast, looked at every 50 ms.
+"""Perception that is not exact: where bodies are and how fast, observed every 50 ms.
 
-What an agent sees at a look are the bodies' true places and velocities then, each with an error of
-its own; laws and shapes it knows. The world goes on as it is, and judges what the hand does. An
-agent may plan once, or again at each look, and by the last look alone or by all of them.
+An observation tells the bodies' true places and velocities, each with an error of its own; laws and
+shapes an agent knows. The world goes on as it is, and judges what the hand does. An agent may plan
+once, or again at each observation, and by the last one alone or by all of them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from gcm_learn.scene.later import later
 from gcm_learn.situation import Situation
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 
-LOOK = 0.05  # between two looks [s]
+PERIOD = 0.05  # between two observations [s]
 STEP = 0.01  # of the world [s]
 FASTER = 2.0  # errors of velocities [hand speeds] over those of places [forearms]
 
@@ -56,7 +56,7 @@ class Noise:
         return replace(situation, bodies=bodies)
 
     def careful(self, situation: Situation, share: float = 1.0) -> Situation:
-        """The same with a thicker limb; errors are a share of what they are at a look."""
+        """The same with a thicker limb; errors are a share of those of one observation."""
         thicker = situation.arm.thickness + self.caution * self.place * share
         return replace(situation, arm=replace(situation.arm, thickness=thicker))
 
@@ -67,7 +67,7 @@ def _perturbed(
     fast: float,
     rng: np.random.Generator,
 ) -> PlanarQuadratic | SolidQuadratic | Pendulum:
-    """A motion with an error of place and velocity; of a pendulum along its way."""
+    """A motion with an error of place and velocity; of a pendulum along its arc."""
     if isinstance(motion, Pendulum):
         off, faster = rng.normal(size=2) / max(motion.hang_distance, 1e-3)
         return replace(motion, angle=motion.angle + place * off, rate=motion.rate + fast * faster)
@@ -83,22 +83,22 @@ def _perturbed(
 
 
 class _Memory:
-    """All looks as one, each weighted by how well it tells the present (Kalman, 1960).
+    """All observations as one, each weighted by how well it tells the present (Kalman, 1960).
 
     Place and velocity along one axis are as inexact as along any other, so one matrix of variances
-    does for all bodies that move, in units of those of a look. Of bodies that rest only the place
-    is unknown, and the mean of what was seen is the best.
+    does for all bodies that move, in units of those of an observation. Of bodies that rest only
+    the place is unknown, and the mean of what was seen is the best.
     """
 
     def __init__(self, speed: float) -> None:
-        self._look = np.diag([1.0, (FASTER * speed) ** 2])
-        self._spread = self._look.copy()
+        self._one = np.diag([1.0, (FASTER * speed) ** 2])
+        self._spread = self._one.copy()
         self._known: Situation | None = None
         self._since, self._count = 0.0, 0
 
     @property
     def share(self) -> float:
-        """Deviation of a moving body's place over that at a look."""
+        """Deviation of a moving body's place over that of one observation."""
         return float(np.sqrt(self._spread[0, 0]))
 
     def joined(self, seen: Situation, t: float) -> Situation:
@@ -110,7 +110,7 @@ class _Memory:
         span = t - self._since
         shift = np.array([[1.0, span], [0.0, 1.0]])
         before = shift @ self._spread @ shift.T
-        gain = before @ np.linalg.inv(before + self._look)
+        gain = before @ np.linalg.inv(before + self._one)
         self._spread = before - gain @ before
         mean = np.array([[1.0 / self._count, 0.0], [0.0, 0.0]])
         bodies = tuple(
@@ -144,12 +144,12 @@ def _blend(
 
 @dataclass(frozen=True)
 class Habit:
-    """What an agent does with its looks."""
+    """What an agent does with its observations."""
 
     replan: bool = False
-    """Whether it plans at every look, or at the first one only."""
+    """Whether it plans at every observation, or at the first one only."""
     remember: bool = False
-    """Whether a look is joined with those before."""
+    """Whether an observation is joined with those before."""
 
 
 class _Agent:
@@ -161,16 +161,16 @@ class _Agent:
         self.planner, self.entry, self.noise = planner, entry, noise
         self.habit, self._seed = habit, seed
         self._memory = _Memory(entry.situation.arm.max_hand_speed)
-        self._way: Trajectory | None = None
+        self._plan: Trajectory | None = None
         self._since = 0.0
-        self._looks = 0
+        self._seen = 0
 
-    def look(self, t: float, hand: np.ndarray) -> None:
+    def observe(self, t: float, hand: np.ndarray) -> None:
         """See the world at t, and plan."""
-        if self._looks and not self.habit.replan:
+        if self._seen and not self.habit.replan:
             return
-        source = seeding.rng(self._seed, self.entry.index, self._looks)
-        self._looks += 1
+        source = seeding.rng(self._seed, self.entry.index, self._seen)
+        self._seen += 1
         now = later(self.entry.situation, t, (float(hand[0]), float(hand[1])))
         seen, share = self.noise.seen(now, source), 1.0
         if self.habit.remember:
@@ -181,20 +181,20 @@ class _Agent:
             if kept is None or (new is not None and new.duration < kept.duration):
                 kept = new
             if kept is not None:
-                self._way, self._since = kept, t
+                self._plan, self._since = kept, t
                 return
 
     def _kept(self, situation: Situation, t: float) -> Trajectory | None:
-        """What is left of the present way, if it catches by what is known now.
+        """What is left of the present plan, if it catches by what is known now.
 
-        Who gives up a good way for every new one that is no earlier gets nowhere.
+        Who gives up a good plan for every new one that is no earlier gets nowhere.
         """
         at = t - self._since
-        if self._way is None or at >= self._way.duration - 1e-9:
+        if self._plan is None or at >= self._plan.duration - 1e-9:
             return None
-        rest = self._way.time > at
-        time = np.append(0.0, self._way.time[rest] - at)
-        hand = np.vstack([situation.arm.hand, self._way.hand[rest]])
+        rest = self._plan.time > at
+        time = np.append(0.0, self._plan.time[rest] - at)
+        hand = np.vstack([situation.arm.hand, self._plan.hand[rest]])
         left = Trajectory.of_hand(time, hand, situation.arm.upper_arm, situation.arm.elbow)
         problem = Problem(situation, "kept")
         for index, body in enumerate(situation.bodies):
@@ -206,13 +206,13 @@ class _Agent:
 
     def velocity(self, t: float, hand: np.ndarray) -> np.ndarray:
         """Velocity (2,) that keeps to the plan for a step; rest where there is none, or no more."""
-        if self._way is None:
+        if self._plan is None:
             return np.zeros(2)
         at = t - self._since
-        if at >= self._way.duration - 1e-9:
+        if at >= self._plan.duration - 1e-9:
             return np.zeros(2)
-        end = min(at + STEP, self._way.duration)
-        return (self._way.hand_at(end) - hand) / (end - at)
+        end = min(at + STEP, self._plan.duration)
+        return (self._plan.hand_at(end) - hand) / (end - at)
 
 
 class _Agents:
@@ -222,12 +222,12 @@ class _Agents:
         self._agents, self._speed, self._steps = agents, speed, 0
 
     def act(self, moment: Moment) -> np.ndarray:
-        """Velocities (n, 2), after a look where it is time for one."""
+        """Velocities (n, 2), after an observation where it is time for one."""
         wanted = np.zeros(moment.hand.shape)
         for e in np.flatnonzero(moment.running).tolist():
             t, hand = float(moment.time[e]), moment.hand[e].copy()
-            if self._steps % round(LOOK / STEP) == 0:
-                self._agents[e].look(t, hand)
+            if self._steps % round(PERIOD / STEP) == 0:
+                self._agents[e].observe(t, hand)
             wanted[e] = self._agents[e].velocity(t, hand) / self._speed[e]
         self._steps += 1
         return into_frame(moment.hand, wanted)

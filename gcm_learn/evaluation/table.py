@@ -14,7 +14,7 @@ FORMAT = "gcm-learn/comparison@1"
 
 @dataclass(frozen=True)
 class Results:
-    """One row for every entrant and situation."""
+    """One row for every method and situation."""
 
     columns: Mapping[str, np.ndarray]
     """By name; the names are those of `contest.row_of`."""
@@ -32,7 +32,7 @@ class Results:
         return self.columns[name]
 
     @property
-    def entrants(self) -> list[str]:
+    def methods(self) -> list[str]:
         """In order of appearance."""
         return list(dict.fromkeys(self["entrant"].tolist()))
 
@@ -56,8 +56,8 @@ class Results:
         """The rows of a mask (n,)."""
         return Results({name: column[keep] for name, column in self.columns.items()})
 
-    def of_entrant(self, name: str) -> Results:
-        """The rows of an entrant, in order of situations: rows of two entrants are paired."""
+    def of_method(self, name: str) -> Results:
+        """The rows of a method, in order of situations: rows of two methods are paired."""
         mine = self.where(self["entrant"] == name)
         order = np.lexsort((mine["index"], mine["suite"].astype(str)))
         return Results({key: column[order] for key, column in mine.columns.items()})

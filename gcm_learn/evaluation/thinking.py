@@ -1,11 +1,11 @@
-"""The world runs while an agent thinks: charged time."""
+"""Latency-aware evaluation: the world runs while an agent thinks, so thinking is charged."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from gcm_learn.collision.sweep import least_distance
-from gcm_learn.evaluation.entrants import Entrant
+from gcm_learn.evaluation.methods import Method
 from gcm_learn.planners.completion import Problem, first_catch_on
 from gcm_learn.scene.later import later
 from gcm_learn.situation import Situation
@@ -13,7 +13,7 @@ from gcm_learn.situation import Situation
 _ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
 
 
-def charged(entrant: Entrant, situation: Situation, delay: float) -> str:
+def charged(method: Method, situation: Situation, delay: float) -> str:
     """Outcome if the hand rests for `delay` [s] before it does what was thought out.
 
     The agent knows how long it thinks, so it thinks about the situation as it will be then.
@@ -22,7 +22,7 @@ def charged(entrant: Entrant, situation: Situation, delay: float) -> str:
     outcome = resting(situation, delay)
     if outcome or delay >= situation.horizon:
         return outcome or "late"
-    return entrant.run(later(situation, delay)).outcome
+    return method.run(later(situation, delay)).outcome
 
 
 def resting(situation: Situation, delay: float) -> str:

@@ -65,24 +65,24 @@ def verdict(results: Results) -> str:
     reachable = results.where(results["stratum"] != "U")
     if not len(reachable):
         return "None of these situations can be caught."
-    all_of_them = [measured(reachable, name) for name in results.entrants]
+    all_of_them = [measured(reachable, name) for name in results.methods]
     best = max(all_of_them, key=lambda m: m.caught.value)
     text = (
-        f"Of what can be caught, {best.entrant} catches most: {100 * best.caught.value:.0f} %, "
+        f"Of what can be caught, {best.method} catches most: {100 * best.caught.value:.0f} %, "
         f"thinking for {_ms(best.latency)} (median)."
     )
     quick = [m for m in all_of_them if np.isfinite(m.latency) and m.latency <= QUICK]
     if quick and best not in quick:
         first = max(quick, key=lambda m: m.caught.value)
         text += (
-            f" Of those that think for at most {QUICK:.0f} ms, {first.entrant} does: "
+            f" Of those that think for at most {QUICK:.0f} ms, {first.method} does: "
             f"{100 * first.caught.value:.0f} % after {_ms(first.latency)}."
         )
-    careless = max(all_of_them, key=lambda m: m.touched.value)
-    if careless.touched.value > 0.0:
+    careless = max(all_of_them, key=lambda m: m.collisions.value)
+    if careless.collisions.value > 0.0:
         text += (
-            f" {careless.entrant} touches an obstacle most often, in "
-            f"{100 * careless.touched.value:.0f} %."
+            f" {careless.method} touches an obstacle most often, in "
+            f"{100 * careless.collisions.value:.0f} %."
         )
     return text
 

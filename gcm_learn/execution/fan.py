@@ -44,13 +44,13 @@ def tell_fan(scene, floor, view, dx, dy, poses, row, at):
                 for i in range(12):
                     table[j * n + b, i] = poses[b, i]
     for ray in range(RAYS):
-        way, least, last = REACHES[reaches - 1], 0.5, 0.0
+        reach, least, last = REACHES[reaches - 1], 0.5, 0.0
         ux, uy = dx * RAY_X[ray] - dy * RAY_Y[ray], dy * RAY_X[ray] + dx * RAY_Y[ray]
         for j in range(reaches):
             hx, hy = view.x + REACHES[j] * ux, view.y + REACHES[j] * uy
             r = np.sqrt(hx * hx + hy * hy)
             if r > limb.far or r < limb.near:
-                way = last
+                reach = last
                 break
             ex, ey = elbow_of(hx, hy, rho, 1.0)
             room = least  # what is farther changes nothing
@@ -72,7 +72,7 @@ def tell_fan(scene, floor, view, dx, dy, poses, row, at):
                     gap = arm_distance(bodies, poses, b, hx, hy, ex, ey)
                     room = min(room, gap - floor)
             if room <= 0.0:
-                way, least = last, 0.0
+                reach, least = last, 0.0
                 break
             least, last = room, REACHES[j]
-        row[at + RAY * ray], row[at + RAY * ray + 1] = way, least
+        row[at + RAY * ray], row[at + RAY * ray + 1] = reach, least

@@ -108,8 +108,8 @@ def place_limb(moments, k, t, x, y, rho):
 
 
 @njit(_nrt=False)
-def stays_free(scene, time, way, floor, moments, poses):
-    """Tell whether no obstacle can come as near as `floor` to the limb on a straight way.
+def stays_free(scene, time, hand, floor, moments, poses):
+    """Tell whether no obstacle can come as near as `floor` to the limb on a straight path.
 
     True is certain: the least distance in between is at least the mean of those at both ends, less
     half of all that limb and body move (the first bound of `least_distance`). False means to look
@@ -117,8 +117,8 @@ def stays_free(scene, time, way, floor, moments, poses):
     """
     bodies, rho = scene.bodies, scene.limb.rho
     for k in range(2):
-        place_limb(moments, k, time[k], way[k, 0], way[k, 1], rho)
-    sweep = limb_sweep(way[0, 0], way[0, 1], way[1, 0], way[1, 1], rho) + _SLACK
+        place_limb(moments, k, time[k], hand[k, 0], hand[k, 1], rho)
+    sweep = limb_sweep(hand[0, 0], hand[0, 1], hand[1, 0], hand[1, 1], rho) + _SLACK
     span, close = time[1] - time[0], False
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
@@ -146,17 +146,17 @@ def _stays_free_exactly(bodies, span, sweep, floor, moments, poses):
 
 
 @njit(_nrt=False)
-def stays_away(bodies, time, way, reach):
-    """Tell whether no target can come within `reach` of the hand on a straight way.
+def stays_away(bodies, time, hand, reach):
+    """Tell whether no target can come within `reach` of the hand on a straight path.
 
     True is certain; of targets that swing it is never said.
     """
-    x, y, span = way[0, 0], way[0, 1], time[1] - time[0]
-    length = np.sqrt((way[1, 0] - x) ** 2 + (way[1, 1] - y) ** 2) + _SLACK
+    x, y, span = hand[0, 0], hand[0, 1], time[1] - time[0]
+    length = np.sqrt((hand[1, 0] - x) ** 2 + (hand[1, 1] - y) ** 2) + _SLACK
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
-        px, py, pz = glide(bodies, b, time[0], way)
+        px, py, pz = glide(bodies, b, time[0], hand)
         away = np.sqrt((px - x) ** 2 + (py - y) ** 2 + pz * pz) - bodies.rows[b, REACH]
         near = away - max(reach, 0.0) <= bodies.rows[b, TOP_SPEED] * span + length
         if near or bodies.rows[b, SWING] >= 0.0:

@@ -46,7 +46,7 @@ def shipped_actor(name: str) -> Actor:
 
 @dataclass(frozen=True)
 class ActorPlanner:
-    """Tries an actor out: its most likely way first, then drawn ones; the earliest that holds."""
+    """Tries an actor out: its most likely path first, then drawn ones; the earliest that holds."""
 
     actor: Actor
     name: str
@@ -66,12 +66,12 @@ class ActorPlanner:
             source = seeding.rng(self.seed, _number(turned))
             drawn = np.zeros(self.tries - 1, np.int64)
             found.append(self.actor.play(pool, drawn, source))
-        ways = [
+        paths = [
             (float(e.times[arm]), e, arm)
             for e in found
             for arm in np.flatnonzero(e.outcomes == CAUGHT)
         ]
-        for _, episodes, arm in sorted(ways, key=lambda way: way[0]):
+        for _, episodes, arm in sorted(paths, key=lambda found: found[0]):
             time, hand = episodes.path(int(arm))
             plan = self._verified(problem, time, frame.original(hand))
             if plan is not None:
@@ -79,14 +79,14 @@ class ActorPlanner:
         return problem.answer(Failure.NO_VALID_ROLLOUT.with_numbers(count=self.tries))
 
     def _verified(self, problem: Problem, time: np.ndarray, hand: np.ndarray) -> Plan | None:
-        """The way as a plan, if it holds with any target."""
+        """The path as a plan, if it holds with any target."""
         arm = problem.situation.arm
         hand[0] = arm.hand
         time, hand = refine(arm, time, hand)
-        way = Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
+        path = Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
         for index, body in enumerate(problem.situation.bodies):
             if body.role == "target":
-                plan, _ = checked(problem, Attempt(way, index))
+                plan, _ = checked(problem, Attempt(path, index))
                 if plan is not None:
                     return plan
         return None

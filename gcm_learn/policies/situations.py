@@ -32,7 +32,7 @@ class Lot:
     """In their canonical form."""
     groups: list[str]
     """Stratum, or the source where it is not known."""
-    ways: list[Trajectory | None]
+    paths: list[Trajectory | None]
     """Of the planner's catch, in canonical coordinates; None if there is none."""
 
     @property
@@ -42,11 +42,11 @@ class Lot:
 
     def shown(self) -> Lot:
         """Only what has a catch."""
-        rows = [i for i, way in enumerate(self.ways) if way is not None]
+        rows = [i for i, path in enumerate(self.paths) if path is not None]
         return Lot(
             [self.situations[i] for i in rows],
             [self.groups[i] for i in rows],
-            [self.ways[i] for i in rows],
+            [self.paths[i] for i in rows],
         )
 
 
@@ -74,7 +74,7 @@ def gather(shares: Sequence[Share], *, plans: bool, tell: Told | None = None) ->
 
 
 def _lists(lot: Lot) -> tuple[list, list, list]:
-    return lot.situations, lot.groups, lot.ways
+    return lot.situations, lot.groups, lot.paths
 
 
 def _records(share: Share) -> Lot:
@@ -92,7 +92,7 @@ def _records(share: Share) -> Lot:
         plan = record.plans.get(PLANNER)
         lot.situations.append(record.situation)
         lot.groups.append(record.stratum)
-        lot.ways.append(_way(plan))
+        lot.paths.append(_path(plan))
     return lot
 
 
@@ -108,7 +108,7 @@ def _drawn(share: Share, plans: bool) -> Lot:
                 continue
         lot.situations.append(situation)
         lot.groups.append(share.source)
-        lot.ways.append(_way(plan))
+        lot.paths.append(_path(plan))
     return lot
 
 
@@ -122,7 +122,7 @@ def _sources(share: Share) -> list[Situation]:
     return [draw(share.source, root, k) for k in range(share.count)]
 
 
-def _way(plan: Plan | None) -> Trajectory | None:
+def _path(plan: Plan | None) -> Trajectory | None:
     return plan.trajectory if plan is not None and plan.caught else None
 
 

@@ -148,7 +148,7 @@ def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
     """Act catches out and clone them."""
     plan = run.plan
     demonstrations = Demonstrations.joined(
-        act_out(pool, ways, plan.settings) for pool, ways in _parts(shown)
+        act_out(pool, paths, plan.settings) for pool, paths in _parts(shown)
     )
     run.tell(
         f"{len(demonstrations.actions)} steps of {demonstrations.caught.sum()} catches; "
@@ -175,8 +175,8 @@ def _parts(shown: Lot) -> Iterator[tuple[Pool, list[Trajectory]]]:
     """Situations and their catches, some at a time."""
     for first in range(0, len(shown.situations), _PART):
         rows = slice(first, first + _PART)
-        ways = [way for way in shown.ways[rows] if way is not None]
-        yield Pool.of(shown.situations[rows]), ways
+        paths = [path for path in shown.paths[rows] if path is not None]
+        yield Pool.of(shown.situations[rows]), paths
 
 
 def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
@@ -193,8 +193,8 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     else:
         model = rl.make(plan, pool, folder / "tensorboard")
         if plan.demonstrations:
-            for part, ways in _parts(lot.shown()):
-                rl.show(model, transitions(part, ways, plan.settings))
+            for part, paths in _parts(lot.shown()):
+                rl.show(model, transitions(part, paths, plan.settings))
             run.tell(f"{model.replay_buffer.size() * plan.n_envs} steps of catches are shown")
         judge.see(rl.actor_of(model, plan), 0, {})
     while model.num_timesteps < plan.n_timesteps:

@@ -11,9 +11,9 @@ from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
 from gcm_learn.cli import main
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
-from gcm_learn.evaluation.contest import clearance_of, compare, touched_part, touched_point
-from gcm_learn.evaluation.entrants import entrant
+from gcm_learn.evaluation.contest import clearance_of, collided_part, collision_point, compare
 from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
+from gcm_learn.evaluation.methods import get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged, resting
@@ -31,9 +31,9 @@ def moving(name, role, position, velocity, radius=0.1):
 
 
 def test_parts_of_a_comparison_join(results):
-    first = results["entrant"] == results.entrants[0]
+    first = results["entrant"] == results.methods[0]
     whole = Results.joined(results.where(first), results.where(~first))
-    assert len(whole) == len(results) and whole.entrants == results.entrants
+    assert len(whole) == len(results) and whole.methods == results.methods
     for name, column in whole.columns.items():
         assert column.dtype == results[name].dtype
     assert np.array_equal(whole["outcome"], results["outcome"])
@@ -74,7 +74,7 @@ def results(entries):
 def test_rows_say_what_the_planners_say(results, entries):
     assert len(results) == 3 * len(entries)
     for name in ("straight", "layered"):
-        mine = results.of_entrant(name)
+        mine = results.of_method(name)
         plans = [solve(e.situation, name) for e in entries]
         assert [o == "caught" for o in mine["outcome"]] == [p.caught for p in plans]
         for k, plan in enumerate(plans):
@@ -96,7 +96,7 @@ def test_clearances_are_those_of_the_verification(entries):
             )
 
 
-def test_the_touched_point_is_where_the_limb_is_met():
+def test_the_collision_point_is_where_the_limb_is_met():
     far = moving("ball", "target", (-1.0, 1.0), (0.0, 0.0))
     way = Trajectory.of_hand(np.array([0.0, 0.5]), np.full((2, 2), (1.5, 0.0)))
     elbow = np.array([0.75, -np.sqrt(1.0 - 0.75**2)])  # of two equal limbs, right elbow
@@ -107,26 +107,26 @@ def test_the_touched_point_is_where_the_limb_is_met():
         off = 0.08 * np.array([-along[1], along[0]])
         rock = moving("rock", "obstacle", tuple(foot + off), (0.0, 0.0), radius=0.05)
         situation = scene(far, rock)
-        assert touched_part(situation, way) == part
-        np.testing.assert_allclose(touched_point(situation, way), foot, atol=0.006)
+        assert collided_part(situation, way) == part
+        np.testing.assert_allclose(collision_point(situation, way), foot, atol=0.006)
 
 
 def test_measures_follow_from_the_rows(results):
     reachable = results.where(results["stratum"] != "U")
     layered = measured(reachable, "layered")
-    assert layered.caught.value == 1.0 and layered.touched.value == 0.0
+    assert layered.caught.value == 1.0 and layered.collisions.value == 0.0
     assert layered.ratio == pytest.approx(1.0)
     straight = measured(results.where(results["stratum"] == "W"), "straight")
     assert straight.caught.value == 0.0
     (pair,) = (p for p in pairs(results, "layered") if p.first == "straight")
-    lost = int((reachable.of_entrant("straight")["stratum"] == "W").sum())
+    lost = int((reachable.of_method("straight")["stratum"] == "W").sum())
     assert (pair.only_first, pair.only_second) == (0, lost) and pair.difference.value < 0.0
     hopeless = Results({**results.columns, "stratum": np.full(len(results), "U", object)})
     assert declines(hopeless, "layered").value == 1.0
 
 
 def test_charging_nothing_changes_nothing(results):
-    mine = results.of_entrant("layered")
+    mine = results.of_method("layered")
     there = [k for k, c in enumerate(mine["charged_0"]) if c is not None]
     assert 3 < len(there) <= 6
     assert [mine["charged_0"][k] for k in there] == [mine["outcome"][k] for k in there]
@@ -137,7 +137,7 @@ def test_charging_nothing_changes_nothing(results):
 def test_the_world_runs_while_one_thinks():
     """A ball that passes within reach early on is lost to who thinks for long."""
     passing = scene(moving("ball", "target", (1.0, 0.4), (1.5, 0.0)))
-    layered = entrant("layered")
+    layered = get_method("layered")
     assert charged(layered, passing, 0.0) == "caught"
     assert charged(layered, passing, 0.85) == "declined"
     assert charged(layered, passing, 1.5) in ("late", "declined")
@@ -163,9 +163,9 @@ def test_tables_are_kept(results, tmp_path):
             np.testing.assert_array_equal(again[name], column)
 
 
-def test_unknown_entrants_are_refused():
+def test_unknown_methods_are_refused():
     with pytest.raises(UnknownNameError, match="policy: 'nobody' is not one of the planners"):
-        entrant("nobody")
+        get_method("nobody")
 
 
 def test_one_command_writes_a_page_that_needs_nothing_else(entries, tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""What entrants are made of."""
+"""What methods are made of."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from gcm_learn.policies.planner import shipped_actor
 from gcm_learn.recall import shipped_memory
 
 
-def test_entrants_share_what_they_hold():
+def test_methods_share_what_they_hold():
     found = costs(["layered", "clone", "recall", "clone@20", "hybrid", "straight"])
-    assert [cost.entrants for cost in found] == [("clone", "clone@20"), ("recall", "hybrid")]
+    assert [cost.methods for cost in found] == [("clone", "clone@20"), ("recall", "hybrid")]
 
 
 def test_a_memory():

@@ -8,8 +8,8 @@ import pytest
 
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, solve
 from gcm_learn.evaluation import Entry, compare
-from gcm_learn.evaluation.entrants import entrant
 from gcm_learn.evaluation.measures import charged_curve, measured
+from gcm_learn.evaluation.methods import get_method
 from gcm_learn.evaluation.thinking import charged
 from gcm_learn.planners import registry
 
@@ -79,14 +79,14 @@ def test_measures_tell_own_thinking_apart(results):
 
 
 def test_a_delay_is_charged_as_it_is_named(results):
-    straight = entrant("straight")
+    straight = get_method("straight")
     for delay in (0.02, 0.05, 0.1, 0.2):
         wanted = [charged(straight, situation, delay) for situation, _ in WORTH.values()]
         assert results[f"charged_{round(1e3 * delay)}"].tolist() == wanted
 
 
 def test_what_meets_the_hand_while_it_rests_decides():
-    straight = entrant("straight")
+    straight = get_method("straight")
     rock, ball = body("obstacle", (1.5, 1.0), (0.0, -2.0)), body("target", (1.5, 1.0), (0.0, -2.0))
     assert charged(straight, scene("rock", STILL, rock), 0.2) == "caught"
     assert charged(straight, scene("rock", STILL, rock), 0.6) == "touched"

@@ -10,7 +10,7 @@ from gcm_learn.planners import planner_names
 
 
 def results(outcomes):
-    """Rows of entrants by name: outcomes and latency."""
+    """Rows of methods by name: outcomes and latency."""
     rows = []
     for name, (each, latency) in outcomes.items():
         for k, outcome in enumerate(each):

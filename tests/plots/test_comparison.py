@@ -39,10 +39,10 @@ def found(results, entries):
     return failures.failures_of(results, entries)
 
 
-def with_outcomes(results, entrant, outcomes, parts):
-    """The results with other outcomes of an entrant."""
+def with_outcomes(results, method, outcomes, parts):
+    """The results with other outcomes of a method."""
     columns = {name: column.copy() for name, column in results.columns.items()}
-    here = np.flatnonzero(columns["entrant"] == entrant)[: len(outcomes)]
+    here = np.flatnonzero(columns["entrant"] == method)[: len(outcomes)]
     columns["outcome"][here], columns["part"][here] = outcomes, parts
     return Results(columns)
 
@@ -52,7 +52,7 @@ def test_touches_are_told_by_part(results):
     made = with_outcomes(results, "straight", outcomes, parts)
     mine = made.where((made["entrant"] == "straight") & (np.cumsum(np.ones(len(made))) <= 4))
     m = measured(mine, "straight")
-    assert (m.forearm, m.upper_arm, m.touched.value) == (0.5, 0.25, 0.75)
+    assert (m.forearm, m.upper_arm, m.collisions.value) == (0.5, 0.25, 0.75)
     (row,) = tables.measures_table(mine).rows
     assert row[2:4] == ["50.0", "25.0"]
 
@@ -65,7 +65,7 @@ def test_all_measures_are_told_by_stratum_and_by_family(results):
     for table in (*by_stratum, *by_family):
         assert [row[0] for row in table.rows] == NAMES
         assert all(len(row) == len(tables.MEASURES) for row in table.rows)
-    share = np.mean(results.of_entrant("layered")["stratum"] == "W") * 24
+    share = np.mean(results.of_method("layered")["stratum"] == "W") * 24
     assert f"({share:.0f} situations)" in by_stratum[results.strata.index("W")].fold
 
 
@@ -89,7 +89,7 @@ def test_failures_are_failures_and_somebody_shows_how_to_catch(found, results):
     assert touched and found[0] is touched[0], "who touches comes first"
 
 
-def test_films_show_different_entrants_and_families(found):
+def test_films_show_different_methods_and_families(found):
     films = failures.failure_film(found)
     assert len(films) == 2  # layered catches all, so that two are left
     assert "touches with the" in films[0][0] and "layered catches (grey)" in films[0][0]

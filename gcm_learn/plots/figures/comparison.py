@@ -46,7 +46,7 @@ Colour = tuple[float, float, float]
 
 def colour_of(results: Results, name: str) -> Colour:
     """The same colour for a method in all figures."""
-    return COLOURS[results.entrants.index(name) % len(COLOURS)]
+    return COLOURS[results.methods.index(name) % len(COLOURS)]
 
 
 def catchable_strata(results: Results) -> list[str]:
@@ -97,15 +97,15 @@ def _legend_beside(figure: Figure, ax: Axes) -> None:
 
 def rates_figure(results: Results) -> Figure:
     """Catch rates with intervals, one panel for each stratum that can be caught."""
-    strata, names = catchable_strata(results), results.entrants
+    strata, names = catchable_strata(results), results.methods
     figure, panels = _method_rows(names, len(strata), 3.2, 0.9)
     for ax, stratum in zip(panels, strata, strict=True):
         part = of_stratum(results, stratum)
         for row, name in enumerate(reversed(names)):
             m = measured(part, name)
             _span(ax, row, m.caught, colour_of(results, name))
-            if m.touched.value > 0.0:
-                ax.plot(100 * m.touched.value, row, "x", color=style.EFFECTIVE, ms=5)
+            if m.collisions.value > 0.0:
+                ax.plot(100 * m.collisions.value, row, "x", color=style.EFFECTIVE, ms=5)
         _chart(ax, f"{NAMES[stratum]} ({m.count})", "caught [%]  (× touched)", "x")
         ax.set_xlim(-2, 102)
     return figure
@@ -113,7 +113,7 @@ def rates_figure(results: Results) -> Figure:
 
 def outcomes_figure(results: Results) -> Figure:
     """What becomes of the situations of every stratum, as bars that add up to all of them."""
-    strata, names = results.strata, results.entrants
+    strata, names = results.strata, results.methods
     figure, panels = _method_rows(names, len(strata), 2.6, 1.3)
     for ax, stratum in zip(panels, strata, strict=True):
         part = of_stratum(results, stratum)
@@ -135,12 +135,12 @@ def outcomes_figure(results: Results) -> Figure:
 
 def moves_figure(results: Results) -> Figure:
     """How catches are thought out and made: latency, time, path, clearance and joint speed."""
-    names = results.entrants
+    names = results.methods
     figure, rows = _method_rows(names, len(MOVES), 2.32, 1.1)
     panels = list(rows)
     for row, name in enumerate(reversed(names)):
         colour = colour_of(results, name)
-        for ax, values in zip(panels, _movements(results.of_entrant(name)), strict=True):
+        for ax, values in zip(panels, _movements(results.of_method(name)), strict=True):
             if len(values):
                 low, early, middle, late, high = np.quantile(values, (0.05, 0.25, 0.5, 0.75, 0.95))
                 ax.plot([low, high], [row, row], color=colour, lw=1)
@@ -172,7 +172,7 @@ def _movements(mine: Results) -> list[np.ndarray]:
 def pairs_figure(results: Results, reference: str) -> Figure:
     """Differences to one method with their intervals, one panel for each stratum."""
     strata = catchable_strata(results)
-    names = [name for name in results.entrants if name != reference]
+    names = [name for name in results.methods if name != reference]
     figure, panels = _method_rows(names, len(strata), 3.2, 0.9, sharex=True)
     for ax, stratum in zip(panels, strata, strict=True):
         ax.axvline(0.0, color=style.INK, lw=0.8)
@@ -184,7 +184,7 @@ def pairs_figure(results: Results, reference: str) -> Figure:
 
 def charged_strata(results: Results) -> list[str]:
     """Those that can be caught and in which thinking was charged."""
-    names = results.entrants
+    names = results.methods
     return [
         s
         for s in catchable_strata(results)
@@ -197,7 +197,7 @@ def charged_figure(results: Results) -> Figure | None:
 
     Curves that coincide are drawn side by side, a line's width apart.
     """
-    strata, names = charged_strata(results), results.entrants
+    strata, names = charged_strata(results), results.methods
     if not strata:
         return None
     figure = style.new_figure(1.6 + 3.2 * len(strata), max(3.2, 0.5 + 0.2 * len(names)))
@@ -229,10 +229,10 @@ def charged_figure(results: Results) -> Figure | None:
 def families_figure(results: Results, outcome: str = "caught") -> Figure:
     """Shares of an outcome by family as a table of colours; reachable situations."""
     results = reachable(results)
-    families, names = results.families, results.entrants
+    families, names = results.families, results.methods
     shares, counts = np.full((len(families), len(names)), np.nan), [0] * len(families)
     for j, name in enumerate(names):
-        mine = results.of_entrant(name)
+        mine = results.of_method(name)
         for i, family in enumerate(families):
             here = mine["family"] == family
             counts[i] = int(here.sum())
@@ -256,19 +256,19 @@ def families_figure(results: Results, outcome: str = "caught") -> Figure:
 
 def noise_figure(noise: Results) -> Figure:
     """Catches over errors of perception by how they are dealt with, a panel for each planner."""
-    names, found = noise.entrants, blurred(noise)
+    names, found = noise.methods, blurred(noise)
     figure, panels = style.panel_grid(
         len(names), min(len(names), 4), (2.7, 2.5), (2.4, 0.5), shared=True
     )
     for ax, name in zip(panels, names, strict=True):
-        mine = [b for b in found if b.entrant == name]
+        mine = [b for b in found if b.method == name]
         exact = next(b for b in mine if b.noise == 0.0)
         for habit, colour in zip(HABITS, COLOURS, strict=False):
             points = [exact, *(b for b in mine if b.way == habit and b.noise > 0.0)]
             across = [b.noise for b in points]
             ax.plot(across, [100 * b.caught.value for b in points], "o-", ms=3, color=colour,
                     label=habit)  # fmt: skip
-            ax.plot(across, [100 * b.touched for b in points], "--", lw=1, color=colour)
+            ax.plot(across, [100 * b.collisions for b in points], "--", lw=1, color=colour)
         _chart(ax, name, "error [forearms]", "y")
         ax.set_ylim(-2, 104)
     panels[0].set_ylabel("caught, touched (dashed) [%]", fontsize=style.SMALL)
@@ -279,7 +279,7 @@ def noise_figure(noise: Results) -> Figure:
 def learning_figure(results: Results) -> Figure | None:
     """How the trained actors that take part learned, as far as their logs tell."""
     logs: dict[str, tuple[str, list[dict[str, Any]]]] = {}
-    for name in results.entrants:
+    for name in results.methods:
         logs.setdefault(name.partition("@")[0], (name, log_of(name.partition("@")[0])))
     panels = []
     for heading, across, up, down, unit in (

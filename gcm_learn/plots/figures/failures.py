@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from gcm_learn.evaluation.contest import touched_point
-from gcm_learn.evaluation.entrants import entrant
+from gcm_learn.evaluation.contest import collision_point
+from gcm_learn.evaluation.methods import get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.motion import Trajectory
@@ -87,14 +87,14 @@ def failures_of(results: Results, entries: Sequence[Entry], most: int = MOST) ->
 
 def _failure(results: Results, name: str, outcome: str, part: str | None, entry: Entry) -> Failure:
     """Play it again, and let a method that caught show how: the one that catches most."""
-    movement = entrant(name).run(entry.situation).trajectory
+    movement = get_method(name).run(entry.situation).trajectory
     here = (results["suite"] == entry.suite) & (results["index"] == entry.index)
     there = results.where(
         here & (results["outcome"] == "caught") & (results["latency_ms"] <= LONGEST_PLAN)
     )
     catches = Counter(results["entrant"][results["outcome"] == "caught"].tolist())
-    for better in sorted(there.entrants, key=lambda other: -catches[other]):
-        result = entrant(better).run(entry.situation)
+    for better in sorted(there.methods, key=lambda other: -catches[other]):
+        result = get_method(better).run(entry.situation)
         if result.outcome == "caught":
             return Failure(name, entry, outcome, part, movement, better, result.trajectory)
     return Failure(name, entry, outcome, part, movement, "", None)
@@ -179,5 +179,5 @@ def _draw_example(ax: Axes, failure: Failure, t: float) -> None:
 
 def _mark_touch(ax: Axes, failure: Failure) -> None:
     if failure.outcome == "touched" and failure.trajectory is not None:
-        point = touched_point(failure.entry.situation, failure.trajectory)
+        point = collision_point(failure.entry.situation, failure.trajectory)
         ax.plot(*point, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)

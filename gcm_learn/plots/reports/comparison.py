@@ -80,7 +80,7 @@ def write_report(
 
 
 def _best(results: Results) -> str:
-    rates = {n: np.mean(results.of_entrant(n)["outcome"] == "caught") for n in results.entrants}
+    rates = {n: np.mean(results.of_method(n)["outcome"] == "caught") for n in results.methods}
     return max(rates, key=lambda name: rates[name])
 
 
@@ -91,14 +91,14 @@ def _kept(out: Path, name: str, figure: Figure, reference: str = "") -> Picture:
 
 
 def _lead(results: Results) -> list[str]:
-    one = results.of_entrant(results.entrants[0])
+    one = results.of_method(results.methods[0])
     strata = ", ".join(
         f"{int((one['stratum'] == s).sum())} of {s} ({tables.STRATA[s]})" for s in results.strata
     )
     names = sorted(set(one["suite"].tolist()))
     told = {
         "verdict": verdict(results),
-        "methods": len(results.entrants),
+        "methods": len(results.methods),
         "count": len(one),
         "suites": f"suite{'s' * (len(names) > 1)} {', '.join(names)}",
         "strata": strata,
@@ -108,8 +108,8 @@ def _lead(results: Results) -> list[str]:
 
 def _who(results: Results) -> Section:
     """A line for each method, and what it is made of."""
-    listed = [Table(("method", "what it does"), [list(row) for row in who(results.entrants)])]
-    made = tables.costs_table(results.entrants)
+    listed = [Table(("method", "what it does"), [list(row) for row in who(results.methods)])]
+    made = tables.costs_table(results.methods)
     if made is None:
         return section(WORDS, "who", listed, text=())
     return section(WORDS, "who", [*listed, made])
@@ -132,7 +132,7 @@ def _paired(results: Results, reference: str, out: Path) -> Section:
         for s in figures.catchable_strata(results)
     ]
     pictures = []
-    if len(results.entrants) > 1:
+    if len(results.methods) > 1:
         drawn = figures.pairs_figure(results, reference)
         pictures.append(_kept(out, "pairs", drawn, reference))
     listed = [tables.pairs_table(results, reference), *folded]

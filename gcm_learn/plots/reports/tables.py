@@ -45,13 +45,13 @@ def percent(interval: Interval | None) -> str:
 
 def measures_table(results: Results, fold: str = "") -> Table:
     """Everything that is measured, a row for each method."""
-    rows = [_row(measured(results, name)) for name in results.entrants]
+    rows = [_row(measured(results, name)) for name in results.methods]
     return Table(MEASURES, rows, fold)
 
 
 def _row(m: Measures) -> list[str]:
     return [
-        m.entrant, percent(m.caught), number(100 * m.forearm, ".1f"),
+        m.method, percent(m.caught), number(100 * m.forearm, ".1f"),
         number(100 * m.upper_arm, ".1f"), number(m.ratio, ".3f"), number(m.length),
         number(m.clearance, ".3f"), number(m.peak_hand), number(m.peak_joint, ".0f"),
         number(m.latency, ".1f"), number(m.latency_95, ".1f"),
@@ -63,7 +63,7 @@ def strata_table(results: Results) -> Table:
     strata = catchable_strata(results)
     with_u = "U" in results.strata
     rows = []
-    for name in results.entrants:
+    for name in results.methods:
         cells = [percent(measured(of_stratum(results, s), name).caught) for s in strata]
         rows.append([name, *cells, *([percent(declines(results, name))] if with_u else [])])
     headings = [f"{s} caught [%]" for s in strata] + ["U declined [%]"] * with_u
@@ -82,7 +82,7 @@ def by_family(results: Results) -> list[Table]:
 
 
 def _folded(results: Results, heading: str) -> Table:
-    count = len(results.of_entrant(results.entrants[0]))
+    count = len(results.of_method(results.methods[0]))
     return measures_table(results, f"{heading} ({count} situation{'s' * (count != 1)})")
 
 
@@ -103,7 +103,7 @@ def charged_table(results: Results, fold: str = "") -> Table:
     """Catches over charged time, and with the own latency charged."""
     delays = [f"{1e3 * delay:.0f} ms" for delay in DELAYS]
     rows = []
-    for name in results.entrants:
+    for name in results.methods:
         curve = [percent(point) for point in charged_curve(results, name)] or ["–"] * len(DELAYS)
         rows.append([name, *curve, percent(measured(results, name).own)])
     return Table(("method, caught [%]", *delays, "own latency"), rows, fold)
@@ -112,8 +112,8 @@ def charged_table(results: Results, fold: str = "") -> Table:
 def noise_table(noise: Results) -> Table:
     """Catches under inexact perception."""
     rows = [
-        [b.entrant, f"{b.noise:g}", b.way if b.noise else "exact", percent(b.caught),
-         number(100 * b.touched, ".1f"), number(100 * b.lost, ".1f")]
+        [b.method, f"{b.noise:g}", b.way if b.noise else "exact", percent(b.caught),
+         number(100 * b.collisions, ".1f"), number(100 * b.lost, ".1f")]
         for b in blurred(noise)
     ]  # fmt: skip
     columns = (
@@ -132,7 +132,7 @@ def costs_table(names: Sequence[str]) -> Table | None:
         return None
     columns = ("method", "holds", "files [MB]", "learned from", "training [min]")
     rows = [
-        [", ".join(c.entrants), _holds(c), number(c.size and c.size / 1e6), _learned(c),
+        [", ".join(c.methods), _holds(c), number(c.size and c.size / 1e6), _learned(c),
          number(c.minutes, ".0f")]
         for c in found
     ]  # fmt: skip

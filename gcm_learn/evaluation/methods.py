@@ -34,7 +34,7 @@ class Result:
     """[forearm lengths]"""
 
 
-class Entrant(Protocol):
+class Method(Protocol):
     """Anything that can be compared."""
 
     @property
@@ -46,7 +46,7 @@ class Entrant(Protocol):
 
 
 @dataclass(frozen=True)
-class PlannerEntrant:
+class PlannerMethod:
     """Plans, then does what was planned: a verified plan comes out as planned."""
 
     name: str
@@ -64,7 +64,7 @@ class PlannerEntrant:
 
 
 @dataclass(frozen=True)
-class ActorEntrant:
+class ActorMethod:
     """Acts step by step, its most likely action each time, and unverified."""
 
     name: str
@@ -78,18 +78,18 @@ class ActorEntrant:
         latency = 1e3 * (clock.process_time() - since) / max(int(episodes.steps[0]), 1)
         time, hand = episodes.path(0)
         arm = situation.arm
-        way = Trajectory.of_hand(time, frame.original(hand), arm.upper_arm, arm.elbow)
-        return Result(OUTCOMES[int(episodes.outcomes[0])], latency, way)
+        path = Trajectory.of_hand(time, frame.original(hand), arm.upper_arm, arm.elbow)
+        return Result(OUTCOMES[int(episodes.outcomes[0])], latency, path)
 
 
-def entrant(name: str) -> Entrant:
-    """An entrant by name.
+def get_method(name: str) -> Method:
+    """A method by name.
 
     Parameters
     ----------
     name : str
         A planner (``layered``), a folder of models with an actor (``clone``), or such an actor
-        whose way is tried out N times and verified before it moves (``clone@20``).
+        whose path is tried out N times and verified before it moves (``clone@20``).
 
     Raises
     ------
@@ -100,12 +100,12 @@ def entrant(name: str) -> Entrant:
     if bare in actor_names():
         actor = shipped_actor(bare)
         if not tries:
-            return ActorEntrant(name, actor)
+            return ActorMethod(name, actor)
         if not tries.isdigit() or int(tries) < 1:
             raise UnknownNameError(f"policy {name!r}: after @ comes a number of tries")
-        return PlannerEntrant(name, ActorPlanner(actor, name, int(tries)))
+        return PlannerMethod(name, ActorPlanner(actor, name, int(tries)))
     try:
-        return PlannerEntrant(name, get_planner(name))
+        return PlannerMethod(name, get_planner(name))
     except UnknownNameError as error:
         actors = ", ".join(actor_names()) or "none"
         known = ", ".join(planner_names())
