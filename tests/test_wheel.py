@@ -71,7 +71,7 @@ import gcm_learn
 from gcm_learn import artifacts
 from gcm_learn.evaluation import draw_suite
 from gcm_learn.policies.planner import actor_names, shipped_actor
-from gcm_learn.recall.shipped import shipped_memory
+from gcm_learn.recall import shipped_memory
 assert gcm_learn.__file__.startswith({str(installed)!r})
 assert artifacts.kept("data").is_relative_to({str(tmp_path)!r}), artifacts.kept("data")
 assert len(shipped_memory("recall")) > 1000

@@ -26,7 +26,7 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 from report import write_figure, write_table  # noqa: E402
 
 from gcm_learn import dataset, get_planner, seeding  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
     Encoder,
     HybridPlanner,
     Index,
@@ -38,12 +38,12 @@ from gcm_learn.recall import (  # noqa: E402  # noqa: E402
     RecallPlanner,
     Scale,
     SplinesPlanner,
-    Trace,
+    Waypoints,
     load_encoder,
     nearest_rows,
     raw_features,
-    trace_of,
     unverified,
+    waypoints_of,
 )
 from gcm_learn.situation import Situation  # noqa: E402
 
@@ -70,7 +70,7 @@ class Bank(NamedTuple):
                 plans = [plan for plan in record.plans.values() if plan.caught]
                 if plans:
                     best = min(plans, key=lambda plan: plan.catch_time or 0.0)
-                    trace = trace_of(record.situation, best)
+                    trace = waypoints_of(record.situation, best)
                     rows.append((*trace, raw_features(record.situation), k))
                 if len(rows) == most:
                     break
@@ -120,7 +120,7 @@ def filed(
     scale = Scale.of(bank.features)
     yield "raw", memory_of(RawIndex(scale), nearest_rows(scale(bank.features)), bank, "exact")
     control = RandomIndex()
-    traces = [Trace(k, g) for k, g in zip(bank.traces, bank.goals, strict=True)]
+    traces = [Waypoints(k, g) for k, g in zip(bank.traces, bank.goals, strict=True)]
     places = np.array([control.embed_memories([None], [trace])[0] for trace in traces])  # type: ignore
     yield "random", memory_of(control, places, bank, "exact")
     if len(traces) <= maps:

@@ -27,19 +27,19 @@ from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # n
 
 from gcm_learn import dataset, seeding  # noqa: E402
 from gcm_learn.dataset import Record  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402  # noqa: E402  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
     Encoder,
     LearnedIndex,
     Memory,
     Scale,
-    Trace,
+    Waypoints,
     load_encoder,
     map_picture,
     passing,
     raw_features,
     ring_share,
-    trace_of,
     transfer,
+    waypoints_of,
 )
 from gcm_learn.recall.index import COMPONENTS  # noqa: E402
 
@@ -74,7 +74,7 @@ def experience(records: dataset.Dataset, most: int) -> Experience:
         plans = [plan for plan in record.plans.values() if plan.caught]
         if plans:
             best = min(plans, key=lambda plan: plan.catch_time or 0.0)
-            trace, arm = trace_of(record.situation, best), record.situation.arm
+            trace, arm = waypoints_of(record.situation, best), record.situation.arm
             kept.append(record)
             traces.append(trace)
             families.append(record.family.replace("-planar", "-solid").removesuffix("-solid"))
@@ -312,7 +312,7 @@ def write_page(
 
     memory = Memory(LearnedIndex(encoder))
     memory.add([r.situation for r in some.records],
-               [Trace(t, g) for t, g in zip(some.traces, some.goals, strict=True)],
+               [Waypoints(t, g) for t, g in zip(some.traces, some.goals, strict=True)],
                [r.family for r in some.records], [r.stratum for r in some.records])  # fmt: skip
     groups = {
         "cluster": [f"cluster {c}" for c in clusters["memories"]],

@@ -63,12 +63,12 @@ def grown(
     if not file.exists():
         memory, began = Memory(index, "exact"), time.process_time()
         planner = planner_of("layered", *LATTICE)
-        curve = grow(memory, situations, planner, Coverage(RULES[rule]), most=most, forget=forget)
+        steps = grow(memory, situations, planner, Coverage(RULES[rule]), most=most, forget=forget)
         run = {
             "index": name, "rule": rule, "most": most, "forget": forget if most else None,
-            "recalled": [int(s.recalled) for s in curve.steps],
-            "caught": [int(s.caught) for s in curve.steps],
-            "sizes": curve.sizes, "families": families,
+            "recalled": [int(s.recalled) for s in steps],
+            "caught": [int(s.caught) for s in steps],
+            "sizes": [s.size for s in steps], "families": families,
             "seconds": time.process_time() - began,
         }  # fmt: skip
         file.write_text(json.dumps(run))

@@ -34,9 +34,9 @@ from gcm_learn.recall import (  # noqa: E402
     RandomIndex,
     RawIndex,
     RecallPlanner,
-    Trace,
+    Waypoints,
     load_encoder,
-    trace_of,
+    waypoints_of,
 )
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at  # noqa: E402
 from gcm_learn.scene.limb import SIDE, elbow_of  # noqa: E402
@@ -46,7 +46,7 @@ from gcm_learn.situation import Body, PlanarQuadratic, Situation  # noqa: E402
 STRATA = ("L", "W", "Q")
 POSES = {"twins, one pose": 1, "twins, five poses": 5}
 CLEAR = 1e-3  # what stands nearer to the limb at t = 0 is no obstacle of it [forearm lengths]
-Catch = tuple[Situation, Trace]
+Catch = tuple[Situation, Waypoints]
 
 
 class Twin(NamedTuple):
@@ -56,7 +56,7 @@ class Twin(NamedTuple):
     agreement: tuple[float, float]
     """Share of the effective obstacles that the twin's front does not enter, either; share of the
     cells that were reached that its front reaches, too."""
-    trace: Trace | None
+    trace: Waypoints | None
     """Its catch by first arrival; None if there is none."""
 
 
@@ -136,7 +136,7 @@ def twin(record: Record, poses: int, n: int) -> Twin:
     """A record's twin, how its map agrees, and its catch."""
     situation = twin_of(record, poses)
     plan = planner_of("marching", n, 1).plan(situation)
-    trace = trace_of(situation, plan) if plan.caught else None
+    trace = waypoints_of(situation, plan) if plan.caught else None
     here, there = record.map, plan.map
     if there is None or there.arrival.count() == 0:
         return Twin(situation, (np.nan, np.nan), trace)
@@ -172,7 +172,7 @@ def banks(records: dataset.Dataset, size: int) -> Banks:
     out |= {name: [] for name in POSES}
     lines, example = [], None
     for record in moved(train):
-        catch = (record.situation, trace_of(record.situation, best_plan(record)))
+        catch = (record.situation, waypoints_of(record.situation, best_plan(record)))
         if len(out["dynamic"]) < size:
             out["dynamic"].append(catch)
         twins = {name: twin(record, poses, record.n) for name, poses in POSES.items()}
@@ -189,7 +189,7 @@ def banks(records: dataset.Dataset, size: int) -> Banks:
         if len(out["dynamic, those of the twins"]) == size:
             break
     calm = train.where(family="static-clutter")
-    still_ones = [(r.situation, trace_of(r.situation, best_plan(r)))
+    still_ones = [(r.situation, waypoints_of(r.situation, best_plan(r)))
                   for r in calm[: 3 * size] if best_plan(r) is not None]  # fmt: skip
     out["static as drawn"] = still_ones[:size]
     assert example is not None

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.recall import PcaIndex, Trace, map_picture, nearest_rows, raw_features
+from gcm_learn.recall import PcaIndex, Waypoints, map_picture, nearest_rows, raw_features
 from gcm_learn.recall.index import COMPONENTS, RIDGE, _inputs
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.situation import Situation
@@ -46,7 +46,7 @@ class AutoencoderIndex:
         return self.regression.embed_query(situation, bodies)
 
     def embed_memories(
-        self, situations: Sequence[Situation], traces: Sequence[Trace]
+        self, situations: Sequence[Situation], traces: Sequence[Waypoints]
     ) -> np.ndarray:
         """Where the maps of memories lie."""
         pictures = np.array([map_picture(s) for s in situations])

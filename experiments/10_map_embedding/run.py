@@ -24,7 +24,7 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 
 from autoencoder import AutoencoderIndex  # noqa: E402
 from report import write_figure, write_table  # noqa: E402
-from teaching import Lessons, filed, trained  # noqa: E402
+from teaching import Given, filed, trained  # noqa: E402
 
 from gcm_learn import dataset, seeding  # noqa: E402
 from gcm_learn.families.random_planar import RandomPlanar  # noqa: E402
@@ -32,7 +32,7 @@ from gcm_learn.maps import build_map  # noqa: E402
 from gcm_learn.motion.clearance import clearance  # noqa: E402
 from gcm_learn.planners import Plan  # noqa: E402
 from gcm_learn.planners.completion import Problem  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402  # noqa: E402  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
     EncoderConfig,
     LearnedIndex,
     Memory,
@@ -41,10 +41,10 @@ from gcm_learn.recall import (  # noqa: E402  # noqa: E402  # noqa: E402
     RawIndex,
     RecallPlanner,
     Scale,
-    School,
-    Trace,
+    TransferLabels,
+    Waypoints,
+    memory_features,
     nearest_rows,
-    pictures,
     raw_features,
 )
 from gcm_learn.recall.raw_features import COUNT  # noqa: E402
@@ -58,41 +58,41 @@ CELLS = 40  # along a side of the maps that must not change
 STRATA = ("W", "Q")
 
 
-def learned(school: School, turns: int, steps: int) -> dict[str, Memory]:
+def learned(labels: TransferLabels, turns: int, steps: int) -> dict[str, Memory]:
     """The memories filed by encoders that know different things of them."""
-    given: Lessons = {}
-    raw = np.array([raw_features(s) for s in school.situations])
-    padded = np.zeros((len(raw), pictures.COUNT), np.float32)
+    given: Given = {}
+    raw = np.array([raw_features(s) for s in labels.situations])
+    padded = np.zeros((len(raw), memory_features.COUNT), np.float32)
     padded[:, :COUNT] = Scale.of(raw)(raw)
     out = {}
     for name, kind, seen in (
         ("way", "trace", None),
-        ("map", "map", school.pictures),
-        ("way and map", "both", school.pictures),
+        ("map", "map", labels.map_features),
+        ("way and map", "both", labels.map_features),
         ("raw, learned", "map", padded),
     ):
         config = EncoderConfig(memory=kind, hard=0.0, steps=steps)  # type: ignore[arg-type]
-        encoder = trained(school, config, turns, seen, given)
+        encoder = trained(labels, config, turns, seen, given)
         places = np.zeros((len(raw), encoder.dim), np.float32)
         if config.uses_traces:
-            places += encoder._memory["trace"](school.ways)
+            places += encoder._memory["trace"](labels.path_features)
         if seen is not None:
             places += encoder._memory["map"](seen)
-        out[name] = filed(LearnedIndex(encoder), places, school)
+        out[name] = filed(LearnedIndex(encoder), places, labels)
     return out
 
 
-def controls(school: School) -> dict[str, Memory]:
+def controls(labels: TransferLabels) -> dict[str, Memory]:
     """The memories filed without learning."""
-    raw = np.array([raw_features(s) for s in school.situations])
-    scale, pca, lots = Scale.of(raw), PcaIndex.fit(school.situations[:3000]), RandomIndex()
-    codes = AutoencoderIndex.fit(school.situations[:3000])
-    traces = [Trace(k, g) for k, g in zip(school.traces, school.goals, strict=True)]
+    raw = np.array([raw_features(s) for s in labels.situations])
+    scale, pca, lots = Scale.of(raw), PcaIndex.fit(labels.situations[:3000]), RandomIndex()
+    codes = AutoencoderIndex.fit(labels.situations[:3000])
+    traces = [Waypoints(k, g) for k, g in zip(labels.knots, labels.goals, strict=True)]
     return {
-        "raw neighbours": filed(RawIndex(scale), nearest_rows(scale(raw)), school),
-        "components of maps": filed(pca, pca.embed_memories(school.situations, traces), school),
-        "codes of maps": filed(codes, codes.embed_memories(school.situations, traces), school),
-        "random": filed(lots, lots.embed_memories(school.situations, traces), school),
+        "raw neighbours": filed(RawIndex(scale), nearest_rows(scale(raw)), labels),
+        "components of maps": filed(pca, pca.embed_memories(labels.situations, traces), labels),
+        "codes of maps": filed(codes, codes.embed_memories(labels.situations, traces), labels),
+        "random": filed(lots, lots.embed_memories(labels.situations, traces), labels),
     }
 
 
@@ -177,10 +177,10 @@ def main() -> None:
     size = f"{given.records}-{given.turns}-{given.steps}-{given.situations}"
     file = HERE / "out" / f"answers-{size}.json"
     if not file.exists():
-        school = School(records[: given.records], 1, maps=True)
-        memories = learned(school, given.turns, given.steps) | controls(school)
+        labels = TransferLabels(records[: given.records], 1, maps=True)
+        memories = learned(labels, given.turns, given.steps) | controls(labels)
         lines = list(answers(memories, records, given.situations))
-        file.write_text(json.dumps({"memories": len(school.traces), "lines": lines}))
+        file.write_text(json.dumps({"memories": len(labels.knots), "lines": lines}))
     made = json.loads(file.read_text())
     lines, told = made["lines"], f"{made['memories']} memories; encoders: {effort}"
     write_table(HERE / "table.md", lines, told)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.planners.completion import Problem, attempt_of, checked, first_catch_on, timed
-from gcm_learn.recall import Trace, path_of
+from gcm_learn.recall import Waypoints, path_of
 
 RIM = 1e-3  # distance that hands keep from the rims of the ring [forearm lengths]
 
 
-def replayed(problem: Problem, trace: Trace, moved: bool) -> bool:
+def replayed(problem: Problem, trace: Waypoints, moved: bool) -> bool:
     """Whether a remembered path catches in a canonical situation without being bent.
 
     Its directions are turned to the hand's anyhow, for situations are canonical. If `moved`, it is

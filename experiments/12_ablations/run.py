@@ -24,18 +24,18 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "10_map_embedding"), str(HERE.paren
 
 from ablation_report import write_figure, write_table  # noqa: E402
 from replay import replayed  # noqa: E402
-from teaching import Lessons, filed, trained  # noqa: E402
+from teaching import Given, filed, trained  # noqa: E402
 
 from gcm_learn import dataset  # noqa: E402
 from gcm_learn.planners.completion import Problem  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
     Adaptation,
     EncoderConfig,
     LearnedIndex,
     Memory,
     RecallPlanner,
-    School,
-    Trace,
+    TransferLabels,
+    Waypoints,
     load_encoder,
     unverified,
 )
@@ -79,7 +79,7 @@ def by_replay(memory: Memory, moved: bool) -> Ask:
         problem = Problem(turned, "replay")
         chosen = memory.recall(memory.index.embed_query(turned, problem.bodies), 20)
         for k, m in enumerate(chosen.tolist()):
-            if replayed(problem, Trace(memory.traces[m], memory.goals[m]), moved):
+            if replayed(problem, Waypoints(memory.knots[m], memory.goals[m]), moved):
                 return True, k + 1
         return False, len(chosen)
 
@@ -88,11 +88,11 @@ def by_replay(memory: Memory, moved: bool) -> Ask:
 
 def recalls(memory: Memory) -> dict[str, Ask]:
     """Recall as it is, and with parts left out."""
-    whole, plain = RecallPlanner(memory), Adaptation(mends=0)
+    whole, plain = RecallPlanner(memory), Adaptation(repairs=0)
     return {
         "recall as it is": by(whole),
         "a path that touches is not pushed aside": by(replace(whole, how=plain)),
-        "failures teach nothing": by(replace(whole, novelty=0.0, regret=0.0)),
+        "failures teach nothing": by(replace(whole, novelty=0.0, penalty=0.0)),
         "bent in cartesian coordinates": by(replace(whole, how=Adaptation(style="cartesian"))),
         "remembered times are kept": by(replace(whole, how=Adaptation(tempo="keep"))),
         "moved rigidly, not bent": by_replay(memory, True),
@@ -132,24 +132,24 @@ def main() -> None:
     parser.add_argument("--situations", type=int, default=150, help="of each stratum")
     given = parser.parse_args()
     records, encoder = dataset.open(given.dataset), load_encoder(given.encoder)
-    school = School(records[: given.records], 1)
+    labels = TransferLabels(records[: given.records], 1)
     asked = questions(records[given.records :], given.situations)
     (HERE / "out").mkdir(exist_ok=True)
-    places = encoder.embed_memories([], school.traces, school.goals)
+    places = encoder.embed_memories([], labels.knots, labels.goals)
     lines = []
-    for name, ask in recalls(filed(LearnedIndex(encoder), places, school)).items():
+    for name, ask in recalls(filed(LearnedIndex(encoder), places, labels)).items():
         lines += answers(name, ask, asked, part="recall")
-    taught: Lessons = {}
+    taught: Given = {}
     for name, config in encoders(given.steps).items():
         file = HERE / "out" / f"{name}-{given.turns}-{given.steps}-{given.records}.json"
         if not file.exists():
-            small = trained(school, config, given.turns, None, taught)
-            places = small.embed_memories([], school.traces, school.goals)
-            planner = RecallPlanner(filed(LearnedIndex(small), places, school))
+            small = trained(labels, config, given.turns, None, taught)
+            places = small.embed_memories([], labels.knots, labels.goals)
+            planner = RecallPlanner(filed(LearnedIndex(small), places, labels))
             file.write_text(json.dumps(list(answers(name, by(planner), asked, part="encoder"))))
         lines += json.loads(file.read_text())
     told = (
-        f"{len(school.traces)} memories; recall: encoder `{encoder.key}`; encoders trained here: "
+        f"{len(labels.knots)} memories; recall: encoder `{encoder.key}`; encoders trained here: "
         f"{given.turns} lessons, {given.steps} steps after each"
     )
     write_table(HERE / "table.md", lines, told)

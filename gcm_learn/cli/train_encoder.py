@@ -64,12 +64,12 @@ class TrainEncoder:
             if value is not None and value < 1:
                 raise CommandFailure(f"--{name} {value}: must be at least 1")
         records, trainers = dataset_package().open(self.dataset), _training()
-        from gcm_learn.recall import EncoderConfig, School, load_encoder, write_model
+        from gcm_learn.recall import EncoderConfig, TransferLabels, load_encoder, write_model
 
         config = EncoderConfig(dim=self.dim, memory=self.memory, seed=self.seed)
         total = len(records.where(split="train"))
         with Progress(min(total, self.most or total), "records read") as reading:
-            school = School(
+            labels = TransferLabels(
                 records,
                 self.seed,
                 most=self.most,
@@ -79,10 +79,10 @@ class TrainEncoder:
         try:
             effort = trainers.Effort(self.minutes, self.turns)
             start = None if self.start is None else load_encoder(self.start)
-            trainer = trainers.Trainer(config, school, self.out / WORK, effort, start)
+            trainer = trainers.Trainer(config, labels, self.out / WORK, effort, start)
             with Progress(PARTS, "parts of the training") as progress:
                 trainer.run(lambda share: progress.advance(int(share * PARTS) - progress.done))
-            marks = trainer.exam()
+            marks = trainer.validate()
             write_model(self.out, trainer, records, self.dataset, marks)
         except OSError as error:
             raise CommandFailure(f"--out {self.out}: {why(error)}") from None

@@ -1,8 +1,8 @@
 """Memory: catches that are kept, found again from a new situation alone, and adapted to it.
 
->>> from gcm_learn.recall import Memory, RawIndex, RecallPlanner, trace_of
+>>> from gcm_learn.recall import Memory, RawIndex, RecallPlanner, waypoints_of
 >>> memory = Memory(RawIndex.fit(situations))                         # doctest: +SKIP
->>> memory.add(situations, [trace_of(s, p) for s, p in zip(situations, plans)])  # doctest: +SKIP
+>>> memory.add([situation], [waypoints_of(situation, plan)])           # doctest: +SKIP
 >>> RecallPlanner(memory).plan(another)                               # doctest: +SKIP
 """
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
 from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
-from gcm_learn.recall.growth import Coverage, Curve, grow, remember
+from gcm_learn.recall.growth import Coverage, grow, remember
 from gcm_learn.recall.index import (
     Index,
     LearnedIndex,
@@ -35,16 +35,16 @@ from gcm_learn.recall.planners import (
 )
 from gcm_learn.recall.raw_features import Scale, own_axis, raw_features
 from gcm_learn.recall.store import MANIFEST, Entry, Memory, is_memory
-from gcm_learn.recall.waypoints import Trace, path_of, ring_share, trace_of
+from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share, waypoints_of
 
 if TYPE_CHECKING:
     from gcm_learn.recall.training import Effort, Trainer, write_model
-    from gcm_learn.recall.transfer_labels import Best, Lesson, School
+    from gcm_learn.recall.transfer_labels import Best, Labels, TransferLabels
 
 # Loaded when they are asked for: they need pyarrow or torch.
 _LATE = {
     "training": ("Effort", "Trainer", "write_model"),
-    "transfer_labels": ("Best", "Lesson", "School"),
+    "transfer_labels": ("Best", "Labels", "TransferLabels"),
 }
 _PLACE = {name: place for place, names in _LATE.items() for name in names}
 
@@ -62,7 +62,6 @@ __all__ = [
     "Adaptation",
     "Best",
     "Coverage",
-    "Curve",
     "Effort",
     "Encoder",
     "EncoderConfig",
@@ -70,7 +69,7 @@ __all__ = [
     "HybridPlanner",
     "Index",
     "LearnedIndex",
-    "Lesson",
+    "Labels",
     "Memory",
     "PcaIndex",
     "RandomIndex",
@@ -79,9 +78,9 @@ __all__ = [
     "Recollection",
     "Rollout",
     "Scale",
-    "School",
+    "TransferLabels",
     "SplinesPlanner",
-    "Trace",
+    "Waypoints",
     "Trainer",
     "adapt",
     "grow",
@@ -100,7 +99,7 @@ __all__ = [
     "ring_share",
     "save_encoder",
     "shipped_memory",
-    "trace_of",
+    "waypoints_of",
     "transfer",
     "unverified",
     "write_model",

@@ -1,9 +1,9 @@
-"""Adaptation: a remembered catch bent to a new situation, and whether it then holds.
+"""Adaptation: a remembered catch moved to a new situation, and whether it is then valid.
 
 Retrieved paths are repaired rather than replayed in Lightning and Thunder (Berenson, Abbeel and
-Goldberg, ICRA 2012; Coleman, Sucan, Moll, Okada and Correll, ICRA 2015). Here the repair is a bend
-without search, as of dynamic movement primitives that get new ends, because it has to cost less
-than planning anew; what it breaks is found by the verification that every plan goes through.
+Goldberg, ICRA 2012; Coleman, Sucan, Moll, Okada and Correll, ICRA 2015). Here a path gets new ends
+without search, as dynamic movement primitives do, because that has to cost less than planning anew;
+what it breaks is found by the verification that every plan goes through.
 """
 
 from __future__ import annotations
@@ -14,34 +14,33 @@ from typing import Literal
 
 import numpy as np
 
-from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import SPACING, refine, spread
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
 from gcm_learn.recall import kernels, trials
-from gcm_learn.recall.kernels import Query
-from gcm_learn.recall.waypoints import Trace, ring_share
+from gcm_learn.recall.kernels import Query, Style
+from gcm_learn.recall.waypoints import Waypoints, ring_share
 from gcm_learn.situation import Situation
 
-INSTANTS = 33  # at which the limb is looked at before the exact check
+INSTANTS = 33  # at which poses are known before the exact check
 STYLES = {"polar": kernels.POLAR, "cartesian": kernels.CARTESIAN}
 TEMPOS = {"hurry": kernels.HURRY, "keep": kernels.KEEP}
 
 
 @dataclass(frozen=True)
 class Adaptation:
-    """How memories are bent."""
+    """How memories are adapted."""
 
     style: Literal["polar", "cartesian"] = "polar"
     """Coordinates in which the differences of the ends are spread along the path."""
     tempo: Literal["hurry", "keep", "both"] = "hurry"
     """Whether only waits are kept ("hurry"), or all of the memory's times; or one after the
     other."""
-    mends: int = 1
+    repairs: int = 1
     """How often a path that touches is pushed aside, which makes it another path to check."""
 
     @cached_property
-    def ways(self) -> np.ndarray:
-        """Codes (s, 2) of the styles and tempos in which each memory is tried, in order."""
+    def styles(self) -> np.ndarray:
+        """Columns (s, 2) of the `Style`s in which each memory is tried, in order."""
         tempos = ("hurry", "keep") if self.tempo == "both" else (self.tempo,)
         return np.array([[STYLES[self.style], TEMPOS[tempo]] for tempo in tempos])
 
@@ -51,60 +50,71 @@ DEFAULT = Adaptation()
 
 def query_of(problem: Problem) -> Query:
     """What adaptations must know of a situation; once for all memories."""
-    scene, rules, horizon = problem.scene, problem.rules, problem.situation.horizon
-    x, y = problem.situation.arm.hand
-    soonest, _, _, _ = first_interception(scene, rules, x, y, 0.0, 0.0, horizon)
+    scene, rules, arm = problem.scene, problem.rules, problem.situation.arm
+    x, y = arm.hand
     return Query(
         scene=scene,
         rules=rules,
-        table=kernels.pose_table(scene.bodies, horizon, INSTANTS),
+        table=kernels.pose_table(scene.bodies, problem.situation.horizon, INSTANTS),
         angle=float(np.arctan2(y, x)),
-        ring=float(ring_share(problem.situation.arm, np.hypot(x, y))),
-        soonest=max(float(soonest), 0.0),
+        ring=float(ring_share(arm, np.hypot(x, y))),
+        first=kernels.straight_interception(scene, rules),
     )
 
 
-def adapt(problem: Problem, trace: Trace, how: Adaptation = DEFAULT) -> Attempt | None:
-    """Bend one memory to a situation, in the first of its styles that meets a target in time.
+def adapt(
+    problem: Problem,
+    waypoints: Waypoints,
+    how: Adaptation = DEFAULT,
+    query: Query | None = None,
+) -> Attempt | None:
+    """Adapt one memory to a situation, in the first of its styles that meets a target in time.
+
+    Parameters
+    ----------
+    problem : Problem
+    waypoints : Waypoints
+    how : Adaptation
+    query : Query, optional
+        Of the problem, if the caller has it at hand.
 
     Returns
     -------
     Attempt or None
         Not verified.
     """
-    query = query_of(problem)
-    desk = kernels.desk_for(query)
-    for style, tempo in how.ways:
-        count, body = kernels.adapt(
-            trace.knots[None], trace.goal[None], 0, query, style, tempo, desk
-        )
+    query = query_of(problem) if query is None else query
+    work = kernels.workspace_for(query)
+    knots, goals = waypoints.knots[None], waypoints.goal[None]
+    for style in how.styles:
+        count, body = kernels.adapt_to_targets(knots, goals, 0, query, Style(*style), work)
         if count:
-            return attempt_at(problem, desk.best_time[:count], desk.best_hand[:count], body)
+            return attempt_at(problem, work.best_time[:count], work.best_hand[:count], body)
     return None
 
 
 def attempt_at(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
-    """A bent path (m,), (m, 2) as an attempt, with samples near enough for joints, too."""
+    """An adapted path (m,), (m, 2) as an attempt, with samples near enough for joints, too."""
     arm = problem.situation.arm
     time, hand = refine(arm, *spread(time, hand, SPACING))
     return attempt_of(problem, time, hand, int(body))
 
 
 def transfer(
-    situation: Situation,
-    traces: np.ndarray,
+    situation: Situation | Problem,
+    knots: np.ndarray,
     goals: np.ndarray,
     chosen: np.ndarray | None = None,
     how: Adaptation = DEFAULT,
 ) -> np.ndarray:
-    """When memories, bent to a situation, catch in it: labels for learning.
+    """When memories, adapted to a situation, catch in it: labels for learning.
 
     Parameters
     ----------
-    situation : Situation
-        In any frame. The limb must be free at t = 0, or none holds.
-    traces, goals : (n, KNOTS, 4), (n, 2) ndarray of float32
-        Memories, as of `Trace`.
+    situation : Situation or Problem
+        In any frame. The limb must be free at t = 0, or none is valid.
+    knots, goals : (n, KNOTS, 4), (n, 2) ndarray of float32
+        Memories, as of `Waypoints`.
     chosen : (m,) ndarray of int, optional
         Which of them; all by default.
 
@@ -113,10 +123,10 @@ def transfer(
     (m,) ndarray
         Catch time [s], negative for memories that do not catch.
     """
-    query = query_of(Problem(situation, "transfer"))
-    rows = np.arange(len(traces)) if chosen is None else np.asarray(chosen, dtype=np.int64)
-    out = np.full(len(rows), -1.0)
-    for style, tempo in how.ways:
-        left = np.flatnonzero(out < 0.0)
-        out[left] = trials.transfer(traces, goals, rows[left], query, style, tempo, how.mends)
+    problem = situation if isinstance(situation, Problem) else Problem(situation, "transfer")
+    rows = np.arange(len(knots)) if chosen is None else chosen
+    rows = np.ascontiguousarray(rows, dtype=np.int64)
+    out: np.ndarray = trials.catch_times(
+        knots, goals, rows, query_of(problem), how.styles, how.repairs
+    )
     return out

@@ -1,10 +1,10 @@
-"""What a situation looks like to its arm: the room that every body leaves the limb.
+"""Egocentric clearance features: what a situation looks like to its arm.
 
 Everything is known at t = 0. Hands are taken on a polar lattice about the shoulder, which begins in
 the direction of the hand and runs to the side on which canonical arms turn; at instants that are
-told by how far the hand can have come, the distance of the limb, with its hand there, to the body
+told by how far the hand can have come, the clearance of the limb, with its hand there, to the body
 is asked for. What shape a body has and how it moves is no longer seen, only what it forbids. Bodies
-stay apart: a path holds if it holds against each of them.
+stay apart: a path is valid if it is so against each of them.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.rules import Rules
+from gcm_learn.recall.kernels import Interception, straight_interception
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at, poses_at
 from gcm_learn.scene.limb import elbow_of
 from gcm_learn.scene.packing import pack
@@ -28,31 +28,31 @@ DIRECTIONS = 24  # of hands, over the whole turn
 RINGS = np.array([0.1, 0.28, 0.46, 0.64, 0.8, 0.94])  # shares of the ring
 LENGTHS = np.array([0.15, 0.4, 0.7, 1.0, 1.35, 1.7, 2.1, 2.5, 2.9, 3.4, 4.0, 4.8])
 """Instants: ways that the hand can have come [forearm lengths]."""
-ROOM = 0.4  # room beyond this is as good as free [forearm lengths]
-TOUCHING = 1e-6  # room up to this is none [forearm lengths]
-SLACK = 0.25  # hands that are farther than the way by this are not asked for [forearm lengths]
-TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, ROOM away is 0
+FREE = 0.4  # clearance beyond this is as good as free [forearm lengths]
+TOUCHING = 1e-6  # clearance up to this is none [forearm lengths]
+SLACK = 0.25  # hands that are farther than the hand can be by this are not asked for [same]
+TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, FREE away is 0
 INSTANT = 1e-3  # resolution of interceptions [horizons]
 
 CELLS = len(LENGTHS) * len(RINGS) * DIRECTIONS
 TRACK = 5  # numbers of the target at an instant
 SCALARS = 14
 CONTEXT = TRACK * len(LENGTHS) + SCALARS
-STEPS = 170  # of a cell's number between 0 and 1, where looks are stored in bytes
+STEPS = 170  # of a cell's number between 0 and 1, where features are stored in bytes
 
 
-class Look(NamedTuple):
+class Features(NamedTuple):
     """What one situation looks like."""
 
     context: np.ndarray
     """(CONTEXT,) float32: the target's track, then scalars."""
     cells: np.ndarray
-    """(obstacles, CELLS) float32: by instants, rings and directions; 0 is free by ROOM or more, 1
+    """(obstacles, CELLS) float32: by instants, rings and directions; 0 is free by FREE or more, 1
     just free, TOUCH touches. Cells that the hand cannot have come to are 0. Obstacles that the limb
     can nowhere come near are left out: they change nothing."""
 
 
-class Looks(NamedTuple):
+class FeatureBatch(NamedTuple):
     """What many situations look like."""
 
     context: np.ndarray
@@ -63,15 +63,17 @@ class Looks(NamedTuple):
     """(m,) int64: whose obstacle it is."""
 
 
-def gathered(looks: Sequence[Look]) -> Looks:
-    """Many looks as one, in bytes."""
-    cells = [np.rint(look.cells * STEPS).astype(np.uint8) for look in looks]
-    whose = np.repeat(np.arange(len(looks)), [len(c) for c in cells])
+def batched(features: Sequence[Features]) -> FeatureBatch:
+    """Many as one, in bytes."""
+    cells = [np.rint(one.cells * STEPS).astype(np.uint8) for one in features]
+    whose = np.repeat(np.arange(len(features)), [len(c) for c in cells])
     whole = np.concatenate(cells) if cells else np.zeros((0, CELLS), np.uint8)
-    return Looks(np.array([look.context for look in looks]), whole, whose)
+    return FeatureBatch(np.array([one.context for one in features]), whole, whose)
 
 
-def look(situation: Situation, scene: Scene | None = None) -> Look:
+def clearance_features(
+    situation: Situation, scene: Scene | None = None, first: Interception | None = None
+) -> Features:
     """What a situation in any frame looks like.
 
     Parameters
@@ -79,50 +81,49 @@ def look(situation: Situation, scene: Scene | None = None) -> Look:
     situation : Situation
     scene : Scene, optional
         The situation packed, if the caller has it at hand.
+    first : Interception, optional
+        The straight line's, if the caller has it at hand.
     """
     scene = pack(situation) if scene is None else scene
-    limits = scene.limits
-    rules = Rules(0.0, limits.grasp, limits.speed, INSTANT * limits.horizon)
-    return Look(*_look(scene, rules))
+    if first is None:
+        limits = scene.limits
+        rules = Rules(0.0, limits.grasp, limits.speed, INSTANT * limits.horizon)
+        first = straight_interception(scene, rules)
+    return Features(*_features(scene, first))
 
 
 @njit
-def _look(scene, rules):
-    """Context and cells, as of `Look`."""
+def _features(scene, first):
+    """Context and cells, as of `Features`."""
     bodies, limb, limits = scene.bodies, scene.limb, scene.limits
-    x, y, side, near, far = limb.x, limb.y, limb.side, limb.near, limb.far
-    speed, horizon = limits.speed, limits.horizon
+    x, y, width, speed = limb.x, limb.y, limb.far - limb.near, limits.speed
     poses, out = np.zeros((bodies.rows.shape[0], 12)), np.zeros(CONTEXT, dtype=np.float32)
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
     cells = np.zeros((obstacles.size, CELLS), dtype=np.float32)
     angle = np.arctan2(y, x)
     start = np.sqrt(x * x + y * y)
     if obstacles.size > 0:
-        _look_at_cells(scene, poses, angle, start, obstacles, cells)
+        _fill_cells(scene, poses, angle, start, obstacles, cells)
     target = _nearest_target(bodies, poses, x, y)
     at = 0
     for k in range(LENGTHS.size):
-        t = min(LENGTHS[k] / speed, horizon)
-        pose_at(bodies, target, t, poses)
-        _track(poses, target, angle, side, near, far, out, at)
+        pose_at(bodies, target, min(LENGTHS[k] / speed, limits.horizon), poses)
+        _fill_track(limb, poses, target, angle, out, at)
         gap = np.sqrt((poses[target, 0] - x) ** 2 + (poses[target, 1] - y) ** 2)
         out[at + 4] = min(max(gap - LENGTHS[k], -2.0), 2.0)
         at += TRACK
-    soonest, body, px, py = first_interception(scene, rules, x, y, 0.0, 0.0, horizon)
-    if body >= 0:
-        a = side * (np.arctan2(py, px) - angle)
-        out[at], out[at + 1] = 1.0, soonest * speed * 0.3
+    if first.body >= 0:
+        a = limb.side * (np.arctan2(first.y, first.x) - angle)
+        out[at], out[at + 1] = 1.0, first.time * speed * 0.3
         out[at + 2], out[at + 3] = np.cos(a), np.sin(a)
-        out[at + 4] = (np.sqrt(px * px + py * py) - near) / (far - near)
-    out[at + 5], out[at + 6] = (start - near) / (far - near), limb.rho
-    out[at + 7], out[at + 8] = speed * 0.3, speed * horizon * 0.25
+        out[at + 4] = (np.sqrt(first.x * first.x + first.y * first.y) - limb.near) / width
+    out[at + 5], out[at + 6] = (start - limb.near) / width, limb.rho
+    out[at + 7], out[at + 8] = speed * 0.3, speed * limits.horizon * 0.25
     out[at + 9], out[at + 10] = limb.thickness * 10.0, limits.grasp * 10.0
     out[at + 11] = bodies.rows[target, REACH] * 5.0
     if limits.shoulder < np.inf:  # slow joints count, fast ones are as good as no limit
-        out[at + 12], out[at + 13] = (
-            speed / (speed + limits.shoulder),
-            speed / (speed + limits.elbow),
-        )
+        out[at + 12] = speed / (speed + limits.shoulder)
+        out[at + 13] = speed / (speed + limits.elbow)
     near_ones = np.empty(obstacles.size, dtype=np.bool_)
     for o in range(obstacles.size):
         near_ones[o] = cells[o].any()
@@ -135,7 +136,9 @@ class Limbs(NamedTuple):
     joints: np.ndarray  # (rings, DIRECTIONS, 4): hand, elbow
     away2: np.ndarray  # (rings, DIRECTIONS): of the hand from where it starts, squared
     longest: np.ndarray  # (rings,): of hand and elbow the distance from the shoulder that is larger
-    bend: np.ndarray  # (rings,): direction of the elbow from that of the hand
+    elbow: np.ndarray  # (rings,): direction of the elbow from that of the hand
+    thickness: float
+    close: np.ndarray  # (DIRECTIONS,): buffer for directions of a ring
 
 
 @njit
@@ -143,52 +146,47 @@ def _limbs(limb, angle, start):
     """Limbs of a lattice that begins in the direction `angle`."""
     rho, side, near, far = limb.rho, limb.side, limb.near, limb.far
     rings, n, step = RINGS.size, DIRECTIONS, 2.0 * np.pi / DIRECTIONS
-    made = Limbs(np.empty((rings, n, 4)), np.empty((rings, n)), np.empty(rings), np.empty(rings))
+    joints, away2 = np.empty((rings, n, 4)), np.empty((rings, n))
+    made = Limbs(
+        joints, away2, np.empty(rings), np.empty(rings), limb.thickness, np.empty(n, dtype=np.int64)
+    )
     for i in range(rings):
         r = near + RINGS[i] * (far - near)
         made.longest[i] = max(r, rho)
         ex, ey = elbow_of(r, 0.0, rho, side)
-        made.bend[i] = side * np.arctan2(ey, ex)
+        made.elbow[i] = side * np.arctan2(ey, ex)
     for j in range(n):
         c, s = np.cos(angle + side * step * j), np.sin(angle + side * step * j)
         cosine = np.cos(step * j)
         for i in range(rings):
             r = near + RINGS[i] * (far - near)
             ex, ey = elbow_of(r, 0.0, rho, side)
-            made.joints[i, j, 0], made.joints[i, j, 1] = r * c, r * s
-            made.joints[i, j, 2], made.joints[i, j, 3] = ex * c - ey * s, ex * s + ey * c
-            made.away2[i, j] = r * r + start * start - 2.0 * r * start * cosine
+            joints[i, j, 0], joints[i, j, 1] = r * c, r * s
+            joints[i, j, 2], joints[i, j, 3] = ex * c - ey * s, ex * s + ey * c
+            away2[i, j] = r * r + start * start - 2.0 * r * start * cosine
     return made
 
 
 @njit
-def _look_at_cells(scene, poses, angle, start, obstacles, out):
-    """Fill in how little room each body leaves the limb in cells that the hand can have come to."""
-    bodies, side, thickness = scene.bodies, scene.limb.side, scene.limb.thickness
-    speed, horizon = scene.limits.speed, scene.limits.horizon
-    limbs = _limbs(scene.limb, angle, start)
-    rings, step = RINGS.size, 2.0 * np.pi / DIRECTIONS
-    close = np.empty(DIRECTIONS, dtype=np.int64)
+def _fill_cells(scene, poses, angle, start, obstacles, out):
+    """Fill in how little clearance each body leaves the limb where the hand can have come to."""
+    bodies, side = scene.bodies, scene.limb.side
+    limbs, step = _limbs(scene.limb, angle, start), 2.0 * np.pi / DIRECTIONS
     for k in range(LENGTHS.size):
-        poses_at(bodies, min(LENGTHS[k] / speed, horizon), poses)
-        limit = (LENGTHS[k] + SLACK) ** 2
+        poses_at(bodies, min(LENGTHS[k] / scene.limits.speed, scene.limits.horizon), poses)
         for o in range(obstacles.size):
             b = obstacles[o]
-            ball = bodies.rows[b, REACH] + thickness + ROOM
+            ball = bodies.rows[b, REACH] + limbs.thickness + FREE
             away, middle, half = _sector(poses, b, angle, side, ball)
-            for i in range(rings):
+            for i in range(RINGS.size):
                 if away > limbs.longest[i] + ball:
                     continue
                 first, last = 0, DIRECTIONS - 1
                 if away > ball:  # the limb lies within the sector of hand and elbow
-                    first = int(np.ceil((middle - half - max(limbs.bend[i], 0.0)) / step))
-                    last = int(np.floor((middle + half - min(limbs.bend[i], 0.0)) / step))
+                    first = int(np.ceil((middle - half - max(limbs.elbow[i], 0.0)) / step))
+                    last = int(np.floor((middle + half - min(limbs.elbow[i], 0.0)) / step))
                     last = min(last, first + DIRECTIONS - 1)
-                at = (k * rings + i) * DIRECTIONS
-                _look_at_ring(
-                    bodies, poses, b, limbs, i, first, last, limit, ball, thickness, close,
-                    out, o, at,
-                )  # fmt: skip
+                _fill_ring(bodies, poses, b, limbs, k, i, first, last, out, o)
 
 
 @njit(_nrt=False, forceinline=True)
@@ -202,15 +200,14 @@ def _sector(poses, b, angle, side, ball):
 
 
 @njit(_nrt=False, forceinline=True)
-def _look_at_ring(
-    bodies, poses, b, limbs, i, first, last, limit, ball, thickness, close, out, o, at
-):  # fmt: skip
-    """Fill in the cells of a ring from direction `first` to `last`.
+def _fill_ring(bodies, poses, b, limbs, k, i, first, last, out, o):
+    """Fill in the cells of row o at instant k on ring i, from direction `first` to `last`.
 
     Balls are asked first, in a loop that calls nothing.
     """
     px, py, pz, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
-    disc, count = bodies.rows[b, KIND] == DISC, 0
+    ball, limit = reach + limbs.thickness + FREE, (LENGTHS[k] + SLACK) ** 2
+    disc, count, at = bodies.rows[b, KIND] == DISC, 0, (k * RINGS.size + i) * DIRECTIONS
     z2 = 0.0 if disc else pz * pz
     for turn in range(first, last + 1):
         j = turn % DIRECTIONS
@@ -222,24 +219,24 @@ def _look_at_ring(
         if d2 >= ball * ball:
             continue
         if disc:
-            out[o, at + j] = _closeness(np.sqrt(d2) - reach - thickness)
+            out[o, at + j] = _closeness(np.sqrt(d2) - reach - limbs.thickness)
         else:
-            close[count] = j
+            limbs.close[count] = j
             count += 1
     for c in range(count):
-        j = close[c]
+        j = limbs.close[c]
         hx, hy = limbs.joints[i, j, 0], limbs.joints[i, j, 1]
         ex, ey = limbs.joints[i, j, 2], limbs.joints[i, j, 3]
-        room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - thickness
-        out[o, at + j] = _closeness(room)
+        clearance = arm_distance(bodies, poses, b, hx, hy, ex, ey) - limbs.thickness
+        out[o, at + j] = _closeness(clearance)
 
 
 @njit(forceinline=True)
-def _closeness(room):
-    """Number of a cell: how little room is left."""
-    if room <= TOUCHING:
+def _closeness(clearance):
+    """Number of a cell: how little clearance is left."""
+    if clearance <= TOUCHING:
         return TOUCH
-    return max(1.0 - room / ROOM, 0.0)
+    return max(1.0 - clearance / FREE, 0.0)
 
 
 @njit(_nrt=False)
@@ -257,12 +254,12 @@ def _nearest_target(bodies, poses, x, y):
 
 
 @njit(_nrt=False)
-def _track(poses, target, angle, side, near, far, out, at):
+def _fill_track(limb, poses, target, angle, out, at):
     """Fill in where the target is: direction, share of the ring, distance from the plane."""
     px, py = poses[target, 0], poses[target, 1]
     r = np.sqrt(px * px + py * py)
-    a = side * (np.arctan2(py, px) - angle)
-    share = min((r - near) / (far - near), 2.0)
+    a = limb.side * (np.arctan2(py, px) - angle)
+    share = min((r - limb.near) / (limb.far - limb.near), 2.0)
     scale = min(r, 1.0)
     out[at], out[at + 1] = np.cos(a) * scale, np.sin(a) * scale
     out[at + 2] = share

@@ -1,21 +1,11 @@
-"""What decides an encoder: its size, what it is told of memories, how it is trained.
-
-The trained encoder as plain arrays: what recalls needs no learning library.
+"""The trained encoder as plain arrays: recall needs no learning library.
 
 Four towers of the same kind, each a perceptron with two hidden layers. A situation's embedding is
 the sum of what one makes of its arm and target and of what another makes of each of its obstacles:
-a deep set (Zaheer et al., NIPS 2017) that is summed last, because a path holds if it holds against
-every obstacle, so that odds multiply and their logarithms add. The other two embed a memory's way
-and its map. Inner products tell whether the memory, bent to the situation, catches in it.
-
-
-The embedding of one situation, compiled: a recall has time for little else.
-
-Rows of weights are added up for inputs that are not zero. Most cells of a look are, and half of all
-rectified units.
-
-
-Encoders as files: weights, configuration and nothing else that matters.
+a deep set (Zaheer et al., NIPS 2017) that is summed last, because a path is valid if it is so
+against every obstacle, so that odds multiply and their logarithms add. The other two embed a
+memory's path and its map. Inner products tell whether the memory, adapted to the situation, catches
+in it.
 """
 
 from __future__ import annotations
@@ -35,8 +25,9 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
-from gcm_learn.recall.clearance_features import Look, look
-from gcm_learn.recall.memory_features import picture_of, ways
+from gcm_learn.recall.clearance_features import Features, clearance_features
+from gcm_learn.recall.kernels import Interception
+from gcm_learn.recall.memory_features import map_features, path_features
 from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, write_whole
@@ -54,19 +45,19 @@ class EncoderConfig:
     width: int = 256
     """Units of a hidden layer; each tower has two."""
     memory: Literal["trace", "map", "both"] = "trace"
-    """What a memory is embedded by: its way, its situation's map, or the sum of both."""
+    """What a memory is embedded by: its path, its situation's map, or the sum of both."""
     listwise: float = 0.3
-    """Weight of the listwise loss, which asks that a memory that holds comes first."""
+    """Weight of the listwise loss, which asks that a valid memory comes first."""
     contrast: float = 0.1
-    """Weight of the contrast of a situation's own memory with those that do not hold in it."""
+    """Weight of the contrast of a situation's own memory with those that are not valid in it."""
     rate: float = 1.5e-3
     """Largest learning rate."""
     decay: float = 0.02
     """Weight decay."""
     steps: int = 30
-    """Of the optimiser after every lesson."""
+    """Of the optimiser after every batch of labels."""
     hard: float = 0.6
-    """Share of lessons, after the first ones, on the memories that the encoder itself thinks
+    """Share of batches, after the first ones, on the memories that the encoder itself thinks
     best."""
     seed: int = 0
 
@@ -90,7 +81,7 @@ class EncoderConfig:
 
     @property
     def uses_traces(self) -> bool:
-        """Whether memories are embedded by their ways."""
+        """Whether memories are embedded by their paths."""
         return self.memory != "map"
 
 
@@ -186,20 +177,25 @@ class Encoder:
         names = {"trace": self.config.uses_traces, "map": self.config.uses_maps}
         return {name: Tower.of(self.arrays, name) for name, used in names.items() if used}
 
-    def embed_situation(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
-        """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
-        return self.embed_look(look(situation, scene))
+    def embed_situation(
+        self, situation: Situation, scene: Scene | None = None, first: Interception | None = None
+    ) -> np.ndarray:
+        """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0.
 
-    def embed_look(self, seen: Look) -> np.ndarray:
+        `scene` and `first` spare work, as in `clearance_features`.
+        """
+        return self.embed_features(clearance_features(situation, scene, first))
+
+    def embed_features(self, seen: Features) -> np.ndarray:
         """Embedding (dim,) float32 of a situation by what it looks like."""
         arm, body = self._situation, self._body
-        found: np.ndarray = embed_look(
+        found: np.ndarray = embed_features(
             seen.context, seen.cells, arm.weights, arm.biases, body.weights, body.biases
         )
         return found
 
     def embed_memories(
-        self, situations: Sequence[Situation], traces: np.ndarray, goals: np.ndarray
+        self, situations: Sequence[Situation], knots: np.ndarray, goals: np.ndarray
     ) -> np.ndarray:
         """Embeddings (n, dim) float32 of memories.
 
@@ -207,16 +203,16 @@ class Encoder:
         ----------
         situations : sequence of Situation
             Looked at only by encoders that use maps.
-        traces, goals : (n, k, 4), (n, 2) ndarray
+        knots, goals : (n, k, 4), (n, 2) ndarray
         """
-        out = np.zeros((len(traces), self.dim), dtype=np.float32)
-        for first in range(0, len(traces), CHUNK):
+        out = np.zeros((len(knots), self.dim), dtype=np.float32)
+        for first in range(0, len(knots), CHUNK):
             part = slice(first, first + CHUNK)
             if self.config.uses_traces:
-                out[part] += self._memory["trace"](ways(traces[part], goals[part]))
+                out[part] += self._memory["trace"](path_features(knots[part], goals[part]))
             if self.config.uses_maps:
-                pictures = np.array([picture_of(s) for s in situations[part]])
-                out[part] += self._memory["map"](pictures)
+                maps = np.array([map_features(s) for s in situations[part]])
+                out[part] += self._memory["map"](maps)
         return out
 
 
@@ -239,13 +235,16 @@ def _rectify(values):
 
 
 @njit
-def embed_look(context, cells, arm_weights, arm_biases, body_weights, body_biases):
-    """Embedding (dim,) float32 of a look.
+def embed_features(context, cells, arm_weights, arm_biases, body_weights, body_biases):
+    """Embedding (dim,) float32 of a situation by what it looks like.
+
+    Rows of weights are added up for inputs that are not zero. Most cells are, and half of all
+    rectified units.
 
     Parameters
     ----------
     context, cells : (c,), (b, n) ndarray of float32
-        Of a `Look`.
+        Of `Features`.
     arm_weights, arm_biases, body_weights, body_biases : tuple of ndarray
         Of the towers `situation` and `body`; the body's inputs are context and cells.
     """

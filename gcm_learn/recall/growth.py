@@ -1,16 +1,15 @@
-"""Memories made of datasets.
+"""Memories that are made: of datasets, or by experience.
 
-A memory that grows with experience: what it could not recall is planned anew and remembered.
-
-As in Thunder (Coleman, Sucan, Moll, Okada and Correll, ICRA 2015), what is already covered is not
-stored, so the memory grows ever more slowly, and is filled with what is hard.
+A memory that grows with experience remembers what it could not recall and what was then planned
+anew. As in Thunder (Coleman, Sucan, Moll, Okada and Correll, ICRA 2015), what is already covered is
+not stored, so the memory grows ever more slowly, and is filled with what is hard.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +21,7 @@ from gcm_learn.planners.registry import get_planner
 from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory
-from gcm_learn.recall.waypoints import Trace, trace_of
+from gcm_learn.recall.waypoints import Waypoints, waypoints_of
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
@@ -84,22 +83,22 @@ def _fitted(records: Dataset, name: str, order: np.ndarray, seed: int) -> Index:
 
 
 def _file(memory: Memory, records: Iterable[Record], planner: str) -> None:
-    found = [(record, trace) for record in records if (trace := _catch(record, planner))]
+    found = [(record, waypoints) for record in records if (waypoints := _catch(record, planner))]
     memory.add(
         [record.situation for record, _ in found],
-        [trace for _, trace in found],
+        [waypoints for _, waypoints in found],
         [record.family for record, _ in found],
         [record.stratum for record, _ in found],
     )
 
 
-def _catch(record: Record, planner: str) -> Trace | None:
-    """Trace of a record's catch, of the earliest if no planner is named."""
+def _catch(record: Record, planner: str) -> Waypoints | None:
+    """Waypoints of a record's catch, of the earliest if no planner is named."""
     names = (planner,) if planner else record.planners
     plans = [record.plans[name] for name in names if record.plans[name].caught]
     if not plans:
         return None
-    return trace_of(record.situation, min(plans, key=lambda plan: plan.catch_time or 0.0))
+    return waypoints_of(record.situation, min(plans, key=lambda plan: plan.catch_time or 0.0))
 
 
 @dataclass(frozen=True)
@@ -133,23 +132,6 @@ class Step:
     """Whether it was caught at all."""
 
 
-@dataclass(frozen=True)
-class Curve:
-    """What experience did to a memory."""
-
-    steps: list[Step] = field(default_factory=list)
-
-    @property
-    def sizes(self) -> list[int]:
-        """Memories after every experience."""
-        return [step.size for step in self.steps]
-
-    def recall_rate(self, first: int = 0, last: int | None = None) -> float:
-        """Share of what was caught at all that was caught from memory, over some experiences."""
-        some = [step for step in self.steps[first:last] if step.caught]
-        return sum(step.recalled for step in some) / len(some) if some else math.nan
-
-
 def grow(
     memory: Memory,
     situations: Iterable[Situation],
@@ -160,7 +142,7 @@ def grow(
     most: int | None = None,
     forget: Forgotten = "least used",
     progress: Callable[[int], None] = lambda done: None,
-) -> Curve:
+) -> list[Step]:
     """Meet situations one after the other; remember what was not covered.
 
     Parameters
@@ -183,21 +165,22 @@ def grow(
 
     Returns
     -------
-    Curve
+    list of Step
+        One for each situation.
     """
     rule = Coverage() if covered is None else covered
     solver = get_planner(planner) if isinstance(planner, str) else planner
     how = RecallPlanner(memory) if recall is None else replace(recall, memory=memory)
-    curve = Curve()
+    steps: list[Step] = []
     for situation in situations:
         found = how.recollect(situation)
         caught = _learned(memory, situation, found, solver, rule)
         if most is not None and len(memory) > most:
-            memory.forget_to(most, forget, seed=len(curve.steps))
-        step = Step(len(curve.steps) + 1, len(memory), found.plan.caught, caught)
-        curve.steps.append(step)
+            memory.forget_to(most, forget, seed=len(steps))
+        step = Step(len(steps) + 1, len(memory), found.plan.caught, caught)
+        steps.append(step)
         progress(1)
-    return curve
+    return steps
 
 
 def _learned(
@@ -212,5 +195,5 @@ def _learned(
         return True
     planned = solver.plan(situation)
     if planned.caught and not rule.covers(found.plan, planned):
-        memory.add([situation], [trace_of(situation, planned)])
+        memory.add([situation], [waypoints_of(situation, planned)])
     return planned.caught or found.plan.caught

@@ -12,11 +12,10 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
-from gcm_learn.recall.kernels import KNOTS
+from gcm_learn.recall.kernels import KNOTS, Query
 from gcm_learn.recall.memory_features import map_picture
 from gcm_learn.recall.raw_features import COUNT, Scale, raw_features
-from gcm_learn.recall.waypoints import Trace
-from gcm_learn.scene.scene import Scene
+from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, content_number
 
@@ -46,18 +45,18 @@ class Index(Protocol):
     def dim(self) -> int:
         """Numbers of an embedding."""
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame.
 
         Parameters
         ----------
         situation : Situation
-        scene : Scene, optional
-            The situation packed, if the caller has it at hand.
+        query : Query, optional
+            What adaptations know of it, if the caller has it at hand.
         """
 
     def embed_memories(
-        self, situations: Sequence[Situation], traces: Sequence[Trace]
+        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Embeddings (n, dim) float32 of many memories."""
 
@@ -71,6 +70,10 @@ class Index(Protocol):
     @classmethod
     def fit(cls, situations: Sequence[Situation], seed: int = 0) -> Self:
         """One for memories of situations like these, if it takes no training of its own."""
+
+
+def _raw(situation: Situation, query: Query | None) -> np.ndarray:
+    return raw_features(situation, None if query is None else query.scene)
 
 
 def hash_of(name: str, *arrays: np.ndarray) -> str:
@@ -129,12 +132,12 @@ class RawIndex:
         """The parameters and one number for their distance."""
         return COUNT + 1
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        return nearest_query(self.scale(raw_features(situation, scene)))
+        return nearest_query(self.scale(_raw(situation, query)))
 
     def embed_memories(
-        self, situations: Sequence[Situation], traces: Sequence[Trace]
+        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Embeddings of memories."""
         features = np.array([raw_features(s) for s in situations]).reshape(-1, COUNT)
@@ -171,15 +174,15 @@ class RandomIndex:
         """Hash of the seed."""
         return hash_of(self.name, np.array([self.seed]))
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
         """A direction that depends on the situation's numbers only."""
-        return self._direction(raw_features(situation, scene), 0)
+        return self._direction(_raw(situation, query), 0)
 
     def embed_memories(
-        self, situations: Sequence[Situation], traces: Sequence[Trace]
+        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Directions of memories."""
-        rows = [self._direction(trace.knots, 1) for trace in traces]
+        rows = [self._direction(waypoints.knots, 1) for waypoints in trajectories]
         return np.array(rows, dtype=np.float32).reshape(-1, self.dim)
 
     def _direction(self, numbers: np.ndarray, kind: int) -> np.ndarray:
@@ -221,16 +224,18 @@ class LearnedIndex:
         """Numbers of an embedding."""
         return self.encoder.dim
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        return self.encoder.embed_situation(situation, scene)
+        if query is None:
+            return self.encoder.embed_situation(situation)
+        return self.encoder.embed_situation(situation, query.scene, query.first)
 
     def embed_memories(
-        self, situations: Sequence[Situation], traces: Sequence[Trace]
+        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Embeddings of memories."""
-        knots = np.array([t.knots for t in traces], np.float32).reshape(-1, KNOTS, 4)
-        goals = np.array([t.goal for t in traces], np.float32).reshape(-1, 2)
+        knots = np.array([t.knots for t in trajectories], np.float32).reshape(-1, KNOTS, 4)
+        goals = np.array([t.goal for t in trajectories], np.float32).reshape(-1, 2)
         return self.encoder.embed_memories(situations, knots, goals)
 
     def save(self, folder: Path) -> None:
@@ -299,13 +304,13 @@ class PcaIndex:
         """The components and one number for their distance."""
         return len(self.components) + 1
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
         """Where the map of a situation probably lies."""
-        features = self.scale(raw_features(situation, scene)[None])
+        features = self.scale(_raw(situation, query)[None])
         return nearest_query((_inputs(features, self.waves, self.phases) @ self.weights)[0])
 
     def embed_memories(
-        self, situations: Sequence[Situation], traces: Sequence[Trace]
+        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Where the maps of memories lie."""
         rows = [self.components @ (map_picture(s) - self.centre) for s in situations]

@@ -1,8 +1,8 @@
-"""Remembered paths bent to a new situation, and timed.
+"""Remembered paths adapted to a new situation, and timed.
 
-A trace is a path in polar coordinates about the shoulder, in the frame in which the hand starts in
-direction 0 and the elbow is on the right: `KNOTS` rows (angle, share of the ring, time, earliest).
-What a kernel writes is in the arm-plane coordinates of the situation that it is given.
+A remembered path lies in polar coordinates about the shoulder, in the frame in which the hand
+starts in direction 0 and the elbow is on the right: `KNOTS` rows (angle, share of the ring, time,
+earliest). What a kernel writes is in the arm-plane coordinates of the situation that it is given.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception import approach, target_distance
+from gcm_learn.motion.interception import approach, first_interception, target_distance
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
 from gcm_learn.scene.scene import Scene
 
-KNOTS = 24  # of a trace, see `gcm_learn.recall.waypoints`
+KNOTS = 24  # of a remembered path, see `gcm_learn.recall.waypoints`
 ANGLE, RING, TIME, EARLIEST = range(4)  # columns of a knot
-POLAR, CARTESIAN = 0, 1  # in which coordinates paths are bent
+POLAR, CARTESIAN = 0, 1  # in which coordinates paths are adapted
 HURRY, KEEP = 0, 1  # waits are kept and the rest is hurried, or all times are kept
 
 _TURNS = 60  # instants of interception that are tried at most
@@ -35,6 +35,15 @@ _RIM = 4e-3  # share of the ring that joints with limits keep from the outer rim
 HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [forearm lengths]
 
 
+class Interception(NamedTuple):
+    """The earliest catch by a hand that goes straight from where it starts."""
+
+    time: float  # -1 if there is none [s]
+    body: int
+    x: float  # where the hand then is
+    y: float
+
+
 class Query(NamedTuple):
     """What an adaptation must know of a situation."""
 
@@ -43,19 +52,36 @@ class Query(NamedTuple):
     table: np.ndarray  # (g, n, 12): poses of all bodies at g instants from 0 to the horizon
     angle: float  # direction of the hand at t = 0 [rad]
     ring: float  # its share of the ring: 0 at the inner rim, 1 at the outer one
-    soonest: float  # no movement can catch before [s]
+    first: Interception  # no movement can catch before
 
 
-class Desk(NamedTuple):
-    """Room for one adaptation after the other."""
+class Style(NamedTuple):
+    """How a path is adapted."""
 
-    share: np.ndarray  # (KNOTS,)
-    base: np.ndarray  # (KNOTS, 2)
+    space: int  # POLAR or CARTESIAN
+    tempo: int  # HURRY or KEEP
+
+
+class Workspace(NamedTuple):
+    """Buffers for one adaptation after the other."""
+
+    knots: np.ndarray  # (KNOTS, 4) float32: the remembered path
+    goal: np.ndarray  # (2,) float32: direction and share of its target
+    share: np.ndarray  # (KNOTS,): of its length that lies behind it
+    base: np.ndarray  # (KNOTS, 2): the path with its start moved to the hand
     poses: np.ndarray  # (n, 12)
-    time: np.ndarray  # (KNOTS + 1,)
-    hand: np.ndarray  # (KNOTS + 1, 2)
-    best_time: np.ndarray  # (KNOTS + 1,)
+    time: np.ndarray  # (KNOTS,): the path that was adapted last
+    hand: np.ndarray  # (KNOTS, 2)
+    best_time: np.ndarray  # (KNOTS + 1,): the best path so far
     best_hand: np.ndarray  # (KNOTS + 1, 2)
+
+
+@njit
+def straight_interception(scene, rules):
+    """The `Interception` of a scene."""
+    x, y = scene.limb.x, scene.limb.y
+    t, body, px, py = first_interception(scene, rules, x, y, 0.0, 0.0, scene.limits.horizon)
+    return Interception(t, body, px, py)
 
 
 @njit
@@ -72,106 +98,120 @@ def pose_table(bodies, horizon, instants):
 
 
 @njit
+def workspace_for(query):
+    """Buffers for adaptations to a situation."""
+    return Workspace(
+        np.empty((KNOTS, 4), dtype=np.float32),
+        np.empty(2, dtype=np.float32),
+        np.empty(KNOTS),
+        np.empty((KNOTS, 2)),
+        np.zeros((query.scene.bodies.rows.shape[0], 12)),
+        np.empty(KNOTS),
+        np.empty((KNOTS, 2)),
+        np.empty(KNOTS + 1),
+        np.empty((KNOTS + 1, 2)),
+    )
+
+
+@njit
 def _wrapped(angle):
     """An angle within [-pi, pi]."""
     return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
 
 
 @njit(_nrt=False)
-def shares(traces, m, near, far, out):
-    """Share of its length that trace m has behind it at every knot, for rims of the ring.
+def _load(knots, goals, m, work):
+    """Copy memory m into the workspace."""
+    for k in range(KNOTS):
+        for a in range(4):
+            work.knots[k, a] = knots[m, k, a]
+    work.goal[0], work.goal[1] = goals[m, 0], goals[m, 1]
+
+
+@njit(_nrt=False)
+def _measure(query, work):
+    """Find the share of its length that the path has behind it at every knot.
 
     A path that goes nowhere is shared out by time.
     """
-    n = traces.shape[1]
+    near, far = query.scene.limb.near, query.scene.limb.far
+    knots, out = work.knots, work.share
     out[0] = 0.0
-    for k in range(1, n):
-        r0 = near + traces[m, k - 1, RING] * (far - near)
-        r1 = near + traces[m, k, RING] * (far - near)
-        turn = traces[m, k, ANGLE] - traces[m, k - 1, ANGLE]
+    for k in range(1, KNOTS):
+        r0 = near + knots[k - 1, RING] * (far - near)
+        r1 = near + knots[k, RING] * (far - near)
+        turn = knots[k, ANGLE] - knots[k - 1, ANGLE]
         out[k] = out[k - 1] + np.sqrt((r1 - r0) ** 2 + max(r0 * r1, 0.0) * turn * turn)
-    total = out[n - 1]
+    total = out[KNOTS - 1]
     if total < 1e-6:
-        last = max(traces[m, n - 1, TIME], 1e-9)
-        for k in range(n):
-            out[k] = traces[m, k, TIME] / last
-        out[n - 1] = 1.0
+        last = max(knots[KNOTS - 1, TIME], 1e-9)
+        for k in range(KNOTS):
+            out[k] = knots[k, TIME] / last
+        out[KNOTS - 1] = 1.0
         return
-    for k in range(n):
+    for k in range(KNOTS):
         out[k] /= total
 
 
 @njit(_nrt=False)
-def _lay(traces, m, query, style, share, base):
-    """Trace m with its start moved to the hand: (angle, share) or, bent in x and y, (x, y)."""
-    n = traces.shape[1]
-    width = query.scene.limb.far - query.scene.limb.near
-    first = query.ring - traces[m, 0, RING]
-    for k in range(n):
-        a, u = np.float64(traces[m, k, ANGLE]), np.float64(traces[m, k, RING])
-        left = (1.0 - share[k]) * first
-        if style == POLAR:
-            base[k, 0], base[k, 1] = a, u + left
+def _move_start(query, style, work):
+    """Move the path's start to the hand: base is (angle, share) or, by x and y, (x, y)."""
+    near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
+    first = query.ring - work.knots[0, RING]
+    for k in range(KNOTS):
+        a, u = np.float64(work.knots[k, ANGLE]), np.float64(work.knots[k, RING])
+        left = (1.0 - work.share[k]) * first
+        if style.space == POLAR:
+            work.base[k, 0], work.base[k, 1] = a, u + left
         else:
-            r = query.scene.limb.near + u * width
-            base[k, 0], base[k, 1] = r * np.cos(a) + left * width, r * np.sin(a)
+            r = near + u * width
+            work.base[k, 0], work.base[k, 1] = r * np.cos(a) + left * width, r * np.sin(a)
 
 
 @njit(_nrt=False)
-def _ends_by(goals, m, query, goal_x, goal_y, style):
-    """By how much the end of memory m has to be moved when the target is at the goal."""
-    width = query.scene.limb.far - query.scene.limb.near
+def _ends_by(query, style, work, goal_x, goal_y):
+    """By how much the path's end has to be moved when the target is at the goal."""
+    limb, goal = query.scene.limb, work.goal
+    width = limb.far - limb.near
     r = np.sqrt(goal_x * goal_x + goal_y * goal_y)
-    a = query.scene.limb.side * (np.arctan2(goal_y, goal_x) - query.angle)
-    if style == POLAR:
-        return _wrapped(a - goals[m, 0]), (r - query.scene.limb.near) / width - goals[m, 1]
-    old = query.scene.limb.near + goals[m, 1] * width
+    a = limb.side * (np.arctan2(goal_y, goal_x) - query.angle)
+    if style.space == POLAR:
+        return _wrapped(a - goal[0]), (r - limb.near) / width - goal[1]
+    old = limb.near + goal[1] * width
     return (
-        r * np.cos(a) - old * np.cos(np.float64(goals[m, 0])),
-        r * np.sin(a) - old * np.sin(np.float64(goals[m, 0])),
+        r * np.cos(a) - old * np.cos(np.float64(goal[0])),
+        r * np.sin(a) - old * np.sin(np.float64(goal[0])),
     )
 
 
 @njit(_nrt=False)
 def _lowest(query):
-    """Share of the ring below which no path is bent."""
+    """Share of the ring below which no path is adapted."""
     low = max(_HOLE, HUB - query.scene.limb.near) / (query.scene.limb.far - query.scene.limb.near)
     return min(low, query.ring)
 
 
 @njit(_nrt=False)
 def _highest(query):
-    """Share of the ring above which no path is bent."""
+    """Share of the ring above which no path is adapted."""
     high = 1.0 - _RIM if query.scene.limits.shoulder < np.inf else 1.0 - 1e-9
     return max(high, query.ring)
 
 
 @njit(_nrt=False)
-def bend(base, query, style, share, end, hand):
-    """Write a path that starts at the hand and whose end is moved.
+def _move_end(query, style, work, end):
+    """Write the path that starts at the hand and whose end is moved, in the situation's frame.
 
     The path of the memory is moved by the difference of the two hands at its start and by that of
-    the two targets at its end, in between by as much of each as is left of the way.
-
-    Parameters
-    ----------
-    base : (KNOTS, 2) ndarray
-        Of `_lay`.
-    style : int
-        POLAR or CARTESIAN.
-    share : (KNOTS,) ndarray
-        Of `shares`.
-    end : (float, float)
-        Of `_ends_by`.
-    hand : (KNOTS + 1, 2) ndarray
-        Where the knots are written, in the situation's coordinates.
+    the two targets at its end, in between by as much of each as is left of the path.
     """
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     low, high = _lowest(query), _highest(query)
+    base, share, hand = work.base, work.share, work.hand
     hand[0, 0], hand[0, 1] = query.scene.limb.x, query.scene.limb.y
-    for k in range(1, base.shape[0]):
+    for k in range(1, KNOTS):
         a, u = base[k, 0] + share[k] * end[0], base[k, 1] + share[k] * end[1]
-        if style != POLAR:
+        if style.space != POLAR:
             a, u = np.arctan2(u, a), (np.sqrt(a * a + u * u) - near) / width
         r = near + min(max(u, low), high) * width
         a = query.angle + query.scene.limb.side * a
@@ -179,44 +219,44 @@ def bend(base, query, style, share, end, hand):
 
 
 @njit(_nrt=False)
-def _soonest_end(traces, m, query, tempo, style, base, share, end):
+def _soonest_end(query, style, work, end):
     """When a path whose end is so moved can be at its end: nearly, and without trigonometry."""
-    column = EARLIEST if tempo == HURRY else TIME
+    column = EARLIEST if style.tempo == HURRY else TIME
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
-    low = _lowest(query)
+    base, share, low = work.base, work.share, _lowest(query)
     slowness = 1.0 / query.rules.speed
     a0, r0, t = base[0, 0], base[0, 1], 0.0
-    if style == POLAR:
+    if style.space == POLAR:
         r0 = near + r0 * width
-    for k in range(1, base.shape[0]):
+    for k in range(1, KNOTS):
         a, r = base[k, 0] + share[k] * end[0], base[k, 1] + share[k] * end[1]
-        if style == POLAR:
+        if style.space == POLAR:
             r = near + min(max(r, low), 1.0) * width
             turn2 = (a - a0) ** 2  # the law of cosines, the cosine by its series
             way2 = (r - r0) ** 2 + r * r0 * turn2 * (1.0 - turn2 / 12.0)
         else:
             way2 = (a - a0) ** 2 + (r - r0) ** 2
-        t = max(t + np.sqrt(max(way2, 0.0)) * slowness, np.float64(traces[m, k, column]))
+        t = max(t + np.sqrt(max(way2, 0.0)) * slowness, np.float64(work.knots[k, column]))
         a0, r0 = a, r
     return t
 
 
 @njit
-def _pace(traces, m, query, tempo, hand, time):
+def _pace(query, style, work):
     """Times of the knots: as early as the limits allow, and no wait cut short; the last one."""
-    n = traces.shape[1]
-    column = EARLIEST if tempo == HURRY else TIME
+    column = EARLIEST if style.tempo == HURRY else TIME
+    limb, limits, hand, time = query.scene.limb, query.scene.limits, work.hand, work.time
     time[0] = 0.0
-    if query.scene.limits.shoulder < np.inf:
-        turns = joint_turns(hand[:n], query.scene.limb.rho, query.scene.limb.side, _PARTS)
-    for k in range(1, n):
+    if limits.shoulder < np.inf:
+        turns = joint_turns(hand, limb.rho, limb.side, _PARTS)
+    for k in range(1, KNOTS):
         dx, dy = hand[k, 0] - hand[k - 1, 0], hand[k, 1] - hand[k - 1, 1]
         least = np.sqrt(dx * dx + dy * dy) / query.rules.speed
-        if query.scene.limits.shoulder < np.inf:
-            least = max(least, _JOINT_SLACK * turns[k - 1, 0] / query.scene.limits.shoulder)
-            least = max(least, _JOINT_SLACK * turns[k - 1, 1] / query.scene.limits.elbow)
-        time[k] = max(time[k - 1] + least * _SLACK, np.float64(traces[m, k, column]))
-    return time[n - 1]
+        if limits.shoulder < np.inf:
+            least = max(least, _JOINT_SLACK * turns[k - 1, 0] / limits.shoulder)
+            least = max(least, _JOINT_SLACK * turns[k - 1, 1] / limits.elbow)
+        time[k] = max(time[k - 1] + least * _SLACK, np.float64(work.knots[k, column]))
+    return time[KNOTS - 1]
 
 
 @njit(_nrt=False)
@@ -235,44 +275,40 @@ def _away(query, b, poses, t):
 
 
 @njit
-def meet(traces, goals, m, query, b, style, tempo, desk):
-    """Bend trace m to where target b can be met and time it: the instant, or -1.
+def meet(query, b, style, work):
+    """Adapt the path to where target b can be met and time it: the instant, or -1.
 
     The sooner the instant, the better; it is found by conservative advancement: a hand that comes
     late by some time needs at least that part of it in which hand and target can close the gap.
     Most of the advance is made on lengths alone. The path's last knot is where the hand catches.
     """
-    n = traces.shape[1]
-    bodies = query.scene.bodies
+    last, bodies, limb, hand = KNOTS - 1, query.scene.bodies, query.scene.limb, work.hand
+    horizon, catch = query.scene.limits.horizon, query.rules.catch
     closing = query.rules.speed / (query.rules.speed + bodies.rows[b, TOP_SPEED])
-    close = _CLOSE * query.scene.limits.horizon
-    limb = query.scene.limb
+    close = _CLOSE * horizon
     rim = limb.near + min(_highest(query), 1.0) * (limb.far - limb.near)
-    t, rough = query.soonest, True
+    t, rough = max(query.first.time, 0.0), True
     before, late_before = -1.0, 0.0
     for _ in range(_TURNS):
-        if t > query.scene.limits.horizon:
+        if t > horizon:
             return -1.0
-        pose_at(bodies, b, t, desk.poses)
-        away = _away(query, b, desk.poses, t)
+        pose_at(bodies, b, t, work.poses)
+        away = _away(query, b, work.poses, t)
         if away > close:
             t, before = t + away, -1.0
             continue
-        end = _ends_by(goals, m, query, desk.poses[b, 0], desk.poses[b, 1], style)
+        end = _ends_by(query, style, work, work.poses[b, 0], work.poses[b, 1])
         if rough:
-            late = _soonest_end(traces, m, query, tempo, style, desk.base, desk.share, end) - t
+            late = _soonest_end(query, style, work, end) - t
             rough = late > close
         if not rough:
-            bend(desk.base, query, style, desk.share, end, desk.hand)
-            x, y, found = approach(
-                bodies, desk.poses, b, desk.hand[n - 1, 0], desk.hand[n - 1, 1], query.rules.catch,
-                rim,
-            )  # fmt: skip
-            if not found or x * x + y * y < query.scene.limb.near * query.scene.limb.near:
-                t, before, rough = t + query.scene.limits.horizon / _STRIDE, -1.0, True
+            _move_end(query, style, work, end)
+            x, y, found = approach(bodies, work.poses, b, hand[last, 0], hand[last, 1], catch, rim)
+            if not found or x * x + y * y < limb.near * limb.near:
+                t, before, rough = t + horizon / _STRIDE, -1.0, True
                 continue
-            desk.hand[n - 1, 0], desk.hand[n - 1, 1] = x, y
-            late = _pace(traces, m, query, tempo, desk.hand, desk.time) - t
+            hand[last, 0], hand[last, 1] = x, y
+            late = _pace(query, style, work) - t
             if late <= 0.0:
                 return t
         step = late * closing
@@ -284,25 +320,20 @@ def meet(traces, goals, m, query, b, style, tempo, desk):
 
 
 @njit
-def desk_for(query):
-    """Room for adaptations to a situation."""
-    return Desk(
-        np.empty(KNOTS),
-        np.empty((KNOTS, 2)),
-        np.zeros((query.scene.bodies.rows.shape[0], 12)),
-        np.empty(KNOTS + 1),
-        np.empty((KNOTS + 1, 2)),
-        np.empty(KNOTS + 1),
-        np.empty((KNOTS + 1, 2)),
-    )
+def adapt_to_targets(knots, goals, m, query, style, work):
+    """Adapt memory m to the target that it can catch first.
 
+    The path is left in `work.best_time` and `work.best_hand`, and ends at the first knot at which
+    the hand is within reach of any target.
 
-@njit
-def adapt(traces, goals, m, query, style, tempo, desk):
-    """Bend trace m to the target that it can catch first.
-
-    The path is written into `desk.best_time` and `desk.best_hand`, and ends at the first knot at
-    which the hand is within reach of any target.
+    Parameters
+    ----------
+    knots, goals : (n, KNOTS, 4), (n, 2) ndarray of float32
+        All memories.
+    m : int
+    query : Query
+    style : Style
+    work : Workspace
 
     Returns
     -------
@@ -310,47 +341,48 @@ def adapt(traces, goals, m, query, style, tempo, desk):
         Samples of the path, 0 if no target can be met in time.
     body : int
     """
-    shares(traces, m, query.scene.limb.near, query.scene.limb.far, desk.share)
-    _lay(traces, m, query, style, desk.share, desk.base)
+    _load(knots, goals, m, work)
+    _measure(query, work)
+    _move_start(query, style, work)
     best, body, bodies = -1.0, -1, query.scene.bodies
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:
             continue
-        t = meet(traces, goals, m, query, b, style, tempo, desk)
+        t = meet(query, b, style, work)
         if t < 0.0 or 0.0 <= best <= t:
             continue
         best, body = t, b
-        keep(desk, t)
+        keep(work, t)
     if best < 0.0:
         return 0, -1
-    return _first_knot_at_a_target(query, desk, body)
+    return _first_knot_at_a_target(query, work, body)
 
 
 @njit(_nrt=False)
-def keep(desk, t):
-    """Keep the path that was just bent and timed as the best, with the hand at its end until t."""
-    n = desk.hand.shape[0] - 1
-    for k in range(n):
-        desk.best_time[k] = desk.time[k]
-        desk.best_hand[k, 0], desk.best_hand[k, 1] = desk.hand[k, 0], desk.hand[k, 1]
-    desk.best_time[n] = t
-    desk.best_hand[n, 0], desk.best_hand[n, 1] = desk.hand[n - 1, 0], desk.hand[n - 1, 1]
+def keep(work, t):
+    """Keep the path that was just adapted and timed as the best, its hand at its end until t."""
+    for k in range(KNOTS):
+        work.best_time[k] = work.time[k]
+        work.best_hand[k, 0], work.best_hand[k, 1] = work.hand[k, 0], work.hand[k, 1]
+    work.best_time[KNOTS] = t
+    work.best_hand[KNOTS, 0] = work.hand[KNOTS - 1, 0]
+    work.best_hand[KNOTS, 1] = work.hand[KNOTS - 1, 1]
 
 
 @njit
-def _first_knot_at_a_target(query, desk, body):
+def _first_knot_at_a_target(query, work, body):
     """Samples of the best path until a target is within reach, and that target."""
-    bodies, count = query.scene.bodies, desk.best_time.size
-    for k in range(count - 1):
-        x, y = desk.best_hand[k, 0], desk.best_hand[k, 1]
+    bodies, catch = query.scene.bodies, query.rules.catch
+    for k in range(KNOTS):
+        x, y = work.best_hand[k, 0], work.best_hand[k, 1]
         for b in range(bodies.rows.shape[0]):
             if bodies.rows[b, PART] != HAND:
                 continue
-            pose_at(bodies, b, desk.best_time[k], desk.poses)
-            dx, dy = x - desk.poses[b, 0], y - desk.poses[b, 1]
-            limit = query.rules.catch + bodies.rows[b, REACH]
+            pose_at(bodies, b, work.best_time[k], work.poses)
+            dx, dy = x - work.poses[b, 0], y - work.poses[b, 1]
+            limit = catch + bodies.rows[b, REACH]
             if dx * dx + dy * dy > limit * limit:
                 continue
-            if target_distance(bodies, desk.poses, b, x, y) <= query.rules.catch:
+            if target_distance(bodies, work.poses, b, x, y) <= catch:
                 return k + 1, b
-    return count, body
+    return KNOTS + 1, body

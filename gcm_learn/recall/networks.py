@@ -3,8 +3,8 @@
 Labels say which memories are valid in which situations. The binary loss asks each pair for its own
 odds, which makes the order of all memories right on the whole; the listwise one asks that valid
 ones outweigh the others in a softmax over the list, which makes the first places right, where
-recall looks; the contrast asks the same of a situation's own memory alone, against those that are
-not valid (others that are valid are left out: they are no less right).
+recall looks; the contrast asks the same of a situation's own memory alone, against those that
+are not valid (others that are valid are left out: they are no less right).
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from gcm_learn.errors import EncoderError
-from gcm_learn.recall.clearance_features import CELLS, CONTEXT, STEPS, Looks
+from gcm_learn.recall.clearance_features import CELLS, CONTEXT, STEPS, FeatureBatch
 from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
 from gcm_learn.recall.memory_features import COUNT
+
+_NEVER = -1e4
 
 
 class TowerNet(nn.Module):
@@ -52,17 +54,17 @@ class TowerNet(nn.Module):
 
 
 class EncoderNet(nn.Module):
-    """All towers, and how sure a situation lets one be that anything holds in it."""
+    """All towers, and how sure a situation lets one be that anything is valid in it."""
 
-    def __init__(self, config: EncoderConfig, way_count: int) -> None:
+    def __init__(self, config: EncoderConfig, path_count: int) -> None:
         super().__init__()
         self.situation = TowerNet(CONTEXT, config.width, config.dim)
         self.body = TowerNet(CONTEXT + CELLS, config.width, config.dim)
         if config.uses_traces:
-            self.trace = TowerNet(way_count, config.width, config.dim)
+            self.trace = TowerNet(path_count, config.width, config.dim)
         if config.uses_maps:
             self.map = TowerNet(COUNT, config.width, config.dim)
-        self.hope = nn.Linear(config.dim, 1)
+        self.hope = nn.Linear(config.dim, 1)  # the bias, by its name in checkpoints
         self.config = config
 
     def take_over(self, encoder: Encoder) -> None:
@@ -77,22 +79,22 @@ class EncoderNet(nn.Module):
                 f"{self.config.width} and {self.config.memory}"
             ) from None
 
-    def queries(self, looks: Looks) -> Tensor:
+    def queries(self, features: FeatureBatch) -> Tensor:
         """Embeddings (n, dim) of situations by what they look like."""
-        context, whose = torch.from_numpy(looks.context), torch.from_numpy(looks.whose)
+        context, whose = torch.from_numpy(features.context), torch.from_numpy(features.whose)
         out = self.situation(context)
         if len(whose):
-            cells = torch.from_numpy(looks.cells).to(torch.float32) / STEPS
+            cells = torch.from_numpy(features.cells).to(torch.float32) / STEPS
             out = out.index_add(0, whose, self.body(torch.cat([context[whose], cells], dim=1)))
         return out
 
-    def memories(self, way: Tensor | None, picture: Tensor | None) -> Tensor:
-        """Embeddings (m, dim) of memories by their ways and pictures."""
+    def memories(self, path: Tensor | None, map_: Tensor | None) -> Tensor:
+        """Embeddings (m, dim) of memories by their paths and maps."""
         parts = []
         if self.config.uses_traces:
-            parts.append(self.trace(way))
+            parts.append(self.trace(path))
         if self.config.uses_maps:
-            parts.append(self.map(picture))
+            parts.append(self.map(map_))
         return sum(parts[1:], start=parts[0])
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -102,33 +104,30 @@ class EncoderNet(nn.Module):
         return {name: value.numpy().astype(np.float16) for name, value in wanted.items()}
 
 
-_NEVER = -1e4
-
-
-def binary(scores: Tensor, hope: Tensor, holds: Tensor) -> Tensor:
+def binary(scores: Tensor, bias: Tensor, valid: Tensor) -> Tensor:
     """Mean cross-entropy of single pairs.
 
     Parameters
     ----------
-    scores, holds : (n, m) tensor
-        Inner products, and whether the memory holds.
-    hope : (n, 1) tensor
+    scores, valid : (n, m) tensor
+        Inner products, and whether the memory is valid.
+    bias : (n, 1) tensor
         Added to the logits of a situation: how easy it is does not change the order.
     """
-    return functional.binary_cross_entropy_with_logits(scores + hope, holds.to(scores.dtype))
+    return functional.binary_cross_entropy_with_logits(scores + bias, valid.to(scores.dtype))
 
 
-def listwise(scores: Tensor, holds: Tensor) -> Tensor:
-    """Mean of -log of the softmax's weight on memories that hold, over situations with any."""
-    some = holds.any(dim=1)
+def listwise(scores: Tensor, valid: Tensor) -> Tensor:
+    """Mean of -log of the softmax's weight on memories that are valid, over situations with any."""
+    some = valid.any(dim=1)
     if not bool(some.any()):
         return scores.sum() * 0.0
-    scores, holds = scores[some], holds[some]
-    good = torch.logsumexp(scores.masked_fill(~holds, _NEVER), dim=1)
+    scores, valid = scores[some], valid[some]
+    good = torch.logsumexp(scores.masked_fill(~valid, _NEVER), dim=1)
     return (torch.logsumexp(scores, dim=1) - good).mean()
 
 
-def contrast(scores: Tensor, holds: Tensor, own: Tensor) -> Tensor:
+def contrast(scores: Tensor, valid: Tensor, own: Tensor) -> Tensor:
     """The same for own memories only.
 
     Parameters
@@ -139,7 +138,7 @@ def contrast(scores: Tensor, holds: Tensor, own: Tensor) -> Tensor:
     some = own >= 0
     if not bool(some.any()):
         return scores.sum() * 0.0
-    scores, holds, own = scores[some], holds[some], own[some, None]
+    scores, valid, own = scores[some], valid[some], own[some, None]
     mine = scores.gather(1, own)
-    others = torch.logsumexp(scores.masked_fill(holds, _NEVER), dim=1, keepdim=True)
+    others = torch.logsumexp(scores.masked_fill(valid, _NEVER), dim=1, keepdim=True)
     return (torch.logaddexp(mine, others) - mine).mean()

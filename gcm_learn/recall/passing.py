@@ -1,9 +1,9 @@
-"""On which side of obstacles a way passes: what cannot change without touching them.
+"""On which side of obstacles a path passes: what cannot change without touching them.
 
-In space-time an obstacle is a tube, and a way is a thread from the hand at t = 0 to the catch. Two
-threads with the same ends that pass a tube on different sides cannot be moved into each other
+In space-time an obstacle is a tube, and a movement is a thread from the hand at t = 0 to the catch.
+Two threads with the same ends that pass a tube on different sides cannot be moved into each other
 without cutting it, and what tells them apart is by how much the direction from the body to the hand
-turns on the way. So "behind it" and "before it comes" are sides, too. Classes of paths among
+turns until then. So "behind it" and "before it comes" are sides, too. Classes of paths among
 obstacles are told by such integrals in Bhattacharya, Likhachev and Kumar (Autonomous Robots 33,
 2012); in the frame of moving bodies by Mavrogiannis and Knepper (IJRR 38, 2019).
 """
@@ -17,7 +17,7 @@ import numpy as np
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.recall.waypoints import Trace, path_of
+from gcm_learn.recall.waypoints import Waypoints, path_of
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.scene.limb import SIDE, elbows_of
 from gcm_learn.scene.packing import pack_bodies
@@ -30,12 +30,12 @@ INSTANTS = 256  # between which the direction turns by far less than half a turn
 
 
 class Passing(NamedTuple):
-    """How a way passes the obstacles, in their order (m,)."""
+    """How a movement passes the obstacles, in their order (m,)."""
 
     turn: np.ndarray
     """By how much the direction from the body's centre to the hand turns, in the situation's
     canonical frame [rad]; positive if the hand leaves the body on its left."""
-    room: np.ndarray
+    clearance: np.ndarray
     """Least distance of the limb [forearm lengths]."""
     when: np.ndarray
     """And when it is so near [s]."""
@@ -45,27 +45,29 @@ class Passing(NamedTuple):
         """Letters of the obstacles that are passed nearby, in the order of passing: l for one that
         is left on the hand's left, r on its right. Empty if none is.
         """
-        passed = np.flatnonzero((self.room <= NEAR) & (np.abs(self.turn) >= PASSED))
+        passed = np.flatnonzero((self.clearance <= NEAR) & (np.abs(self.turn) >= PASSED))
         order = passed[np.argsort(self.when[passed], kind="stable")]
         return "".join("l" if self.turn[k] > 0.0 else "r" for k in order)
 
 
-def passing(situation: Situation, way: Trajectory) -> Passing:
-    """How a way passes the obstacles of a situation, in any frame."""
+def passing(situation: Situation, trajectory: Trajectory) -> Passing:
+    """How a movement passes the obstacles of a situation, in any frame."""
     arm, bodies = situation.arm, pack_bodies(situation)
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
-    time = np.linspace(0.0, way.duration, INSTANTS)
-    hand = way.hand_at(time)
+    time = np.linspace(0.0, trajectory.duration, INSTANTS)
+    hand = trajectory.hand_at(time)
     elbow = elbows_of(hand, arm.upper_arm, SIDE[arm.elbow])
-    turn, room, when = _passing(bodies, obstacles, time, hand, elbow)
+    turn, clearance, when = _passing(bodies, obstacles, time, hand, elbow)
     side = -1.0 if frame_of(situation).mirrored else 1.0
-    return Passing(side * turn, room, when)
+    return Passing(side * turn, clearance, when)
 
 
-def passing_of(situation: Situation, trace: Trace) -> Passing:
+def passing_of(situation: Situation, waypoints: Waypoints) -> Passing:
     """How a memory passes the obstacles of its own situation, which is canonical."""
     arm = situation.arm
-    return passing(situation, Trajectory.of_hand(*path_of(trace, arm), arm.upper_arm, arm.elbow))
+    return passing(
+        situation, Trajectory.of_hand(*path_of(waypoints, arm), arm.upper_arm, arm.elbow)
+    )
 
 
 @njit
@@ -73,7 +75,7 @@ def _passing(bodies, obstacles, time, hand, elbow):
     """Turns, least distances and their times (m,) of some bodies."""
     poses = np.zeros((bodies.rows.shape[0], 12))
     turn, when = np.zeros(obstacles.size), np.zeros(obstacles.size)
-    room = np.full(obstacles.size, np.inf)
+    clearance = np.full(obstacles.size, np.inf)
     for i in range(obstacles.size):
         b = obstacles[i]
         x0, y0 = 0.0, 0.0
@@ -84,6 +86,6 @@ def _passing(bodies, obstacles, time, hand, elbow):
                 turn[i] += np.arctan2(x0 * y - y0 * x, x0 * x + y0 * y)
             x0, y0 = x, y
             gap = arm_distance(bodies, poses, b, hand[k, 0], hand[k, 1], elbow[k, 0], elbow[k, 1])
-            if gap < room[i]:
-                room[i], when[i] = gap, time[k]
-    return turn, room, when
+            if gap < clearance[i]:
+                clearance[i], when[i] = gap, time[k]
+    return turn, clearance, when

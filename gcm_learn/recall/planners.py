@@ -15,22 +15,22 @@ from gcm_learn.planners.plan import Plan, Planner
 from gcm_learn.planners.registry import get_planner, register
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, adapt, attempt_at, query_of
 from gcm_learn.recall.index import index_class
-from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
+from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME, Query
 from gcm_learn.recall.raw_features import raw_features
 from gcm_learn.recall.store import MANIFEST, Memory
-from gcm_learn.recall.trials import Offer, first_that_holds
-from gcm_learn.recall.waypoints import Trace
+from gcm_learn.recall.trials import Budget, Offer, first_valid
+from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
 POOL = 4  # memories recalled for each that is checked: twins of failures are left out
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
-REGRET = 1.0  # what a memory loses by the failure of one in the same direction [log-odds]
+PENALTY = 1.0  # what a memory loses by the failure of one in the same direction [log-odds]
 HALF_TURN = 1.8  # largest change of the hand's direction [rad]
 RIMS = (0.15, 0.98)  # shares of the ring
 TIMES = (0.2, 1.0)  # of the end [horizons]
-WAITERS = 4  # one in so many waits on its way
+WAITERS = 4  # one in so many waits
 _REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
 WHOLE = "recall"
 
@@ -41,16 +41,16 @@ class Recollection:
 
     plan: Plan
     memory: int | None
-    """Which memory held."""
+    """Which memory was valid."""
     checked: int
     """Paths that were checked."""
 
 
 @dataclass(frozen=True)
 class RecallPlanner:
-    """Recalls memories and verifies them in order, until one holds.
+    """Recalls memories and verifies them in order, until one is valid.
 
-    Nothing is searched: a situation in which none holds is answered with "unreachable".
+    Nothing is searched: a situation in which none is valid is answered with "unreachable".
     """
 
     memory: Memory
@@ -60,7 +60,7 @@ class RecallPlanner:
     how: Adaptation = field(default_factory=Adaptation)
     novelty: float = NOVELTY
     """Paths this near to one that failed are passed over [forearm lengths]; 0 checks all."""
-    regret: float = REGRET
+    penalty: float = PENALTY
     """How much a failure says about memories that lie near, where scores are odds, as those of
     the learned index are; 0 keeps the order of recall."""
 
@@ -70,19 +70,19 @@ class RecallPlanner:
 
     def recollect(self, situation: Situation) -> Recollection:
         """Answer a situation and say which memory the answer came from."""
-        problem = Problem(situation, self.name)
+        problem, memory = Problem(situation, self.name), self.memory
         answer = problem.early_answer()
-        if answer is not None or len(self.memory) == 0:
+        if answer is not None or len(memory) == 0:
             return Recollection(answer or problem.answer(Failure.NO_MEMORY), None, 0)
-        place = self.memory.index.embed_query(situation, problem.scene)
-        pool = self.candidates * (POOL if max(self.novelty, self.regret) > 0.0 else 1)
-        chosen = self.memory.recall(place, pool)
-        regret = self.regret if self.memory.index.name == "learned" else 0.0
-        offer = _offer(chosen, self.memory.embeddings, place if regret > 0.0 else None)
-        plan, k, tried = _first(
-            problem, self.memory.traces, self.memory.goals, offer, self.how, self.candidates,
-            self.novelty, regret,
-        )  # fmt: skip
+        query = query_of(problem)
+        place = memory.index.embed_query(situation, query)
+        pool = self.candidates * (POOL if max(self.novelty, self.penalty) > 0.0 else 1)
+        chosen = memory.recall(place, pool)
+        penalty = self.penalty if memory.index.name == "learned" else 0.0
+        offer = _offer(chosen, memory.embeddings, place if penalty > 0.0 else None)
+        budget = Budget(self.how.repairs, self.candidates, self.novelty, penalty)
+        paths = (memory.knots, memory.goals)
+        plan, k, tried = _first_plan(problem, query, paths, offer, self.how, budget)
         return Recollection(plan, None if k < 0 else int(chosen[k]), tried)
 
 
@@ -96,10 +96,33 @@ def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = No
     return Offer(chosen, (near @ query).astype(float), near, left)
 
 
-def random_traces(
+def _first_plan(
+    problem: Problem,
+    query: Query,
+    paths: tuple[np.ndarray, np.ndarray],
+    offer: Offer,
+    how: Adaptation,
+    budget: Budget,
+) -> tuple[Plan, int, int]:
+    """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
+    total = 0
+    while total < budget.tries:
+        left = budget._replace(tries=budget.tries - total)
+        k, body, tried, time, hand = first_valid(*paths, offer, query, how.styles, left)
+        total += tried
+        if k < 0:
+            break
+        plan, _ = checked(problem, attempt_at(problem, time, hand, body))
+        if plan is not None:
+            return plan, k, total
+        # The verification has the last word: what is left is tried.
+    return problem.answer(Failure.NO_VALID_MEMORY.with_numbers(count=total)), -1, total
+
+
+def random_waypoints(
     seed: int, index: int, count: int, start: float, horizon: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Random movements in the form of traces.
+    """Random movements in the form of `Waypoints`.
 
     Parameters
     ----------
@@ -113,7 +136,7 @@ def random_traces(
 
     Returns
     -------
-    traces, goals : (count, KNOTS, 4), (count, 2) ndarray of float32
+    knots, goals : (count, KNOTS, 4), (count, 2) ndarray of float32
     """
     rng = seeding.rng(seed, index)
     s = np.linspace(0.0, 1.0, KNOTS)[None]
@@ -121,15 +144,15 @@ def random_traces(
     rings = rng.uniform(*RIMS, (2, count, 1))
     ends = horizon * rng.uniform(*TIMES, (count, 1))
     waits = rng.integers(WAITERS, size=(count, 1)) == 0
-    traces = np.zeros((count, KNOTS, 4), np.float32)
-    traces[:, :, ANGLE] = 2.0 * s * (1.0 - s) * angles[0] + s * s * angles[1]
-    way = (1.0 - s) ** 2 * start + 2.0 * s * (1.0 - s) * rings[0] + s * s * rings[1]
-    traces[:, :, RING] = way
-    traces[:, :, TIME] = s * ends
+    knots = np.zeros((count, KNOTS, 4), np.float32)
+    knots[:, :, ANGLE] = 2.0 * s * (1.0 - s) * angles[0] + s * s * angles[1]
+    ring = (1.0 - s) ** 2 * start + 2.0 * s * (1.0 - s) * rings[0] + s * s * rings[1]
+    knots[:, :, RING] = ring
+    knots[:, :, TIME] = s * ends
     half = KNOTS // 2
-    traces[:, half, EARLIEST] = np.where(waits, 0.5 * ends, 0.0)[:, 0]
-    goals = traces[:, -1, [ANGLE, RING]]
-    return traces, np.ascontiguousarray(goals)
+    knots[:, half, EARLIEST] = np.where(waits, 0.5 * ends, 0.0)[:, 0]
+    goals = knots[:, -1, [ANGLE, RING]]
+    return knots, np.ascontiguousarray(goals)
 
 
 @dataclass(frozen=True)
@@ -139,8 +162,8 @@ class SplinesPlanner:
     A spline's hand starts where the query's does. Its direction and its share of the ring follow
     quadratic Bezier curves from there, whose middle control point and end are drawn: directions
     evenly within HALF_TURN of the first, shares within RIMS, the time of the end within TIMES; one
-    in WAITERS waits half way until half of that time. Ends are then adapted to the target like
-    those of memories, so what is random is the way there.
+    in WAITERS waits at its middle until half of that time. Ends are then adapted to the target like
+    those of memories, so what is random is the path there.
     """
 
     candidates: int = CANDIDATES
@@ -154,12 +177,13 @@ class SplinesPlanner:
         answer = problem.early_answer()
         if answer is not None:
             return answer
-        numbers = np.round(raw_features(situation, problem.scene).astype(float), 4) + 0.0
+        query = query_of(problem)
+        numbers = np.round(raw_features(situation, query.scene).astype(float), 4) + 0.0
         item = content_number(numbers.tobytes())
-        start = query_of(problem).ring
-        traces, goals = random_traces(self.seed, item, self.candidates, start, situation.horizon)
-        offer = _offer(np.arange(self.candidates), traces)
-        return _first(problem, traces, goals, offer, self.how, self.candidates, 0.0, 0.0)[0]
+        paths = random_waypoints(self.seed, item, self.candidates, query.ring, situation.horizon)
+        offer = _offer(np.arange(self.candidates), paths[0])
+        budget = Budget(self.how.repairs, self.candidates, 0.0, 0.0)
+        return _first_plan(problem, query, paths, offer, self.how, budget)[0]
 
 
 @dataclass(frozen=True)
@@ -180,38 +204,12 @@ class HybridPlanner:
         return replace(second, planner=self.name, planning_ms=elapsed)
 
 
-def _first(
-    problem: Problem,
-    traces: np.ndarray,
-    goals: np.ndarray,
-    offer: Offer,
-    how: Adaptation,
-    tries: int,
-    novelty: float,
-    regret: float,
-) -> tuple[Plan, int, int]:
-    """Plan of the first trace that holds, its place in the offer or -1, and paths checked."""
-    query, total = query_of(problem), 0
-    while total < tries:
-        k, body, tried, time, hand = first_that_holds(
-            traces, goals, offer, query, how.ways, how.mends, tries - total, novelty, regret
-        )
-        total += tried
-        if k < 0:
-            break
-        plan, _ = checked(problem, attempt_at(problem, time, hand, body))
-        if plan is not None:
-            return plan, k, total
-        # The verification has the last word: what is left is tried.
-    return problem.answer(Failure.NO_VALID_MEMORY.with_numbers(count=total)), -1, total
-
-
 @dataclass(frozen=True)
 class Rollout:
     """The first choice, acted on without a check."""
 
     attempt: Attempt | None
-    """None if it cannot be bent to any target in time."""
+    """None if it cannot be adapted to any target in time."""
     worked: bool
     """Whether it would have caught."""
 
@@ -223,11 +221,12 @@ def unverified(
 ) -> Rollout:
     """What comes of the first memory that is recalled, if it is not verified before acting."""
     problem = Problem(situation, "recall-1")
-    chosen = memory.recall(memory.index.embed_query(situation, problem.scene), 1)
+    query = query_of(problem)
+    chosen = memory.recall(memory.index.embed_query(situation, query), 1)
     if len(chosen) == 0:
         return Rollout(None, False)
     k = int(chosen[0])
-    attempt = adapt(problem, Trace(memory.traces[k], memory.goals[k]), how)
+    attempt = adapt(problem, Waypoints(memory.knots[k], memory.goals[k]), how, query)
     return Rollout(attempt, attempt is not None and checked(problem, attempt)[0] is not None)
 
 

@@ -33,10 +33,10 @@ from gcm_learn.scene.packing import pack
 from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 
-SLOTS = 4  # obstacles that are told, the nearest to hand, arm and way first
+SLOTS = 4  # obstacles that are told, the nearest to hand, arm and path first
 ARM, TARGET, OBSTACLE = 7, 10, 14  # numbers of the arm, of a target, of an obstacle
 COUNT = ARM + TARGET + SLOTS * OBSTACLE
-LOOKS = 9  # instants at which nearness is asked for
+INSTANTS = 9  # instants at which nearness is asked for
 
 
 def raw_features(situation: Situation, scene: Scene | None = None) -> np.ndarray:
@@ -99,8 +99,8 @@ def _body_features(scene, angle, out):
             d = (poses[b, 0] - x) ** 2 + (poses[b, 1] - y) ** 2
             if d < nearest:
                 target, nearest = b, d
-    for look in range(LOOKS):
-        t = horizon * look / (LOOKS - 1)
+    for k in range(INSTANTS):
+        t = horizon * k / (INSTANTS - 1)
         pose_at(bodies, target, t, poses)
         gx, gy = poses[target, 0], poses[target, 1]
         for b in range(n):

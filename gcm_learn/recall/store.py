@@ -25,7 +25,7 @@ from gcm_learn.errors import RecallError
 from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.kernels import KNOTS
 from gcm_learn.recall.search import Searcher
-from gcm_learn.recall.waypoints import Trace
+from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 from gcm_learn.situation.canonical import canonical
 from gcm_learn.storage import to_disk, write_whole
@@ -34,7 +34,7 @@ FORMAT = "gcm-learn/memory@1"
 MANIFEST = "manifest.json"
 DATA = "data-"
 Forgotten = Literal["least used", "oldest", "random"]
-SPARE = 1.5  # room is made for this many times the entries that there are
+SPARE = 1.5  # columns grow to this many times the entries that there are
 MANY = 20_000  # learned entries from which nearly the best are good enough by default
 _COLUMNS = ("embeddings", "traces", "goals", "labels", "uses", "lengths")
 
@@ -45,11 +45,11 @@ class Entry:
 
     situation: Situation
     """In its canonical form."""
-    trace: Trace
+    waypoints: Waypoints
     family: str
     stratum: str
     uses: int
-    """How often it was the one that held."""
+    """How often it was the valid one."""
 
 
 class Memory:
@@ -66,7 +66,7 @@ class Memory:
     Examples
     --------
     >>> memory = Memory(RawIndex.fit(situations))          # doctest: +SKIP
-    >>> memory.add(situations, [trace_of(s, solve(s, "layered")) for s in situations])
+    >>> memory.add(situations, [waypoints_of(s, solve(s, "layered")) for s in situations])
     ... # doctest: +SKIP
     >>> memory.recall(memory.index.embed_query(other), 5)  # doctest: +SKIP
     """
@@ -98,8 +98,8 @@ class Memory:
             raise IndexError(f"memory {k} of {self._size}")
         k %= self._size
         family, stratum = (self._words[w] for w in self.labels[k])
-        trace = Trace(np.array(self.traces[k]), np.array(self.goals[k]))
-        return Entry(self.situation(k), trace, family, stratum, int(self.uses[k]))
+        waypoints = Waypoints(np.array(self.knots[k]), np.array(self.goals[k]))
+        return Entry(self.situation(k), waypoints, family, stratum, int(self.uses[k]))
 
     @property
     def embeddings(self) -> np.ndarray:
@@ -107,13 +107,13 @@ class Memory:
         return self._columns["embeddings"][: self._size]
 
     @property
-    def traces(self) -> np.ndarray:
-        """(n, KNOTS, 4) float32: knots of `Trace`."""
+    def knots(self) -> np.ndarray:
+        """(n, KNOTS, 4) float32: knots of `Waypoints`."""
         return self._columns["traces"][: self._size]
 
     @property
     def goals(self) -> np.ndarray:
-        """(n, 2) float32: goals of `Trace`."""
+        """(n, 2) float32: goals of `Waypoints`."""
         return self._columns["goals"][: self._size]
 
     @property
@@ -123,7 +123,7 @@ class Memory:
 
     @property
     def uses(self) -> np.ndarray:
-        """(n,) int32: how often each was the one that held."""
+        """(n,) int32: how often each was the valid one."""
         return self._columns["uses"][: self._size]
 
     def situation(self, k: int) -> Situation:
@@ -137,7 +137,7 @@ class Memory:
     def add(
         self,
         situations: Sequence[Situation],
-        traces: Sequence[Trace],
+        trajectories: Sequence[Waypoints],
         families: Sequence[str] | None = None,
         strata: Sequence[str] | None = None,
     ) -> None:
@@ -147,7 +147,7 @@ class Memory:
         ----------
         situations : sequence of Situation
             In any frame; the canonical form is kept.
-        traces : sequence of Trace
+        trajectories : sequence of Waypoints
         families, strata : sequence of str, optional
             Labels, which nothing depends on.
         """
@@ -158,9 +158,9 @@ class Memory:
         words = (families or [""] * count, strata or [""] * count)
         texts = [_packed(s) for s in turned]
         fresh = {
-            "embeddings": self.index.embed_memories(turned, traces).astype(np.float32),
-            "traces": np.array([t.knots for t in traces], np.float32),
-            "goals": np.array([t.goal for t in traces], np.float32),
+            "embeddings": self.index.embed_memories(turned, trajectories).astype(np.float32),
+            "traces": np.array([t.knots for t in trajectories], np.float32),
+            "goals": np.array([t.goal for t in trajectories], np.float32),
             "labels": np.array([[self._word(w) for w in row] for row in zip(*words, strict=True)]),
             "uses": np.zeros(count, np.int32),
             "lengths": np.array([len(t) for t in texts]),
@@ -178,7 +178,7 @@ class Memory:
         return self._searcher(query, k)
 
     def used(self, k: int) -> None:
-        """Count that memory k was the one that held."""
+        """Count that memory k was the valid one."""
         self._own("uses")
         self._columns["uses"][k] += 1
 
@@ -199,7 +199,7 @@ class Memory:
         ----------
         size : int
         first : {"least used", "oldest", "random"}
-            What goes first: what held least often (of equal ones the oldest), the oldest, or any.
+            What goes first: the least often valid (of equal ones the oldest), the oldest, or any.
         seed : int
             Decides which are any.
         """
@@ -220,10 +220,10 @@ class Memory:
         """The same memories, filed by another index."""
         out = Memory(index, self.search)
         if len(self):
-            traces = [Trace(k, g) for k, g in zip(self.traces, self.goals, strict=True)]
+            trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
             out._words = list(self._words)
             fresh = {name: np.array(self._columns[name][: self._size]) for name in _COLUMNS}
-            fresh["embeddings"] = index.embed_memories(self.situations(), traces)
+            fresh["embeddings"] = index.embed_memories(self.situations(), trajectories)
             out._append(fresh, [self._text(k) for k in range(self._size)])
         return out
 
@@ -289,8 +289,8 @@ class Memory:
         for name in _COLUMNS:
             old = self._columns[name]
             if size > len(old) or not old.flags.writeable:
-                room = max(int(SPARE * size), 64)
-                grown = np.zeros((room, *old.shape[1:]), old.dtype)
+                rows = max(int(SPARE * size), 64)
+                grown = np.zeros((rows, *old.shape[1:]), old.dtype)
                 grown[: self._size] = old[: self._size]
                 self._columns[name] = grown
             self._columns[name][self._size : size] = fresh[name]

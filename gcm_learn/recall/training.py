@@ -1,9 +1,9 @@
-"""Training: lessons are made while the encoder learns from those that there are.
+"""Training: labels are made while the encoder learns from those that there are.
 
-Turns follow each other: a lesson is made, then the optimiser takes some steps on lessons drawn from
-all so far. Later lessons ask about the memories that the encoder itself puts first, for these are
+Turns follow each other: a batch is made, then the optimiser takes some steps on batches drawn from
+all so far. Later batches ask about the memories that the encoder itself puts first, for these are
 what it will be judged by. At the end it only repeats. All that is random is a function of seed,
-lesson and step, so a run that was stopped goes on as if it had not been.
+batch and step, so a run that was stopped goes on as if it had not been.
 
 
 An encoder as a model: its files, how it learned, and a card that tells where it comes from.
@@ -29,18 +29,18 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 from gcm_learn import seeding
 from gcm_learn.dataset import Dataset
 from gcm_learn.errors import EncoderError
-from gcm_learn.recall.clearance_features import STEPS, Looks
+from gcm_learn.recall.clearance_features import STEPS, FeatureBatch
 from gcm_learn.recall.encoder import Encoder, EncoderConfig, config_to_json, save_encoder
 from gcm_learn.recall.networks import EncoderNet, binary, contrast, listwise
-from gcm_learn.recall.transfer_labels import Lesson, Teacher
+from gcm_learn.recall.transfer_labels import Labels, TrainingData
 from gcm_learn.storage import write_whole
 
 WARM = 200  # steps in which the learning rate rises
-OPEN = 0.2  # share of the time in which lessons are about any memories
-REPEAT = 0.15  # share at the end in which no lessons are made
+OPEN = 0.2  # share of the time in which labels are about any memories
+REPEAT = 0.15  # share at the end in which no labels are made
 SURVEYED = 30_000  # memories at most among which the best are looked for
 AVERAGE = 0.998  # of the weights over the steps
-EXAMINED = 240.0  # time between exams [s]
+VALIDATED = 240.0  # time between validations [s]
 SAVED = 60.0  # time between checkpoints [s]
 LARGEST_GRADIENT = 1.0
 CHECKPOINT, LOG = "checkpoint.pt", "log.jsonl"
@@ -66,16 +66,16 @@ class Trainer:
     Parameters
     ----------
     config : EncoderConfig
-    teacher : Teacher
+    data : TrainingData
     folder : Path
-        For checkpoints, lessons and the log. What is there of the same configuration is taken up.
+        For checkpoints, labels and the log. What is there of the same configuration is taken up.
     effort : Effort
     start : Encoder, optional
         Whose weights to start from, of the same size; by default they are drawn.
     """
 
     config: EncoderConfig
-    teacher: Teacher
+    data: TrainingData
     folder: Path
     effort: Effort = field(default_factory=Effort)
     start: Encoder | None = None
@@ -83,13 +83,13 @@ class Trainer:
     def __post_init__(self) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
         self.turn, self.step, self.elapsed = 0, 0, 0.0
-        self.lessons: list[Lesson] = []
-        self._ways = torch.from_numpy(self.teacher.ways)
-        pictures = self.teacher.pictures
-        self._pictures = None if pictures is None else torch.from_numpy(pictures)
+        self.batches: list[Labels] = []
+        self._paths = torch.from_numpy(self.data.path_features)
+        maps = self.data.map_features
+        self._maps = None if maps is None else torch.from_numpy(maps)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(self.config.seed)
-            self.net = EncoderNet(self.config, self._ways.shape[1])
+            self.net = EncoderNet(self.config, self._paths.shape[1])
         if self.start is None:
             self._fit_scales()
         else:
@@ -109,60 +109,60 @@ class Trainer:
 
     def run(self, progress: Callable[[float], None] = lambda share: None) -> Encoder:
         """Train to the end; `progress` is told the share that is done."""
-        examined, saved = self.elapsed, self.elapsed
+        validated, saved = self.elapsed, self.elapsed
         while (share := self.effort.done(self.turn, self.elapsed)) < 1.0:
             began = time.monotonic()
-            marks = self._take_turn(share)
+            scores = self._take_turn(share)
             self.turn += 1
             self.elapsed += time.monotonic() - began
-            if self.elapsed - examined >= EXAMINED:
-                marks |= self.exam()
-                examined = self.elapsed
-            self._note(marks)
+            if self.elapsed - validated >= VALIDATED:
+                scores |= self.validate()
+                validated = self.elapsed
+            self._note(scores)
             if self.elapsed - saved >= SAVED:
                 self.save()
                 saved = self.elapsed
             progress(share)
-        self._note(self.exam())
+        self._note(self.validate())
         self.save()
         return self.encoder
 
-    def exam(self) -> dict[str, float]:
+    def validate(self) -> dict[str, float]:
         """Marks of what has been learned so far."""
-        rows = np.arange(len(self._ways))
-        return self.teacher.exam(lambda looks, k: self._best(looks, k, rows))
+        rows = np.arange(len(self._paths))
+        return self.data.validate(lambda features, k: self._best(features, k, rows))
 
     def _take_turn(self, share: float) -> dict[str, float]:
-        """One lesson and some steps; mean losses."""
-        if share < 1.0 - REPEAT or not self.lessons:
+        """One batch and some steps; mean losses."""
+        if share < 1.0 - REPEAT or not self.batches:
             self._attend(share)
         losses = [self._learn(share) for _ in range(self.config.steps)]
         return {name: float(np.mean([loss[name] for loss in losses])) for name in losses[0]}
 
     def _attend(self, share: float) -> None:
-        """Have a lesson made and keep it."""
-        k = len(self.lessons)
+        """Have a batch made and keep it."""
+        k = len(self.batches)
         rng = seeding.rng(self.config.seed, 0, k)
         if share < OPEN or rng.random() >= self.config.hard:
-            lesson = self.teacher.lesson(k, None)
+            batch = self.data.labels(k, None)
         else:
-            rows = rng.permutation(len(self._ways))[:SURVEYED]
-            lesson = self.teacher.lesson(k, lambda looks, n: self._best(looks, n, rows))
-        lesson.save(self._lesson_file(k))
-        self.lessons.append(lesson)
+            rows = rng.permutation(len(self._paths))[:SURVEYED]
+            batch = self.data.labels(k, lambda features, n: self._best(features, n, rows))
+        batch.save(self._batch_file(k))
+        self.batches.append(batch)
 
     def _learn(self, share: float) -> dict[str, float]:
         """One step of the optimiser."""
         rng = seeding.rng(self.config.seed, 1, self.step)
-        lesson = self.lessons[int(rng.integers(len(self.lessons)))]
+        batch = self.batches[int(rng.integers(len(self.batches)))]
         for group in self._optimiser.param_groups:
             group["lr"] = self._rate(share)
-        holds, own = torch.from_numpy(lesson.holds), torch.from_numpy(lesson.own)
-        scores, hope = self._scores(lesson)
+        valid, own = torch.from_numpy(batch.valid), torch.from_numpy(batch.own)
+        scores, bias = self._scores(batch)
         parts = {
-            "binary": binary(scores, hope, holds),
-            "listwise": listwise(scores, holds),
-            "contrast": contrast(scores, holds, own),
+            "binary": binary(scores, bias, valid),
+            "listwise": listwise(scores, valid),
+            "contrast": contrast(scores, valid, own),
         }
         loss = parts["binary"] + self.config.listwise * parts["listwise"]
         loss = loss + self.config.contrast * parts["contrast"]
@@ -178,43 +178,43 @@ class Trainer:
         wave = 0.5 + 0.5 * math.cos(math.pi * share)
         return self.config.rate * min(1.0, (self.step + 1) / WARM) * (0.01 + 0.99 * wave)
 
-    def _scores(self, lesson: Lesson) -> tuple[torch.Tensor, torch.Tensor]:
-        """Inner products (n, m) of a lesson's situations and memories; the situations' hope."""
-        queries = self.net.queries(lesson.looks)
-        if lesson.rows.ndim == 1:
-            scores = queries @ self._memories(self.net, lesson.rows).T
+    def _scores(self, batch: Labels) -> tuple[torch.Tensor, torch.Tensor]:
+        """Inner products (n, m) of a batch's situations and memories; the situations' bias."""
+        queries = self.net.queries(batch.features)
+        if batch.rows.ndim == 1:
+            scores = queries @ self._memories(self.net, batch.rows).T
         else:
-            unique, where = np.unique(lesson.rows, return_inverse=True)
+            unique, where = np.unique(batch.rows, return_inverse=True)
             memories = self._memories(self.net, unique)[torch.from_numpy(where.ravel())]
-            memories = memories.reshape(*lesson.rows.shape, -1)
+            memories = memories.reshape(*batch.rows.shape, -1)
             scores = torch.einsum("nd,nmd->nm", queries, memories)
         return scores, self.net.hope(queries)
 
     def _memories(self, net: EncoderNet, rows: np.ndarray) -> torch.Tensor:
         chosen = torch.from_numpy(rows)
-        pictures = None if self._pictures is None else self._pictures[chosen]
-        return net.memories(self._ways[chosen], pictures)
+        maps = None if self._maps is None else self._maps[chosen]
+        return net.memories(self._paths[chosen], maps)
 
     @torch.no_grad()
-    def _best(self, looks: Looks, k: int, rows: np.ndarray) -> np.ndarray:
+    def _best(self, features: FeatureBatch, k: int, rows: np.ndarray) -> np.ndarray:
         """The best k of some memories for each situation, by the averaged weights."""
         net: EncoderNet = self.mean.module
-        queries = net.queries(looks)
+        queries = net.queries(features)
         memories = torch.cat([self._memories(net, part) for part in _parts(rows)])
         best = torch.topk(queries @ memories.T, min(k, len(rows)), dim=1).indices
         found: np.ndarray = rows[best.numpy()]
         return found
 
     def _fit_scales(self) -> None:
-        """Take the inputs' scales from the first lesson and from the memories."""
-        looks = self.teacher.lesson(0, None).looks
-        self.net.situation.fit_scale(looks.context)
-        cells = looks.cells.astype(np.float32) / STEPS
-        self.net.body.fit_scale(np.hstack([looks.context[looks.whose], cells]))
+        """Take the inputs' scales from the first batch and from the memories."""
+        features = self.data.labels(0, None).features
+        self.net.situation.fit_scale(features.context)
+        cells = features.cells.astype(np.float32) / STEPS
+        self.net.body.fit_scale(np.hstack([features.context[features.whose], cells]))
         if self.config.uses_traces:
-            self.net.trace.fit_scale(self.teacher.ways)
-        if self.config.uses_maps and self.teacher.pictures is not None:
-            self.net.map.fit_scale(self.teacher.pictures)
+            self.net.trace.fit_scale(self.data.path_features)
+        if self.config.uses_maps and self.data.map_features is not None:
+            self.net.map.fit_scale(self.data.map_features)
 
     def save(self) -> None:
         """Write a checkpoint."""
@@ -225,11 +225,11 @@ class Trainer:
     def _state(self) -> dict[str, Any]:
         return {
             "config": config_to_json(self.config),
-            "memories": len(self._ways),
+            "memories": len(self._paths),
             "turn": self.turn,
             "step": self.step,
             "elapsed": self.elapsed,
-            "lessons": len(self.lessons),
+            "lessons": len(self.batches),
             "net": self.net.state_dict(),
             "mean": self.mean.state_dict(),
             "optimiser": self._optimiser.state_dict(),
@@ -242,27 +242,27 @@ class Trainer:
             (self.folder / LOG).unlink(missing_ok=True)
             return
         state = torch.load(path, weights_only=True)
-        if state["config"] != config_to_json(self.config) or state["memories"] != len(self._ways):
+        if state["config"] != config_to_json(self.config) or state["memories"] != len(self._paths):
             raise EncoderError(f"{path}: of another configuration or dataset; remove it to restart")
         self.turn, self.step, self.elapsed = state["turn"], state["step"], state["elapsed"]
         self.net.load_state_dict(state["net"])
         self.mean.load_state_dict(state["mean"])
         self._optimiser.load_state_dict(state["optimiser"])
-        self.lessons = [Lesson.load(self._lesson_file(k)) for k in range(state["lessons"])]
+        self.batches = [Labels.load(self._batch_file(k)) for k in range(state["lessons"])]
         lines = (self.folder / LOG).read_text("utf-8").splitlines(keepends=True)
         kept = [line for line in lines if json.loads(line)["turn"] <= self.turn]
         write_whole(self.folder / LOG, "".join(kept))
 
-    def _lesson_file(self, k: int) -> Path:
+    def _batch_file(self, k: int) -> Path:
         return self.folder / f"lesson-{k:05d}.npz"
 
-    def _note(self, marks: dict[str, float]) -> None:
+    def _note(self, scores: dict[str, float]) -> None:
         """Write a line of the log."""
-        line = {"turn": self.turn, "step": self.step, "seconds": round(self.elapsed, 1), **marks}
+        line = {"turn": self.turn, "step": self.step, "seconds": round(self.elapsed, 1), **scores}
         with open(self.folder / LOG, "a", encoding="utf-8") as stream:
             stream.write(json.dumps({k: _short(v) for k, v in line.items()}) + "\n")
         if self._board is not None:
-            for name, value in marks.items():
+            for name, value in scores.items():
                 self._board.add_scalar(name, value, self.step)
 
 
@@ -291,7 +291,7 @@ def write_model(
     trainer: Trainer,
     records: Dataset,
     dataset: str,
-    marks: Mapping[str, float],
+    scores: Mapping[str, float],
 ) -> None:
     """Write a trained encoder, its log and its card; what it took to go on is removed.
 
@@ -303,24 +303,24 @@ def write_model(
         What it was trained on.
     dataset : str
         How that was named.
-    marks : mapping
-        Shares of held-out situations by name, see `School.exam`.
+    scores : mapping
+        Shares of held-out situations by name, see `TransferLabels.validate`.
     """
     encoder = trainer.encoder
     save_encoder(encoder, folder)
     about = {
         "key": encoder.key,
         "seed": trainer.config.seed,
-        "lessons": len(trainer.lessons),
+        "lessons": len(trainer.batches),
         "steps": trainer.step,
         "seconds": round(trainer.elapsed, 1),
-        "memories": len(trainer.teacher.ways),
+        "memories": len(trainer.data.path_features),
         "dataset": {"name": records.spec.name, **_origin(records)},
-        "validation": {name: round(value, 4) for name, value in marks.items()},
+        "validation": {name: round(value, 4) for name, value in scores.items()},
     }
     write_whole(folder / METRICS, json.dumps(about, indent=1) + "\n")
     write_whole(folder / LOG, (trainer.folder / LOG).read_bytes())
-    write_whole(folder / CARD, _card(trainer, records, dataset, marks))
+    write_whole(folder / CARD, _card(trainer, records, dataset, scores))
     shutil.rmtree(trainer.folder, ignore_errors=True)
 
 
@@ -338,16 +338,16 @@ def _start(trainer: Trainer) -> str:
     return "weights at random" if start is None else f"the weights of encoder `{start.key}`"
 
 
-def _card(trainer: Trainer, records: Dataset, dataset: str, marks: Mapping[str, float]) -> str:
+def _card(trainer: Trainer, records: Dataset, dataset: str, scores: Mapping[str, float]) -> str:
     config, encoder = trainer.config, trainer.encoder
     effort = trainer.effort
     length = f"--minutes {effort.minutes:g}" if effort.turns is None else f"--turns {effort.turns}"
     origin = ", ".join(f"{name} `{value}`" for name, value in _origin(records).items())
-    rows = "\n".join(f"| {name} | {value:.1%} |" for name, value in marks.items())
+    rows = "\n".join(f"| {name} | {value:.1%} |" for name, value in scores.items())
     return f"""# Encoder `{encoder.key}`
 
 Embeds situations, from what is known at t = 0, and memories, by their {config.memory}, in
-{config.dim} numbers: the larger the inner product, the more likely the memory, bent to the
+{config.dim} numbers: the larger the inner product, the more likely the memory, adapted to the
 situation, catches in it.
 
 | | |
@@ -355,12 +355,12 @@ situation, catches in it.
 | command | `gcm-learn train-encoder {dataset} --out DIR {length} --dim {config.dim} \
 --memory {config.memory} --seed {config.seed}` |
 | starts from | {_start(trainer)} |
-| data | dataset `{records.spec.name}`, {origin}; {len(trainer.teacher.ways)} memories |
-| training | {len(trainer.lessons)} lessons, {trainer.step} steps, {trainer.elapsed / 60:.0f} min |
+| data | dataset `{records.spec.name}`, {origin}; {len(trainer.data.path_features)} memories |
+| training | {len(trainer.batches)} lessons, {trainer.step} steps, {trainer.elapsed / 60:.0f} min |
 | seed | {config.seed} |
 
-Share of held-out situations (split `validation`) in which one of the first memories holds, of the
-memories that it was trained on, nothing left out of the list as a twin of a failure:
+Share of held-out situations (split `validation`) in which one of the first memories is valid, of
+those that it was trained on, nothing left out of the list as a twin of a failure:
 
 | stratum and place | share |
 |---|---|

@@ -22,29 +22,38 @@ from gcm_learn import seeding
 from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.planners.completion import Problem, straight_plan
-from gcm_learn.recall import trials
-from gcm_learn.recall.adaptation import DEFAULT, query_of
-from gcm_learn.recall.clearance_features import Looks, gathered, look
-from gcm_learn.recall.kernels import KNOTS
-from gcm_learn.recall.memory_features import picture_of, ways
-from gcm_learn.recall.waypoints import trace_of
+from gcm_learn.recall.adaptation import Adaptation, transfer
+from gcm_learn.recall.clearance_features import FeatureBatch, batched, clearance_features
+from gcm_learn.recall.memory_features import map_features, path_features
+from gcm_learn.recall.waypoints import Waypoints, waypoints_of
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.situation import Situation
 from gcm_learn.storage import write_whole
 
-Best = Callable[[Looks, int], np.ndarray]
-"""From looks at n situations and a number k, the memories (n, k) that fit best by what is known so
-far, the best first."""
+SITUATIONS = 512  # of a batch of labels
+ALONE = 0.4  # share of them that are others of the same batch with one of their obstacles alone
+ANY = 160  # memories of a batch about any
+TOP, WIDE = 40, 16  # of a batch about the best: the first ones, and some of those that follow
+DEPTH = 600  # how far these follow
+EASY = 0.15  # share of situations that are kept although a straight line catches
+EXAMINED = 300  # situations of each stratum to validate with
+PLACES = (1, 5, 20)  # up to which a valid memory is looked for then
+PLAIN = Adaptation(repairs=0)  # how memories are tried
+_BATCH, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
+
+Best = Callable[[FeatureBatch, int], np.ndarray]
+"""From features of n situations and a number k, the memories (n, k) that fit best by what is known
+so far, the best first."""
 
 
-class Lesson(NamedTuple):
-    """Situations, memories, and which of them hold."""
+class Labels(NamedTuple):
+    """Situations, memories, and which of them are valid where."""
 
-    looks: Looks
+    features: FeatureBatch
     """Of n situations."""
     rows: np.ndarray
     """Memories that were tried: (m,) int64 on all situations, or (n, m) on each its own."""
-    holds: np.ndarray
+    valid: np.ndarray
     """(n, m) bool"""
     own: np.ndarray
     """(n,) int64: column of a situation's own memory, -1 for those without."""
@@ -52,60 +61,49 @@ class Lesson(NamedTuple):
     def save(self, path: Path) -> None:
         """Write it into a file."""
         stream = io.BytesIO()
-        looks, *rest = self
-        np.savez(stream, *looks, *rest)
+        features, *rest = self
+        np.savez(stream, *features, *rest)
         write_whole(path, stream.getvalue())
 
     @classmethod
-    def load(cls, path: Path) -> Lesson:
+    def load(cls, path: Path) -> Labels:
         """Read it from a file."""
         with np.load(path) as file:
             arrays = [file[f"arr_{k}"] for k in range(len(file.files))]
-        size = len(Looks._fields)
-        return cls(Looks(*arrays[:size]), *arrays[size:])
+        size = len(FeatureBatch._fields)
+        return cls(FeatureBatch(*arrays[:size]), *arrays[size:])
 
 
-class Teacher(Protocol):
-    """Gives lessons about memories, and examines."""
-
-    @property
-    def ways(self) -> np.ndarray:
-        """Features (m, f) float32 of the memories' ways, see `ways.ways`."""
+class TrainingData(Protocol):
+    """Memories, and which of them are valid in which situations."""
 
     @property
-    def pictures(self) -> np.ndarray | None:
-        """Features (m, pictures.COUNT) float32 of their maps; None if none are wanted."""
+    def path_features(self) -> np.ndarray:
+        """Features (m, f) float32 of the memories' paths."""
 
-    def lesson(self, index: int, best: Best | None) -> Lesson:
-        """Lesson number `index`; on the memories that seem best if `best` is given."""
+    @property
+    def map_features(self) -> np.ndarray | None:
+        """Features (m, COUNT) float32 of their maps; None if none are wanted."""
 
-    def exam(self, best: Best) -> dict[str, float]:
-        """Marks by name, on situations that no lesson has."""
+    def labels(self, index: int, best: Best | None) -> Labels:
+        """Batch number `index`; on the memories that seem best if `best` is given."""
 
-
-SITUATIONS = 512  # of a lesson
-ALONE = 0.4  # share of them that are others of the same lesson with one of their obstacles alone
-ANY = 160  # memories of a lesson about any
-TOP, WIDE = 40, 16  # of a lesson about the best: the first ones, and some of those that follow
-DEPTH = 600  # how far these follow
-EASY = 0.15  # share of situations that are kept although a straight line catches
-EXAMINED = 300  # situations of each stratum in an exam
-PLACES = (1, 5, 20)  # up to which a memory that holds is looked for in an exam
-_LESSON, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
+    def validate(self, best: Best) -> dict[str, float]:
+        """Scores by name, on situations that no batch has."""
 
 
-class School:
-    """Makes lessons of a dataset's training records; examines on those for validation.
+class TransferLabels:
+    """Labels from a dataset's training records; validates on those for validation.
 
     Parameters
     ----------
     records : Dataset
     seed : int
-        Decides which records are taken, and all lessons.
+        Decides which records are taken, and all labels.
     most : int, optional
         Records that are read at most; by default all.
     maps : bool
-        Whether pictures of maps are wanted, which takes a march for each memory.
+        Whether features of maps are wanted, which takes a march for each memory.
     progress : callable
         Called with the number of records read since the last call.
     """
@@ -125,7 +123,8 @@ class School:
         if most is not None and most < len(order):
             order = np.sort(seeding.rng(seed, _SAMPLE).permutation(len(order))[:most])
         self.situations: list[Situation] = []
-        traces, goals, pictures, easy = [], [], [], []
+        paths: list[Waypoints] = []
+        drawn, easy = [], []
         with uncollected():
             for k in order.tolist():
                 record = train[k]
@@ -133,26 +132,23 @@ class School:
                 progress(1)
                 if not plans:
                     continue
-                knots, goal = trace_of(
-                    record.situation, min(plans, key=lambda p: p.catch_time or 0.0)
-                )
+                earliest = min(plans, key=lambda plan: plan.catch_time or 0.0)
+                paths.append(waypoints_of(record.situation, earliest))
                 self.situations.append(record.situation)
-                traces.append(knots)
-                goals.append(goal)
                 easy.append(record.stratum == "L")
                 if maps:
-                    pictures.append(picture_of(record.situation))
-        if len(traces) < 2:
+                    drawn.append(map_features(record.situation))
+        if len(paths) < 2:
             raise RecallError("the dataset has no catches to learn from")
-        self.traces = np.array(traces, np.float32).reshape(-1, KNOTS, 4)
-        self.goals = np.array(goals, np.float32)
-        self.ways = ways(self.traces, self.goals)
-        self.pictures = np.array(pictures) if maps else None
+        self.knots = np.array([path.knots for path in paths])
+        self.goals = np.array([path.goal for path in paths])
+        self.path_features = path_features(self.knots, self.goals)
+        self.map_features = np.array(drawn) if maps else None
         lots = seeding.rng(seed, _ORDER)
         kept = ~np.array(easy) | (lots.random(len(easy)) < EASY)
         gc.freeze()  # these objects stay: no need to look through them again and again
         self._order = lots.permutation(np.flatnonzero(kept))
-        """Records whose situations lessons are about, in this order."""
+        """Records whose situations labels are about, in this order."""
         self._exam = [(r.stratum, r.situation) for r in self._examined()]
 
     def _examined(self) -> Iterator:
@@ -161,60 +157,52 @@ class School:
             some = self._held.where(stratum=stratum)
             yield from (some[k] for k in range(min(EXAMINED, len(some))))
 
-    def lesson(self, index: int, best: Best | None) -> Lesson:
-        """A lesson of situations that no other lesson has, but for those of records."""
-        rng, size = seeding.rng(self.seed, _LESSON, index), SITUATIONS - int(ALONE * SITUATIONS)
+    def labels(self, index: int, best: Best | None) -> Labels:
+        """Labels of situations that no other batch has, but for those of records."""
+        rng, size = seeding.rng(self.seed, _BATCH, index), SITUATIONS - int(ALONE * SITUATIONS)
         own = self._order[index * size : (index + 1) * size]
-        problems = [Problem(self.situations[k], "lesson") for k in own.tolist()]
+        problems = [Problem(self.situations[k], "labels") for k in own.tolist()]
         if len(problems) < size:
             problems += islice(self._drawn(index, rng), size - len(problems))
         problems += self._alone(problems, rng)
-        seen = gathered([look(p.situation, p.scene) for p in problems])
+        seen, column = _seen(problems), np.full(len(problems), -1)
         if best is None:
-            others = np.setdiff1d(rng.permutation(len(self.traces))[: 2 * ANY], own)
+            others = np.setdiff1d(rng.permutation(len(self.knots))[: 2 * ANY], own)
             rows = np.concatenate([own[: ANY // 2], rng.permutation(others)])[:ANY]
             each = np.broadcast_to(rows, (len(problems), len(rows)))
-        else:
-            each = rows = _hard(_without(best(seen, DEPTH), own), rng)
-        holds = np.array([self._holds(p, r) for p, r in zip(problems, each, strict=True)])
-        column = np.full(len(problems), -1)
-        if best is None:
             mine = min(len(own), ANY // 2)
             column[:mine] = np.arange(mine)
-        return Lesson(seen, rows, holds, column)
+        else:
+            each = rows = _hard(_without(best(seen, DEPTH), own), rng)
+        return Labels(seen, rows, self._valid(problems, each), column)
 
-    def exam(self, best: Best) -> dict[str, float]:
-        """Share of held-out situations in which one of the first k memories holds."""
-        marks: dict[str, float] = {}
+    def validate(self, best: Best) -> dict[str, float]:
+        """Share of held-out situations in which one of the first k memories is valid."""
+        scores: dict[str, float] = {}
         if not self._exam:
-            return marks
-        problems = [Problem(situation, "exam") for _, situation in self._exam]
+            return scores
+        problems = [Problem(situation, "validation") for _, situation in self._exam]
         strata = np.array([stratum for stratum, _ in self._exam])
-        seen = gathered([look(p.situation, p.scene) for p in problems])
-        found = best(seen, max(PLACES))
-        holds = np.array([self._holds(p, r) for p, r in zip(problems, found, strict=True)])
+        valid = self._valid(problems, best(_seen(problems), max(PLACES)))
         for stratum in np.unique(strata):
-            some = holds[strata == stratum]
+            some = valid[strata == stratum]
             for k in PLACES:
-                marks[f"{stratum}/first {k}"] = float(some[:, :k].any(axis=1).mean())
-        return marks
+                scores[f"{stratum}/first {k}"] = float(some[:, :k].any(axis=1).mean())
+        return scores
 
-    def _holds(self, problem: Problem, rows: np.ndarray) -> np.ndarray:
-        """Which memories hold in a situation (m,) bool."""
-        (style, tempo), query = DEFAULT.ways[0], query_of(problem)
-        chosen = np.ascontiguousarray(rows, dtype=np.int64)
-        times = trials.transfer(self.traces, self.goals, chosen, query, style, tempo, 0)
-        held: np.ndarray = times >= 0.0
-        return held
+    def _valid(self, problems: list[Problem], rows: np.ndarray) -> np.ndarray:
+        """Which memories (n, m) are valid in situations (n): (n, m) bool."""
+        pairs = zip(problems, rows, strict=True)
+        return np.array([transfer(p, self.knots, self.goals, r, PLAIN) >= 0.0 for p, r in pairs])
 
     def _drawn(self, index: int, rng: np.random.Generator) -> Iterator[Problem]:
         """Situations of the specification that nothing is held out of, most of them not easy."""
         k = 0
         while True:
-            source = seeding.rng(self.seed, _LESSON, index, k)
+            source = seeding.rng(self.seed, _BATCH, index, k)
             k += 1
             family = self.spec.choose(source)
-            problem = Problem(family.draw(source, "drawn"), "lesson")
+            problem = Problem(family.draw(source, "drawn"), "labels")
             if problem.early_answer() is not None or self._is_held_out(family.family, problem):
                 continue
             if rng.random() >= EASY and straight_plan(problem).caught:
@@ -229,7 +217,7 @@ class School:
             situation = several[k]
             one = situation.obstacles[int(rng.integers(len(situation.obstacles)))]
             alone = replace(situation, bodies=(*situation.targets, one))
-            out.append(Problem(alone, "lesson"))
+            out.append(Problem(alone, "labels"))
         return out
 
     def _is_held_out(self, family: str, problem: Problem) -> bool:
@@ -237,6 +225,10 @@ class School:
         top = float(problem.bodies.rows[:, TOP_SPEED].max())
         quantities = quantities_of(situation, top)
         return any(holdout.holds(family, quantities) for holdout in self.spec.holdouts)
+
+
+def _seen(problems: list[Problem]) -> FeatureBatch:
+    return batched([clearance_features(p.situation, p.scene) for p in problems])
 
 
 def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:

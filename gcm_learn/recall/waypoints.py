@@ -1,4 +1,4 @@
-"""Traces: catches as memory keeps them, a fixed number of knots in a frame of their own."""
+"""Waypoint trajectories: catches as memory keeps them, in few knots and a frame of their own."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ CLOSE = 1e-5  # knots are put where the hand would be farther off than this [for
 SLOW = 2.0  # a piece that takes this much longer than it must is a wait
 
 
-class Trace(NamedTuple):
+class Waypoints(NamedTuple):
     """A catch as memory keeps it.
 
     Directions are measured from that of the hand at t = 0, counter-clockwise if the elbow is on the
     right, else clockwise; a share of the ring is 0 at its inner rim and 1 at its outer one, so that
-    a trace means the same to arms of other proportions: how far the arm is stretched.
+    a trajectory means the same to arms of other proportions: how far the arm is stretched.
     """
 
     knots: np.ndarray
@@ -112,13 +112,13 @@ def ring_share(arm: Arm, radius: np.ndarray | float) -> np.ndarray | float:
     return (radius - arm.inner_reach) / (arm.reach - arm.inner_reach)
 
 
-def trace_of(situation: Situation, plan: Plan, scene: Scene | None = None) -> Trace:
+def waypoints_of(situation: Situation, plan: Plan, scene: Scene | None = None) -> Waypoints:
     """The catch of a plan as memory keeps it.
 
     Parameters
     ----------
     situation : Situation
-        In any frame; traces of a situation and of its canonical form are the same.
+        In any frame; those of a situation and of its canonical form are the same.
     plan : Plan
         A catch in it.
     scene : Scene, optional
@@ -130,23 +130,23 @@ def trace_of(situation: Situation, plan: Plan, scene: Scene | None = None) -> Tr
     body = [b.name for b in situation.bodies].index(plan.catch_body)
     poses = np.zeros((len(situation.bodies), 12))
     pose_at(scene.bodies, body, plan.trajectory.duration, poses)
-    return trace_of_path(situation, plan.trajectory, poses[body, :2])
+    return waypoints_of_path(situation, plan.trajectory, poses[body, :2])
 
 
-def trace_of_path(situation: Situation, way: Trajectory, goal: np.ndarray) -> Trace:
+def waypoints_of_path(situation: Situation, trajectory: Trajectory, goal: np.ndarray) -> Waypoints:
     """A path as memory keeps it.
 
     Parameters
     ----------
     situation : Situation
-    way : Trajectory
+    trajectory : Trajectory
     goal : (2,) ndarray
         Centre of the target at the path's end, in arm-plane coordinates.
     """
     arm, frame = situation.arm, frame_of(situation)
     side = -1.0 if frame.mirrored else 1.0
-    time = knot_times(way.time, way.hand, KNOTS, CLOSE)
-    hand = way.hand_at(time)
+    time = knot_times(trajectory.time, trajectory.hand, KNOTS, CLOSE)
+    hand = trajectory.hand_at(time)
     knots = np.zeros((KNOTS, 4), dtype=np.float32)
     angles = np.unwrap(np.arctan2(hand[:, 1], hand[:, 0]))
     knots[:, ANGLE] = side * (angles - angles[0])
@@ -158,12 +158,12 @@ def trace_of_path(situation: Situation, way: Trajectory, goal: np.ndarray) -> Tr
     turn = side * (math.atan2(goal[1], goal[0]) - frame.angle) - last
     turn = last + math.remainder(turn, 2.0 * math.pi)
     share = ring_share(arm, math.hypot(*goal))
-    return Trace(knots, np.array([turn, share], dtype=np.float32))
+    return Waypoints(knots, np.array([turn, share], dtype=np.float32))
 
 
-def path_of(trace: Trace, arm: Arm) -> tuple[np.ndarray, np.ndarray]:
-    """A trace as a path of an arm in canonical coordinates: times (KNOTS,), hands (KNOTS, 2)."""
-    knots = trace.knots.astype(float)
+def path_of(waypoints: Waypoints, arm: Arm) -> tuple[np.ndarray, np.ndarray]:
+    """Times (KNOTS,) and hands (KNOTS, 2) of an arm in canonical coordinates."""
+    knots = waypoints.knots.astype(float)
     radius = arm.inner_reach + knots[:, RING] * (arm.reach - arm.inner_reach)
     angle = knots[:, ANGLE]
     hand = radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)

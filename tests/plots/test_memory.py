@@ -15,7 +15,7 @@ from gcm_learn.families.examples import gate_scene
 from gcm_learn.planners import solve
 from gcm_learn.plots.reports import memory as memory_page
 from gcm_learn.plots.reports.memory import UNIT, principal_places, write_memory_page
-from gcm_learn.recall import Memory, RawIndex, RecallPlanner, trace_of
+from gcm_learn.recall import Memory, RawIndex, RecallPlanner, waypoints_of
 from gcm_learn.situation.canonical import canonical
 
 
@@ -24,7 +24,7 @@ def memory(planar_case, solid_case, waiting_case):
     """Three catches: planar, in space, and with a wait."""
     cases = [planar_case, solid_case, waiting_case]
     memory = Memory(RawIndex.fit([s for s, _ in cases]))
-    traces = [trace_of(s, solve(s, "layered")) for s, _ in cases]
+    traces = [waypoints_of(s, solve(s, "layered")) for s, _ in cases]
     memory.add([s for s, _ in cases], traces, ["a", "b", "</script>"], ["W", "W", "Q"])
     return memory
 
@@ -43,7 +43,7 @@ def test_points_are_the_memories(memory, tmp_path):
     assert [p["words"]["x"] for p in data["points"]] == ["p", "q", "r"]
     for k, point in enumerate(data["points"]):
         entry = memory[k]
-        assert point["end"] == pytest.approx(1e3 * entry.trace.catch_time, abs=1)
+        assert point["end"] == pytest.approx(1e3 * entry.waypoints.catch_time, abs=1)
         hand = np.reshape(point["hand"], (-1, 2)) / UNIT
         np.testing.assert_allclose(hand[0], entry.situation.arm.hand, atol=1e-3)
         assert len(point["time"]) == len(hand) and len(point["bodies"]) == len(

@@ -7,7 +7,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.layered import layered
-from gcm_learn.recall import Memory, RawIndex, trace_of
+from gcm_learn.recall import Memory, RawIndex, waypoints_of
 from gcm_learn.wave import MarchingParams
 
 ENTRIES = 300
@@ -34,7 +34,7 @@ def catches():
 @pytest.fixture(scope="package")
 def traces(catches):
     """The catches as memory keeps them."""
-    return [trace_of(situation, plan) for situation, plan in catches]
+    return [waypoints_of(situation, plan) for situation, plan in catches]
 
 
 @pytest.fixture

@@ -15,11 +15,11 @@ from gcm_learn.families.random_solid import random_solid
 from gcm_learn.motion.interception import target_distance
 from gcm_learn.planners.completion import Problem, checked
 from gcm_learn.planners.layered import layered
-from gcm_learn.recall import Adaptation, adapt, path_of, trace_of, transfer
+from gcm_learn.recall import Adaptation, adapt, path_of, transfer, waypoints_of
 from gcm_learn.recall.adaptation import attempt_at, query_of
 from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
-from gcm_learn.recall.planners import random_traces
-from gcm_learn.recall.trials import Offer, first_that_holds
+from gcm_learn.recall.planners import random_waypoints
+from gcm_learn.recall.trials import Budget, Offer, first_valid
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned
@@ -56,10 +56,10 @@ def test_a_wait_is_remembered_as_one():
     situation = gate_scene()
     plan = layered().plan(situation)
     longest = max(plan.trajectory.waits(), key=lambda wait: wait.duration)
-    knots = trace_of(situation, plan).knots
+    knots = waypoints_of(situation, plan).knots
     ends = knots[knots[:, EARLIEST] > 0.0, TIME]
     assert np.abs(ends - longest.end).min() < 0.02
-    assert adapt(Problem(situation, "same"), trace_of(situation, plan)) is not None
+    assert adapt(Problem(situation, "same"), waypoints_of(situation, plan)) is not None
 
 
 @pytest.mark.parametrize("how", EVERY, ids=lambda how: f"{how.style}-{how.tempo}")
@@ -148,7 +148,7 @@ def test_the_quick_verdict_is_that_of_the_verification(traces, family, situation
         problem = Problem(situation, "verdicts")
         if problem.early_answer() is not None:
             continue
-        how = replace(EVERY[k % len(EVERY)], mends=0)
+        how = replace(EVERY[k % len(EVERY)], repairs=0)
         chosen = rng.integers(len(traces), size=12)
         times = transfer(situation, knots, goals, chosen, how)
         for i, t in zip(chosen, times, strict=True):
@@ -165,7 +165,7 @@ def test_the_quick_verdict_is_that_of_the_verification(traces, family, situation
 def test_a_path_that_was_pushed_aside_is_verified(traces, family, situations):
     """Pushing makes more memories hold, and what it says holds does."""
     knots, goals = stacked(traces)
-    ways, pushed, good, plain = Adaptation().ways, 0, 0, 0
+    styles, pushed, good, plain = Adaptation().styles, 0, 0, 0
     for k in range(situations):
         rng = seeding.rng(74, k)
         problem = Problem(draw(get_family(family), 74, k), "pushes")
@@ -175,8 +175,8 @@ def test_a_path_that_was_pushed_aside_is_verified(traces, family, situations):
         for i in rng.integers(len(traces), size=8).tolist():
             place = np.zeros((1, 1), np.float32)
             offer = Offer(np.array([i]), np.zeros(1), place, np.ones(1, bool))
-            found, body, tried, time, hand = first_that_holds(
-                knots, goals, offer, query, ways, 1, 9, 0.0, 0.0
+            found, body, tried, time, hand = first_valid(
+                knots, goals, offer, query, styles, Budget(1, 9, 0.0, 0.0)
             )
             plain += found >= 0 and tried == 1
             if found >= 0 and tried == 2:
@@ -187,9 +187,9 @@ def test_a_path_that_was_pushed_aside_is_verified(traces, family, situations):
 
 
 def test_random_splines_are_of_their_distribution():
-    knots, goals = random_traces(3, 5, 400, 0.5, 1.2)
-    again, _ = random_traces(3, 5, 400, 0.5, 1.2)
-    other, _ = random_traces(3, 6, 400, 0.5, 1.2)
+    knots, goals = random_waypoints(3, 5, 400, 0.5, 1.2)
+    again, _ = random_waypoints(3, 5, 400, 0.5, 1.2)
+    other, _ = random_waypoints(3, 6, 400, 0.5, 1.2)
     assert np.array_equal(knots, again) and not np.array_equal(knots, other)
     assert knots.shape == (400, KNOTS, 4) and np.array_equal(goals, knots[:, -1, :2])
     assert np.all(knots[:, 0, ANGLE] == 0.0) and np.allclose(knots[:, 0, RING], 0.5)

@@ -18,8 +18,8 @@ from gcm_learn.recall.clearance_features import (
     LENGTHS,
     RINGS,
     TOUCH,
-    gathered,
-    look,
+    batched,
+    clearance_features,
 )
 from gcm_learn.situation import Body, Disc, PlanarQuadratic
 from gcm_learn.situation.canonical import canonical
@@ -43,15 +43,15 @@ def test_a_turned_or_mirrored_situation_looks_the_same():
     for k in range(12):
         situation = drawn(k)
         for other in (turned(situation, 1.234), mirrored(situation)):
-            same(look(situation), look(other))
+            same(clearance_features(situation), clearance_features(other))
         solid = drawn(k, random_solid)
-        same(look(solid), look(canonical(solid)[0]))
+        same(clearance_features(solid), clearance_features(canonical(solid)[0]))
 
 
 def test_the_order_of_bodies_does_not_matter_but_for_the_order_of_rows():
     situation = next(s for s in map(drawn, range(99)) if len(s.obstacles) == 4)
-    here = look(situation)
-    there = look(replace(situation, bodies=situation.bodies[::-1]))
+    here = clearance_features(situation)
+    there = clearance_features(replace(situation, bodies=situation.bodies[::-1]))
     np.testing.assert_array_equal(there.context, here.context)
     np.testing.assert_array_equal(there.cells[::-1], here.cells)
 
@@ -59,8 +59,8 @@ def test_the_order_of_bodies_does_not_matter_but_for_the_order_of_rows():
 def test_a_body_that_cannot_be_met_is_not_seen():
     situation = drawn(3)
     far = Body("obstacle", "moon", Disc(0.5), rest((40.0, 0.0)))
-    seen = look(replace(situation, bodies=(*situation.bodies, far)))
-    np.testing.assert_array_equal(seen.cells, look(situation).cells)
+    seen = clearance_features(replace(situation, bodies=(*situation.bodies, far)))
+    np.testing.assert_array_equal(seen.cells, clearance_features(situation).cells)
 
 
 def test_cells_say_what_a_resting_limb_meets():
@@ -76,7 +76,7 @@ def test_cells_say_what_a_resting_limb_meets():
         situation = replace(situation, bodies=tuple(still))
         if not situation.obstacles:
             continue
-        seen = look(situation).cells
+        seen = clearance_features(situation).cells
         cells = np.max(seen, axis=0, initial=0.0).reshape(len(LENGTHS), len(RINGS), DIRECTIONS)
         side = 1.0 if arm.elbow == "right" else -1.0
         start = np.arctan2(arm.hand[1], arm.hand[0])
@@ -95,8 +95,8 @@ def test_cells_say_what_a_resting_limb_meets():
 
 def test_many_looks_as_one_keep_apart_whose_is_whose():
     situations = [drawn(k) for k in range(20)]
-    looks = [look(s) for s in situations]
-    whole = gathered(looks)
+    many = [clearance_features(s) for s in situations]
+    whole = batched(many)
     assert whole.context.shape == (20, CONTEXT) and whole.cells.shape[1] == CELLS
-    for k, one in enumerate(looks):
+    for k, one in enumerate(many):
         np.testing.assert_allclose(whole.cells[whole.whose == k] / 170, one.cells, atol=0.5 / 170)

@@ -52,7 +52,7 @@ def test_controls_file_the_same_memories_by_their_own_index(
     monkeypatch.setenv("GCM_LEARN_MODELS", str(tmp_path))
     control = shipped_memory(name)
     assert f"recall-{control.index.name}" == name
-    np.testing.assert_array_equal(control.traces, memory.traces)
+    np.testing.assert_array_equal(control.knots, memory.knots)
     np.testing.assert_array_equal(control.goals, memory.goals)
     assert control.situations() == memory.situations()
 

@@ -15,11 +15,10 @@ from gcm_learn import dataset, get_planner
 from gcm_learn.cli import main
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.evaluation import draw_suite
-from gcm_learn.recall import Memory, RawIndex
-from gcm_learn.recall import transfer_labels as lessons
-from gcm_learn.recall.clearance_features import look
+from gcm_learn.recall import Memory, RawIndex, transfer_labels
+from gcm_learn.recall.clearance_features import clearance_features
 from gcm_learn.recall.growth import remember
-from gcm_learn.recall.transfer_labels import School
+from gcm_learn.recall.transfer_labels import TransferLabels
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack
 from tests.dataset.conftest import MARKED, make_here
@@ -45,11 +44,11 @@ def records(folder):
 
 
 @pytest.fixture
-def school(records, monkeypatch):
-    """Return a school of small lessons, most of whose situations are no records'."""
-    monkeypatch.setattr(lessons, "SITUATIONS", 60)
-    monkeypatch.setattr(lessons, "ANY", 10)
-    return School(records, 3)
+def labels(records, monkeypatch):
+    """Return labels in small batches, most of whose situations are no records'."""
+    monkeypatch.setattr(transfer_labels, "SITUATIONS", 60)
+    monkeypatch.setattr(transfer_labels, "ANY", 10)
+    return TransferLabels(records, 3)
 
 
 def catches_of(records, split):
@@ -58,43 +57,43 @@ def catches_of(records, split):
     return [r.situation for r in some if any(plan.caught for plan in r.plans.values())]
 
 
-def test_an_encoder_learns_from_the_records_for_training_alone(records, school):
-    assert school.situations == catches_of(records, "train")
-    assert len(school.situations) == len(school.traces) == len(school.ways) > 5
+def test_an_encoder_learns_from_the_records_for_training_alone(records, labels):
+    assert labels.situations == catches_of(records, "train")
+    assert len(labels.situations) == len(labels.knots) == len(labels.path_features) > 5
 
 
-def test_an_encoder_is_examined_on_the_records_for_validation_alone(records, school):
+def test_an_encoder_is_examined_on_the_records_for_validation_alone(records, labels):
     asked = []
 
-    def best(looks, k):
-        asked.append(looks.context)
-        return np.zeros((len(looks.context), k), np.int64)
+    def best(features, k):
+        asked.append(features.context)
+        return np.zeros((len(features.context), k), np.int64)
 
-    assert school.exam(best)
+    assert labels.validate(best)
     reachable = records.where(split="validation", stratum=("L", "W", "Q"))
-    wanted = [look(record.situation).context for record in reachable]
+    wanted = [clearance_features(record.situation).context for record in reachable]
     np.testing.assert_array_equal(np.unique(asked[0], axis=0), np.unique(wanted, axis=0))
 
 
-def marks_of(school):
-    """What the arms of a lesson's situations grasp, and their upper arms."""
-    context = school.lesson(0, None).looks.context
+def marks_of(labels):
+    """What the arms of a batch's situations grasp, and their upper arms."""
+    context = labels.labels(0, None).features.context
     return {round(float(grasp) / 10.0, 3) for grasp in context[:, GRASP]}, context[
         :, UPPER_ARM
     ].max()
 
 
-def test_lessons_draw_neither_a_family_nor_a_range_that_is_held_out(school):
-    arm = school.situations[0].arm
-    seen = look(school.situations[0]).context
+def test_labels_draw_neither_a_family_nor_a_range_that_is_held_out(labels):
+    arm = labels.situations[0].arm
+    seen = clearance_features(labels.situations[0]).context
     assert seen[[GRASP, UPPER_ARM]] == pytest.approx([10.0 * arm.grasp, arm.upper_arm])
-    grasps, longest = marks_of(school)
+    grasps, longest = marks_of(labels)
     assert grasps == {0.05, 0.06} and longest <= 1.1
-    school.spec = replace(school.spec, holdouts=school.spec.holdouts[:1])
-    grasps, longest = marks_of(school)
+    labels.spec = replace(labels.spec, holdouts=labels.spec.holdouts[:1])
+    grasps, longest = marks_of(labels)
     assert grasps == {0.05, 0.06} and longest > 1.1
-    school.spec = replace(school.spec, holdouts=())
-    assert 0.08 in marks_of(school)[0]
+    labels.spec = replace(labels.spec, holdouts=())
+    assert 0.08 in marks_of(labels)[0]
 
 
 @pytest.mark.parametrize("split", [None, "train", "validation", "test-gate"])

@@ -41,7 +41,7 @@ def test_a_hand_that_goes_left_has_what_is_above_on_its_right():
 
 def test_far_bodies_and_bodies_beyond_the_ends_are_not_passed():
     far = passing(among(((0.0, 0.9 + NEAR + 0.8), STILL)), straight())
-    assert far.sides == "" and far.room[0] > NEAR
+    assert far.sides == "" and far.clearance[0] > NEAR
     beyond = passing(among(((-1.35, 1.0), STILL)), straight())
     assert beyond.sides == "" and abs(beyond.turn[0]) < 0.5 * np.pi
 

@@ -22,7 +22,7 @@ from gcm_learn.recall.kernels import KNOTS
 from gcm_learn.recall.memory_features import count
 from gcm_learn.recall.networks import EncoderNet
 from gcm_learn.recall.search import Searcher
-from gcm_learn.recall.trials import Offer, first_that_holds
+from gcm_learn.recall.trials import Budget, Offer, first_valid
 from tests.referee import judge
 from tests.transforms import turned
 
@@ -99,21 +99,21 @@ def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
     tested = 0
     for k in range(200):
         situation = random_planar(seeding.rng(77, k))
-        problem = Problem(situation, "regret")
+        problem = Problem(situation, "penalty")
         if problem.early_answer() is not None:
             continue
-        holds = transfer(situation, knots, goals) >= 0.0
-        if not 0 < holds.sum() < 0.8 * len(holds):
+        valid = transfer(situation, knots, goals) >= 0.0
+        if not 0 < valid.sum() < 0.8 * len(valid):
             continue
-        bad, good = np.flatnonzero(~holds)[:6], np.flatnonzero(holds)[:1]
+        bad, good = np.flatnonzero(~valid)[:6], np.flatnonzero(valid)[:1]
         chosen = np.concatenate([bad, good])
         places = np.repeat(np.eye(2, dtype=np.float32), (len(bad), 1), axis=0)
         tried = {}
-        for regret in (0.0, 2.0):
+        for penalty in (0.0, 2.0):
             scores = np.array([1.0] * len(bad) + [0.5])
             offer = Offer(chosen, scores, places, np.ones(len(chosen), bool))
-            found, _, tried[regret], _, _ = first_that_holds(
-                knots, goals, offer, query_of(problem), DEFAULT.ways, 1, 99, 0.0, regret
+            found, _, tried[penalty], _, _ = first_valid(
+                knots, goals, offer, query_of(problem), DEFAULT.styles, Budget(1, 99, 0.0, penalty)
             )
             assert found == len(bad)
         assert tried[2.0] <= tried[0.0]

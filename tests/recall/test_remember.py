@@ -37,7 +37,7 @@ def test_all_catches_are_remembered_and_recalled(folder):
     caught = [(record, plan) for record, plan in zip(records, best, strict=True) if plan]
     assert 0 < len(memory) == len(caught)
     np.testing.assert_allclose(
-        memory.traces[:, -1, 2], [plan.catch_time for _, plan in caught], rtol=1e-6
+        memory.knots[:, -1, 2], [plan.catch_time for _, plan in caught], rtol=1e-6
     )
     for k, (record, _) in enumerate(caught):
         assert memory[k].situation == record.situation

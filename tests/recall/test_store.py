@@ -21,7 +21,7 @@ def same(a, b):
         len(a) == len(b)
         and a.index.key == b.index.key
         and all(
-            np.array_equal(getattr(a, n), getattr(b, n)) for n in ("embeddings", "traces", "goals")
+            np.array_equal(getattr(a, n), getattr(b, n)) for n in ("embeddings", "knots", "goals")
         )
         and [a[k].situation for k in range(0, len(a), 37)]
         == [b[k].situation for k in range(0, len(b), 37)]
@@ -177,7 +177,7 @@ def test_a_million_entries(memory, search, tmp_path):
     many, count = Memory(RandomIndex(), search), 1_000_000
     fresh = {
         "embeddings": np.zeros((count, many.index.dim), np.float32),
-        "traces": np.broadcast_to(memory.traces[:1], (count, *memory.traces.shape[1:])),
+        "traces": np.broadcast_to(memory.knots[:1], (count, *memory.knots.shape[1:])),
         "goals": np.broadcast_to(memory.goals[:1], (count, 2)),
         "labels": np.zeros((count, 2)),
         "uses": np.zeros(count),

@@ -14,9 +14,9 @@ from gcm_learn import seeding
 from gcm_learn.errors import EncoderError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.recall import EncoderConfig, load_encoder, save_encoder
-from gcm_learn.recall.clearance_features import gathered, look
+from gcm_learn.recall.clearance_features import batched, clearance_features
 from gcm_learn.recall.encoder import Encoder
-from gcm_learn.recall.memory_features import COUNT, count, picture_of, ways
+from gcm_learn.recall.memory_features import COUNT, count, map_features, path_features
 from gcm_learn.recall.networks import EncoderNet
 
 KNOTS = 24
@@ -48,15 +48,15 @@ def situations():
 def test_arrays_embed_as_torch_does(situations):
     net = network()
     encoder = Encoder(net.config, net.arrays())
-    looks = gathered([look(s) for s in situations])
+    features = batched([clearance_features(s) for s in situations])
     with torch.no_grad():
-        wanted = net.queries(looks).numpy()
+        wanted = net.queries(features).numpy()
     found = np.array([encoder.embed_situation(s) for s in situations])
     np.testing.assert_allclose(found, wanted, atol=0.05 * np.abs(wanted).max())  # bytes of cells
     traces, goals = some_ways(len(situations))
-    pictures = np.array([picture_of(s) for s in situations])
+    pictures = np.array([map_features(s) for s in situations])
     with torch.no_grad():
-        way = torch.from_numpy(ways(traces, goals))
+        way = torch.from_numpy(path_features(traces, goals))
         wanted = net.memories(way, torch.from_numpy(pictures)).numpy()
     found = encoder.embed_memories(situations, traces, goals)
     np.testing.assert_allclose(found, wanted, atol=1e-4)
@@ -96,7 +96,7 @@ def test_other_files_are_refused_in_one_line(tmp_path, name, content, complaint)
 def test_maps_tell_apart_unreached_and_reached_at_once(situations):
     """A cell without arrival has the number 0, like the start, and a field that says so."""
     for situation in situations:
-        picture = picture_of(situation)
+        picture = map_features(situation)
         assert picture.shape == (COUNT,) and np.isfinite(picture).all()
         arrival, reached = picture[:320], picture[320:640]
         assert set(np.unique(reached)) <= {0.0, 1.0}
@@ -105,11 +105,11 @@ def test_maps_tell_apart_unreached_and_reached_at_once(situations):
 
 def test_ways_depend_on_nothing_but_place_and_time():
     traces, goals = some_ways(4)
-    features = ways(traces, goals)
+    features = path_features(traces, goals)
     assert features.shape == (4, count(KNOTS)) and np.isfinite(features).all()
     full_turn = traces.copy()
     full_turn[:, :, 0] += 2.0 * np.pi
-    changed = np.abs(ways(full_turn, goals) - features) > 1e-4
+    changed = np.abs(path_features(full_turn, goals) - features) > 1e-4
     assert changed[0].sum() == KNOTS + 16  # the angles themselves; sines and cosines stay
 
 

@@ -14,17 +14,17 @@ import torch
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall import EncoderConfig
-from gcm_learn.recall.clearance_features import CELLS, CONTEXT, Looks
+from gcm_learn.recall.clearance_features import CELLS, CONTEXT, FeatureBatch
 from gcm_learn.recall.memory_features import count
 from gcm_learn.recall.networks import binary, contrast, listwise
 from gcm_learn.recall.training import CHECKPOINT, LOG, Effort, Trainer
-from gcm_learn.recall.transfer_labels import Lesson
+from gcm_learn.recall.transfer_labels import Labels
 
 MEMORIES, SITUATIONS = 120, 96
 
 
 class Toy:
-    """A memory is a place on a line; it holds where it lies near the target, and no body does.
+    """A memory is a place on a line; it is valid where it lies near the target, and no body does.
 
     Whether a body is in the way is told by one of its cells, places by one number each.
     """
@@ -32,9 +32,9 @@ class Toy:
     def __init__(self, seed=0):
         self.seed = seed
         self.place = seeding.rng(seed).uniform(-1.0, 1.0, MEMORIES)
-        self.ways = np.zeros((MEMORIES, count(24)), np.float32)
-        self.ways[:, 3] = self.place
-        self.pictures = None
+        self.path_features = np.zeros((MEMORIES, count(24)), np.float32)
+        self.path_features[:, 3] = self.place
+        self.map_features = None
         self.asked = 0
 
     def situations(self, rng):
@@ -44,39 +44,39 @@ class Toy:
         context[:, 0] = target
         cells = np.zeros((SITUATIONS, CELLS), np.uint8)
         cells[np.arange(SITUATIONS), (10.0 * (body + 1.0)).astype(int)] = 255
-        return target, body, Looks(context, cells, np.arange(SITUATIONS))
+        return target, body, FeatureBatch(context, cells, np.arange(SITUATIONS))
 
-    def holds(self, target, body, rows):
+    def valid(self, target, body, rows):
         place = self.place[rows]
         near = np.abs(place - target[:, None]) < 0.4
         return near & (np.abs(place - np.floor(10.0 * body[:, None]) / 10.0) > 0.15)
 
-    def lesson(self, index, best):
+    def labels(self, index, best):
         rng = seeding.rng(self.seed, 1, index)
-        target, body, looks = self.situations(rng)
+        target, body, features = self.situations(rng)
         rows = rng.permutation(MEMORIES)[:60]
         if best is not None:
             self.asked += 1
-            rows = best(looks, 30)
+            rows = best(features, 30)
         nothing = np.full(SITUATIONS, -1)
-        return Lesson(looks, rows, self.holds(target, body, rows), nothing)
+        return Labels(features, rows, self.valid(target, body, rows), nothing)
 
-    def exam(self, best):
-        target, body, looks = self.situations(seeding.rng(self.seed, 2))
-        return {"first": float(self.holds(target, body, best(looks, 1)).mean())}
+    def validate(self, best):
+        target, body, features = self.situations(seeding.rng(self.seed, 2))
+        return {"first": float(self.valid(target, body, best(features, 1)).mean())}
 
 
 CONFIG = EncoderConfig(dim=8, width=32, steps=25, rate=5e-3)
 
 
-def test_it_learns_what_holds(tmp_path):
-    teacher = Toy()
-    trainer = Trainer(CONFIG, teacher, tmp_path, Effort(turns=24))
-    before = trainer.exam()["first"]
+def test_it_learns_what_is_valid(tmp_path):
+    toy = Toy()
+    trainer = Trainer(CONFIG, toy, tmp_path, Effort(turns=24))
+    before = trainer.validate()["first"]
     trainer.run()
-    after = trainer.exam()["first"]
+    after = trainer.validate()["first"]
     assert before < 0.6 and after > 0.9
-    assert teacher.asked > 3  # about what it thought best
+    assert toy.asked > 3  # about what it thought best
     lines = [json.loads(line) for line in (tmp_path / LOG).read_text().splitlines()]
     assert lines[-1]["first"] == pytest.approx(after, abs=1e-4)
     assert lines[-2]["binary"] < 0.5 * lines[0]["binary"]
@@ -112,16 +112,16 @@ def test_a_checkpoint_of_another_configuration_is_refused(tmp_path):
 
 
 def test_losses_ask_for_what_they_say():
-    holds = torch.tensor([[True, False, False], [False, False, True], [False, False, False]])
-    right = torch.where(holds, 9.0, -9.0)
-    hope = torch.zeros(3, 1)
-    for loss in (lambda s: binary(s, hope, holds), lambda s: listwise(s, holds)):
+    valid = torch.tensor([[True, False, False], [False, False, True], [False, False, False]])
+    right = torch.where(valid, 9.0, -9.0)
+    bias = torch.zeros(3, 1)
+    for loss in (lambda s: binary(s, bias, valid), lambda s: listwise(s, valid)):
         assert float(loss(right)) < 1e-3 < 1.0 < float(loss(-right))
-    # Own memories are compared with what does not hold, never with others that do.
+    # Own memories are compared with what is not valid, never with others that do.
     both = torch.tensor([[True, True, False]])
     own = torch.tensor([0])
     worse = torch.tensor([[0.0, 5.0, -9.0]])
     assert float(contrast(worse, both, own)) < 1e-3
     assert float(contrast(-worse, both, own)) > 5.0
     nobody = torch.tensor([-1, -1, -1])
-    assert float(contrast(right, holds, nobody)) == 0.0
+    assert float(contrast(right, valid, nobody)) == 0.0

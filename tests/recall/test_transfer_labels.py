@@ -1,4 +1,4 @@
-"""Lessons tell the truth, keep held-out situations out, and make a model on the command line."""
+"""Labels tell the truth, keep held-out situations out, and make a model on the command line."""
 
 from __future__ import annotations
 
@@ -14,67 +14,70 @@ pytest.importorskip("pyarrow")
 
 from gcm_learn import dataset
 from gcm_learn.cli import main
-from gcm_learn.recall import Adaptation, Memory, load_encoder, transfer
-from gcm_learn.recall import transfer_labels as lessons
-from gcm_learn.recall.clearance_features import look
+from gcm_learn.recall import Adaptation, Memory, load_encoder, transfer, transfer_labels
+from gcm_learn.recall.clearance_features import clearance_features
 from gcm_learn.recall.index import LearnedIndex
-from gcm_learn.recall.transfer_labels import School
+from gcm_learn.recall.transfer_labels import TransferLabels
 from tests.dataset.conftest import SMALL, make_here
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A dataset of 30 records, of which those of a family are held out."""
-    place = str(tmp_path_factory.mktemp("lessons"))
+    place = str(tmp_path_factory.mktemp("labels"))
     make_here(replace(SMALL, count=30), place)
     return place
 
 
 @pytest.fixture
 def small(monkeypatch):
-    """Lessons of few situations."""
-    monkeypatch.setattr(lessons, "SITUATIONS", 40)
-    monkeypatch.setattr(lessons, "ANY", 10)
-    monkeypatch.setattr(lessons, "TOP", 4)
-    monkeypatch.setattr(lessons, "WIDE", 2)
+    """Labels of few situations."""
+    monkeypatch.setattr(transfer_labels, "SITUATIONS", 40)
+    monkeypatch.setattr(transfer_labels, "ANY", 10)
+    monkeypatch.setattr(transfer_labels, "TOP", 4)
+    monkeypatch.setattr(transfer_labels, "WIDE", 2)
 
 
 def test_labels_are_what_comes_of_trying(folder, small):
-    school = School(dataset.open(folder), 3)
-    lesson = school.lesson(0, None)
-    own = school._order[:40]
-    again = School(dataset.open(folder), 3).lesson(0, None)
-    np.testing.assert_array_equal(lesson.holds, again.holds)  # a function of seed and number
+    source = TransferLabels(dataset.open(folder), 3)
+    batch = source.labels(0, None)
+    own = source._order[:40]
+    again = TransferLabels(dataset.open(folder), 3).labels(0, None)
+    np.testing.assert_array_equal(batch.valid, again.valid)  # a function of seed and number
     for i, k in enumerate(own[:5].tolist()):
-        situation = school.situations[k]
-        np.testing.assert_array_equal(lesson.looks.context[i], look(situation).context)
-        times = transfer(situation, school.traces, school.goals, lesson.rows, Adaptation(mends=0))
-        np.testing.assert_array_equal(lesson.holds[i], times >= 0.0)
-        if lesson.own[i] >= 0:
-            assert lesson.rows[lesson.own[i]] == k
-    assert len(lesson.holds) > len(own)  # drawn ones, and some with one obstacle alone
+        situation = source.situations[k]
+        np.testing.assert_array_equal(
+            batch.features.context[i], clearance_features(situation).context
+        )
+        times = transfer(situation, source.knots, source.goals, batch.rows, Adaptation(repairs=0))
+        np.testing.assert_array_equal(batch.valid[i], times >= 0.0)
+        if batch.own[i] >= 0:
+            assert batch.rows[batch.own[i]] == k
+    assert len(batch.valid) > len(own)  # drawn ones, and some with one obstacle alone
 
 
-def test_lessons_about_the_best_ask_about_these_and_never_about_ones_own(folder, small):
-    school = School(dataset.open(folder), 3)
-    everything = np.arange(len(school.traces))
-    lesson = school.lesson(0, lambda looks, k: np.tile(everything[:k], (len(looks.context), 1)))
-    assert lesson.rows.shape == (len(lesson.holds), 6)
-    for i, k in enumerate(school._order[:40].tolist()):
-        assert k not in lesson.rows[i]
-        assert set(lesson.rows[i, :4]) <= set(range(5))
-    assert (lesson.own == -1).all()
+def test_labels_about_the_best_ask_about_these_and_never_about_ones_own(folder, small):
+    source = TransferLabels(dataset.open(folder), 3)
+    everything = np.arange(len(source.knots))
+    batch = source.labels(
+        0, lambda features, k: np.tile(everything[:k], (len(features.context), 1))
+    )
+    assert batch.rows.shape == (len(batch.valid), 6)
+    for i, k in enumerate(source._order[:40].tolist()):
+        assert k not in batch.rows[i]
+        assert set(batch.rows[i, :4]) <= set(range(5))
+    assert (batch.own == -1).all()
 
 
-def test_no_lesson_is_about_what_is_held_out(folder, small, monkeypatch):
-    school = School(dataset.open(folder), 4)
+def test_no_label_is_about_what_is_held_out(folder, small, monkeypatch):
+    labels = TransferLabels(dataset.open(folder), 4)
     seen = []
     monkeypatch.setattr(
-        School, "_is_held_out", lambda self, family, problem: seen.append(family) or True
+        TransferLabels, "_is_held_out", lambda self, family, problem: seen.append(family) or True
     )
-    source = school._drawn(0, np.random.default_rng(0))
-    monkeypatch.setattr(lessons, "straight_plan", None)  # never asked of what is held out
-    monkeypatch.setattr(school, "spec", _Stops(school.spec, 25))
+    source = labels._drawn(0, np.random.default_rng(0))
+    monkeypatch.setattr(transfer_labels, "straight_plan", None)  # never asked of what is held out
+    monkeypatch.setattr(labels, "spec", _Stops(labels.spec, 25))
     with pytest.raises(LookupError):
         next(source)
     assert seen

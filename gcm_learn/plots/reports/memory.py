@@ -28,7 +28,7 @@ from gcm_learn.plots.reports.page import fill
 from gcm_learn.recall import (
     Memory,
     RecallPlanner,
-    Trace,
+    Waypoints,
     has_memory,
     passing_of,
     path_of,
@@ -157,7 +157,7 @@ def _unit_square(places: np.ndarray) -> np.ndarray:
 def _point(memory: Memory, k: int) -> Values:
     """What the page tells of memory k."""
     entry = memory[k]
-    situation, trace = entry.situation, entry.trace
+    situation, trace = entry.situation, entry.waypoints
     sides = [SIDES[letter] for letter in passing_of(situation, trace).sides]
     words = {
         "stratum": NAMES.get(entry.stratum or "", "unknown"),
@@ -177,7 +177,7 @@ def _question(memory: Memory, situation: Situation) -> Values:
     tried = memory.recall(memory.index.embed_query(turned), CANDIDATES).tolist()
     movement, trace = found.plan.trajectory, None
     if found.memory is not None:
-        trace = Trace(memory.traces[found.memory], memory.goals[found.memory])
+        trace = Waypoints(memory.knots[found.memory], memory.goals[found.memory])
         tried = list(dict.fromkeys([*tried, found.memory]))
     time = np.array([0.0, turned.horizon]) if movement is None else movement.time
     hand = np.array([turned.arm.hand] * 2) if movement is None else movement.hand
