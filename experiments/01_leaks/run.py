@@ -48,7 +48,7 @@ def wave(**changes: object) -> Engine:
     """Run the wave with some parameters changed."""
 
     def run(walls: Walls, params: WaveParams) -> int:
-        return leaked_cells(walls, propagate(walls.task, replace(params, **changes)))  # type: ignore[arg-type]
+        return leaked_cells(walls, propagate(*walls.setting, replace(params, **changes)))  # type: ignore[arg-type]
 
     return run
 
@@ -57,7 +57,7 @@ def waiting(**changes: object) -> Engine:
     """Run the wave that may wait with some parameters changed."""
 
     def run(walls: Walls, params: WaveParams) -> int:
-        return leaked_states(walls, propagate_layers(walls.task, replace(params, **changes)))  # type: ignore[arg-type]
+        return leaked_states(walls, propagate_layers(*walls.setting, replace(params, **changes)))  # type: ignore[arg-type]
 
     return run
 
@@ -65,7 +65,9 @@ def waiting(**changes: object) -> Engine:
 def marching(**changes: object) -> Engine:
     """Run causal marching with some parameters changed."""
     bare = MarchingParams(until="horizon", **changes)  # type: ignore[arg-type]
-    return lambda walls, params: leaked_cells(walls, march(walls.task, replace(bare, n=params.n)))
+    return lambda walls, params: leaked_cells(
+        walls, march(*walls.setting, replace(bare, n=params.n))
+    )
 
 
 ENGINES = (

@@ -18,11 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.handspace.lattice import Lattice, hand_space
-from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
-from gcm_learn.wave import Front, LayeredFront, Task, WaveParams, front_speed, kappa_of
-from gcm_learn.wave.kernels import FREE
+from gcm_learn.wave import Front, WaveParams, front_speed, kappa_of
 
 PARTS = {"upper arm": (1.0, 0.5), "forearm": (0.4, 0.5)}  # rho and distance s from the shoulder
 TURNING = {"head on": (1, -1), "receding": (-1, 1), "sweeping": (1, 1)}
@@ -56,9 +54,9 @@ class Wall:
 
 @dataclass(frozen=True)
 class Walls:
-    """A task whose only obstacles are two walls."""
+    """A scene whose only obstacles are two walls."""
 
-    task: Task
+    setting: tuple[Scene, Lattice]
     out: float
     """When the front sets out: what is excited before does not count [s]."""
     direction: np.ndarray
@@ -122,7 +120,7 @@ def draw(
     direction = limb_direction(lattice, distance)
     turn, radius = rng.uniform(-np.pi, np.pi), rng.uniform(abs(rho - 1.0) + 0.3, rho + 0.8)
     hand = (float(radius * np.cos(turn)), float(radius * np.sin(turn)))
-    kappa = kappa_of(Task(_pack((), hand, lattice, 1.0), lattice, hand, 1.0, 1.0), params)
+    kappa = kappa_of(_pack((), hand, lattice, 1.0), lattice, params)
     per_radian = breadth(lattice, direction)
     rate = speed * lattice.spacing / per_radian  # [rad/tau]
     half = max(0.5 * width * lattice.spacing * distance / per_radian, POINT)
@@ -141,8 +139,8 @@ def draw(
             _turning(k, distance, half, starts[k], signs[k] * rate / kappa) for k in (0, 1)
         )
         pair = (low, high)
-    bodies = _pack((pair[0].body, pair[1].body), hand, lattice, horizon)
-    return Walls(Task(bodies, lattice, hand, 1.0, horizon), out * kappa, direction, pair)
+    scene = _pack((pair[0].body, pair[1].body), hand, lattice, horizon)
+    return Walls((scene, lattice), out * kappa, direction, pair)
 
 
 def _angles(
@@ -199,23 +197,23 @@ def _passing(
 
 def _pack(
     walls: tuple[Body, ...], hand: tuple[float, float], lattice: Lattice, horizon: float
-) -> Bodies:
+) -> Scene:
     """Pack walls; a target out of reach makes the situation valid."""
     away = PlanarQuadratic((9.0, 0.0), (0.0, 0.0), (0.0, 0.0))
     target = Body("target", "far away", Disc(0.1), away)
-    arm = Arm(hand, 1.0, upper_arm=lattice.upper_arm, elbow=lattice.elbow)
-    return pack_bodies(Situation("walls", horizon, arm, (*walls, target)))
+    arm = Arm(hand, 1.0, upper_arm=lattice.upper_arm, elbow=lattice.elbow, grasp=0.0)
+    return pack(Situation("walls", horizon, arm, (*walls, target)))
 
 
 def leaked_cells(walls: Walls, front: Front) -> int:
     """Count the cells that a front reached on the far side of a wall."""
-    t = front.arrival
+    t = front.first
     low, high = (wall.at(t) for wall in walls.pair)
     inside = np.mod(walls.direction - low, 2.0 * np.pi) < high - low
-    return int(np.count_nonzero((front.state == FREE) & (t > walls.out) & ~inside))
+    return int(np.count_nonzero(~(front.refused | front.met) & (t > walls.out) & ~inside))
 
 
-def leaked_states(walls: Walls, front: LayeredFront) -> int:
+def leaked_states(walls: Walls, front: Front) -> int:
     """Count the states of a front that waits that are on the far side of a wall.
 
     The hand may stay in a state from its arrival to its end, so both count.

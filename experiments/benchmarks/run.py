@@ -32,10 +32,9 @@ from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner
 from gcm_learn.families import random_planar  # noqa: E402
 from gcm_learn.handspace.lattice import hand_space  # noqa: E402
 from gcm_learn.handspace.occupied import occupied_cells  # noqa: E402
-from gcm_learn.scene.packing import pack_bodies  # noqa: E402
+from gcm_learn.scene import Scene, pack  # noqa: E402
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation  # noqa: E402
 from gcm_learn.wave import (  # noqa: E402
-    Task,
     front_speed,
     kappa_of,
     march,
@@ -71,12 +70,11 @@ def _moving(place: tuple[float, float], velocity: tuple[float, float]) -> Planar
     return PlanarQuadratic(place, velocity, (0.0, 0.0))
 
 
-def task_of(situation: Situation, horizon: float) -> Task:
-    """Make a front's task of a situation."""
-    arm = situation.arm
-    lattice = Lattice(80, arm.upper_arm, arm.elbow)
-    bodies = pack_bodies(situation)
-    return Task(bodies, lattice, arm.hand, arm.max_hand_speed, horizon, arm.thickness, arm.grasp)
+def setting_of(situation: Situation, horizon: float) -> tuple[Scene, Lattice]:
+    """Pack a situation, with another horizon, and make the lattice of its arm."""
+    arm, scene = situation.arm, pack(situation)
+    scene = scene._replace(limits=scene.limits._replace(horizon=horizon))
+    return scene, Lattice(80, arm.upper_arm, arm.elbow)
 
 
 def paired(
@@ -125,8 +123,8 @@ def wave_against_stencil() -> str:
     steps = round(TAU / EXPLORE.step)
 
     def pair(situation: Situation) -> tuple[float, float, float]:
-        task = task_of(situation, TAU * kappa_of(task_of(situation, 1.0), EXPLORE))
-        return paired(lambda: propagate(task, EXPLORE), bare_stencil(steps))
+        setting = setting_of(situation, TAU * kappa_of(*setting_of(situation, 1.0), EXPLORE))
+        return paired(lambda: propagate(*setting, EXPLORE), bare_stencil(steps))
 
     wave, bare, ratio = over_scenes(pair)
     return f"{ratio:.2f} x  ({wave:.2f} ms against {bare:.2f} ms)"
@@ -134,9 +132,12 @@ def wave_against_stencil() -> str:
 
 def wave_against_reference() -> str:
     """Wave kernel against plain numpy, the same 400 tau."""
-    task = task_of(SITUATIONS[0], TAU * kappa_of(task_of(SITUATIONS[0], 1.0), EXPLORE))
+    first = SITUATIONS[0]
+    setting = setting_of(first, TAU * kappa_of(*setting_of(first, 1.0), EXPLORE))
     wave, slow, ratio = paired(
-        lambda: propagate(task, EXPLORE), lambda: propagate_reference(task, EXPLORE), repeats=3
+        lambda: propagate(*setting, EXPLORE),
+        lambda: propagate_reference(*setting, EXPLORE),
+        repeats=3,
     )
     return f"{1 / ratio:.0f} x  ({wave:.2f} ms against {slow:.0f} ms)"
 
@@ -149,14 +150,15 @@ def marching_against_skfmm() -> str:
         return "left out: scikit-fmm is not installed"
 
     def pair(situation: Situation) -> tuple[float, float, float]:
-        task = task_of(situation, 10.0)
-        inside = hand_space(task.lattice).inside.reshape(80, 80)
-        phi = distance(task) - 1.5 * task.lattice.spacing
-        blocked = ~inside | occupied_cells(situation, task.lattice, 0.0)
+        setting = setting_of(situation, 10.0)
+        lattice = setting[1]
+        inside = hand_space(lattice).inside.reshape(80, 80)
+        phi = distance(*setting) - 1.5 * lattice.spacing
+        blocked = ~inside | occupied_cells(situation, lattice, 0.0)
         masked = np.ma.MaskedArray(phi, blocked & (phi > 0))
-        ones, h = np.ones_like(phi), float(task.lattice.spacing)
+        ones, h = np.ones_like(phi), float(lattice.spacing)
         return paired(
-            lambda: march(task, MARCH),
+            lambda: march(*setting, MARCH),
             lambda: skfmm.travel_time(masked, ones, dx=h, order=2),
             repeats=41,
         )
@@ -168,10 +170,11 @@ def marching_against_skfmm() -> str:
 def free_space_errors() -> str:
     """Largest error of the arrival in free space, in cells: marching, scikit-fmm."""
     free = Situation("free", 10.0, Arm((0.9, -0.4), SPEED), SITUATIONS[0].bodies[:1])
-    task = task_of(free, 10.0)
-    inside = hand_space(task.lattice).inside.reshape(80, 80)
-    exact, h = distance(task), task.lattice.spacing
-    ours = np.abs(march(task, MARCH).arrival * SPEED - exact)[inside].max() / h
+    setting = setting_of(free, 10.0)
+    lattice = setting[1]
+    inside = hand_space(lattice).inside.reshape(80, 80)
+    exact, h = distance(*setting), lattice.spacing
+    ours = np.abs(march(*setting, MARCH).first * SPEED - exact)[inside].max() / h
     try:
         import skfmm
     except ImportError:
@@ -184,19 +187,19 @@ def free_space_errors() -> str:
     return f"marching {ours:.1e}, scikit-fmm {theirs:.2f} cells"
 
 
-def distance(task: Task) -> np.ndarray:
+def distance(scene: Scene, lattice: Lattice) -> np.ndarray:
     """Exact distance of every cell to the hand (80, 80)."""
-    x = task.lattice.centres
-    return np.hypot(x[None, :] - task.hand[0], x[:, None] - task.hand[1])
+    x = lattice.centres
+    return np.hypot(x[None, :] - scene.limb.x, x[:, None] - scene.limb.y)
 
 
 def anisotropy() -> str:
     """Spread of the free front's speed over directions."""
     five, nine = (front_speed(WaveParams(laplacian=p)).anisotropy for p in (5, 9))
     free = Situation("free", 10.0, Arm((0.025, 0.025), SPEED), SITUATIONS[0].bodies[:1])
-    task = task_of(free, 10.0)
-    far = (distance(task) > 1.0) & hand_space(task.lattice).inside.reshape(80, 80)
-    speed = distance(task)[far] / march(task, MARCH).arrival[far]
+    setting = setting_of(free, 10.0)
+    far = (distance(*setting) > 1.0) & hand_space(setting[1]).inside.reshape(80, 80)
+    speed = distance(*setting)[far] / march(*setting, MARCH).first[far]
     marching = 1.0 - speed.min() / speed.max()
     return (
         f"5-point {100 * five:.1f} %, 9-point {100 * nine:.1f} %, marching {100 * marching:.2g} %"
@@ -210,9 +213,9 @@ def plan_against_kernel(situations: int = 120) -> str:
         situation = random_planar(rng(7, k))
         if not planner.plan(situation).caught:
             continue
-        task = task_of(situation, situation.horizon)
+        setting = setting_of(situation, situation.horizon)
         ratios.append(
-            paired(lambda: planner.plan(situation), lambda: propagate(task, WaveParams()), 7)[2]  # noqa: B023
+            paired(lambda: planner.plan(situation), lambda: propagate(*setting, WaveParams()), 7)[2]  # noqa: B023
         )
     low, mid, high = np.percentile(ratios, [10, 50, 90])
     return f"{mid:.2f} x  (10 to 90 %: {low:.2f} to {high:.2f}; {len(ratios)} plans)"
@@ -227,10 +230,10 @@ def layered_against_marching(situations: int = 60) -> str:
         situation = families.draw(name, 13, k)
         if straight.plan(situation).caught:
             continue
-        task = task_of(situation, situation.horizon)
+        setting = setting_of(situation, situation.horizon)
         layers, _, ratio = paired(
-            lambda: march_layers(task, MarchingParams()),  # noqa: B023
-            lambda: march(task, MarchingParams()),  # noqa: B023
+            lambda: march_layers(*setting, MarchingParams()),  # noqa: B023
+            lambda: march(*setting, MarchingParams()),  # noqa: B023
             5,
         )
         ratios.append(ratio)
@@ -264,7 +267,7 @@ def violations(situations: int) -> str:
 def scenes() -> list[Situation]:
     """Scenes in which the front gets through most of the ring: blocked ones would flatter us."""
     drawn = (scene(seed) for seed in range(1000))
-    wide = (s for s in drawn if march(task_of(s, 10.0), MARCH).steps >= 3500)
+    wide = (s for s in drawn if march(*setting_of(s, 10.0), MARCH).steps >= 3500)
     return list(itertools.islice(wide, SCENES))
 
 

@@ -17,11 +17,12 @@ INSTANTS = 24  # at which targets are looked at to tell how long a place is of u
 
 
 @njit
-def next_free(bodies, limb, m, gap, t, end, step, scratch):
-    """First moment from t [s] on at which no obstacle is within `gap` of a limb; NEVER if none.
+def next_free(postures, m, t, end, step):
+    """First moment from t [s] on at which no obstacle is near the limb of cell m; NEVER if none.
 
     Searched in steps of `step` [s], longer where the depth in the gap allows it.
     """
+    bodies, limb, gap, scratch = postures.bodies, postures.limb, postures.gap[m], postures.scratch
     hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
     count = bodies.rows.shape[0]
     clear, b = 0, 0
@@ -103,7 +104,7 @@ def last_use(ways, end, speed, x, y):
 
 
 @njit
-def safe_until(bodies, limb, gap, cells, since, until, count, end, shortest, scratch):
+def safe_until(postures, cells, since, until, count, end, shortest):
     """Find when each of the cells that are free at `since` is touched next; `end` if never.
 
     Parameters
@@ -114,15 +115,16 @@ def safe_until(bodies, limb, gap, cells, since, until, count, end, shortest, scr
         Filled [s].
     """
     until[:count] = end
-    shorten(bodies, limb, gap, cells, since, until, count, end, shortest, scratch)
+    shorten(postures, cells, since, until, count, end, shortest)
 
 
 @njit
-def shorten(bodies, limb, gap, cells, since, until, count, end, shortest, scratch):
+def shorten(postures, cells, since, until, count, end, shortest):
     """Lower `until` where one of the cells that are free at `since` is touched before; see above.
 
     No `until` is later than `end`.
     """
+    bodies, limb, gap, _, scratch = postures
     if count == 0:
         return
     chord = np.empty(4)
@@ -151,11 +153,13 @@ def shorten(bodies, limb, gap, cells, since, until, count, end, shortest, scratc
 
 
 @njit
-def meet(bodies, limb, gap, cells, since, until, count, shortest, best, scratch):
+def meet(postures, gap, cells, since, until, count, shortest, best):
     """Find the earliest moment at which a target comes to one of the cells while it is safe.
 
-    `best` bounds what is of interest; returns (index or -1, body, time [s]).
+    A target comes when it is within `gap` of the hand; `best` bounds what is of interest.
+    Returns (index or -1, body, time [s]).
     """
+    bodies, limb, _, _, scratch = postures
     index, body = -1, -1
     if count == 0:
         return index, body, best

@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 from gcm_learn.collision.distance import arm_distance, room_at
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, SIZE, TOP_SPEED
+from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, SIZE, TOP_SPEED, Bodies
 
 FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearm lengths]
 MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
+
+
+class Postures(NamedTuple):
+    """Limbs at rest, one for every cell, and the bodies that may come to them."""
+
+    bodies: Bodies
+    limb: np.ndarray  # (m, 4): hand x, y and elbow x, y
+    gap: np.ndarray  # (m,): distance at which an obstacle counts as touching
+    poses: np.ndarray  # (n, 12): of the bodies, at the moment that is being looked at
+    scratch: np.ndarray  # (n, 12): room for poses at other instants
+
+
+def postures_of(bodies: Bodies, limb: np.ndarray, gap: np.ndarray) -> Postures:
+    """Postures with room for the bodies' poses."""
+    poses = np.zeros((len(bodies.rows), 12))
+    return Postures(bodies, limb, gap, poses, np.zeros_like(poses))
 
 
 @njit
@@ -46,26 +66,22 @@ def _limb_point2(x, y, hx, hy, ex, ey, shrink):
 
 
 @njit
-def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, blocked, scratch):
+def blocked_cells(postures, cells, since, count, now, shortest, blocked):
     """Mark the cells whose limb an obstacle comes near at any instant of a span of time.
 
     Parameters
     ----------
-    poses : (n, 12) ndarray
-        Poses at time `now`: one evaluation serves all cells that a front reaches together.
-    limb : (m, 4) ndarray
-        Hand x, y and elbow x, y of every cell.
-    gap : (m,) ndarray
-        Distance at which an obstacle counts as touching.
+    postures : Postures
+        With the bodies' poses at time `now`: one evaluation serves all cells that a front reaches
+        together.
     cells, since : (count,) ndarray
         Cells to look at and the time [s] since when each must have been free.
     now, shortest : float
         End of the span; resolution at which it is searched [s].
     blocked : (count,) bool ndarray
         Filled.
-    scratch : (n, 12) ndarray
-        Room for poses at other instants.
     """
+    bodies, limb, gap, poses, scratch = postures
     blocked[:count] = False
     if count == 0:
         return
@@ -106,7 +122,7 @@ def blocked_cells(bodies, poses, limb, gap, cells, since, count, now, shortest, 
 
 
 @njit
-def met_targets(bodies, poses, limb, gap, cells, since, count, now, shortest, body, when, scratch):
+def met_targets(postures, gap, cells, since, count, now, shortest, body, when):
     """Find for every cell the first target that comes within `gap` of a hand resting there.
 
     Parameters
@@ -120,6 +136,7 @@ def met_targets(bodies, poses, limb, gap, cells, since, count, now, shortest, bo
 
     The others are those of `blocked_cells`.
     """
+    bodies, limb, _, poses, scratch = postures
     body[:count] = -1
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:

@@ -82,7 +82,7 @@ def map_of(situation: Situation, engine: str, n: int, cells: Sequence[Any]) -> C
         position = (float(lattice.centres[ix]), float(lattice.centres[iy]))
         contact = Contact((iy, ix), position, time, body)
     return CognitiveMap(
-        lattice=lattice,
+        chart=lattice,
         hand=arm.hand,
         arrival=_arrival(arrival, quantum, (n, n)),
         effective_obstacles=_bits(obstacles, n),

@@ -11,7 +11,7 @@ from gcm_learn.dataset.parameters import parameters_of, quantities_of, structure
 from gcm_learn.dataset.record import OracleLabel, Record
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of, split_of
-from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
+from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.planners import (
     Bounds,
     Exploration,
@@ -33,7 +33,7 @@ from gcm_learn.planners import (
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Frame, Situation, canonical
-from gcm_learn.wave import MarchingParams, WaveParams, march_layers
+from gcm_learn.wave import MarchingParams, WaveParams
 
 AUDIT = 1  # salt of the lot that decides which items the oracle labels as well
 LONGEST_ERROR = 300  # characters
@@ -197,14 +197,9 @@ class Case:
 
     def _explored(self) -> CognitiveMap:
         """The map on its own, where no planner needed one."""
-        bodies = self.problem.bodies
-        if self.spec.map == "wave":
-            return build_map(self.situation, WaveParams(n=self.spec.n), bodies=bodies)
-        params = MarchingParams(n=self.spec.n)
-        if self.spec.map == "marching":
-            return build_map(self.situation, params, bodies=bodies)
-        task = task_of(self.situation, params, bodies)
-        return layered_map(self.situation, task, march_layers(task, params))
+        kind = WaveParams if self.spec.map == "wave" else MarchingParams
+        wait, scene = self.spec.map == "layered", self.problem.scene
+        return build_map(self.situation, kind(n=self.spec.n), wait=wait, scene=scene)
 
     def bounds(self) -> Bounds:
         """The oracle's bounds on the earliest catch."""

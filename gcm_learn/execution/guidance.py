@@ -13,9 +13,9 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.lattice import hand_space
-from gcm_learn.maps import CognitiveMap, build_map, layered_map, task_of
+from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.situation import Situation
-from gcm_learn.wave import MarchingParams, march_layers
+from gcm_learn.wave import MarchingParams
 
 CELLS = 40  # along a side of a field; maps have twice as many
 _SWEEPS = 24  # in each of four directions at most
@@ -52,17 +52,12 @@ def field_of(situation: Situation) -> np.ndarray:
     cognitive_map = build_map(situation, params)
     walls = cognitive_map.effective_obstacles
     if cognitive_map.contact is None:
-        cognitive_map, walls = _waiting_map(situation, params), np.zeros_like(walls)
+        cognitive_map, walls = build_map(situation, params, wait=True), np.zeros_like(walls)
     if cognitive_map.contact is None:
         return np.ones((CELLS, CELLS))
     seconds = time_to_go(cognitive_map, walls, situation.arm.max_hand_speed)
     share = np.minimum(seconds / situation.horizon, 1.0)
     return share.reshape(CELLS, 2, CELLS, 2).min(axis=(1, 3))
-
-
-def _waiting_map(situation: Situation, params: MarchingParams) -> CognitiveMap:
-    task = task_of(situation, params)
-    return layered_map(situation, task, march_layers(task, params))
 
 
 def time_to_go(cognitive_map: CognitiveMap, walls: np.ndarray, speed: float) -> np.ndarray:

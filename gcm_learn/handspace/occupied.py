@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.occupancy import blocked_cells
+from gcm_learn.collision.occupancy import blocked_cells, postures_of
 from gcm_learn.handspace.lattice import Lattice, hand_space
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack_bodies
@@ -27,17 +27,13 @@ def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarr
     (n, n) bool ndarray
         Indexed [iy, ix]; False outside the reachable ring.
     """
-    bodies = pack_bodies(situation)
-    poses = np.zeros((len(situation.bodies), 12))
-    poses_at(bodies, t, poses)
     space = hand_space(lattice)
-    cells = np.flatnonzero(space.inside)
     gap = np.full(space.inside.size, situation.arm.thickness)
+    postures = postures_of(pack_bodies(situation), space.limb, gap)
+    poses_at(postures.bodies, t, postures.poses)
+    cells = np.flatnonzero(space.inside)
     blocked = np.empty(cells.size, dtype=np.bool_)
-    since = np.full(cells.size, t)
-    blocked_cells(
-        bodies, poses, space.limb, gap, cells, since, cells.size, t, 1.0, blocked, poses.copy()
-    )
+    blocked_cells(postures, cells, np.full(cells.size, t), cells.size, t, 1.0, blocked)
     occupied = np.zeros(space.inside.size, dtype=np.bool_)
     occupied[cells] = blocked
     return occupied.reshape(lattice.n, lattice.n)

@@ -1,31 +1,40 @@
-"""From a situation to its cognitive map, by either engine."""
+"""From a situation to its cognitive map, by any engine."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.handspace.chart import Chart
 from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps.cognitive_map import CognitiveMap, Contact
-from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.scene.packing import pack
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
+from gcm_learn.situation.situation import Arm
 from gcm_learn.wave import (
-    LayeredFront,
+    Front,
     MarchingParams,
-    Task,
     WaveParams,
     kappa_of,
     march,
+    march_layers,
     propagate,
+    propagate_layers,
 )
-from gcm_learn.wave.kernels import CONTACT, FROZEN
+
+
+def chart_of(arm: Arm, n: int) -> Chart:
+    """The chart of an arm's hand-space, n cells along a side."""
+    return Lattice(n, arm.upper_arm, arm.elbow)
 
 
 def build_map(
     situation: Situation,
     params: WaveParams | MarchingParams | None = None,
     *,
-    bodies: Bodies | None = None,
+    wait: bool = False,
+    chart: Chart | None = None,
+    scene: Scene | None = None,
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> CognitiveMap:
@@ -36,12 +45,16 @@ def build_map(
     situation : Situation
     params : WaveParams or MarchingParams, optional
         The kind chooses the engine; the published wave by default.
-    bodies : Bodies, optional
+    wait : bool
+        Whether the hand may wait: then there is a sheet of arrivals for every safe interval.
+    chart : Chart, optional
+        Where the front can be; the lattice of the arm's hand-space by default.
+    scene : Scene, optional
         The situation packed, if the caller has it at hand.
     ignore : float
         Contacts before this time do not stop the front [s].
-    widening : (n * n,) ndarray, optional
-        Margin of every cell beyond that of `params`, in the same unit.
+    widening : (nodes,) ndarray, optional
+        Margin of every node beyond that of `params`, in the same unit.
 
     Returns
     -------
@@ -49,119 +62,61 @@ def build_map(
         Whether the target was met is its `contact`.
     """
     params = WaveParams() if params is None else params
-    task = task_of(situation, params, bodies, ignore, widening)
-    wave = isinstance(params, WaveParams)
-    front = propagate(task, params) if isinstance(params, WaveParams) else march(task, params)
-    frozen = front.state == FROZEN
-    contact = None
-    if front.contact_cell >= 0:
-        cell = divmod(front.contact_cell, params.n)
-        contact = _contact(situation, task.lattice, cell, front.contact_time, front.contact_body)
-    return CognitiveMap(
-        lattice=task.lattice,
-        hand=task.hand,
-        arrival=np.ma.MaskedArray(front.arrival, mask=frozen | (front.arrival < 0.0)),
-        effective_obstacles=frozen,
-        effective_target=front.state == CONTACT,
-        contact=contact,
-        kappa=kappa_of(task, params if isinstance(params, WaveParams) else WaveParams(n=params.n)),
-        engine="wave" if wave else "marching",
-    )
+    chart = chart_of(situation.arm, params.n) if chart is None else chart
+    scene = pack(situation) if scene is None else scene
+    front = explore(scene, chart, params, wait=wait, ignore=ignore, widening=widening)
+    return map_of(situation, scene, front, params)
 
 
-def task_of(
-    situation: Situation,
+def explore(
+    scene: Scene,
+    chart: Chart,
     params: WaveParams | MarchingParams,
-    bodies: Bodies | None = None,
+    *,
+    wait: bool = False,
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
-) -> Task:
-    """What a front has to explore in a situation; the arguments are those of `build_map`."""
-    arm = situation.arm
-    return Task(
-        bodies=pack_bodies(situation) if bodies is None else bodies,
-        lattice=Lattice(params.n, arm.upper_arm, arm.elbow),
-        hand=arm.hand,
-        speed=arm.max_hand_speed,
-        horizon=situation.horizon,
-        thickness=arm.thickness,
-        grasp=arm.grasp,
-        ignore=ignore,
-        joint_speed=arm.max_joint_speed,
-        widening=widening,
-    )
+) -> Front:
+    """Let a front spread over a chart; the arguments are those of `build_map`.
 
-
-def layered_map(situation: Situation, task: Task, front: LayeredFront) -> CognitiveMap:
-    """The map of a front that waits: one sheet of arrivals for every safe interval of a cell.
-
-    Parameters
-    ----------
-    situation : Situation
-    task, front : Task, LayeredFront
-        What was explored, and what came of it.
-
-    Returns
-    -------
-    CognitiveMap
-        Its effective obstacles are the cells in which an obstacle was when a front came; unlike
-        those of a first-arrival map they may have arrivals, later ones.
+    The wave runs over lattices in the plane only.
     """
-    n = task.lattice.n
-    iy, ix = front.cells.T
-    order, sheet = _sheets_of(iy * n + ix, front.arrival, front.end)
-    arrival = np.full((sheet.max(initial=0) + 1, n, n), -1.0)
-    arrival[sheet, iy[order], ix[order]] = front.arrival[order]
-    sheets = np.ma.MaskedArray(arrival, mask=arrival < 0.0)
-    target, contact = np.zeros((n, n), dtype=bool), None
+    if isinstance(params, MarchingParams):
+        marching = march_layers if wait else march
+        return marching(scene, chart, params, ignore=ignore, widening=widening)
+    if not isinstance(chart, Lattice):
+        raise TypeError(f"the wave needs a Lattice, got {type(chart).__name__}")
+    wave = propagate_layers if wait else propagate
+    return wave(scene, chart, params, ignore=ignore, widening=widening)
+
+
+def map_of(
+    situation: Situation, scene: Scene, front: Front, params: WaveParams | MarchingParams
+) -> CognitiveMap:
+    """The map that a front with some parameters has left behind.
+
+    Its effective obstacles are the nodes in which an obstacle was when a front came; where the hand
+    may wait these may have arrivals, later ones.
+    """
+    sheets, contact, wave = front.sheets, None, isinstance(params, WaveParams)
     if front.met_state >= 0:
-        cell = (int(iy[front.met_state]), int(ix[front.met_state]))
-        target[cell] = True
-        contact = _contact(situation, task.lattice, cell, front.met_time, front.met_body)
+        node = int(front.nodes[front.met_state])
+        contact = Contact(
+            cell=tuple(int(i) for i in np.unravel_index(node, front.chart.shape)),
+            position=tuple(float(x) for x in front.chart.hands[node]),
+            time=front.met_time,
+            body=situation.bodies[front.met_body].name,
+        )
+    timed = params if isinstance(params, WaveParams) and not front.waits else WaveParams()
     return CognitiveMap(
-        lattice=task.lattice,
-        hand=task.hand,
+        chart=front.chart,
+        hand=situation.arm.hand,
         arrival=sheets[0],
         effective_obstacles=front.refused,
-        effective_target=target,
+        effective_target=front.met,
         contact=contact,
-        kappa=kappa_of(task, WaveParams(n=n)),
-        engine="layered",
+        kappa=kappa_of(scene, front.chart, timed),
+        engine="layered" if front.waits else "wave" if wave else "marching",
         later=sheets[1:] if len(sheets) > 1 else None,
+        via=None if front.waits or front.via is None else front.via.reshape(front.chart.shape),
     )
-
-
-def _sheets_of(
-    cell: np.ndarray, arrival: np.ndarray, end: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Count the safe intervals of every cell.
-
-    A front may come to a cell twice in one interval, over a neighbour and from where it waited;
-    the earlier one counts.
-
-    Parameters
-    ----------
-    cell, arrival, end : (m,) ndarray
-        Of the states: flat index; when the hand can be there, and until when [s].
-
-    Returns
-    -------
-    order : (k,) ndarray
-        The states that are the first in their interval, cell by cell in order of arrival.
-    sheet : (k,) ndarray
-        How many intervals of their cell come before.
-    """
-    order = np.lexsort((arrival, cell))
-    another = np.ones(len(order), dtype=bool)
-    same = cell[order][1:] == cell[order][:-1]
-    another[1:] = ~same | (arrival[order][1:] > end[order][:-1])
-    order = order[another]
-    sheet = np.arange(len(order)) - np.searchsorted(cell[order], cell[order])
-    return order, sheet
-
-
-def _contact(
-    situation: Situation, lattice: Lattice, cell: tuple[int, int], time: float, body: int
-) -> Contact:
-    x, y = float(lattice.centres[cell[1]]), float(lattice.centres[cell[0]])
-    return Contact(cell=cell, position=(x, y), time=time, body=situation.bodies[body].name)

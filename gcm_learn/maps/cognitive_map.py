@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gcm_learn.errors import FileFormatError
+from gcm_learn.handspace.chart import Chart
 from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.storage import whole_file
 
@@ -23,10 +24,10 @@ FORMAT = "gcm-learn/map@1"
 class Contact:
     """Where and when the front met a target first."""
 
-    cell: tuple[int, int]
-    """(iy, ix) of the lattice."""
-    position: tuple[float, float]
-    """Centre of that cell [forearm lengths]."""
+    cell: tuple[int, ...]
+    """Index of the node in the chart's shape: (iy, ix) of a lattice."""
+    position: tuple[float, ...]
+    """Hand at that node, the centre of the cell [forearm lengths]."""
     time: float
     """[s]"""
     body: str
@@ -37,19 +38,19 @@ class Contact:
 class CognitiveMap:
     """Arrival times over hand-space, with the obstacles and the target as the front met them.
 
-    Arrays are (n, n), indexed [iy, ix] as in `Lattice`.
+    Arrays have the chart's shape: (n, n), indexed [iy, ix], over a `Lattice`.
     """
 
-    lattice: Lattice
+    chart: Chart
     hand: tuple[float, float]
     """Hand at t = 0 [forearm lengths]."""
     arrival: np.ma.MaskedArray
-    """(n, n) float: when the hand can be in a cell [s]; masked where the front never came and
+    """(...) float: when the hand can be in a cell [s]; masked where the front never came and
     inside effective obstacles."""
     effective_obstacles: np.ndarray
-    """(n, n) bool: cells in which the front froze on an obstacle (Omega of Eq. 11)."""
+    """(...) bool: cells in which the front froze on an obstacle (Omega of Eq. 11)."""
     effective_target: np.ndarray
-    """(n, n) bool: cells in which the front met a target."""
+    """(...) bool: cells in which the front met a target."""
     contact: Contact | None
     """The first of them, None if the front met no target."""
     kappa: float
@@ -57,18 +58,28 @@ class CognitiveMap:
     engine: str
     """"wave", "marching" or "layered"."""
     later: np.ma.MaskedArray | None = None
-    """(m, n, n) float: earliest arrivals in a cell's second, third, ... safe interval that can be
+    """(m, ...) float: earliest arrivals in a cell's second, third, ... safe interval that can be
     reached [s]; only layered maps, in which the hand may wait, have such sheets."""
+    via: np.ndarray | None = None
+    """(...) int: node from which the front came to another, -1 where it set out; None over a
+    lattice, on which the gradient says it."""
 
     def __post_init__(self) -> None:
-        shape = (self.lattice.n, self.lattice.n)
+        shape = self.chart.shape
         for name in ("arrival", "effective_obstacles", "effective_target"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} must be {shape}, got {getattr(self, name).shape}")
 
     @property
+    def lattice(self) -> Lattice:
+        """The chart of a map of the plane."""
+        if not isinstance(self.chart, Lattice):
+            raise TypeError(f"this map is over a {type(self.chart).__name__}, not over a Lattice")
+        return self.chart
+
+    @property
     def arrival_tau(self) -> np.ma.MaskedArray:
-        """Arrival in mental time, c_ij of the paper (n, n) [tau]."""
+        """Arrival in mental time, c_ij of the paper (...) [tau]."""
         return self.arrival / self.kappa
 
     @property
@@ -78,7 +89,7 @@ class CognitiveMap:
 
     @property
     def sheets(self) -> np.ma.MaskedArray:
-        """All sheets of arrivals (1 + m, n, n) [s]; a first-arrival map has one."""
+        """All sheets of arrivals (1 + m, ...) [s]; a first-arrival map has one."""
         first = self.arrival[None]
         return first if self.later is None else np.ma.concatenate([first, self.later])
 
@@ -89,7 +100,7 @@ class CognitiveMap:
         return plots.plot_map(self, ax=ax)
 
     def save(self, path: str | Path) -> Path:
-        """Write the map to an .npz file (whole or not at all); returns its path."""
+        """Write a map of the plane to an .npz file (whole or not at all); returns its path."""
         path = Path(path).with_suffix(".npz")
         header = {
             "format": FORMAT,
@@ -135,7 +146,7 @@ class CognitiveMap:
             )
         arrival = data["arrival"]
         return cls(
-            lattice=Lattice(header["n"], header["upper_arm"], header["elbow"]),
+            chart=Lattice(header["n"], header["upper_arm"], header["elbow"]),
             hand=tuple(header["hand"]),
             arrival=np.ma.MaskedArray(arrival, mask=arrival < 0.0),
             effective_obstacles=data["effective_obstacles"],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.compiled import njit
+from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
 STRIDE = 0.35  # length of a step [cells]
@@ -120,19 +121,21 @@ def descend_kernel(arrival, x, y, hand_x, hand_y, points):
 
 
 def descend(
-    cognitive_map: CognitiveMap, start: tuple[float, float] | None = None
+    cognitive_map: CognitiveMap, start: tuple[float, ...] | None = None
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Path from the hand to a point of the map, with the front's arrival along it (Sect. 2.3.4).
+
+    Over a lattice it is smooth; over other charts it runs from node to node.
 
     Parameters
     ----------
     cognitive_map : CognitiveMap
-    start : (2,) tuple of float, optional
+    start : (d,) tuple of float, optional
         Where the descent starts, i.e. where the path ends; the contact's cell by default.
 
     Returns
     -------
-    points : (m, 2) ndarray
+    points : (m, d) ndarray
         Hand positions from the hand at t = 0 to `start` [forearm lengths].
     arrival : (m,) ndarray
         When the front was there [s].
@@ -142,7 +145,9 @@ def descend(
         if cognitive_map.contact is None:
             return None
         start = cognitive_map.contact.position
-    lattice = cognitive_map.lattice
+    lattice = cognitive_map.chart
+    if not isinstance(lattice, Lattice):
+        return _over_nodes(cognitive_map, start)
     h, reach = lattice.spacing, lattice.upper_arm + 1.0
     ends = (np.array([*start, *cognitive_map.hand]) + reach) / h - 0.5
     points = np.empty((40 * lattice.n, 3))
@@ -153,3 +158,29 @@ def descend(
     hands = (path[:, :2] + 0.5) * h - reach
     hands[0] = cognitive_map.hand
     return hands, path[:, 2].copy()
+
+
+def _over_nodes(
+    cognitive_map: CognitiveMap, start: tuple[float, ...]
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """`descend` over any chart, from the earliest of the nodes whose hand is nearest to `start`."""
+    arrival, hands = cognitive_map.arrival.filled(np.inf).ravel(), cognitive_map.chart.hands
+    away = np.linalg.norm(hands - start, axis=1)
+    nearest = np.flatnonzero(away <= away.min() + 1e-9)
+    node = int(nearest[np.argmin(arrival[nearest])])
+    if not np.isfinite(arrival[node]):
+        return None
+    nodes = nodes_to(cognitive_map, node)
+    points = np.vstack([cognitive_map.hand, hands[nodes]])
+    return points, np.concatenate([[0.0], arrival[nodes]])
+
+
+def nodes_to(cognitive_map: CognitiveMap, node: int) -> list[int]:
+    """Nodes by which the front came to one that it reached, the last of them."""
+    if cognitive_map.via is None:
+        raise ValueError("this map does not say where its front came from")
+    nodes, via = [], cognitive_map.via.ravel()
+    while node >= 0:
+        nodes.append(node)
+        node = int(via[node])
+    return nodes[::-1]

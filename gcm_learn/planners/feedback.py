@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.handspace import Chart
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt
-from gcm_learn.wave import Task
+from gcm_learn.scene import Scene
+from gcm_learn.wave import fastest
 
 WIDER = (
     0.5  # added to the margin around a touch, in units of what half a cell's step moves the limb
@@ -48,18 +49,18 @@ class Lessons:
     ignore: float = 0.0
     """Contacts before this time do not count [s]."""
     widening: np.ndarray | None = None
-    """Margin (n * n,) on top of the usual one."""
-    touches: tuple[tuple[float, float], ...] = ()
+    """Margin (nodes,) on top of the usual one."""
+    touches: tuple[tuple[float, ...], ...] = ()
     """Where the hand was when the limb was touched [forearm lengths]."""
     passed_over: int = 0
     """Number of contacts."""
     met: float = -1.0
     """When the last map's contact was [s]."""
 
-    def applied(self, task: Task) -> Task:
-        """What there is to explore, with what was learned."""
-        horizon = task.horizon + self.beyond * task.lattice.spacing / task.fastest
-        return replace(task, horizon=horizon, ignore=self.ignore, widening=self.widening)
+    def applied(self, scene: Scene, chart: Chart) -> Scene:
+        """A scene with the horizon at which the front stops."""
+        horizon = scene.limits.horizon + self.beyond * chart.spacing / fastest(scene)
+        return scene._replace(limits=scene.limits._replace(horizon=horizon))
 
     def after(
         self, found: Exploration, failures: list[tuple[Attempt, Verdict]], speed: float
@@ -74,22 +75,22 @@ class Lessons:
         when, attempt = min(touched, key=lambda touch: touch[0], default=(np.inf, None))
         lessons = replace(self, met=met)
         if attempt is not None and when < found.arrived:
-            lessons = lessons._wider(found.map.lattice, attempt, when)
+            lessons = lessons._wider(found.map.chart, attempt, when)
             if met != self.met:
                 return lessons
         # Nothing to widen, or the last widening has not moved the contact.  Contacts that fail come
         # in rows: skip ever more of them.
-        crossing = found.map.lattice.spacing / speed
+        crossing = found.map.chart.spacing / speed
         ignore = met + 2**self.passed_over * crossing
         return replace(lessons, ignore=ignore, passed_over=self.passed_over + 1)
 
-    def _wider(self, lattice: Lattice, attempt: Attempt, when: float) -> Lessons:
-        """Widen the margin of the cells around the hand at some time."""
-        path = attempt.trajectory
-        x, y = (float(np.interp(when, path.time, path.hand[:, k])) for k in (0, 1))
-        h, centres = lattice.spacing, lattice.centres
-        again = sum(np.hypot(x - a, y - b) < NEAR * h for a, b in self.touches)
-        away = np.maximum(abs(centres - x), abs(centres[:, None] - y)).ravel()
-        widening = np.zeros(lattice.n**2) if self.widening is None else self.widening
+    def _wider(self, chart: Chart, attempt: Attempt, when: float) -> Lessons:
+        """Widen the margin of the nodes around the hand at some time."""
+        path, h = attempt.trajectory, chart.spacing
+        hand = tuple(float(np.interp(when, path.time, x)) for x in path.hand.T)
+        apart = [float(np.hypot.reduce(np.subtract(hand, other))) for other in self.touches]
+        again = sum(away < NEAR * h for away in apart)
+        away = np.abs(chart.hands - hand).max(axis=1)
+        widening = np.zeros(away.size) if self.widening is None else self.widening
         widening = widening + WIDER * (away < (AROUND + again) * h)
-        return replace(self, widening=widening, touches=(*self.touches, (x, y)))
+        return replace(self, widening=widening, touches=(*self.touches, hand))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeAlias, TypeVar
 
-from gcm_learn.handspace.lattice import LARGEST_LATTICE
+from gcm_learn.handspace import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.verification import Verdict
@@ -139,7 +139,7 @@ def first_arrival(
     cognitive_map = build_map(
         problem.situation,
         params,
-        bodies=problem.bodies,
+        scene=problem.scene,
         ignore=lessons.ignore,
         widening=lessons.widening,
     )

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from gcm_learn.maps import layered_map, task_of
+from gcm_learn.maps import chart_of, explore, map_of
 from gcm_learn.motion.timing import segment_times, straight_path
 from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
 from gcm_learn.planners.feedback import Exploration, Lessons
 from gcm_learn.planners.fronts import FrontPlanner, Rung, finer, first_arrival, without_margin
 from gcm_learn.situation.situation import Arm
-from gcm_learn.wave import LayeredFront, MarchingParams, Task, march_layers
+from gcm_learn.wave import Front, MarchingParams, WaveParams, fastest
 
 MEETING = 1.5  # the hand may meet a target so long before the map says so [crossings]
 A_WAIT = 0.3  # a stay that is longer is a wait [crossings]
@@ -50,39 +50,39 @@ def layered(params: MarchingParams | None = None) -> FrontPlanner:
 
 def waiting(problem: Problem, params: MarchingParams, lessons: Lessons) -> Exploration:
     """Layered map and ways back through its states."""
-    task = lessons.applied(task_of(problem.situation, params, problem.bodies))
-    return explored(problem, task, march_layers(task, params))
+    return explored(problem, spread(problem, params, lessons), params)
 
 
-def explored(problem: Problem, task: Task, front: LayeredFront) -> Exploration:
+def spread(problem: Problem, params: WaveParams | MarchingParams, lessons: Lessons) -> Front:
+    """Let a front that may wait spread over the arm's hand-space."""
+    chart = chart_of(problem.situation.arm, params.n)
+    return explore(
+        lessons.applied(problem.scene, chart),
+        chart,
+        params,
+        wait=True,
+        ignore=lessons.ignore,
+        widening=lessons.widening,
+    )
+
+
+def explored(problem: Problem, front: Front, params: WaveParams | MarchingParams) -> Exploration:
     """What comes of a front that waits: its map and the ways to end at its contact."""
-    found = layered_map(problem.situation, task, front)
+    found = map_of(problem.situation, problem.scene, front, params)
     if front.met_state < 0:
         return Exploration(found)
-    chain = chain_of(front)
-    wait = _last_wait(front, task, chain)
+    chain = front.chain()
+    wait = _last_wait(problem, front, chain)
     corner = len(chain) - 2 if wait < 0 else wait
     return Exploration(
         found,
-        _attempts(problem, task, front, chain, wait),
+        _attempts(problem, front, chain, wait),
         arrived=float(front.arrival[front.met_state]),
         shared=float(front.arrival[chain[corner]]) if corner >= 0 else 0.0,
     )
 
 
-def chain_of(front: LayeredFront) -> list[int]:
-    """States on the way from the hand to where the target is met."""
-    chain = []
-    state = front.met_state
-    while state >= 0:
-        chain.append(state)
-        state = int(front.via[state])
-    return chain[::-1]
-
-
-def way_to(
-    front: LayeredFront, task: Task, arm: Arm, chain: list[int]
-) -> tuple[np.ndarray, np.ndarray]:
+def path_to(front: Front, arm: Arm, chain: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Way from the hand through states, with waits.
 
     Returns
@@ -92,11 +92,10 @@ def way_to(
     wanted : (m,) ndarray
         When the hand should be there [s]; it waits at the end of each piece.
     """
-    centres = task.lattice.centres
-    hand, wanted = [np.array([task.hand])], [np.zeros(1)]
-    for state in chain:
-        iy, ix = front.cells[state]
-        piece = straight_path(hand[-1][-1], np.array([centres[ix], centres[iy]]))
+    places = front.chart.hands[front.nodes[chain]]
+    hand, wanted = [np.array([arm.hand])], [np.zeros(1)]
+    for state, place in zip(chain, places, strict=True):
+        piece = straight_path(hand[-1][-1], place)
         under_way = np.concatenate([[0.0], np.cumsum(segment_times(arm, piece))])
         leave = max(front.arrival[state] - under_way[-1], wanted[-1][-1])
         share = under_way / max(under_way[-1], 1e-300)
@@ -106,25 +105,23 @@ def way_to(
     return np.vstack(hand), np.concatenate(wanted)
 
 
-def _attempts(
-    problem: Problem, task: Task, front: LayeredFront, chain: list[int], wait: int
-) -> Iterator[Attempt]:
+def _attempts(problem: Problem, front: Front, chain: list[int], wait: int) -> Iterator[Attempt]:
     """Ways to end at the contact, the soonest first.
 
     From the last corner straight to the target; through the cell of the contact and on to the
     target; the same, but resting in that cell until the target comes; from the last wait straight
     to the target, left a little later if need be (`wait` is its index, -1 if there is none).
     """
-    arm, crossing = problem.situation.arm, task.lattice.spacing / task.fastest
+    arm, crossing = problem.situation.arm, front.chart.spacing / fastest(problem.scene)
 
     def until(count: int) -> tuple[np.ndarray, np.ndarray]:
-        hand, wanted = way_to(front, task, arm, chain[:count])
+        hand, wanted = path_to(front, arm, chain[:count])
         return timed(arm, wanted, hand) if count > 0 else (wanted, hand)
 
     time, hand = until(len(chain) - 1)
     ways = [go_on(problem, time, hand, straight_catch(problem, hand[-1], float(time[-1])))]
     yield from (way for way in ways if way is not None)
-    whole = finish(problem, *way_to(front, task, arm, chain))
+    whole = finish(problem, *path_to(front, arm, chain))
     if whole is not None:
         yield whole
     time, hand = until(len(chain))
@@ -137,7 +134,7 @@ def _attempts(
     if wait < 0:
         return
     time, hand = until(wait + 1)
-    leave = _leaves(front, task, chain, wait)
+    leave = _leaves(problem, front, chain, wait)
     for delay in DELAYS:
         left = max(leave + delay * crossing, float(time[-1]))
         waited, stays = np.append(time, left), np.vstack([hand, hand[-1:]])
@@ -146,18 +143,17 @@ def _attempts(
             yield dash
 
 
-def _leaves(front: LayeredFront, task: Task, chain: list[int], k: int) -> float:
+def _leaves(problem: Problem, front: Front, chain: list[int], k: int) -> float:
     """When the hand leaves the k-th state of a chain for the next one [s]."""
-    centres = task.lattice.centres
-    (iy, ix), (jy, jx) = front.cells[chain[k]], front.cells[chain[k + 1]]
-    away = np.hypot(centres[jx] - centres[ix], centres[jy] - centres[iy])
-    return float(front.arrival[chain[k + 1]] - away / task.fastest)
+    here, there = front.chart.hands[front.nodes[chain[k : k + 2]]]
+    away = np.hypot.reduce(there - here)
+    return float(front.arrival[chain[k + 1]] - away / fastest(problem.scene))
 
 
-def _last_wait(front: LayeredFront, task: Task, chain: list[int]) -> int:
+def _last_wait(problem: Problem, front: Front, chain: list[int]) -> int:
     """Index of the last state of a chain in which the hand waits before it goes on; -1 if none."""
-    stay = A_WAIT * task.lattice.spacing / task.fastest
+    stay = A_WAIT * front.chart.spacing / fastest(problem.scene)
     for k in range(len(chain) - 2, -1, -1):
-        if _leaves(front, task, chain, k) - front.arrival[chain[k]] > stay:
+        if _leaves(problem, front, chain, k) - front.arrival[chain[k]] > stay:
             return k
     return -1

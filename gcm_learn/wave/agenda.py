@@ -6,11 +6,13 @@ Lengths are in cells, times in crossings of a cell.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gcm_learn.collision.intervals import NEVER, last_use, next_free
 from gcm_learn.compiled import njit
-from gcm_learn.wave.marching import (
+from gcm_learn.wave.plane import (
     BUCKETS,
     PER_CELL,
     ROOT2,
@@ -32,9 +34,44 @@ CELL, SOURCE, VIA = 0, 1, 2
 ARRIVAL, END = 0, 1
 
 
-@njit
-def push(k, time, kind, bucket, queue, counts):
+class Sheets(NamedTuple):
+    """The states that have been reached."""
+
+    states: np.ndarray  # (m, 3) int32: cell, source and predecessor
+    spans: np.ndarray  # (m, 2): arrival and end of the safe interval [crossings]
+    latest: np.ndarray  # ((n + 2)^2,): a cell's last state, -1 if none
+
+
+class Agenda(NamedTuple):
+    """What is known of the cells of the padded lattice, and which of them are to be looked at."""
+
+    status: np.ndarray
+    tent: np.ndarray  # when the next front comes
+    again: np.ndarray  # when a cell that was blocked is free
+    source_of: np.ndarray  # of the next front
+    via_of: np.ndarray
+    queue: np.ndarray  # (m, 3): cell, the next entry of its bucket, kind
+    counts: np.ndarray  # number of entries, the first entry of every bucket, the first spare one
+    turn_of: np.ndarray  # place of a cell in the batch
+
+
+class Batch(NamedTuple):
+    """Cells that are looked at together; what they may become."""
+
+    places: np.ndarray  # in the padded lattice
+    cells: np.ndarray  # without padding
+    start: np.ndarray  # arrival [crossings]
+    origins: np.ndarray  # (m, 2): source and predecessor
+    limits: np.ndarray  # until when they are of use [s]
+    since: np.ndarray  # known to be free from then on [s]
+    until: np.ndarray  # and till then
+    which: np.ndarray  # bool: to be looked at again after `until`
+
+
+@njit(_nrt=False)
+def push(k, time, kind, bucket, agenda):
     """Put cell k into the bucket of a time, not before the one being worked on."""
+    queue, counts = agenda.queue, agenda.counts
     # One turn of the buckets is all that the queue can tell apart: later visits ask again.
     ahead = min(max(int(time * PER_CELL), bucket), bucket + BUCKETS - 1)
     slot = 1 + (ahead & (BUCKETS - 1))
@@ -50,21 +87,21 @@ def push(k, time, kind, bucket, queue, counts):
     counts[slot] = entry
 
 
-@njit
-def way_in(k, time, n, turns, circle, latest, states, spans):
+@njit(_nrt=False)
+def way_in(k, time, plane, sheets):
     """State of a neighbour in which the hand can wait to be in cell k at `time`; -1 if none.
 
     Among those that are possible the one that was reached first: it has most room to wait.
     """
-    W = n + 2
+    n, states, spans = plane.n, sheets.states, sheets.spans
     best = -1
     for d in range(8):
-        s = latest[k + STEP_I[d] * W + STEP_J[d]]
+        s = sheets.latest[k + STEP_I[d] * (n + 2) + STEP_J[d]]
         if s < 0:
             continue
         step = ROOT2 if STEP_I[d] != 0 and STEP_J[d] != 0 else 1.0
-        if turns.shape[0] > 0:
-            step = step_time(turns, circle, bare(k, n), bare(states[s, CELL], n), 0, 0.0, step)
+        if plane.turns.shape[0] > 0:
+            step = step_time(plane, bare(k, n), bare(states[s, CELL], n), 0, 0.0, step)
         leave = time - step
         if spans[s, ARRIVAL] <= leave <= spans[s, END]:
             if best < 0 or spans[s, ARRIVAL] < spans[best, ARRIVAL]:
@@ -72,69 +109,71 @@ def way_in(k, time, n, turns, circle, latest, states, spans):
     return best
 
 
-@njit
-def keep_useful(
-    count, ways, end, when, explore, speed, kappa, lookback, limb, places, cells, start, origins,
-    limits, since,
-):  # fmt: skip
+@njit(_nrt=False)
+def keep(i, to, batch):
+    """Move an entry of a batch to a place before it."""
+    batch.places[to], batch.cells[to], batch.start[to] = (
+        batch.places[i], batch.cells[i], batch.start[i],
+    )  # fmt: skip
+    batch.origins[to, 0], batch.origins[to, 1] = batch.origins[i, 0], batch.origins[i, 1]
+    batch.limits[to] = batch.limits[i]
+
+
+@njit(_nrt=False)
+def keep_useful(count, ways, when, limb, terms, batch):
     """Drop those of `count` cells from which no target can be met any more; returns the rest.
 
-    `limits` (n * n,) is filled with how long the rest are of use, given that a target can be met at
-    `when`, and `since` with from when on they have to be free [s].
+    `ways` are the targets', a target can be met at `when` [s].
     """
-    useful = 0
+    useful, kappa, end = 0, terms.kappa, terms.end * terms.kappa
     for i in range(count):
-        last = end
-        if not explore:
-            last = last_use(ways, end, speed, limb[cells[i], 0], limb[cells[i], 1])
-        if start[i] * kappa <= last:
-            places[useful], cells[useful], start[useful] = places[i], cells[i], start[i]
-            origins[useful, 0], origins[useful, 1] = origins[i, 0], origins[i, 1]
-            limits[useful] = last if explore else min(last, when)
-            since[useful] = max(start[i] - lookback, 0.0) * kappa
+        last, m = end, batch.cells[i]
+        if not terms.explore:
+            last = last_use(ways, end, terms.speed, limb[m, 0], limb[m, 1])
+        if batch.start[i] * kappa <= last:
+            keep(i, useful, batch)
+            batch.limits[useful] = last if terms.explore else min(last, when)
+            batch.since[useful] = max(batch.start[i] - terms.lookback, 0.0) * kappa
             useful += 1
     return useful
 
 
-@njit
-def keep_free(count, room, blocked, places, cells, start, origins, limits):
+@njit(_nrt=False)
+def keep_free(count, room, batch):
     """Drop the blocked ones of `count` cells, and what there is no `room` for; returns the rest."""
     free = 0
     for i in range(count):
-        if not blocked[i] and free < room:
-            places[free], cells[free], start[free] = places[i], cells[i], start[i]
-            limits[free] = limits[i]
-            origins[free, 0], origins[free, 1] = origins[i, 0], origins[i, 1]
+        if not batch.which[i] and free < room:
+            keep(i, free, batch)
             free += 1
     return free
 
 
-@njit
-def seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queue, counts):
+@njit(_nrt=False)
+def seed(plane, agenda):
     """Reach the cells around the hand straight from it."""
-    W = n + 2
+    n, hand_i, hand_j = plane.n, plane.hand_i, plane.hand_j
     reach = int(START_RADIUS) + 1
     for i in range(max(int(hand_i) - reach, 1), min(int(hand_i) + reach + 2, n + 1)):
         for j in range(max(int(hand_j) - reach, 1), min(int(hand_j) + reach + 2, n + 1)):
-            k = i * W + j
+            k = i * (n + 2) + j
             away = np.sqrt((i - hand_i) ** 2 + (j - hand_j) ** 2)
-            if status[k] == UNKNOWN and away <= START_RADIUS:
-                if turns.shape[0] > 0:
-                    away = step_time(turns, circle, bare(k, n), n * n, 0, 0.0, away)
-                tent[k], source_of[k], via_of[k] = away, FROM_HAND, FROM_HAND
-                push(k, away, ARRIVE, 0, queue, counts)
+            if agenda.status[k] == UNKNOWN and away <= START_RADIUS:
+                if plane.turns.shape[0] > 0:
+                    away = step_time(plane, bare(k, n), n * n, 0, 0.0, away)
+                agenda.tent[k], agenda.source_of[k], agenda.via_of[k] = away, FROM_HAND, FROM_HAND
+                push(k, away, ARRIVE, 0, agenda)
 
 
-@njit
-def pop(
-    slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states, spans,
-    queue, counts, places, cells, start, origins, turn_of,
-):  # fmt: skip
+@njit(_nrt=False)
+def pop(bucket, plane, terms, agenda, sheets, batch):
     """Take the entries of a bucket that are due; returns how many states they may become.
 
     Entries for later turns of the buckets go back into the queue; stale ones are dropped.
     """
-    count = 0
+    queue, counts, tent, again = agenda.queue, agenda.counts, agenda.tent, agenda.again
+    places, start, turn_of = batch.places, batch.start, agenda.turn_of
+    slot, count = 1 + bucket % BUCKETS, 0
     entry = counts[slot]
     counts[slot] = -1
     while entry >= 0:
@@ -143,22 +182,22 @@ def pop(
         queue[used, 1] = counts[SPARE]
         counts[SPARE] = used
         due = tent[k] if kind == ARRIVE else again[k]
-        if due >= NEVER or due > end:
+        if due >= NEVER or due > terms.end:
             continue
         if int(due * PER_CELL) > bucket:
-            push(k, due, kind, bucket, queue, counts)
+            push(k, due, kind, bucket, agenda)
             continue
-        s = latest[k]
+        s = sheets.latest[k]
         if kind == ARRIVE:
             tent[k] = NEVER
-            if s >= 0 and due <= spans[s, END]:
+            if s >= 0 and due <= sheets.spans[s, END]:
                 continue
-            source, via = source_of[k], via_of[k]
+            source, via = agenda.source_of[k], agenda.via_of[k]
         else:
             again[k] = NEVER
-            if s >= 0 and due <= spans[s, END]:
+            if s >= 0 and due <= sheets.spans[s, END]:
                 continue
-            via = way_in(k, due, n, turns, circle, latest, states, spans)
+            via = way_in(k, due, plane, sheets)
             if via < 0:
                 continue
             source = ITSELF
@@ -169,39 +208,27 @@ def pop(
         else:
             a = turn_of[k] = count
             count += 1
-        places[a], start[a], origins[a, 0], origins[a, 1] = k, due, source, via
-        cells[a] = bare(k, n)
+        places[a], start[a], batch.origins[a, 0], batch.origins[a, 1] = k, due, source, via
+        batch.cells[a] = bare(k, plane.n)
     return count
 
 
-@njit
-def put_off(
-    count, which, moments, places, cells, bodies, limb, gap, kappa, limits, lookback, bucket,
-    status, again, queue, counts, scratch,
-):  # fmt: skip
-    """Make notes to look again, after their `moments` [s], at `which` of `count` cells."""
-    for i in range(count):
-        if which[i]:
-            come_back(
-                places[i], cells[i], moments[i] / kappa, bodies, limb, gap, kappa, limits[i],
-                lookback, bucket, status, again, queue, counts, scratch,
-            )  # fmt: skip
+@njit(_nrt=False)
+def put_off(count, bucket, postures, terms, agenda, batch):
+    """Make notes to look again at those of `count` cells that `which` names, when they are free.
 
-
-@njit
-def come_back(
-    k, m, time, bodies, limb, gap, kappa, limit, lookback, bucket, status, again, queue, counts,
-    scratch,
-):  # fmt: skip
-    """Make a note to look at a cell again when it is free, before `limit` [s].
-
-    Times are in crossings else.
+    That is after `until`; what is not free before its limit is not to be entered any more.
     """
-    t = next_free(bodies, limb, m, gap[m], time * kappa, limit, 0.25 * kappa, scratch)
-    if t >= NEVER:
-        status[k] = SETTLED  # not to be entered any more
-        return
-    due = t / kappa + lookback
-    if due < again[k]:
-        again[k] = due
-        push(k, due, REOPEN, bucket, queue, counts)
+    kappa = terms.kappa
+    for i in range(count):
+        if not batch.which[i]:
+            continue
+        k, time = batch.places[i], batch.until[i] / kappa
+        t = next_free(postures, batch.cells[i], time * kappa, batch.limits[i], 0.25 * kappa)
+        if t >= NEVER:
+            agenda.status[k] = SETTLED
+            continue
+        due = t / kappa + terms.lookback
+        if due < agenda.again[k]:
+            agenda.again[k] = due
+            push(k, due, REOPEN, bucket, agenda)

@@ -15,7 +15,6 @@ from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.inhibition import (
     ARRIVAL,
     END,
-    HELD_UP,
     LOOK,
     PENDING,
     REST_R,
@@ -24,7 +23,6 @@ from gcm_learn.wave.inhibition import (
     STEP_J,
     TOTAL,
     UNFELT,
-    entry_of,
     hold_up,
     inhibit,
     leap,
@@ -33,14 +31,21 @@ from gcm_learn.wave.inhibition import (
     seconds,
     turn_page,
 )
-from gcm_learn.wave.kernels import crossed, every_block, find_runs, next_door
-from gcm_learn.wave.params import EXCITED
+from gcm_learn.wave.kernels import (
+    CLAMPED,
+    UP_R,
+    UP_Z,
+    crossed,
+    entry_of,
+    every_block,
+    find_runs,
+    next_door,
+)
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 CELL, VIA = 0, 1  # columns of a state
 FELT = np.float32(0.05)  # potential at which a cell feels the front coming
 AHEAD = np.float32(-0.5)  # instead of the arrival of a cell that feels it
-UP_R, UP_Z = (np.float32(v) for v in EXCITED)
 ROOT2 = float(np.sqrt(2.0))
 
 
@@ -104,11 +109,10 @@ def feel(watch, watched, tau, ground, world, book, batch):
                 count += 1
     if count == 0:
         return
-    poses_at(world.bodies, now, world.poses)
+    poses_at(world.postures.bodies, now, world.postures.poses)
     blocked_cells(
-        world.bodies, world.poses, world.limb, world.gap, batch.cells, batch.since, count, now,
-        world.shortest, batch.blocked, world.scratch,
-    )  # fmt: skip
+        world.postures, batch.cells, batch.since, count, now, world.shortest, batch.blocked
+    )
     for i in range(count):
         if batch.blocked[i]:
             book.refused[batch.cells[i]] = True
@@ -159,11 +163,10 @@ def admit(count, tau, ground, world, book, batch):
     room = book.states.shape[0] - book.tally[TOTAL]
     for i in range(count):
         batch.since[i] = seconds(batch.since[i], world)
-    poses_at(world.bodies, now, world.poses)
+    poses_at(world.postures.bodies, now, world.postures.poses)
     blocked_cells(
-        world.bodies, world.poses, world.limb, world.gap, batch.cells, batch.since, count, now,
-        world.shortest, batch.blocked, world.scratch,
-    )  # fmt: skip
+        world.postures, batch.cells, batch.since, count, now, world.shortest, batch.blocked
+    )
     free = 0
     for i in range(count):
         m = batch.cells[i]
@@ -188,9 +191,8 @@ def settle(count, ground, world, book, batch, best):
     """
     total = book.tally[TOTAL]
     safe_until(
-        world.bodies, world.limb, world.gap, batch.cells, batch.since, batch.until, count,
-        world.end, world.shortest, world.scratch,
-    )  # fmt: skip
+        world.postures, batch.cells, batch.since, batch.until, count, world.end, world.shortest
+    )
     for i in range(count):
         m, s = batch.cells[i], total + i
         arrival = seconds(batch.when[i], world)
@@ -199,14 +201,14 @@ def settle(count, ground, world, book, batch, best):
         book.states[s, CELL], book.states[s, VIA] = m, batch.via[i]
         book.spans[s, ARRIVAL], book.spans[s, END] = arrival, batch.until[i]
         book.latest[m] = s
-        ground.B[entry_of(m, ground.n, ground.W) + 5 * ground.plane] = batch.when[i]
+        ground.B[entry_of(m, ground) + 5 * ground.plane] = batch.when[i]
         if batch.until[i] < world.end:
             make_date(m, mental(batch.until[i], world), ground, book)
         batch.since[i] = max(arrival, world.ignore)
     book.tally[TOTAL] = total + count
     index, body, time = meet(
-        world.bodies, world.limb, world.grasp, batch.cells, batch.since, batch.until, count,
-        world.shortest, best, world.scratch,
+        world.postures, world.grasp, batch.cells, batch.since, batch.until, count, world.shortest,
+        best,
     )  # fmt: skip
     return (total + index if index >= 0 else -1), body, time
 
@@ -231,34 +233,31 @@ def set_out(disc, away, ground, world, book, batch):
     since, blocked = np.zeros(1), np.zeros(1, dtype=np.bool_)
     for i in range(disc.size):
         m, when = disc[i], away[i] * ground.slowness
-        k, via = entry_of(m, ground.n, W), -1
+        k, via = entry_of(m, ground), -1
         if i > 0:
             before = np.float64(next_door(B, k, W, plane))
             if before < 0.0:
                 continue  # behind cells that are not free
             since[0], now = seconds(before, world), seconds(when, world)
-            poses_at(world.bodies, now, world.poses)
-            blocked_cells(
-                world.bodies, world.poses, world.limb, world.gap, disc[i : i + 1], since, 1,
-                now, world.shortest, blocked, world.scratch,
-            )  # fmt: skip
+            poses_at(world.postures.bodies, now, world.postures.poses)
+            blocked_cells(world.postures, disc[i : i + 1], since, 1, now, world.shortest, blocked)
             if blocked[0]:
                 book.refused[m] = True
                 inhibit(m, now, ground, world, book)
                 continue
             via = way_back(k, m, when, ground, book)
-        B[k] = B[k + plane] = UP_R if i > 0 else HELD_UP
+        B[k] = B[k + plane] = UP_R if i > 0 else CLAMPED
         B[k + 2 * plane], B[k + 5 * plane] = UP_Z, when
         batch.cells[count], batch.via[count], batch.when[count] = m, via, when
         batch.since[count] = seconds(when, world)
         book.latest[m] = count  # the number of the state that it is going to be
         count += 1
-    B[entry_of(disc[0], ground.n, W) + 3 * plane] = 0.0
+    B[entry_of(disc[0], ground) + 3 * plane] = 0.0
     return count
 
 
 @njit
-def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, explore):
+def propagate_layers(disc, away, ground, world, book, batch):
     """Run the wave until a target is met or the horizon; the buffer must be prepared.
 
     Parameters
@@ -267,10 +266,6 @@ def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, expl
         Cells that are excited at the start, see `set_out`.
     ground, world, book, batch : Ground, World, Book, Batch
         The book is filled.
-    d, eps, quiet : float32
-        Diffusion constant; recovery rate and change of a settled potential, times the step.
-    explore : bool
-        Go on after a target is met.
 
     Returns
     -------
@@ -280,15 +275,16 @@ def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, expl
         When [s]; the horizon if none is.
     """
     n, W, blocks = ground.n, ground.W, ground.active.shape[1]
+    d, eps = np.float32(ground.diffusion), np.float32(ground.epsilon * ground.step)
     pairs = int(0.5 * ground.lag / ground.step + 0.5)
     looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the runs
     lo = np.zeros(n * blocks, dtype=np.uint64)
     hi, watch = np.zeros_like(lo), np.zeros_like(lo)
-    runs, watched = every_block(n, W, blocks, lo, hi, watch)
+    runs, watched = every_block(ground, lo, hi, watch)
     count = set_out(disc, away, ground, world, book, batch)
     met, body, time = settle(count, ground, world, book, batch, world.end)
     tau = ground.start
-    while seconds(tau, world) < (world.end if explore else time):
+    while seconds(tau, world) < (world.end if world.explore else time):
         if runs == 0:
             if book.tally[PENDING] == 0:
                 break
@@ -308,7 +304,5 @@ def propagate_layers(disc, away, ground, world, book, batch, d, eps, quiet, expl
         hold_up(runs, lo, hi, ground)
         if woken or book.tally[LOOK] % looks == 0:
             # At a threshold of 0 every active block with a cell to be reached is watched.
-            runs, watched = find_runs(
-                ground.B, W, ground.plane, ground.active, quiet, np.float32(0.0), lo, hi, watch
-            )
+            runs, watched = find_runs(ground, np.float32(0.0), lo, hi, watch)
     return met, body, time

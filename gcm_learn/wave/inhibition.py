@@ -18,11 +18,11 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.collision.intervals import NEVER, next_free
+from gcm_learn.collision.occupancy import Postures
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import Bodies
-from gcm_learn.wave.kernels import insulate, live_weight
-from gcm_learn.wave.params import HAND_POTENTIAL, REST
-from gcm_learn.wave.stencil import BLOCK, LEFT
+from gcm_learn.wave.kernels import CLAMPED, entry_of, insulate, live_weight
+from gcm_learn.wave.params import REST
+from gcm_learn.wave.stencil import BLOCK
 
 ARRIVAL, END = 0, 1  # columns of a state's span of time [s]
 TOTAL, PENDING, LOOK = 0, 1, 2  # entries of a book's tally
@@ -31,43 +31,21 @@ TICK = 0.5  # of the clock [tau]
 SLOTS = 256  # of the calendar, a power of two; later dates wait for their turn
 REST_R, REST_Z = (np.float32(v) for v in REST)
 SADDLE = 1.0  # potential between rest and excitation (erratum 8)
-HELD_UP = np.float32(HAND_POTENTIAL)
 STEP_I = np.array([-1, 0, 0, 1, -1, -1, 1, 1])  # the four edge neighbours first
 STEP_J = np.array([0, -1, 1, 0, -1, 1, -1, 1])
-
-
-class Ground(NamedTuple):
-    """The lattice: its buffer and layout (`wave.stencil`), and how it is run."""
-
-    B: np.ndarray
-    n: int
-    W: int
-    plane: int
-    rate: np.ndarray  # (n * n,): of a cell's dynamics (q of Eq. 10)
-    active: np.ndarray  # (n + 2, blocks) bool: what is stepped
-    points: int
-    held: bool  # inhibited cells are seen by their neighbours, at rest
-    step: float  # [tau]
-    lag: float  # from look to look [tau]
-    start: float  # time of the first state [tau]
-    slowness: float  # of the fastest front [tau per cell]
-    threshold: float
 
 
 class World(NamedTuple):
     """What may be asked about the bodies; times in seconds."""
 
-    bodies: Bodies
-    limb: np.ndarray  # (n * n, 4): hand and elbow of every cell
-    gap: np.ndarray  # (n * n,): distance at which an obstacle occupies a cell
-    poses: np.ndarray  # room for poses
-    scratch: np.ndarray
+    postures: Postures
     clock: np.ndarray  # time at every TICK of mental time
     kappa: float  # seconds per tau after that
     shortest: float  # resolution of searches
     grasp: float  # distance at which a target is met
     ignore: float  # meetings before this do not count
     end: float  # horizon
+    explore: bool  # go on after a target is met
 
 
 class Book(NamedTuple):
@@ -116,12 +94,6 @@ def mental(t, world):
     return TICK * (i + (t - world.clock[i]) / (world.clock[i + 1] - world.clock[i]))
 
 
-@njit(forceinline=True)
-def entry_of(m, n, W):
-    """Place of a cell in a plane of the buffer."""
-    return (m // n + 1) * W + m % n + LEFT
-
-
 @njit
 def make_date(m, tau, ground, book):
     """Note that a cell's turn comes at the first look from `tau` on, in the future at any rate."""
@@ -138,7 +110,7 @@ def make_date(m, tau, ground, book):
 def inhibit(m, t, ground, world, book):
     """Put a cell to rest for as long as an obstacle is there, from t [s] on."""
     B, W, plane = ground.B, ground.W, ground.plane
-    k = entry_of(m, ground.n, W)
+    k = entry_of(m, ground)
     if ground.held:
         B[k + 3 * plane] = 0.0
         wake(k, m, ground)  # its neighbours lose what it gave them
@@ -149,7 +121,7 @@ def inhibit(m, t, ground, world, book):
     B[k + 5 * plane] = UNFELT
     book.latest[m] = -1
     look = ground.lag * world.kappa  # shorter spans of freedom are of no use
-    free = next_free(world.bodies, world.limb, m, world.gap[m], t, world.end, look, world.scratch)
+    free = next_free(world.postures, m, t, world.end, look)
     if free < NEVER:
         # An excited neighbour needs half a crossing to excite a cell at rest, the hand a whole one.
         make_date(m, mental(free, world) + 0.5 * ground.slowness, ground, book)
@@ -159,7 +131,7 @@ def inhibit(m, t, ground, world, book):
 def release(m, tau, ground, book):
     """Undo the inhibition of a cell; it is at rest, and its neighbours may excite it."""
     B, W, plane = ground.B, ground.W, ground.plane
-    k = entry_of(m, ground.n, W)
+    k = entry_of(m, ground)
     B[k + 3 * plane] = ground.step * ground.rate[m]
     if not ground.held:
         for d in range(8):
@@ -238,4 +210,4 @@ def hold_up(runs, lo, hi, ground):
             continue
         for k in range(lo[run], hi[run]):
             if B[k] < lost and B[k + arrival] >= 0.0 and B[k + rate] > 0.0:
-                B[k], B[k + rate] = HELD_UP, 0.0
+                B[k], B[k + rate] = CLAMPED, 0.0

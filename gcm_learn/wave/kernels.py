@@ -7,20 +7,75 @@ of cells near the front are stepped: ahead of it the lattice rests, behind it it
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gcm_learn.collision.occupancy import blocked_cells, met_targets
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import poses_at
+from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 FREE, FROZEN, CONTACT = 0, 1, 2  # what became of a cell
+UP_R, UP_Z = (np.float32(v) for v in EXCITED)
+CLAMPED = np.float32(HAND_POTENTIAL)
 
-CONSTANTS = 8  # length of the array of float constants below
-STEP, DIFFUSION, EPSILON, THRESHOLD, KAPPA, GRASP, QUIET, SHORTEST = range(CONSTANTS)
+
+class Ground(NamedTuple):
+    """The lattice of a wave: its buffer and layout (`wave.stencil`), and how it is run."""
+
+    B: np.ndarray
+    n: int
+    W: int
+    plane: int
+    rate: np.ndarray  # (n * n,): of a cell's dynamics, the q of Eq. 10: 1, or less where it is slow
+    active: np.ndarray  # (n + 2, blocks) bool: what is stepped
+    points: int  # 5 or 9, of the Laplacian
+    held: bool  # frozen or inhibited cells are seen by their neighbours instead of being cut out
+    diffusion: float
+    epsilon: float
+    quiet: float  # change of a potential [1/tau] below which a block counts as settled
+    step: float  # [tau]
+    lag: float  # from look to look [tau]
+    start: float  # time of the first state [tau]
+    slowness: float  # of the fastest front [tau per cell]
+    threshold: float
+
+
+class Terms(NamedTuple):
+    """What counts on the way of a front; times in the front's own unit."""
+
+    kappa: float  # seconds per unit
+    shortest: float  # resolution of searches in time [s]
+    grasp: float  # distance of a cell's centre and a target at which they are in contact
+    ignore: float  # contacts before this do not count
+    end: float  # horizon
+    explore: bool  # go on after the first contact
+    lookback: float  # share of the time since the front was next door that a cell must be free
+    speed: float  # of the front [forearms/s]
+
+
+class Batch(NamedTuple):
+    """The cells that are reached together, and what becomes of them."""
+
+    cells: np.ndarray
+    since: np.ndarray  # when the front was next door
+    when: np.ndarray
+    blocked: np.ndarray
+    body: np.ndarray  # target that is met
+    met: np.ndarray  # when
 
 
 @njit
+def batch_of(n):
+    """Room for all cells of an n x n lattice."""
+    since, when, met = np.empty(n * n), np.empty(n * n), np.empty(n * n)
+    cells, body = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
+    return Batch(cells, since, when, np.empty(n * n, dtype=np.bool_), body, met)
+
+
+@njit(_nrt=False)
 def live_weight(points, corner):
     """Weight of an edge or corner neighbour in the discrete Laplacian."""
     if points == 5:
@@ -29,12 +84,10 @@ def live_weight(points, corner):
 
 
 @njit
-def prepare(B, n, W, plane, points, inside, rate, step, rest_r, rest_z):
-    """Fill the buffer for a lattice at rest: no-flux at its border and outside the ring.
-
-    A cell's dynamics run at its `rate` (n * n,), the q of Eq. 10: 1, or less where the front is to
-    be slower.
-    """
+def prepare(ground, inside, rest_r, rest_z):
+    """Fill the buffer for a lattice at rest: no-flux at its border and outside the ring."""
+    B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
+    rate, step, points = ground.rate, ground.step, ground.points
     B[:] = 0.0
     for i in range(n):
         for j in range(n):
@@ -55,20 +108,23 @@ def prepare(B, n, W, plane, points, inside, rate, step, rest_r, rest_z):
             B[k + 5 * plane] = -1.0
 
 
-@njit
-def excite(B, n, W, plane, hand_cell, hand_x, hand_y, spacing, radius, slowness, limb, inside):
-    """Clamp the hand's neuron and excite a disc of `radius` [cells] around the hand."""
-    for m in range(n * n):
-        away = np.sqrt((limb[m, 0] - hand_x) ** 2 + (limb[m, 1] - hand_y) ** 2) / spacing
-        if inside[m] and away <= radius:
-            k = (m // n + 1) * W + m % n + LEFT
-            B[k] = B[k + plane] = 3.0
-            B[k + 2 * plane] = 1.0 / 7.0
-            B[k + 5 * plane] = away * slowness
-    k = (hand_cell // n + 1) * W + hand_cell % n + LEFT
-    B[k] = B[k + plane] = 5.0
-    B[k + 3 * plane] = 0.0
-    B[k + 5 * plane] = 0.0
+@njit(_nrt=False)
+def excite(ground, disc, away):
+    """Excite cells `disc` (m,), `away` (m,) [cells] from the hand; its own comes first, clamped."""
+    B, plane = ground.B, ground.plane
+    for i in range(disc.size):
+        k = entry_of(disc[i], ground)
+        B[k] = B[k + plane] = UP_R if i > 0 else CLAMPED
+        B[k + 5 * plane] = away[i] * ground.slowness
+        if i > 0:
+            B[k + 2 * plane] = UP_Z
+    B[entry_of(disc[0], ground) + 3 * plane] = 0.0
+
+
+@njit(_nrt=False, forceinline=True)
+def entry_of(m, ground):
+    """Place of a cell in a plane of the buffer."""
+    return (m // ground.n + 1) * ground.W + m % ground.n + LEFT
 
 
 @njit(forceinline=True)
@@ -105,7 +161,7 @@ def next_door(B, k, W, plane):
 
 
 @njit
-def find_runs(B, W, plane, active, quiet, threshold, lo, hi, watch):
+def find_runs(ground, threshold, lo, hi, watch):
     """Renew the set of active blocks; returns the numbers of runs and of watched blocks.
 
     A block stays active while a potential in it still changes by more than `quiet` a step, and
@@ -113,6 +169,8 @@ def find_runs(B, W, plane, active, quiet, threshold, lo, hi, watch):
     Active blocks are listed as runs lo:hi; those in which a cell may cross the threshold before
     the next renewal, being above a tenth of it, are listed in `watch`.
     """
+    B, W, plane, active = ground.B, ground.W, ground.plane, ground.active
+    quiet = np.float32(ground.quiet * ground.step)
     rows, blocks = active.shape
     wake = np.zeros((rows, blocks), dtype=np.bool_)
     size, up = np.uint64(BLOCK), np.uint64(plane)
@@ -154,8 +212,9 @@ def find_runs(B, W, plane, active, quiet, threshold, lo, hi, watch):
 
 
 @njit
-def every_block(n, W, blocks, lo, hi, watch):
+def every_block(ground, lo, hi, watch):
     """List every block of every row as active and watched."""
+    n, W, blocks = ground.n, ground.W, ground.active.shape[1]
     for i in range(n):
         lo[i] = (i + 1) * W + LEFT
         hi[i] = lo[i] + np.uint64(blocks * BLOCK)
@@ -175,23 +234,14 @@ def crossed(B, start, plane, level):
 
 
 @njit
-def arrivals(B, n, W, plane, watch, watched, threshold, step, tau, lag, found, since, when):
-    """Find and record the cells that crossed the threshold since the last look.
+def arrivals(ground, watch, watched, tau, batch):
+    """Find and record the cells that crossed the threshold since the last look; returns how many.
 
-    Parameters
-    ----------
-    lag : float
-        Mental time since the last look.
-    found : (n * n,) int64 ndarray
-        Filled with their flat indices.
-    since, when : (n * n,) ndarray
-        Filled with the arrival next door and their own [tau].
-
-    Returns
-    -------
-    int
-        How many there are.
+    The batch is filled with them, with the arrival next door and their own [tau].
     """
+    B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
+    threshold = np.float32(ground.threshold)
+    found, since, when = batch.cells, batch.since, batch.when
     count = 0
     for w in range(watched):
         if not crossed(B, watch[w], plane, threshold):
@@ -205,49 +255,44 @@ def arrivals(B, n, W, plane, watch, watched, threshold, step, tau, lag, found, s
             if before < 0.0:
                 continue
             rise = B[k] - B[k + plane]
-            back = step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
+            back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
             found[count] = corner + k
-            when[count] = max(tau - min(back, lag), before)
+            when[count] = max(tau - min(back, ground.lag), before)
             since[count] = before
             count += 1
     # Written down only now, so that no cell passes on what has not been judged yet.
     for i in range(count):
-        k = (found[i] // n + 1) * W + found[i] % n + LEFT
-        B[k + 5 * plane] = when[i]
+        B[entry_of(found[i], ground) + 5 * plane] = when[i]
     return count
 
 
 @njit
-def judge(
-    found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
-    blocked, body, met, scratch,
-):  # fmt: skip
+def judge(postures, terms, batch, count, now, state):
     """Decide what becomes of the cells that the front has just reached (Eq. 11).
 
     A cell freezes when its limb is touched at any instant between the front's arrival next door
     (`since`) and now: this covers the time between two looks and, with the gap, the space between
-    cells.  Times are in the front's own unit, c[KAPPA] seconds each.
+    cells.
 
     Returns
     -------
     cell, body : int
         The earliest contact among them, -1 if none.
     time : float
-        Its time.
+        Its time, in the front's unit.
     """
     contact, contact_body, contact_time = -1, -1, -1.0
-    kappa, shortest = c[KAPPA], c[SHORTEST]
+    kappa, shortest = terms.kappa, terms.shortest
+    found, since, when, blocked, body, met = batch
     for i in range(count):
         since[i] *= kappa
     t1 = now * kappa
-    blocked_cells(bodies, poses, limb, gap, found, since, count, t1, shortest, blocked, scratch)
-    met_targets(
-        bodies, poses, limb, c[GRASP], found, since, count, t1, shortest, body, met, scratch
-    )
+    blocked_cells(postures, found, since, count, t1, shortest, blocked)
+    met_targets(postures, terms.grasp, found, since, count, t1, shortest, body, met)
     for i in range(count):
         if blocked[i]:
             state[found[i]] = FROZEN
-        elif body[i] >= 0 and met[i] >= ignore * kappa:
+        elif body[i] >= 0 and met[i] >= terms.ignore * kappa:
             state[found[i]] = CONTACT
             time = max(met[i] / kappa, when[i])
             if contact < 0 or time < contact_time:
@@ -256,44 +301,27 @@ def judge(
 
 
 @njit
-def freeze(B, n, W, plane, points, found, count, state, held):
+def freeze(ground, batch, count, state):
     """Take the frozen and contacted ones among the cells just found out of the dynamics."""
     for i in range(count):
-        m = found[i]
+        m = batch.cells[i]
         if state[m] == FREE:
             continue
-        k = (m // n + 1) * W + m % n + LEFT
-        if held:
-            hold(B, k, plane)
+        k = entry_of(m, ground)
+        if ground.held:
+            hold(ground.B, k, ground.plane)
         else:
-            insulate(B, k, W, plane, points)
+            insulate(ground.B, k, ground.W, ground.plane, ground.points)
 
 
 @njit
-def propagate(
-    B, n, W, plane, blocks, points, limb, gap, bodies, c, held, explore, tau0, tau_end, ignore,
-    state,
-):  # fmt: skip
+def propagate(ground, terms, postures, state):
     """Run the wave until contact, end or horizon; the buffer must be prepared and excited.
 
     Parameters
     ----------
-    n, W, plane, blocks : int
-        `Layout` of the buffer.
-    points : int
-        5 or 9, of the Laplacian.
-    gap : (n * n,) ndarray
-        Distance at which an obstacle occupies a cell: thickness and margin.
-    c : (CONSTANTS,) ndarray
-        Float constants, indexed by the names above.
-    held : bool
-        Frozen cells keep their potential instead of being cut out.
-    explore : bool
-        Go on after the first contact.
-    tau0, tau_end : float
-        Mental time of the prepared state and of the horizon.
-    ignore : float
-        Contacts before this mental time do not count.
+    ground, terms, postures : Ground, Terms, Postures
+        Times of the terms are mental.
     state : (n * n,) uint8 ndarray
         Filled with FREE, FROZEN or CONTACT.
 
@@ -306,41 +334,30 @@ def propagate(
     steps : int
         Euler steps made.
     """
-    f4 = np.float32
-    step, threshold = c[STEP], f4(c[THRESHOLD])
-    d, eps, quiet = f4(c[DIFFUSION]), f4(c[EPSILON] * step), f4(c[QUIET] * step)
-    pairs = max(1, int(0.6 / step + 1e-9))  # pairs of Euler steps between looks at the front
-    looks = max(1, int(3.6 / (2 * pairs * step)))  # looks between renewals of the runs
-    poses = np.zeros((bodies.rows.shape[0], 12))
-    scratch = np.zeros_like(poses)
-    found, blocked = np.zeros(n * n, dtype=np.int64), np.zeros(n * n, dtype=np.bool_)
-    since, when, met_time = np.empty(n * n), np.empty(n * n), np.empty(n * n)
-    met_body = np.empty(n * n, dtype=np.int64)
-    active = np.ones((n + 2, blocks), dtype=np.bool_)
+    n, W, blocks, end = ground.n, ground.W, ground.active.shape[1], terms.end
+    d, eps = np.float32(ground.diffusion), np.float32(ground.epsilon * ground.step)
+    threshold = np.float32(ground.threshold)
+    pairs = int(0.5 * ground.lag / ground.step + 0.5)  # of Euler steps between looks at the front
+    looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the runs
+    batch = batch_of(n)
     lo = np.zeros(n * blocks, dtype=np.uint64)
     hi, watch = np.zeros_like(lo), np.zeros_like(lo)
-    runs, watched = every_block(n, W, blocks, lo, hi, watch)
+    runs, watched = every_block(ground, lo, hi, watch)
     contact, body, time = -1, -1, -1.0
-    look, tau = 0, tau0
-    while tau < tau_end and runs > 0 and (contact < 0 or explore):
+    look, tau = 0, ground.start
+    while tau < end and runs > 0 and (contact < 0 or terms.explore):
         for _ in range(pairs):
-            two_steps(B, lo, hi, runs, d, eps, W, points)
+            two_steps(ground.B, lo, hi, runs, d, eps, W, ground.points)
         look += 1
-        tau = tau0 + look * 2 * pairs * step
-        count = arrivals(
-            B, n, W, plane, watch, watched, threshold, step, tau, 2 * pairs * step,
-            found, since, when,
-        )  # fmt: skip
+        tau = ground.start + look * 2 * pairs * ground.step
+        count = arrivals(ground, watch, watched, tau, batch)
         if count > 0:
-            now = min(tau, tau_end)
-            poses_at(bodies, now * c[KAPPA], poses)
-            cell, target, t = judge(
-                found, since, when, count, limb, gap, bodies, poses, c, now, ignore, state,
-                blocked, met_body, met_time, scratch,
-            )  # fmt: skip
+            now = min(tau, end)
+            poses_at(postures.bodies, now * terms.kappa, postures.poses)
+            cell, target, t = judge(postures, terms, batch, count, now, state)
             if cell >= 0 and contact < 0:
                 contact, body, time = cell, target, t
-            freeze(B, n, W, plane, points, found, count, state, held)
+            freeze(ground, batch, count, state)
         if look % looks == 0:
-            runs, watched = find_runs(B, W, plane, active, quiet, threshold, lo, hi, watch)
+            runs, watched = find_runs(ground, threshold, lo, hi, watch)
     return contact, body, time, 2 * pairs * look

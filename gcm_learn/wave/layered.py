@@ -31,6 +31,8 @@ from gcm_learn.wave.agenda import (
     SETTLED,
     SOURCE,
     VIA,
+    Agenda,
+    Batch,
     keep_free,
     keep_useful,
     pop,
@@ -38,8 +40,7 @@ from gcm_learn.wave.agenda import (
     put_off,
     seed,
 )
-from gcm_learn.wave.kernels import GRASP, KAPPA, SHORTEST
-from gcm_learn.wave.marching import (
+from gcm_learn.wave.plane import (
     BEYOND,
     BUCKETS,
     PER_CELL,
@@ -52,67 +53,70 @@ from gcm_learn.wave.marching import (
     step_time,
 )
 
+COARSE = 0.2  # resolution of intervals and meetings [crossings]; plans are verified anyway
 
-@njit
-def offset(source, i, j, W, hand_i, hand_j, states):
+
+@njit(_nrt=False)
+def offset(source, i, j, plane, states):
     """Vector (di, dj) from cell (i, j) to a source."""
     if source == FROM_HAND:
-        return hand_i - i, hand_j - j
-    k = states[source, CELL]
+        return plane.hand_i - i, plane.hand_j - j
+    k, W = states[source, CELL], plane.n + 2
     row = row_of(k, W)
     return float(row - i), float(k - row * W - j)
 
 
-@njit(inline="always")
-def waits_in(k, time, latest, spans):
+@njit(_nrt=False, forceinline=True)
+def waits_in(k, time, sheets):
     """Tell whether the hand has come to cell k and may be there at `time`."""
-    return latest[k] >= 0 and spans[latest[k], END] >= time
+    s = sheets.latest[k]
+    return s >= 0 and sheets.spans[s, END] >= time
 
 
-@njit(forceinline=True)
-def bend(s, k, q, di, dj, n, now, turns, circle, latest, spans):
+@njit(_nrt=False, forceinline=True)
+def bend(s, k, q, di, dj, plane, sheets):
     """When the front of state s in cell k is in the neighbour q = k + (di, dj), going round a cell.
 
     Returns the time and the state that it goes round: this one, or beside it one that was reached
     earlier; (NEVER, -1) if q is reached across a corner only, where nothing squeezes through.
     """
-    W = n + 2
-    limited = turns.shape[0] > 0
+    n, latest, spans = plane.n, sheets.latest, sheets.spans
+    W, now = n + 2, spans[s, ARRIVAL]
+    limited = plane.turns.shape[0] > 0
     if di != 0 and dj != 0:
-        if not (waits_in(k + di * W, now, latest, spans) or waits_in(k + dj, now, latest, spans)):
+        if not (waits_in(k + di * W, now, sheets) or waits_in(k + dj, now, sheets)):
             return NEVER, -1
         step = ROOT2
         if limited:
-            step = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, step)
+            step = step_time(plane, bare(q, n), bare(k, n), 0, 0.0, step)
         return now + step, s
     best, home = 1.0, s
     if limited:
-        best = step_time(turns, circle, bare(q, n), bare(k, n), 0, 0.0, best)
+        best = step_time(plane, bare(q, n), bare(k, n), 0, 0.0, best)
     best += now
     side = W if di == 0 else 1
     for e in (k - side, k + side):
-        if not waits_in(e, now, latest, spans):
+        if not waits_in(e, now, sheets):
             continue
         step = ROOT2
         if limited:
-            step = step_time(turns, circle, bare(q, n), bare(e, n), 0, 0.0, step)
+            step = step_time(plane, bare(q, n), bare(e, n), 0, 0.0, step)
         if spans[latest[e], ARRIVAL] + step < best:
             best, home = spans[latest[e], ARRIVAL] + step, latest[e]
     return best, home
 
 
-@njit
-def expand(  # noqa: C901  one decision; a call in this loop costs more than it clears up
-    first, last, n, hand_i, hand_j, turns, circle, states, spans, latest, status, tent, again,
-    source_of, via_of, queue, counts, bucket,
-):  # fmt: skip
+@njit(_nrt=False)
+def expand(first, last, bucket, plane, sheets, agenda):  # noqa: C901  one decision, innermost
     """Offer the fronts of new states to the neighbours of their cells, as marching does.
 
     The differences: a reached neighbour counts only while its interval lasts, and may be entered
     again after that.
     """
+    n, states, spans, latest = plane.n, sheets.states, sheets.spans, sheets.latest
+    status, tent, again, source_of = agenda.status, agenda.tent, agenda.again, agenda.source_of
     W = n + 2
-    limited = turns.shape[0] > 0
+    limited = plane.turns.shape[0] > 0
     for s in range(first, last):
         k = states[s, CELL]
         home = states[s, SOURCE]
@@ -128,7 +132,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 continue
             if source_of[q] == home and tent[q] < NEVER:
                 continue
-            dy, dx = offset(home, ci + di, cj + dj, W, hand_i, hand_j, states)
+            dy, dx = offset(home, ci + di, cj + dj, plane, states)
             ax, ay = abs(dx), abs(dy)
             sx, sy = (1 if dx > 0.0 else -1), (W if dy > 0.0 else -W)
             major = q + sx if ax >= ay else q + sy
@@ -137,7 +141,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 corner = major
             elif abs(ax - ay) <= 1e-9:
                 major = corner
-            bent, home_of_bend = bend(s, k, q, di, dj, n, now, turns, circle, latest, spans)
+            bent, home_of_bend = bend(s, k, q, di, dj, plane, sheets)
             if home_of_bend < 0:
                 continue
             time, source, via = bent, home_of_bend, home_of_bend
@@ -152,7 +156,7 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                     start = 0.0 if home == FROM_HAND else spans[home, ARRIVAL]
                     time, source, via = start + np.sqrt(dx * dx + dy * dy), home, home
                     if rival != home and other != home:
-                        dy, dx = offset(rival, ci + di, cj + dj, W, hand_i, hand_j, states)
+                        dy, dx = offset(rival, ci + di, cj + dj, plane, states)
                         start = 0.0 if rival == FROM_HAND else spans[rival, ARRIVAL]
                         later = start + np.sqrt(dx * dx + dy * dy)
                         if later > time:
@@ -164,10 +168,8 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                         if other >= 0:
                             time += share * max(spans[other, ARRIVAL] - now, -1.0)
                             to = beside
-                        time += step_time(
-                            turns, circle, bare(q, n), bare(k, n), bare(to, n), share,
-                            np.sqrt(1.0 + slope * slope),
-                        )  # fmt: skip
+                        length = np.sqrt(1.0 + slope * slope)
+                        time += step_time(plane, bare(q, n), bare(k, n), bare(to, n), share, length)
                     if time > bent + 1e-9:  # the straight front is late here: go round by a cell
                         time, source, via = bent, home_of_bend, home_of_bend
             if latest[q] >= 0 and time <= spans[latest[q], END]:
@@ -176,59 +178,59 @@ def expand(  # noqa: C901  one decision; a call in this loop costs more than it 
                 continue  # known to be blocked until then; `way_in` will find this state
             if time >= tent[q] + (1e-9 if source == home else -1e-9):  # a straight ray wins a tie
                 continue
-            tent[q], source_of[q], via_of[q] = time, source, via
-            push(q, time, ARRIVE, bucket, queue, counts)
+            tent[q], source_of[q], agenda.via_of[q] = time, source, via
+            push(q, time, ARRIVE, bucket, agenda)
 
 
-@njit
-def write_down(
-    total, free, kappa, end, places, start, until, limits, origins, states, spans, latest, status,
-    passing,
-):  # fmt: skip
+@njit(_nrt=False)
+def write_down(total, free, terms, sheets, agenda, batch):
     """Make states of the cells that were found free: `free` of them, after the first `total`."""
+    states, spans = sheets.states, sheets.spans
     for i in range(free):
-        s, k = total + i, places[i]
-        states[s, CELL], states[s, SOURCE] = k, origins[i, 0]
-        states[s, VIA], latest[k] = origins[i, 1], s
+        s, k = total + i, batch.places[i]
+        states[s, CELL], states[s, SOURCE] = k, batch.origins[i, 0]
+        states[s, VIA], sheets.latest[k] = batch.origins[i, 1], s
         # Untouched for as long as it is of use is as good as for ever.
-        lasts = until[i] >= limits[i]
-        spans[s, ARRIVAL] = start[i]
-        spans[s, END] = end if lasts else until[i] / kappa
-        status[k] = SETTLED if lasts else PASSING
-        passing[i] = not lasts
+        lasts = batch.until[i] >= batch.limits[i]
+        spans[s, ARRIVAL] = batch.start[i]
+        spans[s, END] = terms.end if lasts else batch.until[i] / terms.kappa
+        agenda.status[k] = SETTLED if lasts else PASSING
+        batch.which[i] = not lasts
 
 
 @njit
-def march_layers(
-    n, hand_i, hand_j, limb, outside, gap, turns, circle, bodies, c, lookback, explore, speed, end,
-    ignore, states, spans, refused,
-):  # fmt: skip
+def agenda_of(plane):
+    """Nothing reached yet."""
+    n = plane.n
+    size = (n + 2) * (n + 2)
+    counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
+    counts[0] = 0
+    none = np.full((2, size), -9, dtype=np.int32)
+    queue, turns = np.empty((20 * n * n, 3), dtype=np.int32), np.zeros(size, dtype=np.int32)
+    tent, again = np.full(size, NEVER), np.full(size, NEVER)
+    return Agenda(plane.outside.copy(), tent, again, none[0], none[1], queue, counts, turns)
+
+
+@njit
+def batch_of(n):
+    """Room for all cells of an n x n lattice."""
+    cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
+    since, until, start, limits = np.empty((4, n * n))
+    origins, which = np.empty((n * n, 2), dtype=np.int32), np.empty(n * n, dtype=np.bool_)
+    return Batch(places, cells, start, origins, limits, since, until, which)
+
+
+@njit
+def march_layers(plane, terms, postures, sheets, refused):
     """March over cells and sheets until a target is met.
 
     Parameters
     ----------
-    hand_i, hand_j : float
-        Hand in lattice coordinates.
-    outside : ((n + 2)^2,) uint8 ndarray
-        UNKNOWN where the hand can be, CLOSED elsewhere.
-    gap : (n * n,) ndarray
-        Distance at which an obstacle occupies a cell.
-    turns, circle
-        As for marching.
-    c : (CONSTANTS,) ndarray
-        As for marching.
-    lookback : float
-        How long a cell must have been free before it is entered [crossings].
-    explore : bool
-        Reach also what is of no use any more for meeting a target.
-    speed : float
-        Of the front [forearm lengths / s].
-    end, ignore : float
-        Horizon; meetings before `ignore` do not count [crossings].
-    states : (m, 3) int32 ndarray
-        Filled with cell, source and predecessor; cells are indices of the padded lattice.
-    spans : (m, 2) float64 ndarray
-        Filled with arrival and end of the safe interval [crossings].
+    plane, terms, postures : Plane, Terms, Postures
+        Times of the terms are in crossings; `explore` reaches also what is of no use any more for
+        meeting a target.
+    sheets : Sheets
+        Filled; `latest` is -1 everywhere.
     refused : (n * n,) bool ndarray
         Set where an obstacle was when a front came.
 
@@ -241,79 +243,41 @@ def march_layers(
     time : float
         When [crossings].
     """
-    W = n + 2
-    kappa, shortest = c[KAPPA], c[SHORTEST]
-    coarse = 0.2 * kappa  # resolution of intervals and meetings [s]; plans are verified anyway
-    status, latest = outside.copy(), np.full(W * W, -1, dtype=np.int32)
-    tent, again = np.full(W * W, NEVER), np.full(W * W, NEVER)
-    source_of, via_of = np.full((2, W * W), -9, dtype=np.int32)
-    queue = np.empty((20 * n * n, 3), dtype=np.int32)
-    counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
-    counts[0] = 0
-    cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
-    since, until, start, limits = np.empty((4, n * n))
-    origins = np.empty((n * n, 2), dtype=np.int32)
-    ways = target_ways(bodies, c[GRASP], end * kappa)
-    blocked, turn_of = np.empty(n * n, dtype=np.bool_), np.zeros(W * W, dtype=np.int32)
-    poses = np.zeros((bodies.rows.shape[0], 12))
-    scratch = np.zeros_like(poses)
-    hand_i, hand_j = hand_i + 1.0, hand_j + 1.0
-    seed(n, hand_i, hand_j, turns, circle, status, tent, source_of, via_of, queue, counts)
+    kappa, end, coarse = terms.kappa, terms.end, COARSE * terms.kappa
+    agenda, batch = agenda_of(plane), batch_of(plane.n)
+    counts, cells, since, until = agenda.counts, batch.cells, batch.since, batch.until
+    ways = target_ways(postures.bodies, terms.grasp, end * kappa)
+    seed(plane, agenda)
     total, met, body, when, bucket, idle = 0, -1, -1, end * kappa, 0, 0
     while idle < BUCKETS and bucket <= end * PER_CELL and bucket <= when / kappa * PER_CELL:
-        slot = 1 + bucket % BUCKETS
         idle += 1
         now = min((bucket + 1.0) / PER_CELL, end)
         posed = False
-        while counts[slot] >= 0:
+        while counts[1 + bucket % BUCKETS] >= 0:
             idle = 0
-            count = pop(
-                slot, bucket, n, end, turns, circle, latest, tent, again, source_of, via_of, states,
-                spans, queue, counts, places, cells, start, origins, turn_of,
-            )  # fmt: skip
+            count = pop(bucket, plane, terms, agenda, sheets, batch)
             if count > 0 and not posed:
-                poses_at(bodies, now * kappa, poses)
+                poses_at(postures.bodies, now * kappa, postures.poses)
                 posed = True
-            count = keep_useful(
-                count, ways, end * kappa, when, explore, speed, kappa, lookback, limb, places,
-                cells, start, origins, limits, since,
-            )  # fmt: skip
-            blocked_cells(
-                bodies, poses, limb, gap, cells, since, count, now * kappa, shortest, blocked,
-                scratch,
-            )  # fmt: skip
+            count = keep_useful(count, ways, when, postures.limb, terms, batch)
+            blocked_cells(postures, cells, since, count, now * kappa, terms.shortest, batch.which)
             # Surely in a later bucket, or a cell could be refused here for ever.
             until[:count] = (now + 1e-6) * kappa
-            put_off(
-                count, blocked, until, places, cells, bodies, limb, gap, kappa, limits, lookback,
-                bucket, status, again, queue, counts, scratch,
-            )  # fmt: skip
+            put_off(count, bucket, postures, terms, agenda, batch)
             for i in range(count):
-                refused[cells[i]] |= blocked[i]
-            room = states.shape[0] - total
-            free = keep_free(count, room, blocked, places, cells, start, origins, limits)
+                refused[cells[i]] |= batch.which[i]
+            free = keep_free(count, sheets.states.shape[0] - total, batch)
             for i in range(free):
-                since[i], until[i] = start[i] * kappa, limits[i]
-            shorten(bodies, limb, gap, cells, since, until, free, end * kappa, coarse, scratch)
+                since[i], until[i] = batch.start[i] * kappa, batch.limits[i]
+            shorten(postures, cells, since, until, free, end * kappa, coarse)
             for i in range(free):
-                since[i] = max(since[i], ignore * kappa)
-            index, target, t = meet(
-                bodies, limb, c[GRASP], cells, since, until, free, coarse, when, scratch
-            )
+                since[i] = max(since[i], terms.ignore * kappa)
+            index, target, t = meet(postures, terms.grasp, cells, since, until, free, coarse, when)
             if index >= 0:
                 met, body, when = total + index, target, t
-            write_down(
-                total, free, kappa, end, places, start, until, limits, origins, states, spans,
-                latest, status, blocked,
-            )  # fmt: skip
-            put_off(
-                free, blocked, until, places, cells, bodies, limb, gap, kappa, limits, lookback,
-                bucket, status, again, queue, counts, scratch,
-            )  # fmt: skip
-            expand(
-                total, total + free, n, hand_i, hand_j, turns, circle, states, spans, latest,
-                status, tent, again, source_of, via_of, queue, counts, bucket,
-            )  # fmt: skip
+            write_down(total, free, terms, sheets, agenda, batch)
+            put_off(free, bucket, postures, terms, agenda, batch)
+            expand(total, total + free, bucket, plane, sheets, agenda)
             total += free
         bucket += 1
     return total, met, body, when / kappa

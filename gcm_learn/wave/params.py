@@ -1,4 +1,4 @@
-"""Parameters of the FitzHugh-Nagumo lattice (Eq. 10), each with its source."""
+"""Parameters of the FitzHugh-Nagumo lattice (Eq. 10), each with its source, and of marching."""
 
 from __future__ import annotations
 
@@ -76,3 +76,20 @@ class WaveParams:
                 f"step {self.step} is unstable with diffusion {self.diffusion}: "
                 "explicit Euler needs step * (1 + 4 diffusion) <= 2"
             )
+
+
+@dataclass(frozen=True)
+class MarchingParams:
+    """Numbers that fix causal marching."""
+
+    n: int = 80
+    """Cells along a side of the lattice."""
+    margin: float = 1.0
+    """Widening of obstacles, as for the wave."""
+    lookback: float = 1.0
+    """Since when a cell must have been free: 1 covers the whole time since the front was next door
+    (erratum 14), 0 the instant of its arrival only."""
+    slack: float = 0.0
+    """How far beyond the grasp a target still makes a contact, as for the wave [cells]."""
+    until: Literal["contact", "horizon"] = "contact"
+    """Stop at the first contact with a target or explore to the horizon."""

@@ -1,306 +1,334 @@
-"""The wave of Eq. 10 once more, slow and plain: the oracle of the tests.
+"""Both waves once more, slow and plain: what tests hold the kernels against.
 
-`wave.kernels` is fast because it is float32, because it steps only the blocks of cells near the
-front, and because it searches a span of time by conservative advancement.  Each of these could go
-wrong without being seen.  Here the whole lattice is stepped in float64, every step is searched
-for arrivals, and the limb is tested at many instants, with its own elbow and its own distance to
-discs.  Tests hold the kernel against this; the benchmark says how much faster the kernel is.
+The kernels are fast because they are float32, because they step only the blocks of cells near the
+front, and because they search a span of time by conservative advancement.  Each of these could go
+wrong without being seen.  Here the whole lattice is stepped (`wave.stepping`), every step is
+searched for arrivals, and there is no calendar and no block that sleeps.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance
-from gcm_learn.handspace.lattice import Lattice, hand_space
-from gcm_learn.scene import bodies as k
-from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.limb import SIDE
+from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.scene.scene import Scene
+from gcm_learn.wave.excitation import FELT
+from gcm_learn.wave.front import Front
+from gcm_learn.wave.inhibition import SADDLE, TICK
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
+from gcm_learn.wave.limits import fastest
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
-from gcm_learn.wave.solver import (
-    CONTACT_RADIUS,
-    Front,
-    front_speed,
-    hand_cell,
-    kappa_of,
-    rates_of,
-)
-from gcm_learn.wave.task import Task
+from gcm_learn.wave.solver import first_arrivals, front_speed
+from gcm_learn.wave.stepping import CORNERS, EDGES, Cell, Stepped, couplings
+from gcm_learn.wave.waiting import free_clock
 
 LOOK = 1.2  # the front is looked at about this often [tau]
-FINENESS = 0.05  # from one instant of a search to the next, a body moves this many cells at most
-EDGES = ((0, 1), (0, -1), (1, 0), (-1, 0))
-CORNERS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
-
-Couplings = list[tuple[tuple[int, int], np.ndarray]]
 
 
-def reaction(r: np.ndarray, z: np.ndarray, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
-    """Right-hand sides of Eq. 10 without diffusion: (dr/dtau, dz/dtau)."""
-    return (((4.0 - r) * r - 2.0) * r - 2.0) / 7.0 - z, epsilon * (r - 7.0 * z - 2.0)
-
-
-def couplings(live: np.ndarray, points: int) -> Couplings:
-    """List which neighbours every cell exchanges with, and how strongly.
-
-    Parameters
-    ----------
-    live : (n, m) bool ndarray
-        Cells that exchange with their neighbours; nothing flows into others or over the border.
-    points : {5, 9}
-        9 weighs the four edge neighbours by 4/6 and the four corner neighbours by 1/6.
-
-    Returns
-    -------
-    list of ((int, int), (n, m) ndarray)
-        Offset of a neighbour (rows, columns) and its weight in every cell.
-    """
-    edge = 1.0 if points == 5 else 4.0 / 6.0
-    weights = [(offset, edge) for offset in EDGES]
-    if points == 9:
-        weights += [(offset, 1.0 / 6.0) for offset in CORNERS]
-    return [(offset, weight * (live & _neighbour(live, offset))) for offset, weight in weights]
-
-
-def euler_step(
-    r: np.ndarray,
-    z: np.ndarray,
-    q: np.ndarray,
-    coupled: Couplings,
-    params: WaveParams,
-    diffusion: float | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Advance Eq. 10 by one explicit Euler step.
-
-    Parameters
-    ----------
-    r, z : (n, m) ndarray
-        Potential and recovery variable.
-    q : (n, m) ndarray
-        1 where the potential may change, else 0 (Eq. 11).
-    coupled : list
-        From `couplings`.
-    params : WaveParams
-        Epsilon, step and diffusion are used.
-    diffusion : float, optional
-        Takes the place of the one in `params`, which refuse what lets the wave fail.
-
-    Returns
-    -------
-    r, z : (n, m) ndarray
-    """
-    d = params.diffusion if diffusion is None else diffusion
-    dr, dz = reaction(r, z, params.epsilon)
-    flow = np.zeros_like(r)
-    for offset, weight in coupled:
-        flow += weight * (_neighbour(r, offset) - r)
-    return r + params.step * q * (dr + d * flow), z + params.step * dz
-
-
-def _neighbour(a: np.ndarray, offset: tuple[int, int]) -> np.ndarray:
-    """Every cell's neighbour at an offset; 0 beyond the border."""
-    (i, j), (n, m) = offset, a.shape
-    return np.pad(a, 1)[1 + i : 1 + i + n, 1 + j : 1 + j + m]
-
-
-def propagate_reference(task: Task, params: WaveParams) -> Front:
+def propagate_reference(
+    scene: Scene, lattice: Lattice, params: WaveParams, *, wait: bool = False
+) -> Front:
     """Run the wave of Eq. 10 from the hand until contact or the horizon.
 
     Parameters
     ----------
-    task : Task
-        Its lattice must have ``params.n`` cells a side.
+    scene : Scene
+    lattice : Lattice
+        Of ``params.n`` cells a side.
     params : WaveParams
+    wait : bool
+        Obstacles inhibit while they are there, instead of freezing for ever.
 
     Returns
     -------
     Front
-        As from `wave.propagate`, with arrivals in float64.
+        As from `wave.propagate` or `wave.propagate_layers`, with arrivals in float64.
     """
-    kappa = kappa_of(task, params)
-    wave = _Wave.excited(task, params)
-    start, end = wave.tau, task.horizon / kappa
-    steps_a_look = 2 * max(1, int(0.5 * LOOK / params.step + 1e-9))
-    steps = 0
-    contact: tuple[float, int, int] | None = None
-    while wave.tau < end and (contact is None or params.until == "horizon"):
-        for _ in range(steps_a_look):
+    wave = (_Waiting if wait else _Freezing)(scene, lattice, params)
+    start = wave.tau
+    while wave.goes_on():
+        for _ in range(2 * max(1, int(0.5 * LOOK / params.step + 1e-9))):
             wave.advance()
-            steps += 1
-            wave.tau = start + steps * params.step
-        contacts = wave.look(min(wave.tau, end), kappa)
-        if contact is None and contacts:
-            contact = min(contacts)
-    time, cell, body = (-1.0, -1, -1) if contact is None else contact
-    return Front(wave.arrival * kappa, wave.state, cell, body, time * kappa, steps)
+            wave.tau = start + wave.steps * params.step
+        wave.look()
+    return wave.front()
 
 
-@dataclass
-class _Wave:
-    """The lattice while it is being stepped; all arrays are (n, n)."""
+class _Freezing(Stepped):
+    """The published wave: cells that an obstacle has met are frozen for ever."""
 
-    task: Task
-    params: WaveParams
-    tau: float
-    r: np.ndarray
-    z: np.ndarray
-    q: np.ndarray
-    live: np.ndarray
-    coupled: Couplings
-    arrival: np.ndarray  # [tau], negative where the front has not been
-    crossing: np.ndarray  # last upward crossing of the threshold [tau]
-    state: np.ndarray
-    limb: np.ndarray  # (n, n, 4): hand x, y and elbow x, y
-    gap: np.ndarray  # distance at which an obstacle occupies a cell
+    def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
+        super().__init__(scene, lattice, params)
+        self.live = self.inside.copy()
+        self.state = np.full(lattice.shape, FREE, dtype=np.uint8)
+        self.contact: tuple[float, int, int] | None = None  # when [tau], cell, body
+        for i, (cell, when) in enumerate(self.disc()):
+            self.r[cell], self.z[cell] = EXCITED if i > 0 else (HAND_POTENTIAL, self.z[cell])
+            self.q[cell], self.arrival[cell] = self.q[cell] * (i > 0), when
 
-    @classmethod
-    def excited(cls, task: Task, params: WaveParams) -> _Wave:
-        """A lattice at rest but for the hand's neuron and the disc around it."""
-        n, space = params.n, hand_space(task.lattice)
-        live = space.inside.reshape(n, n).copy()
-        limb = _limbs(task.lattice)
-        rest = REST if params.start == "rest" else (0.0, 0.0)
-        r, z = np.full((n, n), rest[0]), np.full((n, n), rest[1])
-        q, arrival = live * rates_of(task).reshape(n, n), np.full((n, n), -1.0)
-        tau = 0.0
-        if params.start_radius > 0.0:
-            away = np.hypot(*(limb[..., :2] - task.hand).T).T / task.lattice.spacing
-            disc = live & (away <= params.start_radius)
-            slowness = 1.0 / front_speed(params).fastest
-            r[disc], z[disc], arrival[disc] = *EXCITED, away[disc] * slowness
-            tau = params.start_radius * slowness
-        hand = hand_cell(task.lattice, task.hand)
-        r[hand], q[hand], arrival[hand] = HAND_POTENTIAL, 0.0, 0.0
-        coupled = couplings(live, params.laplacian)
-        gap = task.gaps(params.margin).reshape(n, n)
-        state = np.full((n, n), FREE, dtype=np.uint8)
-        never = np.full((n, n), -1.0)
-        return cls(task, params, tau, r, z, q, live, coupled, arrival, never, state, limb, gap)
+    def goes_on(self) -> bool:
+        """Whether there is anything left to do."""
+        late = self.tau >= self.scene.limits.horizon / self.kappa
+        return not late and (self.contact is None or self.params.until == "horizon")
 
-    def advance(self) -> None:
-        """Step the whole lattice once and note where the threshold was crossed."""
-        before, level = self.r, self.params.threshold
-        self.r, self.z = euler_step(before, self.z, self.q, self.coupled, self.params)
-        up = (before < level) & (self.r >= level)
-        share = (level - before[up]) / (self.r[up] - before[up])
-        self.crossing[up] = self.tau + share * self.params.step
+    def passes_on(self, cell: Cell) -> bool:
+        """Whether a cell has been reached and passes the front on."""
+        return bool(self.live[cell] and self.arrival[cell] >= 0.0)
 
-    def look(self, now: float, kappa: float) -> list[tuple[float, int, int]]:
-        """Record arrivals and apply Eq. 11 to them; returns contacts (time, cell, body)."""
+    def look(self) -> None:
+        """Record arrivals and apply Eq. 11 to them."""
+        now = min(self.tau, self.scene.limits.horizon / self.kappa)
         new = self.live & (self.arrival < 0.0) & (self.r >= self.params.threshold)
-        since = {(int(y), int(x)): self._next_door((int(y), int(x))) for y, x in np.argwhere(new)}
-        cells = [cell for cell, time in since.items() if time >= 0.0]
-        for cell in cells:
-            self.arrival[cell] = max(self.crossing[cell], since[cell])
+        doors = {(i, j): self.next_door((i, j)) for i, j in np.argwhere(new).tolist()}
+        since = {cell: time for cell, time in doors.items() if time >= 0.0}
+        for cell, time in since.items():
+            self.arrival[cell] = max(self.crossing[cell], time)
         contacts = []
-        for cell in cells:
-            span = (since[cell] * kappa, now * kappa)
-            if self._occupied(cell, span):
+        for cell, before in since.items():
+            span, here = (before * self.kappa, now * self.kappa), np.array([cell])
+            if any(self.near(b, here, self.instants(b, span)).any() for b in self.obstacles):
                 self._take_out(cell, FROZEN)
                 continue
-            time, body = self._met(cell, span)
-            if body >= 0 and time >= self.task.ignore:
+            time, body = self._met(here, span)
+            if body >= 0:
                 self._take_out(cell, CONTACT)
                 index = cell[0] * self.params.n + cell[1]
-                contacts.append((max(time / kappa, float(self.arrival[cell])), index, body))
-        if self.params.frozen == "insulating" and cells:
+                contacts.append((max(time / self.kappa, float(self.arrival[cell])), index, body))
+        if self.contact is None and contacts:
+            self.contact = min(contacts)
+        if self.insulates and since:
             self.coupled = couplings(self.live, self.params.laplacian)
-        return contacts
 
-    def _next_door(self, cell: tuple[int, int]) -> float:
-        """Earliest arrival at an edge neighbour that passes the front on [tau], -1 if none."""
-        n, times = self.params.n, []
-        for i, j in EDGES:
-            y, x = cell[0] + i, cell[1] + j
-            if 0 <= y < n and 0 <= x < n and self.live[y, x] and self.arrival[y, x] >= 0.0:
-                times.append(float(self.arrival[y, x]))
-        return min(times, default=-1.0)
+    def _take_out(self, cell: Cell, state: int) -> None:
+        self.state[cell], self.q[cell] = state, 0.0
+        self.live[cell] = not self.insulates
 
-    def _take_out(self, cell: tuple[int, int], state: int) -> None:
-        self.state[cell] = state
-        self.q[cell] = 0.0
-        if self.params.frozen == "insulating":
-            self.live[cell] = False
-
-    def _occupied(self, cell: tuple[int, int], span: tuple[float, float]) -> bool:
-        """Whether an obstacle touches the cell's limb at any instant of a span [s]."""
-        bodies, limb = self.task.bodies, self.limb[cell]
-        obstacles = np.flatnonzero(bodies.rows[:, k.PART] != k.HAND).tolist()
-        step = FINENESS * self.task.lattice.spacing
-        return any(
-            (distances(bodies, b, limb, instants(bodies, b, span, step)) <= self.gap[cell]).any()
-            for b in obstacles
-        )
-
-    def _met(self, cell: tuple[int, int], span: tuple[float, float]) -> tuple[float, int]:
+    def _met(self, cell: np.ndarray, span: tuple[float, float]) -> tuple[float, int]:
         """First target near the hand in a span [s]: (time, body), body -1 if none."""
-        bodies, limb = self.task.bodies, self.limb[cell]
-        h, first = self.task.lattice.spacing, (span[1], -1)
-        for b in np.flatnonzero(bodies.rows[:, k.PART] == k.HAND).tolist():
-            times = instants(bodies, b, span, FINENESS * h)
-            reach = max(self.task.grasp + self.params.slack * h, CONTACT_RADIUS * h)
-            near = distances(bodies, b, limb, times) <= reach
+        first = (span[1], -1)
+        for b in self.targets:
+            times = self.instants(b, span)
+            near = self.near(b, cell, times)[0]
             if near.any() and (first[1] < 0 or times[near][0] < first[0]):
                 first = (float(times[near][0]), b)
         return first
 
-
-def _limbs(lattice: Lattice) -> np.ndarray:
-    """Hand and elbow of every cell, (n, n, 4), by erratum 7."""
-    x, y = np.meshgrid(lattice.centres, lattice.centres)
-    rho, radius = lattice.upper_arm, np.hypot(x, y)
-    a = np.clip((radius**2 + rho**2 - 1.0) / (2.0 * rho * radius), -1.0, 1.0)
-    b = SIDE[lattice.elbow] * np.sqrt(1.0 - a**2)
-    ux, uy = x / radius, y / radius
-    return np.stack([x, y, rho * (a * ux + b * uy), rho * (a * uy - b * ux)], axis=-1)
+    def front(self) -> Front:
+        """What was reached."""
+        time, cell, body = (-1.0, -1, -1) if self.contact is None else self.contact
+        arrival = (self.arrival * self.kappa).ravel()
+        met = (cell, body, time * self.kappa)
+        state = self.state.ravel()
+        return first_arrivals(self.scene, self.lattice, arrival, state, met, self.steps)
 
 
-def instants(bodies: Bodies, b: int, span: tuple[float, float], step: float) -> np.ndarray:
-    """Times that cover a span [s] so densely that body b moves at most `step` between two."""
-    way = bodies.rows[b, k.TOP_SPEED] * (span[1] - span[0])
-    return np.linspace(*span, int(np.ceil(way / step)) + 1 if way > 0.0 else 1)
+class _Waiting(Stepped):
+    """The wave that may wait: cells are inhibited while obstacles are there."""
 
+    def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
+        super().__init__(scene, lattice, params)
+        self.clock = free_clock(params) * (lattice.spacing / fastest(scene))  # [s] at every TICK
+        self.slowness = 1.0 / front_speed(params).fastest
+        self.seen = 0.0  # until when bodies have been looked at [s]
+        self.met = (scene.limits.horizon, -1, -1)  # when [s], state, body
+        self.cells: list[Cell] = []
+        self.via: list[int] = []
+        self.spans: list[list[float]] = []
+        shape = lattice.shape
+        self.opened = np.zeros(shape)  # since when the cell is not inhibited
+        self.date = np.full(shape, np.inf)  # when it is released
+        self.asked = np.zeros(shape)  # since when an inhibited cell has to be looked at [s]
+        self.touched = np.full(shape, -1.0)  # when an obstacle was last there [s]
+        self.inhibited, self.felt, self.refused = np.zeros((3, *shape), dtype=bool)
+        self.latest = np.full(shape, -1)  # state, -1 if not reached
+        self._set_out()
 
-def distances(bodies: Bodies, b: int, limb: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Distance of body b to the part of a limb that it can touch, at each of some times.
+    def goes_on(self) -> bool:
+        """Whether there is anything left to do."""
+        end = self.scene.limits.horizon if self.params.until == "horizon" else self.met[0]
+        return self.now < end
 
-    Parameters
-    ----------
-    limb : (4,) ndarray
-        Hand x, y and elbow x, y.
-    times : (m,) ndarray
-        [s]
+    def passes_on(self, cell: Cell) -> bool:
+        """Whether a cell has been reached and passes the front on."""
+        return bool(self.latest[cell] >= 0)
 
-    Returns
-    -------
-    (m,) ndarray
-    """
-    row = bodies.rows[b]
-    if row[k.KIND] != k.DISC:
-        return np.array([_kernel_distance(bodies, b, limb, t) for t in times])
-    t = times[:, None]
-    velocity, acceleration = row[k.VELOCITY :][:2], row[k.ACCELERATION :][:2]
-    centre = row[k.POSITION :][:2] + velocity * t + 0.5 * acceleration * t**2
-    hand, elbow = limb[:2], limb[2:]
-    away = np.linalg.norm(centre - hand, axis=-1)
-    if row[k.PART] != k.HAND:
-        away = np.minimum(
-            _from_segment(centre, elbow, hand), _from_segment(centre, 0 * elbow, elbow)
+    @property
+    def now(self) -> float:
+        """Time of the present look [s]."""
+        return min(self.seconds(self.tau), self.scene.limits.horizon)
+
+    def seconds(self, tau: float) -> float:
+        """Time at a mental time [s]."""
+        last = (len(self.clock) - 1) * TICK
+        if tau >= last:
+            return float(self.clock[-1] + (tau - last) * self.kappa)
+        return float(np.interp(tau, TICK * np.arange(len(self.clock)), self.clock))
+
+    def mental(self, t: float) -> float:
+        """Mental time at a time [tau]."""
+        if t >= self.clock[-1]:
+            return float((len(self.clock) - 1) * TICK + (t - self.clock[-1]) / self.kappa)
+        return float(np.interp(t, self.clock, TICK * np.arange(len(self.clock))))
+
+    def _set_out(self) -> None:
+        """Excite the hand's cell and, as far as they are free, the cells around it."""
+        for cell, when in self.disc():
+            if self.cells:
+                before = self.next_door(cell)
+                if before < 0.0:
+                    continue
+                times = np.linspace(self.seconds(before), self.seconds(when), 200)
+                if self._occupied(np.array([cell]), times).any():
+                    self.refused[cell] = True
+                    self._inhibit(cell, self.seconds(when))
+                    continue
+            self.r[cell], self.z[cell] = EXCITED if self.cells else (HAND_POTENTIAL, EXCITED[1])
+            self._reach(cell, when, self._way_back(cell, when))
+        self.q[self.cells[0]] = 0.0
+        self._compare(self._times())
+
+    def look(self) -> None:
+        """Compare the lattice with the world: arrivals, meetings, inhibition, releases."""
+        level, times = self.params.threshold, self._times()
+        occupied = self._occupied(np.argwhere(self.inside), times)
+        last = np.where(occupied, times, -1.0).max(axis=1)
+        self.touched[self.inside] = np.maximum(self.touched[self.inside], last)
+        crossed = self.inside & ~self.inhibited & (self.arrival < 0.0) & (self.r >= level)
+        doors = {(i, j): self.next_door((i, j)) for i, j in np.argwhere(crossed).tolist()}
+        since = {c: max(t, float(self.opened[c])) for c, t in doors.items() if t >= 0.0}
+        when = {c: max(float(self.crossing[c]), t) for c, t in since.items()}
+        via = {c: self._way_back(c, t) for c, t in when.items()}
+        for cell in since:
+            if self.seconds(when[cell]) > self.scene.limits.horizon:
+                continue
+            if self.touched[cell] >= self.seconds(since[cell]):
+                self.refused[cell] = True
+                self._inhibit(cell, self.now)
+            else:
+                self._reach(cell, when[cell], via[cell])
+        for cell in doors.keys() - since.keys():  # charged by cells that are inhibited now
+            if self.r[cell] > 0.5 * (level + EXCITED[0]):
+                self.r[cell], self.z[cell] = REST
+        feels = self.inside & (self.r >= FELT) & (self.arrival < 0.0) & ~self.felt
+        self.felt |= feels
+        here = np.zeros_like(self.inside)
+        here[self.inside] = occupied[:, -1]
+        for i, j in np.argwhere(feels & here & ~self.inhibited).tolist():
+            self.refused[i, j] = True
+            self._inhibit((i, j), self.now)
+        self._compare(times, occupied)
+        reached = self.inside & (self.arrival >= 0.0)
+        fallen = reached & (self.r < min(level, SADDLE)) & (self.q > 0.0)
+        self.r[fallen], self.q[fallen] = HAND_POTENTIAL, 0.0
+
+    def _compare(self, times: np.ndarray, occupied: np.ndarray | None = None) -> None:
+        """Find what obstacles and targets do to excited and inhibited cells at some times (m,)."""
+        cells = np.argwhere(self.inside)
+        occupied = self._occupied(cells, times) if occupied is None else occupied
+        targets = self._targets(cells, times)
+        due = np.argwhere(self.inhibited & (self.date <= self.tau)).tolist()
+        for c, (i, j) in enumerate(cells.tolist()):
+            s = self.latest[i, j]
+            if s >= 0:
+                hit = times[occupied[c] & (times >= self.spans[s][0])]
+                if hit.size and self.spans[s][1] >= self.scene.limits.horizon:
+                    stay = self.slowness * self.kappa if s == 0 else 0.0  # the hand has to leave
+                    self.spans[s][1] = max(float(hit[0]), stay)
+                self._meet(s, times, targets[c])
+                if self.spans[s][1] < self.scene.limits.horizon and self.spans[s][1] <= self.now:
+                    self._inhibit((i, j), self.spans[s][1])
+            if self.inhibited[i, j] and self.date[i, j] == np.inf:
+                free = times[~occupied[c] & (times >= self.asked[i, j])]
+                if free.size:
+                    self.date[i, j] = self.mental(float(free[0])) + 0.5 * self.slowness
+        for i, j in due:
+            self._release((i, j))
+        live = self.inside & ~self.inhibited if self.insulates else self.inside
+        self.coupled = couplings(live, self.params.laplacian)
+        self.seen = self.now
+
+    def _meet(self, s: int, times: np.ndarray, targets: np.ndarray) -> None:
+        """Note a meeting in state s: a target (m,), -1 for none, is near at some of the times."""
+        since = max(self.spans[s][0], 0.0)
+        near = np.flatnonzero((targets >= 0) & (times >= since) & (times <= self.spans[s][1]))
+        if near.size and times[near[0]] < self.met[0]:
+            self.met = (float(times[near[0]]), s, int(targets[near[0]]))
+
+    def _reach(self, cell: tuple[int, int], when: float, via: int) -> None:
+        """Make a state of a cell that the front has come to at a mental time."""
+        self.arrival[cell], self.latest[cell] = when, len(self.cells)
+        self.cells.append(cell)
+        self.via.append(via)
+        self.spans.append([self.seconds(when), self.scene.limits.horizon])
+
+    def _inhibit(self, cell: tuple[int, int], t: float) -> None:
+        """Put a cell to rest from t [s] on."""
+        self.inhibited[cell], self.felt[cell] = True, False
+        self.arrival[cell], self.latest[cell] = -1.0, -1
+        self.date[cell], self.asked[cell] = np.inf, t
+        self.r[cell], self.z[cell], self.q[cell] = *REST, 0.0
+
+    def _release(self, cell: tuple[int, int]) -> None:
+        """Leave a cell, still at rest, to its neighbours again."""
+        self.inhibited[cell], self.opened[cell] = False, self.tau
+        self.r[cell], self.z[cell] = REST
+        self.q[cell] = self.rate[cell]
+
+    def _way_back(self, cell: tuple[int, int], when: float) -> int:
+        """State of the neighbour to which arrivals fall off most steeply, -1 if there is none."""
+        (y, x), best = cell, (-1.0, -1)
+        for i, j in (*EDGES, *CORNERS):
+            c = (y + i, x + j)
+            through = i == 0 or j == 0 or self._passes((y + i, x)) or self._passes((y, x + j))
+            if self._passes(c) and through and self.arrival[c] <= when:
+                fall = (when - float(self.arrival[c])) / np.hypot(i, j)
+                if fall > best[0]:
+                    best = (fall, int(self.latest[c]))
+        return best[1]
+
+    def _passes(self, cell: Cell) -> bool:
+        """Whether a cell, maybe beyond the border, passes the front on."""
+        return self.within(cell) and self.passes_on(cell)
+
+    def _times(self) -> np.ndarray:
+        """Times (m,) from the last look to this one so dense that no body goes far between two."""
+        span = (self.seen, self.now)
+        count = max(len(self.instants(b, span)) for b in range(len(self.scene.bodies.rows)))
+        return np.linspace(*span, max(2, count))
+
+    def _occupied(self, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Whether an obstacle touches the limbs of cells (c, 2) at times (m,): (c, m) bool."""
+        out = np.zeros((len(cells), len(times)), dtype=bool)
+        for b in self.obstacles:
+            out |= self.near(b, cells, times)
+        return out
+
+    def _targets(self, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Which target the hand would catch in cells (c, 2) at times (m,): (c, m), -1 if none."""
+        out = np.full((len(cells), len(times)), -1)
+        for b in self.targets:
+            out[self.near(b, cells, times) & (out < 0)] = b
+        return out
+
+    def front(self) -> Front:
+        """What was reached."""
+        order = np.argsort([came for came, _ in self.spans], kind="stable")
+        rank = np.append(np.argsort(order), -1)
+        spans, cells = np.array(self.spans)[order], np.array(self.cells)[order]
+        met = np.zeros(self.lattice.shape, dtype=bool)
+        if self.met[1] >= 0:
+            met[self.cells[self.met[1]]] = True
+        return Front(
+            chart=self.lattice,
+            waits=True,
+            nodes=np.ravel_multi_index(tuple(cells.T), self.lattice.shape),
+            via=rank[np.array(self.via)[order]],
+            arrival=spans[:, 0],
+            end=spans[:, 1],
+            refused=self.refused,
+            met=met,
+            met_state=int(rank[self.met[1]]),
+            met_body=self.met[2],
+            met_time=self.met[0],
+            steps=self.steps,
         )
-    return np.maximum(away - row[k.SIZE], 0.0)
-
-
-def _from_segment(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Distances of points (m, 2) to the segment a-b."""
-    share = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
-    return np.linalg.norm(points - a - share[:, None] * (b - a), axis=-1)
-
-
-def _kernel_distance(bodies: Bodies, b: int, limb: np.ndarray, t: float) -> float:
-    """As `distances`, for bodies that are no discs."""
-    poses = np.zeros((bodies.rows.shape[0], 12))
-    k.pose_at(bodies, b, t, poses)
-    return float(arm_distance(bodies, poses, b, *limb))

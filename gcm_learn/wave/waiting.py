@@ -7,85 +7,78 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.handspace.lattice import HandSpace, Lattice, hand_space
-from gcm_learn.wave import excitation, inhibition, kernels, stencil
-from gcm_learn.wave.params import REST, WaveParams
+from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.scene.scene import Scene
+from gcm_learn.wave import excitation, inhibition, stencil
+from gcm_learn.wave.front import Front
+from gcm_learn.wave.limits import contact_distance, fastest, postures
+from gcm_learn.wave.params import WaveParams
 from gcm_learn.wave.solver import (
-    CONTACT_RADIUS,
-    QUIET,
-    STATES_PER_CELL,
-    LayeredFront,
+    free_scene,
     front_speed,
-    hand_cell,
+    ground_of,
     kappa_of,
-    no_bodies,
     propagate,
-    rates_of,
+    start_disc,
 )
-from gcm_learn.wave.task import Task
+
+STATES_PER_CELL = 4  # room for sheets; most cells need one
 
 
-def propagate_layers(task: Task, params: WaveParams) -> LayeredFront:
+def propagate_layers(
+    scene: Scene,
+    lattice: Lattice,
+    params: WaveParams,
+    *,
+    ignore: float = 0.0,
+    widening: np.ndarray | None = None,
+) -> Front:
     """Run the wave of Eq. 10 until a target is met or the horizon; the hand may wait.
 
     A cell is excited as long as the hand can be there: obstacles inhibit it while they are there.
 
     Parameters
     ----------
-    task : Task
-        Its lattice must have ``params.n`` cells a side.
     params : WaveParams
         `frozen` tells what an inhibited cell does to its neighbours: "insulating" cuts its
         couplings, "held" leaves it to be seen, clamped at rest.
 
+    The others are as for `propagate`.
+
     Returns
     -------
-    LayeredFront
+    Front
     """
-    space, n = hand_space(task.lattice), task.lattice.n
-    ground, book = _ground(task, params, space), _book(n)
+    n = lattice.n
+    buffer = np.empty(stencil.layout(n).length, dtype=np.float32)
+    slowness = 1.0 / front_speed(params).fastest
+    ground, book = ground_of(scene, lattice, params, buffer, slowness), _book(n)
+    world = _world(scene, lattice, params, ignore, widening)
     state, body, time = excitation.propagate_layers(
-        *start_disc(task, params),
-        ground,
-        _world(task, params, space),
-        book,
-        _batch(n),
-        np.float32(params.diffusion),
-        np.float32(params.epsilon * params.step),
-        np.float32(QUIET * params.step),
-        params.until == "horizon",
+        *start_disc(scene, lattice, params), ground, world, book, _batch(n)
     )
     count = int(book.tally[inhibition.TOTAL])
     arrival = book.spans[:count, inhibition.ARRIVAL]
     # Cells reached between the same two looks stand in the order of the lattice.
     order = np.argsort(arrival, kind="stable")
     rank = np.append(np.argsort(order), -1)  # the last entry is that of "none", -1
-    cells = book.states[order, excitation.CELL]
-    return LayeredFront(
-        cells=np.stack([cells // n, cells % n], axis=-1).astype(np.int64),
+    nodes, met = book.states[order, excitation.CELL].astype(np.int64), np.zeros((n, n), dtype=bool)
+    if state >= 0:
+        met.flat[nodes[rank[state]]] = True
+    return Front(
+        chart=lattice,
+        waits=True,
+        nodes=nodes,
         via=rank[book.states[order, excitation.VIA]],
         arrival=arrival[order],
         end=book.spans[order, inhibition.END],
+        refused=book.refused.reshape(n, n),
+        met=met,
         met_state=int(rank[state]),
         met_body=body,
         met_time=time,
-        refused=book.refused.reshape(n, n),
+        steps=count,
     )
-
-
-def start_disc(task: Task, params: WaveParams) -> tuple[np.ndarray, np.ndarray]:
-    """Cells (m,) that are excited at the start and their distances (m,) from the hand [cells].
-
-    The hand's cell comes first, at no distance, whatever the radius.
-    """
-    lattice, space = task.lattice, hand_space(task.lattice)
-    iy, ix = hand_cell(lattice, task.hand)
-    away = np.hypot(*(space.limb[:, :2] - task.hand).T) / lattice.spacing
-    away[iy * lattice.n + ix] = 0.0
-    reach = params.start_radius if params.start_radius > 0.0 else -1.0
-    cells = np.flatnonzero(space.inside & ((away <= reach) | (away == 0.0)))
-    cells = cells[np.argsort(away[cells], kind="stable")]
-    return cells, away[cells]
 
 
 @lru_cache(maxsize=32)
@@ -99,9 +92,8 @@ def free_clock(params: WaveParams) -> np.ndarray:
         return free_clock(free)
     lattice = Lattice(n=free.n)
     hand = (0.5 * lattice.spacing, 0.5 * lattice.spacing)
-    task = Task(no_bodies(), lattice, hand, speed=1.0, horizon=70 * lattice.spacing)
-    front = propagate(task, free)
-    tau = front.arrival / kappa_of(task, free)
+    scene = free_scene(lattice, hand, 70 * lattice.spacing)
+    tau = propagate(scene, lattice, free).first / kappa_of(scene, lattice, free)
     x, y = np.meshgrid(lattice.centres, lattice.centres)
     away = np.hypot(x - hand[0], y - hand[1]) / lattice.spacing
     order = np.argsort(tau[tau >= 0.0], kind="stable")
@@ -110,54 +102,19 @@ def free_clock(params: WaveParams) -> np.ndarray:
     return np.interp(np.arange(0.0, tau[-1], inhibition.TICK), tau[record], away[record])
 
 
-def _ground(task: Task, params: WaveParams, space: HandSpace) -> inhibition.Ground:
-    n, shape = task.lattice.n, stencil.layout(task.lattice.n)
-    buffer = np.empty(shape.length, dtype=np.float32)
-    rate, rest = rates_of(task), REST if params.start == "rest" else (0.0, 0.0)
-    kernels.prepare(
-        buffer,
-        n,
-        shape.width,
-        shape.plane,
-        params.laplacian,
-        space.inside,
-        rate,
-        params.step,
-        *rest,
-    )
-    slowness = 1.0 / front_speed(params).fastest
-    return inhibition.Ground(
-        B=buffer,
-        n=n,
-        W=shape.width,
-        plane=shape.plane,
-        rate=rate,
-        active=np.ones((n + 2, shape.blocks), dtype=np.bool_),
-        points=params.laplacian,
-        held=params.frozen == "held",
-        step=params.step,
-        lag=2 * max(1, int(0.6 / params.step + 1e-9)) * params.step,
-        start=params.start_radius * slowness,
-        slowness=slowness,
-        threshold=params.threshold,
-    )
-
-
-def _world(task: Task, params: WaveParams, space: HandSpace) -> inhibition.World:
-    kappa, h = kappa_of(task, params), task.lattice.spacing
-    poses = np.zeros((task.bodies.rows.shape[0], 12))
+def _world(
+    scene: Scene, lattice: Lattice, params: WaveParams, ignore: float, widening: np.ndarray | None
+) -> inhibition.World:
+    kappa = kappa_of(scene, lattice, params)
     return inhibition.World(
-        bodies=task.bodies,
-        limb=space.limb,
-        gap=task.gaps(params.margin),
-        poses=poses,
-        scratch=np.zeros_like(poses),
-        clock=free_clock(params) * (h / task.fastest),
+        postures=postures(scene, lattice, params.margin, widening),
+        clock=free_clock(params) * (lattice.spacing / fastest(scene)),
         kappa=kappa,
         shortest=kappa * params.step,
-        grasp=max(task.grasp + params.slack * h, CONTACT_RADIUS * h),
-        ignore=task.ignore,
-        end=task.horizon,
+        grasp=contact_distance(scene, lattice, params),
+        ignore=ignore,
+        end=scene.limits.horizon,
+        explore=params.until == "horizon",
     )
 
 

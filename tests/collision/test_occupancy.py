@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.collision.occupancy import blocked_cells, first_touch, met_targets
+from gcm_learn.collision.occupancy import blocked_cells, first_touch, met_targets, postures_of
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.handspace import Lattice
@@ -65,11 +65,9 @@ def test_blocked_cells_are_those_touched_within_their_span(family, seed):
     now = 0.6
     since = rng.uniform(0.2, now, cells.size)
     gap = np.full(space.inside.size, 0.02)
-    poses, blocked = np.zeros((len(situation.bodies), 12)), np.empty(cells.size, dtype=bool)
-    poses_at(bodies, now, poses)
-    blocked_cells(
-        bodies, poses, space.limb, gap, cells, since, cells.size, now, 1e-4, blocked, poses.copy()
-    )
+    postures, blocked = postures_of(bodies, space.limb, gap), np.empty(cells.size, dtype=bool)
+    poses_at(bodies, now, postures.poses)
+    blocked_cells(postures, cells, since, cells.size, now, 1e-4, blocked)
     for cell, start, found in zip(cells, since, blocked, strict=True):
         hand, elbow = space.limb[cell, :2], space.limb[cell, 2:]
         times = np.linspace(start, now, 300)
@@ -109,17 +107,14 @@ def test_targets_met_are_the_first_sampled_ones(family, seed):
         Body("target", str(k), b.shape, b.motion) for k, b in enumerate(situation.bodies)
     )
     situation = Situation("t", situation.horizon, situation.arm, bodies, situation.plane)
-    packed, poses = pack_bodies(situation), np.zeros((len(bodies), 12))
     lattice = Lattice(20, situation.arm.upper_arm, situation.arm.elbow)
     space, now, gap = hand_space(lattice), 0.9, 0.3
     cells = rng.permutation(np.flatnonzero(space.inside))[:30]
     since = rng.uniform(0.0, now, cells.size)
     met, when = np.empty(cells.size, dtype=np.int64), np.empty(cells.size)
-    poses_at(packed, now, poses)
-    met_targets(
-        packed, poses, space.limb, gap, cells, since, cells.size, now, SHORTEST, met, when,
-        poses.copy(),
-    )  # fmt: skip
+    postures = postures_of(pack_bodies(situation), space.limb, np.zeros(space.inside.size))
+    poses_at(postures.bodies, now, postures.poses)
+    met_targets(postures, gap, cells, since, cells.size, now, SHORTEST, met, when)
     for cell, start, body, t in zip(cells, since, met, when, strict=True):
         times = np.linspace(start, now, 400)
         hand = np.tile(space.limb[cell, :2], (400, 1))

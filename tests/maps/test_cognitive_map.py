@@ -16,9 +16,9 @@ from gcm_learn.families.random_solid import random_solid
 from gcm_learn.handspace import Lattice
 from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.handspace.occupied import occupied_cells
-from gcm_learn.maps import CognitiveMap, Contact, build_map, layered_map, task_of
+from gcm_learn.maps import CognitiveMap, Contact, build_map
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
-from gcm_learn.wave import MarchingParams, WaveParams, march_layers
+from gcm_learn.wave import MarchingParams, WaveParams
 
 ENGINES = {"wave": WaveParams(), "marching": MarchingParams()}
 REST = (0.0, 0.0)
@@ -150,7 +150,7 @@ def test_the_default_engine_is_the_papers_wave():
 def test_arrays_must_fit_the_lattice():
     found = build(scene(GOAL), "marching")
     with pytest.raises(ValueError, match=r"arrival must be \(40, 40\), got \(80, 80\)"):
-        replace(found, lattice=Lattice(40))
+        replace(found, chart=Lattice(40))
 
 
 # --- saving and loading ----------------------------------------------------------------------
@@ -268,10 +268,9 @@ def test_contacts_compare_by_value():
 def test_sheets_are_different_spans_in_which_a_cell_is_free(k):
     """On every sheet a cell is reached later than on the one before, and was blocked between."""
     situation, params = random_planar(seeding.rng(5, k)), MarchingParams(margin=0.0, lookback=0.0)
-    task = task_of(situation, params)
-    cognitive_map = layered_map(situation, task, march_layers(task, params))
+    cognitive_map = build_map(situation, params, wait=True)
     sheets, instants = cognitive_map.sheets, np.linspace(0.0, situation.horizon, 1000)
-    occupied = np.array([occupied_cells(situation, task.lattice, t) for t in instants])
+    occupied = np.array([occupied_cells(situation, cognitive_map.lattice, t) for t in instants])
     assert len(sheets) > 1
     for before, after in itertools.pairwise(sheets):
         cells = ~np.ma.getmaskarray(after)

@@ -22,7 +22,7 @@ STILL = (0.0, 0.0)
 
 def found(contact=0.6, arrived=0.5):
     """An exploration, as far as lessons look at it."""
-    made = SimpleNamespace(lattice=LATTICE, contact=SimpleNamespace(time=contact))
+    made = SimpleNamespace(chart=LATTICE, contact=SimpleNamespace(time=contact))
     return Exploration(made, arrived=arrived)
 
 

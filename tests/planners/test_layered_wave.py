@@ -11,46 +11,47 @@ from gcm_learn import seeding, solve
 from gcm_learn.families import draw
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.maps import task_of
+from gcm_learn.maps import chart_of, explore
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.layered import chain_of, path_to
+from gcm_learn.planners.layered import path_to
 from gcm_learn.planners.layered_wave import CLOSE, EARLY, layered_wave, straightened
-from gcm_learn.wave import WaveParams, propagate_layers
+from gcm_learn.scene import pack
+from gcm_learn.wave import WaveParams
 from tests.referee import judge
 
 NINE = WaveParams(laplacian=9)
 
 
 def ways(seed, count, params=NINE, **arm):
-    """Situations in which the wave meets a target, with its task, front and straightened front."""
+    """Situations in which the wave meets a target, with its front and straightened front."""
     for k in range(count):
         situation = random_planar(seeding.rng(seed, k), (3, 6))
         situation = replace(situation, arm=replace(situation.arm, **arm))
-        task = task_of(situation, params)
-        front = propagate_layers(task, params)
+        scene = pack(situation)
+        front = explore(scene, chart_of(situation.arm, params.n), params, wait=True)
         if front.met_state > 0:
-            yield situation, task, front, straightened(front, task)
+            yield situation, front, straightened(front, scene)
 
 
 def bends(front):
     """Number of states on the way to where the target is met."""
-    return len(chain_of(front))
+    return len(front.chain())
 
 
-def length(front, situation, task):
+def length(front, situation):
     """Length of the way there [forearm lengths]."""
-    hand, _ = path_to(front, task, situation.arm, chain_of(front))
+    hand, _ = path_to(front, situation.arm, front.chain())
     return float(np.hypot(*np.diff(hand, axis=0).T).sum())
 
 
 def test_ways_have_few_bends_and_are_short():
     alone, found = 0, 0
-    for situation, task, front, straight in ways(91, 60):
+    for situation, front, straight in ways(91, 60):
         found += 1
         assert bends(straight) <= bends(front)
-        assert length(straight, situation, task) <= length(front, situation, task) + 1e-9
-        x, y = task.lattice.centres[front.cells[front.met_state][::-1]] - task.hand
-        alone += length(straight, situation, task) < 1.001 * np.hypot(x, y)
+        assert length(straight, situation) <= length(front, situation) + 1e-9
+        x, y = front.chart.hands[front.nodes[front.met_state]] - situation.arm.hand
+        alone += length(straight, situation) < 1.001 * np.hypot(x, y)
         assert bends(straight) <= 12
     assert found > 20 and alone > 0.6 * found  # most of them with no bend at all
 
@@ -59,12 +60,13 @@ def test_ways_have_few_bends_and_are_short():
 def test_straight_pieces_run_through_excited_cells(limits):
     """At every point of the way the hand is where the wave says that it can be, or all but."""
     outside, points = 0, 0
-    for situation, task, front, straight in ways(92, 40, max_joint_speed=limits):
-        hand, wanted = path_to(straight, task, situation.arm, chain_of(straight))
-        crossing = task.lattice.spacing / task.speed
-        step = max(int(CLOSE * task.lattice.spacing / 0.02), 1)
+    for situation, front, straight in ways(92, 40, max_joint_speed=limits):
+        hand, wanted = path_to(straight, situation.arm, straight.chain())
+        lattice = front.chart
+        crossing = lattice.spacing / situation.arm.max_hand_speed
+        step = max(int(CLOSE * lattice.spacing / 0.02), 1)
         for (x, y), t in zip(hand[1:-1:step], wanted[1:-1:step], strict=True):
-            here = (front.cells == task.lattice.cell_of(x, y)).all(axis=1)
+            here = (front.cells == lattice.cell_of(x, y)).all(axis=1)
             reached = front.arrival[here] - EARLY * crossing <= t + 0.25 * crossing
             outside += not (reached & (t <= front.end[here] + 0.25 * crossing)).any()
             points += 1

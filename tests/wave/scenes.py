@@ -1,13 +1,16 @@
-"""Tasks for a front, and what its answers are compared by."""
+"""What a front is to explore, and what its answers are compared by."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from gcm_learn.handspace.lattice import Lattice
-from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
-from gcm_learn.wave import Task, kappa_of
+from gcm_learn.wave import kappa_of
+from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 
 SPEED = 3.4  # kappa is about 1/400 s on 80 cells
 STILL = (0.0, 0.0)
@@ -17,19 +20,30 @@ def disc(role, name, position, velocity=STILL, radius=0.1):
     return Body(role, name, Disc(radius), PlanarQuadratic(position, velocity, STILL))
 
 
-def task_of(situation, n=80):
-    """Make a front's task of a situation."""
+class Setting(NamedTuple):
+    """What a front runs in; the first two arguments of all engines."""
+
+    scene: Scene
+    lattice: Lattice
+
+    @property
+    def hand(self):
+        return self.scene.limb.x, self.scene.limb.y
+
+    @property
+    def speed(self):
+        return self.scene.limits.speed
+
+    def limited(self, **changes):
+        """Return the same with other limits of movement or another horizon."""
+        scene = self.scene._replace(limits=self.scene.limits._replace(**changes))
+        return self._replace(scene=scene)
+
+
+def setting_of(situation, n=80):
+    """Make a front's setting of a situation."""
     arm = situation.arm
-    return Task(
-        pack_bodies(situation),
-        Lattice(n, arm.upper_arm, arm.elbow),
-        arm.hand,
-        arm.max_hand_speed,
-        situation.horizon,
-        arm.thickness,
-        arm.grasp,
-        joint_speed=arm.max_joint_speed,
-    )
+    return Setting(pack(situation), Lattice(n, arm.upper_arm, arm.elbow))
 
 
 def scene(*bodies, hand=(1.2, 0.3), horizon=1.0, **arm):
@@ -54,12 +68,17 @@ def three_discs(rng, moving=True, **arm):
     return scene(*bodies, **arm)
 
 
-def arrival_tau(task, front, params):
+def arrival_tau(setting, front, params):
     """Arrival times [tau], nan where the front never came."""
-    return np.where(front.arrival >= 0.0, front.arrival / kappa_of(task, params), np.nan)
+    return np.where(front.first >= 0.0, front.first / kappa_of(*setting, params), np.nan)
 
 
-def away(task):
+def state_of(front):
+    """FREE, FROZEN or CONTACT of every cell."""
+    return np.where(front.refused, FROZEN, np.where(front.met, CONTACT, FREE))
+
+
+def away(setting):
     """Distance (n, n) of every cell's centre from the hand [cells]."""
-    x, y = np.meshgrid(task.lattice.centres, task.lattice.centres)
-    return np.hypot(x - task.hand[0], y - task.hand[1]) / task.lattice.spacing
+    x, y = np.meshgrid(setting.lattice.centres, setting.lattice.centres)
+    return np.hypot(x - setting.hand[0], y - setting.hand[1]) / setting.lattice.spacing

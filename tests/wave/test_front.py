@@ -9,14 +9,14 @@ from gcm_learn import seeding
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace.lattice import Lattice, hand_space
 from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of, march, propagate
-from tests.wave.scenes import SPEED, arrival_tau, away, disc, scene, task_of
+from tests.wave.scenes import SPEED, arrival_tau, away, disc, scene, setting_of
 
 
 def free_arrival(**changes):
     """Distance [cells] and arrival [tau] of the free front on the paper's lattice."""
     params = WaveParams(until="horizon", **changes)
-    task = task_of(scene(hand=(0.025, 0.025), horizon=3.0))
-    arrival, distance = arrival_tau(task, propagate(task, params), params), away(task)
+    setting = setting_of(scene(hand=(0.025, 0.025), horizon=3.0))
+    arrival, distance = arrival_tau(setting, propagate(*setting, params), params), away(setting)
     ring = (distance > 5.0) & (distance < 39.0)
     return distance[ring], arrival[ring]
 
@@ -44,19 +44,19 @@ def test_speed_on_nine_points():
 def test_nowhere_faster_than_the_hand(points):
     """Kappa is such that the front of a free scene moves at hand speed at most."""
     params = WaveParams(laplacian=points, until="horizon")
-    task = task_of(scene(hand=(0.4, 0.9), horizon=3.0))
-    front, distance = propagate(task, params), away(task)
+    setting = setting_of(scene(hand=(0.4, 0.9), horizon=3.0))
+    front, distance = propagate(*setting, params), away(setting)
     cells = distance > 10.0
-    speed = distance[cells] * task.lattice.spacing / front.arrival[cells]
+    speed = distance[cells] * setting.lattice.spacing / front.first[cells]
     assert speed.max() < SPEED
-    grown = np.gradient(front.arrival, task.lattice.spacing)
+    grown = np.gradient(front.first, setting.lattice.spacing)
     slope = np.hypot(*grown)[20:60, 20:60][distance[20:60, 20:60] > 25.0]
     assert 1.0 / slope.min() < 1.01 * SPEED
 
 
 def test_kappa_of_the_paper():
-    task = task_of(scene())
-    assert kappa_of(task, WaveParams()) == pytest.approx(1.0 / 400.0, rel=0.01)
+    setting = setting_of(scene())
+    assert kappa_of(*setting, WaveParams()) == pytest.approx(1.0 / 400.0, rel=0.01)
 
 
 @pytest.mark.parametrize("points", [5, 9])
@@ -72,13 +72,13 @@ def test_a_stretched_arm_starts_a_front():
     for k in range(60):
         angle = 2.0 * np.pi * (k + 0.3) / 60
         hand = (2.0 * np.cos(angle), 2.0 * np.sin(angle))
-        task = task_of(scene(hand=hand, horizon=4.0), 40)
-        inside = hand_space(task.lattice).inside.reshape(40, 40)
-        outside += not inside[task.lattice.cell_of(*hand)]
-        wave = propagate(task, WaveParams(n=40, until="horizon"))
-        marched = march(task, MarchingParams(n=40, until="horizon"))
-        assert np.array_equal(wave.arrival >= 0.0, inside)
-        assert np.array_equal(marched.arrival >= 0.0, inside)
+        setting = setting_of(scene(hand=hand, horizon=4.0), 40)
+        inside = hand_space(setting.lattice).inside.reshape(40, 40)
+        outside += not inside[setting.lattice.cell_of(*hand)]
+        wave = propagate(*setting, WaveParams(n=40, until="horizon"))
+        marched = march(*setting, MarchingParams(n=40, until="horizon"))
+        assert np.array_equal(wave.first >= 0.0, inside)
+        assert np.array_equal(marched.first >= 0.0, inside)
     assert outside > 5
 
 
@@ -148,15 +148,15 @@ def test_thin_and_fast_targets_are_not_missed(run):
         way = np.array([np.cos(angle), np.sin(angle)]) * speed
         start = np.array([0.3, 0.1]) - way * flight
         speck = disc("target", "speck", tuple(start), tuple(way), radius=1e-4)
-        task = task_of(scene(speck, hand=(0.3, 0.1), horizon=1.5, grasp=0.0), 40)
+        setting = setting_of(scene(speck, hand=(0.3, 0.1), horizon=1.5, grasp=0.0), 40)
         if run == "wave":
-            front = propagate(task, WaveParams(n=40))
+            front = propagate(*setting, WaveParams(n=40))
         else:
-            front = march(task, MarchingParams(n=40))
-        assert front.contact_body == 0
+            front = march(*setting, MarchingParams(n=40))
+        assert front.met_body == 0
         # At some instant while the front was on its way into that cell, the speck was there.
-        iy, ix = divmod(front.contact_cell, 40)
-        cell, crossing = task.lattice.centres[[ix, iy]], task.lattice.spacing / SPEED
-        times = front.contact_time - np.linspace(0.0, 1.5 * crossing, 4000)
+        iy, ix = divmod(front.met_state, 40)
+        cell, crossing = setting.lattice.centres[[ix, iy]], setting.lattice.spacing / SPEED
+        times = front.met_time - np.linspace(0.0, 1.5 * crossing, 4000)
         distance = np.hypot(*(start + way * times[:, None] - cell).T)
-        assert distance.min() <= 0.72 * task.lattice.spacing
+        assert distance.min() <= 0.72 * setting.lattice.spacing

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.handspace.lattice import Lattice, hand_space
+from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.scene.limb import joint_angles
-from gcm_learn.wave import MarchingParams, Task, WaveParams, march, march_layers, propagate
+from gcm_learn.situation import Arm, Situation
+from gcm_learn.wave import MarchingParams, WaveParams, fastest, march, march_layers, propagate
 from gcm_learn.wave.reference import propagate_reference
-from tests.wave.scenes import disc, scene, task_of
+from tests.wave.scenes import disc, scene, setting_of
 
 LIMITS = (2.0, 3.0)
 FAST = 50.0  # hand speed that is never the limit
@@ -19,35 +20,35 @@ HAND = (1.1, 0.3)
 
 def free_task(n=60, rho=1.0, elbow="right", speed=FAST):
     situation = scene(hand=HAND, horizon=3.0)
-    task = task_of(situation, n)
-    return Task(task.bodies, Lattice(n, rho, elbow), HAND, speed, horizon=3.0, joint_speed=LIMITS)
+    setting = setting_of(Situation("free", 3.0, Arm(HAND, speed, rho, elbow), situation.bodies), n)
+    return setting.limited(shoulder=LIMITS[0], elbow=LIMITS[1])
 
 
-def exact(task):
+def exact(setting):
     """Least time (n, n) from the hand to every cell: joints turn evenly, each at its own pace.
 
     The shoulder may turn either way round; nothing is in the way and the hand is fast enough.
     """
-    n, rho, elbow = task.lattice.n, task.lattice.upper_arm, task.lattice.elbow
-    hands = hand_space(task.lattice).limb[:, :2]
-    start = joint_angles([task.hand], rho, elbow)[0]
+    n, rho, elbow = setting.lattice.n, setting.lattice.upper_arm, setting.lattice.elbow
+    hands = hand_space(setting.lattice).limb[:, :2]
+    start = joint_angles([setting.hand], rho, elbow)[0]
     poses = np.array([joint_angles([hand], rho, elbow)[0] for hand in hands])
     turn = poses - start
     turn[:, 0] = (turn[:, 0] + np.pi) % (2.0 * np.pi) - np.pi
     return (np.abs(turn) / LIMITS).max(axis=1).reshape(n, n)
 
 
-def well_inside(task, margin=0.15):
+def well_inside(setting, margin=0.15):
     """Cells away from the rims, where rates have no bound."""
-    hands = hand_space(task.lattice).limb[:, :2]
-    radius, rho = np.hypot(*hands.T), task.lattice.upper_arm
+    hands = hand_space(setting.lattice).limb[:, :2]
+    radius, rho = np.hypot(*hands.T), setting.lattice.upper_arm
     inside = (radius < rho + 1.0 - margin) & (radius > abs(rho - 1.0) + 2.0 * margin)
-    return inside.reshape(task.lattice.n, -1)
+    return inside.reshape(setting.lattice.n, -1)
 
 
-def first_sheet(task, params):
+def first_sheet(setting, params):
     """Earliest arrivals of layered marching (n, n) [s], infinite where it never came."""
-    front = march_layers(task, params)
+    front = march_layers(*setting, params)
     out = np.full((params.n, params.n), np.inf)
     np.minimum.at(out, tuple(front.cells.T), front.arrival)
     return out
@@ -55,10 +56,10 @@ def first_sheet(task, params):
 
 @pytest.mark.parametrize(("rho", "elbow"), [(1.0, "right"), (0.8, "left")])
 def test_marching_takes_the_time_that_joints_take(rho, elbow):
-    task = free_task(rho=rho, elbow=elbow)
-    inside, least = well_inside(task), exact(task)
+    setting = free_task(rho=rho, elbow=elbow)
+    inside, least = well_inside(setting), exact(setting)
     params = MarchingParams(n=60, until="horizon")
-    for arrival in (march(task, params).arrival, first_sheet(task, params)):
+    for arrival in (march(*setting, params).first, first_sheet(setting, params)):
         ratio = arrival[inside & (least > 0.2)] / least[inside & (least > 0.2)]
         # Straight hand paths are slower than even turning, so the front is late but never early.
         assert np.percentile(ratio, 1) > 0.95
@@ -69,25 +70,26 @@ def test_loose_joint_limits_change_nothing():
     situation = scene(disc("obstacle", "disc", (0.4, 0.8)), hand=HAND)
     loose = scene(disc("obstacle", "disc", (0.4, 0.8)), hand=HAND, max_joint_speed=(1e3, 1e3))
     params = MarchingParams(n=40, until="horizon")
-    near_rim = ~well_inside(task_of(situation, 40), 0.05)
-    free, limited = (march(task_of(s, 40), params).arrival for s in (situation, loose))
+    near_rim = ~well_inside(setting_of(situation, 40), 0.05)
+    free, limited = (march(*setting_of(s, 40), params).first for s in (situation, loose))
     both = (free >= 0.0) & (limited >= 0.0) & ~near_rim
     assert both.sum() > 500
-    h = task_of(situation, 40).lattice.spacing / situation.arm.max_hand_speed
+    h = setting_of(situation, 40).lattice.spacing / situation.arm.max_hand_speed
     # Times are summed along the rays then instead of measured.
     assert np.abs(free - limited)[both].max() < 1.0 * h
 
 
 def test_wave_is_late_where_joints_are_slow_and_as_its_reference():
     params = WaveParams(n=24, until="horizon", margin=0.0)
-    task = free_task(24, speed=3.4)
-    front, slow = propagate(task, params), propagate_reference(task, params)
-    both = (front.arrival >= 0.0) & (slow.arrival >= 0.0)
+    setting = free_task(24, speed=3.4)
+    front, slow = propagate(*setting, params), propagate_reference(*setting, params)
+    both = (front.first >= 0.0) & (slow.first >= 0.0)
     assert both.sum() > 100
-    assert np.abs(front.arrival - slow.arrival)[both].max() < 0.02
-    unlimited = Task(task.bodies, task.lattice, HAND, task.fastest, horizon=3.0)
-    free = propagate(unlimited, params).arrival
-    later = front.arrival[both] - free[both]
+    assert np.abs(front.first - slow.first)[both].max() < 0.02
+    free = float("inf")
+    unlimited = setting.limited(speed=fastest(setting.scene), shoulder=free, elbow=free)
+    free = propagate(*unlimited, params).first
+    later = front.first[both] - free[both]
     assert later.min() > -1e-3 and np.median(later) > 0.02
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,24 +14,24 @@ from gcm_learn.wave import WaveParams, kappa_of, propagate
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.reference import propagate_reference
 from tests.transforms import mirrored, turned
-from tests.wave.scenes import arrival_tau, disc, scene, task_of, three_discs
+from tests.wave.scenes import arrival_tau, disc, scene, setting_of, state_of, three_discs
 
 EXPLORE = "horizon"
 LATE = 0.25  # the kernel traces a crossing back over at most 1.2 tau of curved rise [tau]
 HANDFUL = 3  # cells grazed for so short a time that arrivals a hundredth of a tau apart decide
 
 
-def compare(task, params):
+def compare(setting, params):
     """Hold the kernel against the reference; returns the kernel's front."""
-    fast, plain = propagate(task, params), propagate_reference(task, params)
-    assert np.count_nonzero(fast.state != plain.state) <= HANDFUL
-    reached = (fast.arrival >= 0.0) & (plain.arrival >= 0.0)
-    assert np.count_nonzero((fast.arrival >= 0.0) != (plain.arrival >= 0.0)) <= HANDFUL
-    late = np.abs(fast.arrival - plain.arrival)[reached] / kappa_of(task, params)
+    fast, plain = propagate(*setting, params), propagate_reference(*setting, params)
+    assert np.count_nonzero(state_of(fast) != state_of(plain)) <= HANDFUL
+    reached = (fast.first >= 0.0) & (plain.first >= 0.0)
+    assert np.count_nonzero((fast.first >= 0.0) != (plain.first >= 0.0)) <= HANDFUL
+    late = np.abs(fast.first - plain.first)[reached] / kappa_of(*setting, params)
     assert np.median(late) < 0.03
     assert np.quantile(late, 0.995) < LATE
-    assert (fast.contact_cell, fast.contact_body) == (plain.contact_cell, plain.contact_body)
-    assert abs(fast.contact_time - plain.contact_time) / kappa_of(task, params) < LATE
+    assert (fast.met_state, fast.met_body) == (plain.met_state, plain.met_body)
+    assert abs(fast.met_time - plain.met_time) / kappa_of(*setting, params) < LATE
     return fast
 
 
@@ -50,17 +49,17 @@ VARIANTS = [
 @pytest.mark.parametrize("params", VARIANTS, ids=range(len(VARIANTS)))
 def test_moving_discs(params):
     situation = three_discs(seeding.rng(21, params.n))
-    front = compare(task_of(situation, params.n), params)
-    assert np.count_nonzero(front.state == FROZEN) >= (20 if params.until == EXPLORE else 1)
-    assert front.contact_body == 0
+    front = compare(setting_of(situation, params.n), params)
+    assert np.count_nonzero(state_of(front) == FROZEN) >= (20 if params.until == EXPLORE else 1)
+    assert front.met_body == 0
 
 
 def test_free_space():
     params = WaveParams(n=80)
-    task = task_of(scene(hand=(-0.31, 0.77), horizon=0.9))
-    front = compare(task, params)
-    assert (front.state == FREE).all() and front.contact_cell == -1
-    assert np.count_nonzero(front.arrival >= 0.0) > 3000
+    setting = setting_of(scene(hand=(-0.31, 0.77), horizon=0.9))
+    front = compare(setting, params)
+    assert (state_of(front) == FREE).all() and front.met_state == -1
+    assert np.count_nonzero(front.first >= 0.0) > 3000
 
 
 @pytest.mark.parametrize(
@@ -76,8 +75,8 @@ def test_free_space():
 def test_static_and_moving_discs(k, arm, frozen, moving):
     situation = three_discs(seeding.rng(22, k), moving, **arm)
     params = WaveParams(n=40, until=EXPLORE, frozen=frozen)
-    front = compare(task_of(situation, 40), params)
-    assert np.count_nonzero(front.arrival >= 0.0) > 300
+    front = compare(setting_of(situation, 40), params)
+    assert np.count_nonzero(front.first >= 0.0) > 300
 
 
 @pytest.mark.slow
@@ -85,7 +84,7 @@ def test_static_and_moving_discs(k, arm, frozen, moving):
 def test_random_situations(k):
     situation = random_planar(seeding.rng(23, k))
     variant = VARIANTS[k % len(VARIANTS)]
-    compare(task_of(situation, variant.n), variant)
+    compare(setting_of(situation, variant.n), variant)
 
 
 def test_a_frozen_cell_is_no_contact_later():
@@ -94,48 +93,50 @@ def test_a_frozen_cell_is_no_contact_later():
         disc("obstacle", "wall", (0.0, 1.4), radius=0.12),
         WaveParams(n=40, until=EXPLORE),
     )
-    task = task_of(scene(wall), 40)
-    front = propagate(task, params)
-    iy, ix = np.argwhere(front.state == FROZEN)[-1]
-    assert 0.0 < front.arrival[iy, ix] < 0.9
-    x, y = task.lattice.centres[[ix, iy]]
+    setting = setting_of(scene(wall), 40)
+    front = propagate(*setting, params)
+    iy, ix = np.argwhere(state_of(front) == FROZEN)[-1]
+    assert 0.0 < front.first[iy, ix] < 0.9
+    x, y = setting.lattice.centres[[ix, iy]]
     late = disc("target", "late", (x, y + 1.5), velocity=(0.0, -1.0), radius=0.03)
-    front = propagate(task_of(scene(wall, late, horizon=1.8), 40), params)
-    assert front.state[iy, ix] == FROZEN
-    assert front.contact_cell == -1 and (front.state != CONTACT).all()
+    front = propagate(*setting_of(scene(wall, late, horizon=1.8), 40), params)
+    assert state_of(front)[iy, ix] == FROZEN
+    assert front.met_state == -1 and (state_of(front) != CONTACT).all()
 
 
 def test_contact_stops_the_front_unless_it_explores():
     situation = scene(disc("target", "ball", (-0.4, 1.0), (0.3, 0.2)))
-    task = task_of(situation, 40)
-    stopped, explored = (propagate(task, WaveParams(n=40, until=u)) for u in ("contact", EXPLORE))
-    assert stopped.contact_body == explored.contact_body == 0
-    assert stopped.contact_time == explored.contact_time > 0.0
+    setting = setting_of(situation, 40)
+    stopped, explored = (
+        propagate(*setting, WaveParams(n=40, until=u)) for u in ("contact", EXPLORE)
+    )
+    assert stopped.met_body == explored.met_body == 0
+    assert stopped.met_time == explored.met_time > 0.0
     assert stopped.steps < explored.steps
-    assert stopped.arrival.max() < stopped.contact_time + 2.0 * kappa_of(task, WaveParams(n=40))
+    assert stopped.first.max() < stopped.met_time + 2.0 * kappa_of(*setting, WaveParams(n=40))
 
 
 def test_contacts_before_a_time_do_not_count():
-    task = task_of(scene(disc("target", "ball", (-0.4, 1.0))), 40)
-    first = propagate(task, WaveParams(n=40))
-    again = propagate(replace(task, ignore=1.1 * first.contact_time), WaveParams(n=40))
-    assert again.contact_time > 1.1 * first.contact_time
+    setting = setting_of(scene(disc("target", "ball", (-0.4, 1.0))), 40)
+    first = propagate(*setting, WaveParams(n=40))
+    again = propagate(*setting, WaveParams(n=40), ignore=1.1 * first.met_time)
+    assert again.met_time > 1.1 * first.met_time
 
 
 def test_two_runs_give_the_same_bytes():
-    task = task_of(three_discs(seeding.rng(21, 40)), 40)
-    a, b = (propagate(task, WaveParams(n=40)) for _ in range(2))
-    assert a.arrival.tobytes() == b.arrival.tobytes() and a.state.tobytes() == b.state.tobytes()
+    setting = setting_of(three_discs(seeding.rng(21, 40)), 40)
+    a, b = (propagate(*setting, WaveParams(n=40)) for _ in range(2))
+    assert a.first.tobytes() == b.first.tobytes() and state_of(a).tobytes() == state_of(b).tobytes()
 
 
 def test_threads_do_not_share_their_lattices():
-    tasks = [task_of(three_discs(seeding.rng(24, k)), 40) for k in range(12)]
+    settings = [setting_of(three_discs(seeding.rng(24, k)), 40) for k in range(12)]
     params = WaveParams(n=40, until=EXPLORE)
-    alone = [propagate(task, params).arrival.tobytes() for task in tasks]
+    alone = [propagate(*s, params).first.tobytes() for s in settings]
     found = {}
 
     def work(name, order):
-        found[name] = {k: propagate(tasks[k], params).arrival.tobytes() for k in order}
+        found[name] = {k: propagate(*settings[k], params).first.tobytes() for k in order}
 
     threads = [
         threading.Thread(target=work, args=("up", list(range(12)) * 4)),
@@ -171,9 +172,9 @@ def test_symmetry(move, back):
         square((0.2, 1.3), (0.4, -0.3)), disc("obstacle", "o", (-1.0, -0.6)), hand=(1.23, 0.31)
     )
     params = WaveParams(n=40, until=EXPLORE)
-    task, moved = task_of(situation, 40), task_of(move(situation), 40)
-    here, there = propagate(task, params), propagate(moved, params)
-    assert (here.state == FROZEN).sum() > 20
-    assert np.array_equal(here.state, back(there.state))
-    difference = arrival_tau(task, here, params) - back(arrival_tau(moved, there, params))
+    setting, moved = setting_of(situation, 40), setting_of(move(situation), 40)
+    here, there = propagate(*setting, params), propagate(*moved, params)
+    assert (state_of(here) == FROZEN).sum() > 20
+    assert np.array_equal(state_of(here), back(state_of(there)))
+    difference = arrival_tau(setting, here, params) - back(arrival_tau(moved, there, params))
     assert np.nanmax(np.abs(difference)) < 0.01

@@ -10,7 +10,7 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.handspace.occupied import occupied_cells
 from gcm_learn.wave import MarchingParams, march, march_layers
-from tests.wave.scenes import SPEED, away, disc, scene, task_of, three_discs
+from tests.wave.scenes import SPEED, away, disc, scene, setting_of, state_of, three_discs
 
 N = 48
 BARE = MarchingParams(n=N, margin=0.0, lookback=0.0, until="horizon")
@@ -27,13 +27,13 @@ def earliest(front, n=N):
 def test_all_but_exact_in_free_space():
     for k in range(50):
         hand = tuple(float(v) for v in seeding.rng(61, k).uniform(-1.2, 1.2, size=2))
-        task = task_of(scene(hand=hand, horizon=3.0), N)
-        front = march_layers(task, GUARDED)
-        inside = hand_space(task.lattice).inside.reshape(N, N)
+        setting = setting_of(scene(hand=hand, horizon=3.0), N)
+        front = march_layers(*setting, GUARDED)
+        inside = hand_space(setting.lattice).inside.reshape(N, N)
         first = earliest(front)
         assert np.array_equal(np.isfinite(first), inside)
         assert len(front.cells) == inside.sum()  # one sheet
-        error = first * SPEED / task.lattice.spacing - away(task)
+        error = first * SPEED / setting.lattice.spacing - away(setting)
         # Next to the hand a cell may be reached round its neighbour: that is the only error.
         assert np.abs(error[inside]).max() < 0.1
         assert np.percentile(np.abs(error[inside]), 75) < 1e-9
@@ -42,26 +42,27 @@ def test_all_but_exact_in_free_space():
 def test_among_things_at_rest_waiting_gains_nothing():
     compared = 0
     for k in range(20):
-        task = task_of(three_discs(seeding.rng(62, k), moving=False, horizon=2.0), N)
-        plain, layered = march(task, GUARDED), earliest(march_layers(task, GUARDED))
-        both = (plain.arrival >= 0.0) & (plain.state == 0) & np.isfinite(layered)
+        setting = setting_of(three_discs(seeding.rng(62, k), moving=False, horizon=2.0), N)
+        plain, layered = march(*setting, GUARDED), earliest(march_layers(*setting, GUARDED))
+        both = (plain.first >= 0.0) & (state_of(plain) == 0) & np.isfinite(layered)
         if not both.any():
             continue  # the limb is blocked at the start
         compared += 1
-        h = task.lattice.spacing / SPEED
-        assert np.abs(plain.arrival - layered)[both].max() < 3.0 * h
-        assert np.median(np.abs(plain.arrival - layered)[both]) < 1e-9
+        h = setting.lattice.spacing / SPEED
+        assert np.abs(plain.first - layered)[both].max() < 3.0 * h
+        assert np.median(np.abs(plain.first - layered)[both]) < 1e-9
     assert compared > 10
 
 
 @pytest.mark.parametrize("k", range(12))
 def test_states_are_free_for_as_long_as_they_say(k):
     situation = random_planar(seeding.rng(63, k), (3, 6))
-    task = task_of(situation, N)
-    front = march_layers(task, BARE)
+    setting = setting_of(situation, N)
+    front = march_layers(*setting, BARE)
     instants = np.linspace(0.0, situation.horizon, 241)
-    blocked = np.array([occupied_cells(situation, task.lattice, t) for t in instants])
-    step, slack = instants[1], 0.25 * task.lattice.spacing / task.speed  # intervals are that fine
+    blocked = np.array([occupied_cells(situation, setting.lattice, t) for t in instants])
+    # Intervals are that fine.
+    step, slack = instants[1], 0.25 * setting.lattice.spacing / setting.speed
     grazed = 0
     for (iy, ix), came, end in zip(front.cells, front.arrival, front.end, strict=True):
         inner = (instants >= came) & (instants <= end - slack)
@@ -69,8 +70,8 @@ def test_states_are_free_for_as_long_as_they_say(k):
             grazed += 1
             continue
         if end < situation.horizon - step:  # something comes then; discs may only graze the cell
-            after = occupied_cells(situation, task.lattice, end + 1e-3)[iy, ix]
-            before = occupied_cells(situation, task.lattice, end)[iy, ix]
+            after = occupied_cells(situation, setting.lattice, end + 1e-3)[iy, ix]
+            before = occupied_cells(situation, setting.lattice, end)[iy, ix]
             after_that = blocked[(instants > end) & (instants < end + 3 * step), iy, ix].any()
             assert before or after or after_that
     # Touches shorter than what a span of time is searched for are left to the verification.
@@ -80,14 +81,14 @@ def test_states_are_free_for_as_long_as_they_say(k):
 @pytest.mark.parametrize("k", range(12))
 def test_ways_are_as_fast_as_the_hand_and_states_follow_from_states(k):
     situation = random_planar(seeding.rng(63, k), (3, 6))
-    task = task_of(situation, N)
-    front = march_layers(task, GUARDED)
+    setting = setting_of(situation, N)
+    front = march_layers(*setting, GUARDED)
     if not len(front.cells):
         pytest.skip("blocked from the start")
-    place = task.lattice.centres[front.cells[:, ::-1]]
-    start = np.where(front.via[:, None] >= 0, place[front.via], task.hand)
+    place = setting.lattice.centres[front.cells[:, ::-1]]
+    start = np.where(front.via[:, None] >= 0, place[front.via], setting.hand)
     since = np.where(front.via >= 0, front.arrival[front.via], 0.0)
-    least = np.hypot(*(place - start).T) / task.speed
+    least = np.hypot(*(place - start).T) / setting.speed
     assert (front.arrival >= since + least - 1e-9).all()
     assert (front.via < np.arange(len(front.via))).all()
     # The hand may have to wait there, but not longer than the state lasts.
@@ -98,8 +99,8 @@ def test_ways_are_as_fast_as_the_hand_and_states_follow_from_states(k):
 def test_no_two_states_share_an_interval():
     several = 0
     for k in range(20):
-        task = task_of(random_planar(seeding.rng(64, k), (3, 6)), N)
-        front = march_layers(task, GUARDED)
+        setting = setting_of(random_planar(seeding.rng(64, k), (3, 6)), N)
+        front = march_layers(*setting, GUARDED)
         order = np.lexsort((front.arrival, *front.cells.T))
         same = (np.diff(front.cells[order], axis=0) == 0).all(axis=1)
         gap = front.arrival[order][1:] - front.end[order][:-1]
@@ -113,11 +114,11 @@ def test_a_cell_is_entered_again_when_it_is_free():
     crossing = scene(
         disc("obstacle", "disc", (0.6, 1.6), (0.0, -1.6), radius=0.2), hand=(1.5, 0.0), horizon=2.0
     )
-    task = task_of(crossing, N)
-    plain, first = march(task, GUARDED), earliest(march_layers(task, GUARDED))
-    frozen = plain.state == 1
+    setting = setting_of(crossing, N)
+    plain, first = march(*setting, GUARDED), earliest(march_layers(*setting, GUARDED))
+    frozen = state_of(plain) == 1
     assert frozen.sum() > 20
     again = frozen & np.isfinite(first)
     assert again.sum() > 0.8 * frozen.sum()
     for iy, ix in np.argwhere(again):
-        assert not occupied_cells(crossing, task.lattice, first[iy, ix] + 1e-9)[iy, ix]
+        assert not occupied_cells(crossing, setting.lattice, first[iy, ix] + 1e-9)[iy, ix]

@@ -12,15 +12,15 @@ from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.wave import MarchingParams, WaveParams, march, propagate
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from tests.transforms import mirrored, turned
-from tests.wave.scenes import SPEED, away, disc, scene, task_of, three_discs
+from tests.wave.scenes import SPEED, away, disc, scene, setting_of, state_of, three_discs
 
 EXPLORE = MarchingParams(until="horizon")
 COARSE = MarchingParams(n=40, until="horizon")
 
 
-def in_cells(task, front):
+def in_cells(setting, front):
     """Arrival as a distance at hand speed [cells], nan where the front never came."""
-    return np.where(front.arrival >= 0.0, front.arrival * SPEED / task.lattice.spacing, np.nan)
+    return np.where(front.first >= 0.0, front.first * SPEED / setting.lattice.spacing, np.nan)
 
 
 @pytest.mark.parametrize("arm", [{}, {"upper_arm": 0.4, "hand": (0.9, 0.1)}])
@@ -30,24 +30,24 @@ def test_exact_in_free_space(arm):
     for k in range(300):
         rng = seeding.rng(41, k)
         hand = tuple(float(v) for v in rng.uniform(-1.2, 1.2, size=2))
-        task = task_of(scene(horizon=3.0, **({"hand": hand} | arm)), 56)
-        front = march(task, params)
-        inside = hand_space(task.lattice).inside.reshape(56, 56)
-        assert np.array_equal(front.arrival >= 0.0, inside)
-        assert (front.state == FREE).all()
-        x, _ = np.meshgrid(task.lattice.centres, task.lattice.centres)
-        seen = inside & ((task.lattice.upper_arm == 1.0) | (x > 0.65))
-        error = np.abs(in_cells(task, front) - away(task))[seen]
+        setting = setting_of(scene(horizon=3.0, **({"hand": hand} | arm)), 56)
+        front = march(*setting, params)
+        inside = hand_space(setting.lattice).inside.reshape(56, 56)
+        assert np.array_equal(front.first >= 0.0, inside)
+        assert (state_of(front) == FREE).all()
+        x, _ = np.meshgrid(setting.lattice.centres, setting.lattice.centres)
+        seen = inside & ((setting.lattice.upper_arm == 1.0) | (x > 0.65))
+        error = np.abs(in_cells(setting, front) - away(setting))[seen]
         assert error.max() < 1e-9, f"start {k}"
         if arm:
             break
 
 
 def test_anisotropy():
-    task = task_of(scene(hand=(0.41, -0.2), horizon=3.0))
-    distance = away(task)
-    far = (distance > 10.0) & hand_space(task.lattice).inside.reshape(80, 80)
-    speed = distance[far] / in_cells(task, march(task, EXPLORE))[far]
+    setting = setting_of(scene(hand=(0.41, -0.2), horizon=3.0))
+    distance = away(setting)
+    far = (distance > 10.0) & hand_space(setting.lattice).inside.reshape(80, 80)
+    speed = distance[far] / in_cells(setting, march(*setting, EXPLORE))[far]
     assert 1.0 - speed.min() / speed.max() <= 0.01
 
 
@@ -73,14 +73,14 @@ def free_lengths(fine, points, others):
     return out
 
 
-def shortest_ways(task, blocked):
+def shortest_ways(setting, blocked):
     """Lengths (n, n) [cells] of the shortest ways from the hand past blocked cells.
 
     Ways are polygons whose corners are free cells next to blocked ones: a visibility graph.
     """
-    n, reach = len(blocked), task.lattice.upper_arm + 1.0
-    hand = (np.array(task.hand)[::-1] + reach) / task.lattice.spacing - 0.5
-    ring = hand_space(task.lattice).inside.reshape(n, n)
+    n, reach = len(blocked), setting.lattice.upper_arm + 1.0
+    hand = (np.array(setting.hand)[::-1] + reach) / setting.lattice.spacing - 0.5
+    ring = hand_space(setting.lattice).inside.reshape(n, n)
     padded, free = np.pad(blocked, 1), ring & ~blocked
     shifts = [(i, j) for i in range(3) for j in range(3)]
     near = np.any([padded[i : i + n, j : j + n] for i, j in shifts], axis=0)
@@ -109,14 +109,14 @@ def shortest_ways(task, blocked):
 def test_round_a_static_wall(hand, place, radius):
     """The front's times are those of the shortest ways round what it froze, or nearly so."""
     wall = disc("obstacle", "wall", place, radius=radius)
-    task = task_of(scene(wall, hand=hand, horizon=5.0), 40)
-    front = march(task, COARSE)
-    frozen = front.state == FROZEN
-    exact, found = shortest_ways(task, frozen), in_cells(task, front)
+    setting = setting_of(scene(wall, hand=hand, horizon=5.0), 40)
+    front = march(*setting, COARSE)
+    frozen = state_of(front) == FROZEN
+    exact, found = shortest_ways(setting, frozen), in_cells(setting, front)
     cells = ~frozen & np.isfinite(found)
     assert np.array_equal(cells, np.isfinite(exact))
     error = (found - exact)[cells]
-    hidden = (exact - away(task))[cells] > 0.5
+    hidden = (exact - away(setting))[cells] > 0.5
     assert np.count_nonzero(hidden) > 100
     assert error.min() > -0.2 and error.max() < 1.0
     assert np.median(np.abs(error[hidden])) < 0.15
@@ -130,9 +130,9 @@ def test_static_obstacles_only_make_it_later():
         bodies = situation.bodies[1:4]
         before = None
         for count in range(4):
-            task = task_of(scene(*bodies[:count], horizon=5.0))
-            front = march(task, EXPLORE)
-            arrival = np.where(front.state == FREE, in_cells(task, front), np.nan)
+            setting = setting_of(scene(*bodies[:count], horizon=5.0))
+            front = march(*setting, EXPLORE)
+            arrival = np.where(state_of(front) == FREE, in_cells(setting, front), np.nan)
             arrival[np.isnan(arrival)] = np.inf
             if before is not None:
                 assert np.isinf(arrival[np.isinf(before)]).all()
@@ -148,17 +148,17 @@ def test_static_obstacles_only_make_it_later():
 def test_marching_and_wave_agree(place, scatter):
     """Beyond 10 cells and but for an affine map: a single neuron starts slowly, bends cost time."""
     walls = [] if place is None else [disc("obstacle", "wall", place)]
-    task = task_of(scene(*walls, horizon=3.0))
-    wave = propagate(task, WaveParams(until="horizon", laplacian=9))
-    marched = march(task, EXPLORE)
-    both = (away(task) > 10.0) & (wave.arrival > 0.0) & (marched.arrival > 0.0)
-    both &= (wave.state == FREE) & (marched.state == FREE)
+    setting = setting_of(scene(*walls, horizon=3.0))
+    wave = propagate(*setting, WaveParams(until="horizon", laplacian=9))
+    marched = march(*setting, EXPLORE)
+    both = (away(setting) > 10.0) & (wave.first > 0.0) & (marched.first > 0.0)
+    both &= (state_of(wave) == FREE) & (state_of(marched) == FREE)
     assert np.count_nonzero(both) > 4000
-    ours, theirs = (front.arrival[both] * 400.0 for front in (marched, wave))  # [tau]
+    ours, theirs = (front.first[both] * 400.0 for front in (marched, wave))  # [tau]
     slope, shift = np.polyfit(ours, theirs, 1)
     assert 1.0 <= slope < 1.06 and 15.0 < shift < 30.0
     assert np.std(theirs - slope * ours - shift) < scatter
-    frozen = [front.state == FROZEN for front in (wave, marched)]
+    frozen = [state_of(front) == FROZEN for front in (wave, marched)]
     assert np.count_nonzero(frozen[0] != frozen[1]) <= 0.05 * np.count_nonzero(frozen[0])
 
 
@@ -174,39 +174,41 @@ def test_marching_and_wave_agree(place, scatter):
 def test_symmetry(move, back):
     for k in range(8):
         situation = three_discs(seeding.rng(44, k))
-        here, there = (march(task_of(s, 40), COARSE) for s in (situation, move(situation)))
-        assert np.count_nonzero(here.state != back(there.state)) <= 2
-        task = task_of(situation, 40)
-        difference = np.abs(in_cells(task, here) - back(in_cells(task, there)))
+        here, there = (march(*setting_of(s, 40), COARSE) for s in (situation, move(situation)))
+        assert np.count_nonzero(state_of(here) != back(state_of(there))) <= 2
+        setting = setting_of(situation, 40)
+        difference = np.abs(in_cells(setting, here) - back(in_cells(setting, there)))
         # Of two ways of the same length round an obstacle, either may be the first.
         assert np.nanmedian(difference) < 1e-9 and np.nanmax(difference) < 1.0
 
 
 def test_contact():
     ball = disc("target", "ball", (-0.4, 1.0), radius=0.05)
-    task = task_of(scene(ball, grasp=0.05))
-    front = march(task, MarchingParams())
-    assert front.contact_body == 0 and front.state.ravel()[front.contact_cell] == CONTACT
+    setting = setting_of(scene(ball, grasp=0.05))
+    front = march(*setting, MarchingParams())
+    assert front.met_body == 0 and state_of(front).ravel()[front.met_state] == CONTACT
     exact = (np.hypot(-0.4 - 1.2, 1.0 - 0.3) - 0.1) / SPEED
-    assert front.contact_time == pytest.approx(exact, abs=task.lattice.spacing / SPEED)
+    assert front.met_time == pytest.approx(exact, abs=setting.lattice.spacing / SPEED)
 
 
 def test_the_front_stops_at_the_horizon():
-    task = task_of(scene(horizon=0.3))
-    front = march(task, EXPLORE)
-    reached = front.arrival >= 0.0
-    assert 0.9 * 0.3 < front.arrival.max() <= 0.3
-    inside = hand_space(task.lattice).inside.reshape(80, 80)
-    assert np.array_equal(reached, inside & (away(task) <= 0.3 * SPEED / task.lattice.spacing))
+    setting = setting_of(scene(horizon=0.3))
+    front = march(*setting, EXPLORE)
+    reached = front.first >= 0.0
+    assert 0.9 * 0.3 < front.first.max() <= 0.3
+    inside = hand_space(setting.lattice).inside.reshape(80, 80)
+    assert np.array_equal(
+        reached, inside & (away(setting) <= 0.3 * SPEED / setting.lattice.spacing)
+    )
 
 
 def test_same_bytes_again_and_in_threads():
-    tasks = [task_of(three_discs(seeding.rng(45, k)), 40) for k in range(8)]
-    alone = [march(task, COARSE).arrival.tobytes() for task in tasks]
+    settings = [setting_of(three_discs(seeding.rng(45, k)), 40) for k in range(8)]
+    alone = [march(*s, COARSE).first.tobytes() for s in settings]
     found: dict[int, list[bytes]] = {}
 
     def work(name):
-        found[name] = [march(task, COARSE).arrival.tobytes() for _ in range(10) for task in tasks]
+        found[name] = [march(*s, COARSE).first.tobytes() for _ in range(10) for s in settings]
 
     threads = [threading.Thread(target=work, args=(name,)) for name in (0, 1)]
     for thread in threads:

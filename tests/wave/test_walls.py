@@ -15,6 +15,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.wave import MarchingParams, WaveParams, march, propagate, propagate_layers
 from gcm_learn.wave.kernels import FROZEN
+from tests.wave.scenes import state_of
 
 SCENES = Path(__file__).parents[2] / "experiments" / "01_leaks" / "walls.py"
 spec = importlib.util.spec_from_file_location("leaks_walls", SCENES)
@@ -42,8 +43,8 @@ def cases(part):
 def test_a_wall_is_where_the_limb_touches(part):
     """The criterion's line in hand-space is the line that freezes."""
     scene = walls.draw(seeding.rng(51), part, "static", 0.0, 0.0, PLAIN)
-    lattice = scene.task.lattice
-    frozen = march(scene.task, MARCH).state == FROZEN
+    lattice = scene.setting[1]
+    frozen = state_of(march(*scene.setting, MARCH)) == FROZEN
     starts = [wall.theta for wall in scene.pair]
     off = [np.abs(np.angle(np.exp(1j * (scene.direction - theta)))) for theta in starts]
     across = np.minimum(*off) * walls.breadth(lattice, scene.direction) / lattice.spacing
@@ -66,10 +67,10 @@ def test_no_wave_leaks(part, variant):
         for k in range(4):
             rng = seeding.rng(52, k)
             scene = walls.draw(rng, part, motion, speed, 0.0, params)
-            front = propagate(scene.task, params)
+            front = propagate(*scene.setting, params)
             leaked = walls.leaked_cells(scene, front)
             assert leaked == 0, f"{motion} at {speed} cells/tau, scene {k}"
-            met += np.count_nonzero(front.state == FROZEN) > 5
+            met += np.count_nonzero(state_of(front) == FROZEN) > 5
     assert met > 30  # fronts that ran against a wall
 
 
@@ -83,7 +84,7 @@ def test_no_wave_that_waits_leaks(part, variant):
     for motion, speed in cases(part):
         for k in range(4):
             scene = walls.draw(seeding.rng(58, k), part, motion, speed, 0.0, params)
-            front = propagate_layers(scene.task, params)
+            front = propagate_layers(*scene.setting, params)
             leaked = walls.leaked_states(scene, front)
             assert leaked == 0, f"{motion} at {speed} cells/tau, scene {k}"
             met += front.refused.sum() > 5
@@ -99,9 +100,9 @@ def test_no_marching_leaks(part, n):
         for k in range(8):
             rng = seeding.rng(53, k)
             scene = walls.draw(rng, part, motion, speed, 0.0, WaveParams(n=n))
-            front = march(scene.task, params)
+            front = march(*scene.setting, params)
             assert walls.leaked_cells(scene, front) == 0, f"{motion} at {speed}, scene {k}"
-            met += np.count_nonzero(front.state == FROZEN) > 5
+            met += np.count_nonzero(state_of(front) == FROZEN) > 5
     assert met > 60
 
 
@@ -114,12 +115,12 @@ def test_the_criterion_sees_leaks(engine, motion):
         rng, speed = seeding.rng(54, k), 0.25 * (motion != "static")
         scene = walls.draw(rng, "upper arm", motion, speed, 0.0, params)
         if engine == "wave that waits":
-            assert walls.leaked_states(scene, propagate_layers(scene.task, params)) > 20
+            assert walls.leaked_states(scene, propagate_layers(*scene.setting, params)) > 20
             continue
         if engine == "wave":
-            front = propagate(scene.task, params)
+            front = propagate(*scene.setting, params)
         else:
-            front = march(scene.task, MarchingParams(n=40, until="horizon", margin=0.0))
+            front = march(*scene.setting, MarchingParams(n=40, until="horizon", margin=0.0))
         assert walls.leaked_cells(scene, front) > 20
 
 
@@ -130,10 +131,10 @@ def test_no_leaks_beside_the_hand(monkeypatch):
         reached = []
         for k in range(60):
             scene = walls.draw(seeding.rng(57, k), "upper arm", "static", 0.0, 0.0, PLAIN)
-            assert walls.leaked_states(scene, propagate_layers(scene.task, PLAIN)) == 0
-            for front in (propagate(scene.task, PLAIN), march(scene.task, MARCH)):
+            assert walls.leaked_states(scene, propagate_layers(*scene.setting, PLAIN)) == 0
+            for front in (propagate(*scene.setting, PLAIN), march(*scene.setting, MARCH)):
                 assert walls.leaked_cells(scene, front) == 0
-                reached.append(np.count_nonzero(front.arrival > 0.0))
+                reached.append(np.count_nonzero(front.first > 0.0))
         assert np.mean(np.array(reached) > 200) > 0.2
 
 
@@ -141,10 +142,10 @@ def test_a_wall_that_recedes_lets_the_front_follow():
     """Walls are not walls for ever: what they leave is reached, later than if it had been free."""
     params = VARIANTS["wave"]
     scene = walls.draw(seeding.rng(55), "upper arm", "receding", 0.1, 0.0, params)
-    front = propagate(scene.task, params)
+    front = propagate(*scene.setting, params)
     low, high = (wall.theta for wall in scene.pair)
     outside = np.mod(scene.direction - low, 2.0 * np.pi) > high - low
-    assert np.count_nonzero(outside & (front.arrival > 0.0)) > 30
+    assert np.count_nonzero(outside & (front.first > 0.0)) > 30
 
 
 @pytest.mark.slow
@@ -154,7 +155,7 @@ def test_no_leaks_in_many_scenes(part, width):
     for motion, speed in cases(part):
         for k in range(40):
             scene = walls.draw(seeding.rng(56, k), part, motion, speed, width, PLAIN)
-            assert walls.leaked_cells(scene, propagate(scene.task, PLAIN)) == 0
-            assert walls.leaked_states(scene, propagate_layers(scene.task, PLAIN)) == 0
-            front = march(scene.task, MARCH)
+            assert walls.leaked_cells(scene, propagate(*scene.setting, PLAIN)) == 0
+            assert walls.leaked_states(scene, propagate_layers(*scene.setting, PLAIN)) == 0
+            front = march(*scene.setting, MARCH)
             assert walls.leaked_cells(scene, front) == 0

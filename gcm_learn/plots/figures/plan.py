@@ -159,7 +159,7 @@ def sheet_of(cognitive_map: CognitiveMap, k: int) -> CognitiveMap:
     )
 
 
-def _sheet_at(cognitive_map: CognitiveMap, cell: tuple[int, int], t: float) -> int:
+def _sheet_at(cognitive_map: CognitiveMap, cell: tuple[int, ...], t: float) -> int:
     """Return the sheet on which a hand in a cell is at time t [s]; -1 if it cannot be there."""
     arrivals = cognitive_map.sheets[:, cell[0], cell[1]].filled(np.inf)
     return int((arrivals <= t).sum()) - 1

@@ -1,0 +1,144 @@
+"""Limbs as chains of segments in space: their distances to bodies, and when they are free.
+
+The limb of a planar arm is a chain in z = 0.  Planar bodies, whose z never matters, reach to both
+sides of the plane for ever.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.collision.distance import segment_distance
+from gcm_learn.collision.segments import segment_axis, segment_box, segment_cylinder
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import (
+    BOX,
+    CAPSULE,
+    DISC,
+    KIND,
+    POLYGON,
+    SIZE,
+    SPHERE,
+    TOP_SPEED,
+    Bodies,
+    pose_at,
+)
+
+
+class Chains(NamedTuple):
+    """Limbs at rest and the bodies that may come to them."""
+
+    bodies: Bodies
+    which: np.ndarray  # (k,): the bodies that count
+    joints: np.ndarray  # (m, j, 3): of every limb [forearm lengths]
+    gap: np.ndarray  # (m,): distance at which a body counts as near
+    scratch: np.ndarray  # (n, 12): room for poses
+    shortest: float  # resolution [s]
+
+
+class Spans(NamedTuple):
+    """Spans of time for each of many limbs."""
+
+    first: np.ndarray  # (m + 1,): those of limb k are first[k] : first[k + 1]
+    times: np.ndarray  # (s, 2): begin and end [s]
+
+
+@njit(_nrt=False)
+def to_body(poses, b, x, y, z):
+    """Coordinates of a point in body b's frame."""
+    dx, dy, dz = x - poses[b, 0], y - poses[b, 1], z - poses[b, 2]
+    return (
+        poses[b, 3] * dx + poses[b, 6] * dy + poses[b, 9] * dz,
+        poses[b, 4] * dx + poses[b, 7] * dy + poses[b, 10] * dz,
+        poses[b, 5] * dx + poses[b, 8] * dy + poses[b, 11] * dz,
+    )
+
+
+@njit(_nrt=False)
+def bone_distance(bodies, poses, b, joints, m, k):
+    """Distance of the segment between joints k and k + 1 of limb m to body b at its pose."""
+    kind, radius = bodies.rows[b, KIND], bodies.rows[b, SIZE]
+    length = bodies.rows[b, SIZE + 1]
+    px, py, pz = joints[m, k, 0], joints[m, k, 1], joints[m, k, 2]
+    qx, qy, qz = joints[m, k + 1, 0], joints[m, k + 1, 1], joints[m, k + 1, 2]
+    if kind == DISC or kind == POLYGON:
+        return segment_distance(bodies, poses, b, px, py, qx, qy)
+    if kind == SPHERE:
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+        p, q = (px - x, py - y, pz - z), (qx - x, qy - y, qz - z)
+        return max(segment_axis(p, q, 0.0) - radius, 0.0)
+    p, q = to_body(poses, b, px, py, pz), to_body(poses, b, qx, qy, qz)
+    if kind == BOX:
+        return segment_box(p, q, (radius, length, bodies.rows[b, SIZE + 2]))
+    if kind == CAPSULE:
+        return max(segment_axis(p, q, length) - radius, 0.0)
+    return segment_cylinder(p, q, radius, length)
+
+
+@njit(_nrt=False)
+def room_of(chains, m, b, t):
+    """Distance of limb m to body b at t [s], less the gap at which it is near."""
+    pose_at(chains.bodies, b, t, chains.scratch)
+    least = 1e300
+    for k in range(chains.joints.shape[1] - 1):
+        found = bone_distance(chains.bodies, chains.scratch, b, chains.joints, m, k)
+        least = min(least, found)
+    return least - chains.gap[m]
+
+
+@njit(_nrt=False)
+def advance(chains, m, t):
+    """Whether a body is near limb m at t [s], and for how long that surely stays so."""
+    near, apart, together = False, 1e300, 0.0
+    for i in range(chains.which.size):
+        b = chains.which[i]
+        speed = chains.bodies.rows[b, TOP_SPEED]
+        room = room_of(chains, m, b, t)
+        stays = abs(room) / speed if speed > 0.0 else 1e300
+        if room <= 0.0:
+            near = True
+            together = max(together, stays)
+        else:
+            apart = min(apart, stays)
+    return near, max(together if near else apart, chains.shortest)
+
+
+@njit
+def spans_of(chains, end, wanted):
+    """Spans of [0, end] in which a body is near (wanted) or none is (not wanted), for every limb.
+
+    By conservative advancement: what is shorter than the resolution may be missed.
+
+    Returns
+    -------
+    Spans
+    """
+    count = chains.joints.shape[0]
+    first, times = np.zeros(count + 1, dtype=np.int64), np.empty((2 * count + 16, 2))
+    total = 0
+    for m in range(count):
+        t, since = 0.0, -1.0
+        while t < end:
+            near, stays = advance(chains, m, t)
+            if (near == wanted) != (since >= 0.0):
+                if near == wanted:
+                    since = t
+                else:
+                    total, times = _noted(times, total, since, t)
+                    since = -1.0
+            t += stays
+        if since >= 0.0:
+            total, times = _noted(times, total, since, end)
+        first[m + 1] = total
+    return Spans(first, times[:total].copy())
+
+
+@njit
+def _noted(times, total, since, until):
+    """Add a span; the array is doubled where it is full."""
+    if total == times.shape[0]:
+        times = np.concatenate((times, np.empty_like(times)))
+    times[total, 0], times[total, 1] = since, until
+    return total + 1, times

@@ -1,0 +1,124 @@
+"""Front doors of causal marching, with waits and without."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from gcm_learn.handspace.chart import Chart
+from gcm_learn.handspace.lattice import Lattice, hand_space
+from gcm_learn.scene.scene import Scene
+from gcm_learn.wave import agenda, general, layered, marching
+from gcm_learn.wave.front import Front
+from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of, turns_of
+from gcm_learn.wave.params import MarchingParams
+from gcm_learn.wave.plane import Plane, closed_rim
+from gcm_learn.wave.solver import first_arrivals
+
+STATES_PER_CELL = 4  # room for sheets; most cells need one
+
+
+def march(
+    scene: Scene,
+    chart: Chart,
+    params: MarchingParams,
+    *,
+    ignore: float = 0.0,
+    widening: np.ndarray | None = None,
+) -> Front:
+    """Map arrivals of a front at hand speed by causal marching; the meaning is the wave's.
+
+    Parameters
+    ----------
+    scene : Scene
+    chart : Chart
+        A lattice must have ``params.n`` cells a side.
+    params : MarchingParams
+    ignore : float
+        Contacts before this time do not count [s].
+    widening : (nodes,) ndarray, optional
+        Margin of every node beyond that of the parameters, in the same unit.
+
+    Returns
+    -------
+    Front
+        Of one sheet.
+    """
+    if not isinstance(chart, Lattice):
+        return general.spread(scene, chart, params, False, ignore, widening)
+    crossing = chart.spacing / fastest(scene)
+    state = np.zeros(chart.n * chart.n, dtype=np.uint8)
+    arrival, cell, body, time, accepted = marching.march(
+        _plane(scene, chart),
+        terms_of(scene, chart, params, crossing, ignore),
+        postures(scene, chart, params.margin, widening),
+        state,
+    )
+    met = (cell, body, time * crossing)
+    return first_arrivals(scene, chart, arrival * crossing, state, met, accepted)
+
+
+def march_layers(
+    scene: Scene,
+    chart: Chart,
+    params: MarchingParams,
+    *,
+    ignore: float = 0.0,
+    widening: np.ndarray | None = None,
+) -> Front:
+    """March over nodes and safe intervals until a target is met; waiting is free.
+
+    Parameters
+    ----------
+    params : MarchingParams
+        Until contact only states from which a target may still be met are kept, and nothing after
+        the contact; until the horizon all are.
+
+    The others and what is returned are as for `march`.
+    """
+    if not isinstance(chart, Lattice):
+        return general.spread(scene, chart, params, True, ignore, widening)
+    n, crossing = chart.n, chart.spacing / fastest(scene)
+    room, nowhere = STATES_PER_CELL * n * n, np.full((n + 2) ** 2, -1, dtype=np.int32)
+    sheets = agenda.Sheets(np.empty((room, 3), dtype=np.int32), np.empty((room, 2)), nowhere)
+    refused, met = np.zeros((n, n), dtype=np.bool_), np.zeros((n, n), dtype=np.bool_)
+    count, state, body, time = layered.march_layers(
+        _plane(scene, chart),
+        terms_of(scene, chart, params, crossing, ignore),
+        postures(scene, chart, params.margin, widening),
+        sheets,
+        refused.reshape(-1),
+    )
+    place = sheets.states[:count, agenda.CELL].astype(np.int64)
+    nodes = (place // (n + 2) - 1) * n + place % (n + 2) - 1
+    if state >= 0:
+        met.flat[nodes[state]] = True
+    return Front(
+        chart=chart,
+        waits=True,
+        nodes=nodes,
+        via=sheets.states[:count, agenda.VIA].astype(np.int64),
+        arrival=sheets.spans[:count, agenda.ARRIVAL] * crossing,
+        end=sheets.spans[:count, agenda.END] * crossing,
+        refused=refused,
+        met=met,
+        met_state=state,
+        met_body=body,
+        met_time=time * crossing,
+        steps=count,
+    )
+
+
+def _plane(scene: Scene, lattice: Lattice) -> Plane:
+    """The lattice as kernels read it."""
+    x, y = ((c + lattice.upper_arm + 1.0) / lattice.spacing - 0.5 for c in hand_of(scene))
+    hand = y + 1.0, x + 1.0
+    return Plane(lattice.n, *hand, _closed_rim(lattice), *turns_of(scene, lattice))
+
+
+@lru_cache(maxsize=16)
+def _closed_rim(lattice: Lattice) -> np.ndarray:
+    """Padded status of a lattice before marching: open where the hand can be."""
+    inside = hand_space(lattice).inside
+    return closed_rim(lattice.n, lattice.spacing, lattice.upper_arm + 1.0, inside)

@@ -1,0 +1,102 @@
+"""What a front left behind: the same record for all engines, with waits or without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gcm_learn.handspace.chart import Chart
+
+
+@dataclass(frozen=True)
+class Front:
+    """States that a front reached: nodes of a chart in one safe interval each.
+
+    A front that cannot wait knows of every node the first arrival only. Its states are all nodes in
+    their order, so that it is a front of one sheet; those where it was refused have an arrival too.
+    """
+
+    chart: Chart
+    waits: bool
+    """Whether the hand may wait."""
+    nodes: np.ndarray
+    """(m,) int: node of every state; in order of arrival where the front may wait."""
+    via: np.ndarray | None
+    """(m,) int: state from which the hand comes straight, -1 for the hand's start; None where its
+    map is to be descended instead."""
+    arrival: np.ndarray
+    """(m,) float: earliest arrival [s]; negative where the front never came."""
+    end: np.ndarray
+    """(m,) float: when the safe interval ends, the horizon at most [s]."""
+    refused: np.ndarray
+    """(...) bool in the chart's shape: where an obstacle was when a front came."""
+    met: np.ndarray
+    """(...) bool: where a target was met."""
+    met_state: int
+    """State in which a target is met first, -1 if none."""
+    met_body: int
+    """Index of that target, -1 if none."""
+    met_time: float
+    """When [s]; the horizon if none."""
+    steps: int
+    """Euler steps (wave) or accepted nodes that it took."""
+
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """Index (m, d) of every state's node in the chart's shape: iy, ix on a lattice."""
+        return np.stack(np.unravel_index(self.nodes, self.chart.shape), axis=-1)
+
+    @property
+    def first(self) -> np.ndarray:
+        """First arrival (...) at every node [s], negative where there is none."""
+        if not self.waits:
+            return self.arrival.reshape(self.chart.shape)
+        out = np.full(self.refused.size, np.inf)
+        np.minimum.at(out, self.nodes, self.arrival)
+        return np.where(np.isfinite(out), out, -1.0).reshape(self.chart.shape)
+
+    @property
+    def sheets(self) -> np.ma.MaskedArray:
+        """Arrivals (s, ...) in the first, second, ... interval of every node that was reached [s].
+
+        Masked where there is none, and where a front that cannot wait was refused.
+        """
+        if not self.waits:
+            first = self.first
+            return np.ma.MaskedArray(first, mask=self.refused | (first < 0.0))[None]
+        order, sheet = self._intervals()
+        out = np.full((sheet.max(initial=0) + 1, self.refused.size), -1.0)
+        out[sheet, self.nodes[order]] = self.arrival[order]
+        return np.ma.MaskedArray(out, mask=out < 0.0).reshape(-1, *self.chart.shape)
+
+    def chain(self) -> list[int]:
+        """States on the path from the hand to where the target is met."""
+        assert self.via is not None, "its map is to be descended instead"
+        chain, state = [], self.met_state
+        while state >= 0:
+            chain.append(state)
+            state = int(self.via[state])
+        return chain[::-1]
+
+    def _intervals(self) -> tuple[np.ndarray, np.ndarray]:
+        """Count the safe intervals of every node.
+
+        A front may come to a node twice in one interval, over a neighbour and from where it
+        waited; the earlier one counts.
+
+        Returns
+        -------
+        order : (k,) ndarray
+            The states that are the first in their interval, node by node in order of arrival.
+        sheet : (k,) ndarray
+            How many intervals of their node come before.
+        """
+        node, arrival = self.nodes, self.arrival
+        order = np.lexsort((arrival, node))
+        another = np.ones(len(order), dtype=bool)
+        same = node[order][1:] == node[order][:-1]
+        another[1:] = ~same | (arrival[order][1:] > self.end[order][:-1])
+        order = order[another]
+        return order, np.arange(len(order)) - np.searchsorted(node[order], node[order])
