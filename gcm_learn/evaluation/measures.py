@@ -39,6 +39,8 @@ class Measures:
     """Median [ms]."""
     latency_95: float
     """95 % quantile [ms]."""
+    charged: int
+    """Situations for which thinking was charged."""
     own: Interval | None
     """Catches if each thinking is charged; None if that was not measured."""
 
@@ -69,6 +71,7 @@ def measured(results: Results, method: str) -> Measures:
         peak_joint=_quantile(joints[caught], 0.95),
         latency=_median(mine["latency_ms"]),
         latency_95=_quantile(mine["latency_ms"], 0.95),
+        charged=int(charged.sum()),
         own=own,
     )
 

@@ -6,8 +6,6 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-
 from gcm_learn.policies.actor import FILE
 from gcm_learn.policies.plan import Share, TrainingPlan
 from gcm_learn.storage import content_hash, write_whole
@@ -73,7 +71,7 @@ def _told(share: Share) -> str:
 
 def _interval(share: float, n: int) -> str:
     """Share with Wilson's interval, in per cent."""
-    z = 1.96
-    middle = (share + z * z / (2 * n)) / (1 + z * z / n)
-    half = z / (1 + z * z / n) * np.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return f"{share:.1%} ({max(middle - half, 0.0):.1%} to {middle + half:.1%})"
+    from scipy.stats import binomtest  # takes a second to load
+
+    low, high = binomtest(round(share * n), n).proportion_ci(method="wilson")
+    return f"{share:.1%} ({low:.1%} to {high:.1%})"

@@ -76,3 +76,32 @@ def test_bootstraps_are_as_wide_as_theory_says(seed):
         assert found.value == hits.mean()
         assert found.high - found.value == pytest.approx(half, rel=0.12)
         assert found.value - found.low == pytest.approx(half, rel=0.12)
+
+
+def test_a_few_pairs_have_the_interval_of_the_books():
+    """An example of Newcombe, Statistics in Medicine 17 (1998): of 50 pairs 36, 12, 2 and 0."""
+    first = np.repeat([True, True, False, False], (36, 12, 2, 0))
+    second = np.repeat([True, False, True, False], (36, 12, 2, 0))
+    found = difference(first, second, np.arange(50))
+    assert found == pytest.approx((0.2, 0.0569, 0.3404), abs=1e-4)
+
+
+def test_a_few_pairs_never_have_an_interval_of_no_width():
+    """Nor one that leaves 0 out where the exact test says that chance would do."""
+    first = np.array([True] * 20 + [False] * 2)
+    families = np.arange(22) // 2
+    found = difference(first, np.ones(22, bool), families)
+    assert found.low < -0.2 and found.high > 0.0 and mcnemar(first, np.ones(22, bool))[2] == 0.5
+    alike = difference(first, first, families)
+    assert alike.low < 0.0 < alike.high
+    assert stratified(first, families) == wilson(20, 22)
+
+
+def test_intervals_of_few_pairs_cover_as_often_as_they_say(rng):
+    covered = 0
+    for _ in range(400):
+        draws = rng.random(30)
+        first, second = draws < 0.9, (draws < 0.6) | (rng.random(30) < 0.2)
+        d = difference(first, second, np.zeros(30))
+        covered += d.low <= 0.9 - (0.6 + 0.4 * 0.2) <= d.high
+    assert 0.93 * 400 < covered

@@ -105,8 +105,9 @@ def charged_table(results: Results, fold: str = "") -> Table:
     rows = []
     for name in results.methods:
         curve = [percent(point) for point in charged_curve(results, name)] or ["–"] * len(DELAYS)
-        rows.append([name, *curve, percent(measured(results, name).own)])
-    return Table(("method, caught [%]", *delays, "own latency"), rows, fold)
+        mine = measured(results, name)
+        rows.append([name, *curve, percent(mine.own), str(mine.charged)])
+    return Table(("method, caught [%]", *delays, "own latency", "situations"), rows, fold)
 
 
 def noise_table(noise: Results) -> Table:
