@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.timing import SPACING, refine, spread
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of
 from gcm_learn.recall import kernels, trials
@@ -52,13 +53,15 @@ def query_of(problem: Problem) -> Query:
     """What adaptations must know of a situation; once for all memories."""
     scene, rules, arm = problem.scene, problem.rules, problem.situation.arm
     x, y = arm.hand
+    horizon = problem.situation.horizon
+    soonest, _, _, _ = first_interception(scene, rules, x, y, 0.0, 0.0, horizon)
     return Query(
         scene=scene,
         rules=rules,
-        table=kernels.pose_table(scene.bodies, problem.situation.horizon, INSTANTS),
+        table=kernels.pose_table(scene.bodies, horizon, INSTANTS),
         angle=float(np.arctan2(y, x)),
         ring=float(ring_share(arm, np.hypot(x, y))),
-        first=kernels.straight_interception(scene, rules),
+        soonest=max(float(soonest), 0.0),
     )
 
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
+from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.rules import Rules
-from gcm_learn.recall.kernels import Interception, straight_interception
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at, poses_at
 from gcm_learn.scene.limb import elbow_of
 from gcm_learn.scene.packing import pack
@@ -32,7 +32,7 @@ FREE = 0.4  # clearance beyond this is as good as free [forearm lengths]
 TOUCHING = 1e-6  # clearance up to this is none [forearm lengths]
 SLACK = 0.25  # hands that are farther than the hand can be by this are not asked for [same]
 TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, FREE away is 0
-INSTANT = 1e-3  # resolution of interceptions [horizons]
+INSTANT = 1e-3  # resolution of interceptions, coarser than a plan's: encoders know it [horizons]
 
 CELLS = len(LENGTHS) * len(RINGS) * DIRECTIONS
 TRACK = 5  # numbers of the target at an instant
@@ -71,9 +71,7 @@ def batched(features: Sequence[Features]) -> FeatureBatch:
     return FeatureBatch(np.array([one.context for one in features]), whole, whose)
 
 
-def clearance_features(
-    situation: Situation, scene: Scene | None = None, first: Interception | None = None
-) -> Features:
+def clearance_features(situation: Situation, scene: Scene | None = None) -> Features:
     """What a situation in any frame looks like.
 
     Parameters
@@ -81,19 +79,15 @@ def clearance_features(
     situation : Situation
     scene : Scene, optional
         The situation packed, if the caller has it at hand.
-    first : Interception, optional
-        The straight line's, if the caller has it at hand.
     """
     scene = pack(situation) if scene is None else scene
-    if first is None:
-        limits = scene.limits
-        rules = Rules(0.0, limits.grasp, limits.speed, INSTANT * limits.horizon)
-        first = straight_interception(scene, rules)
-    return Features(*_features(scene, first))
+    limits = scene.limits
+    rules = Rules(0.0, limits.grasp, limits.speed, INSTANT * limits.horizon)
+    return Features(*_features(scene, rules))
 
 
 @njit
-def _features(scene, first):
+def _features(scene, rules):
     """Context and cells, as of `Features`."""
     bodies, limb, limits = scene.bodies, scene.limb, scene.limits
     x, y, width, speed = limb.x, limb.y, limb.far - limb.near, limits.speed
@@ -112,11 +106,12 @@ def _features(scene, first):
         gap = np.sqrt((poses[target, 0] - x) ** 2 + (poses[target, 1] - y) ** 2)
         out[at + 4] = min(max(gap - LENGTHS[k], -2.0), 2.0)
         at += TRACK
-    if first.body >= 0:
-        a = limb.side * (np.arctan2(first.y, first.x) - angle)
-        out[at], out[at + 1] = 1.0, first.time * speed * 0.3
+    soonest, body, px, py = first_interception(scene, rules, x, y, 0.0, 0.0, limits.horizon)
+    if body >= 0:
+        a = limb.side * (np.arctan2(py, px) - angle)
+        out[at], out[at + 1] = 1.0, soonest * speed * 0.3
         out[at + 2], out[at + 3] = np.cos(a), np.sin(a)
-        out[at + 4] = (np.sqrt(first.x * first.x + first.y * first.y) - limb.near) / width
+        out[at + 4] = (np.sqrt(px * px + py * py) - limb.near) / width
     out[at + 5], out[at + 6] = (start - limb.near) / width, limb.rho
     out[at + 7], out[at + 8] = speed * 0.3, speed * limits.horizon * 0.25
     out[at + 9], out[at + 10] = limb.thickness * 10.0, limits.grasp * 10.0

@@ -26,7 +26,6 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
 from gcm_learn.recall.clearance_features import Features, clearance_features
-from gcm_learn.recall.kernels import Interception
 from gcm_learn.recall.memory_features import map_features, path_features
 from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
@@ -177,14 +176,9 @@ class Encoder:
         names = {"trace": self.config.uses_traces, "map": self.config.uses_maps}
         return {name: Tower.of(self.arrays, name) for name, used in names.items() if used}
 
-    def embed_situation(
-        self, situation: Situation, scene: Scene | None = None, first: Interception | None = None
-    ) -> np.ndarray:
-        """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0.
-
-        `scene` and `first` spare work, as in `clearance_features`.
-        """
-        return self.embed_features(clearance_features(situation, scene, first))
+    def embed_situation(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+        """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
+        return self.embed_features(clearance_features(situation, scene))
 
     def embed_features(self, seen: Features) -> np.ndarray:
         """Embedding (dim,) float32 of a situation by what it looks like."""

@@ -12,10 +12,11 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
-from gcm_learn.recall.kernels import KNOTS, Query
+from gcm_learn.recall.kernels import KNOTS
 from gcm_learn.recall.memory_features import map_picture
 from gcm_learn.recall.raw_features import COUNT, Scale, raw_features
 from gcm_learn.recall.waypoints import Waypoints
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, content_number
 
@@ -45,14 +46,14 @@ class Index(Protocol):
     def dim(self) -> int:
         """Numbers of an embedding."""
 
-    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame.
 
         Parameters
         ----------
         situation : Situation
-        query : Query, optional
-            What adaptations know of it, if the caller has it at hand.
+        scene : Scene, optional
+            The situation packed, if the caller has it at hand.
         """
 
     def embed_memories(
@@ -70,10 +71,6 @@ class Index(Protocol):
     @classmethod
     def fit(cls, situations: Sequence[Situation], seed: int = 0) -> Self:
         """One for memories of situations like these, if it takes no training of its own."""
-
-
-def _raw(situation: Situation, query: Query | None) -> np.ndarray:
-    return raw_features(situation, None if query is None else query.scene)
 
 
 def hash_of(name: str, *arrays: np.ndarray) -> str:
@@ -132,9 +129,9 @@ class RawIndex:
         """The parameters and one number for their distance."""
         return COUNT + 1
 
-    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        return nearest_query(self.scale(_raw(situation, query)))
+        return nearest_query(self.scale(raw_features(situation, scene)))
 
     def embed_memories(
         self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
@@ -174,9 +171,9 @@ class RandomIndex:
         """Hash of the seed."""
         return hash_of(self.name, np.array([self.seed]))
 
-    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """A direction that depends on the situation's numbers only."""
-        return self._direction(_raw(situation, query), 0)
+        return self._direction(raw_features(situation, scene), 0)
 
     def embed_memories(
         self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
@@ -224,11 +221,9 @@ class LearnedIndex:
         """Numbers of an embedding."""
         return self.encoder.dim
 
-    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        if query is None:
-            return self.encoder.embed_situation(situation)
-        return self.encoder.embed_situation(situation, query.scene, query.first)
+        return self.encoder.embed_situation(situation, scene)
 
     def embed_memories(
         self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
@@ -304,9 +299,9 @@ class PcaIndex:
         """The components and one number for their distance."""
         return len(self.components) + 1
 
-    def embed_query(self, situation: Situation, query: Query | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Where the map of a situation probably lies."""
-        features = self.scale(_raw(situation, query)[None])
+        features = self.scale(raw_features(situation, scene)[None])
         return nearest_query((_inputs(features, self.waves, self.phases) @ self.weights)[0])
 
     def embed_memories(

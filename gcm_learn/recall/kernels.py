@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception import approach, first_interception, target_distance
+from gcm_learn.motion.interception import approach, target_distance
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
@@ -35,15 +35,6 @@ _RIM = 4e-3  # share of the ring that joints with limits keep from the outer rim
 HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [forearm lengths]
 
 
-class Interception(NamedTuple):
-    """The earliest catch by a hand that goes straight from where it starts."""
-
-    time: float  # -1 if there is none [s]
-    body: int
-    x: float  # where the hand then is
-    y: float
-
-
 class Query(NamedTuple):
     """What an adaptation must know of a situation."""
 
@@ -52,7 +43,7 @@ class Query(NamedTuple):
     table: np.ndarray  # (g, n, 12): poses of all bodies at g instants from 0 to the horizon
     angle: float  # direction of the hand at t = 0 [rad]
     ring: float  # its share of the ring: 0 at the inner rim, 1 at the outer one
-    first: Interception  # no movement can catch before
+    soonest: float  # no movement can catch before [s]
 
 
 class Style(NamedTuple):
@@ -74,14 +65,6 @@ class Workspace(NamedTuple):
     hand: np.ndarray  # (KNOTS, 2)
     best_time: np.ndarray  # (KNOTS + 1,): the best path so far
     best_hand: np.ndarray  # (KNOTS + 1, 2)
-
-
-@njit
-def straight_interception(scene, rules):
-    """The `Interception` of a scene."""
-    x, y = scene.limb.x, scene.limb.y
-    t, body, px, py = first_interception(scene, rules, x, y, 0.0, 0.0, scene.limits.horizon)
-    return Interception(t, body, px, py)
 
 
 @njit
@@ -287,7 +270,7 @@ def meet(query, b, style, work):
     closing = query.rules.speed / (query.rules.speed + bodies.rows[b, TOP_SPEED])
     close = _CLOSE * horizon
     rim = limb.near + min(_highest(query), 1.0) * (limb.far - limb.near)
-    t, rough = max(query.first.time, 0.0), True
+    t, rough = query.soonest, True
     before, late_before = -1.0, 0.0
     for _ in range(_TURNS):
         if t > horizon:

@@ -75,7 +75,7 @@ class RecallPlanner:
         if answer is not None or len(memory) == 0:
             return Recollection(answer or problem.answer(Failure.NO_MEMORY), None, 0)
         query = query_of(problem)
-        place = memory.index.embed_query(situation, query)
+        place = memory.index.embed_query(situation, problem.scene)
         pool = self.candidates * (POOL if max(self.novelty, self.penalty) > 0.0 else 1)
         chosen = memory.recall(place, pool)
         penalty = self.penalty if memory.index.name == "learned" else 0.0
@@ -222,7 +222,7 @@ def unverified(
     """What comes of the first memory that is recalled, if it is not verified before acting."""
     problem = Problem(situation, "recall-1")
     query = query_of(problem)
-    chosen = memory.recall(memory.index.embed_query(situation, query), 1)
+    chosen = memory.recall(memory.index.embed_query(situation, problem.scene), 1)
     if len(chosen) == 0:
         return Rollout(None, False)
     k = int(chosen[0])
