@@ -171,8 +171,7 @@ def _over_nodes(
     if not np.isfinite(arrival[node]):
         return None
     nodes = nodes_to(cognitive_map, node)
-    points = np.vstack([cognitive_map.hand, hands[nodes]])
-    return points, np.concatenate([[0.0], arrival[nodes]])
+    return hands[nodes], arrival[nodes]
 
 
 def nodes_to(cognitive_map: CognitiveMap, node: int) -> list[int]:

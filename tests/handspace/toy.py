@@ -7,6 +7,8 @@ swivel, or to one of the two neighbouring swivels in the same cell, at a price.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from gcm_learn.handspace.chart import steps_of
@@ -26,7 +28,7 @@ class Cube:
         radius = np.linalg.norm(self.hands, axis=1)
         self.inside = (radius > 0.3) & (radius < 1.99)
 
-    @property
+    @cached_property
     def limbs(self):
         radius = np.linalg.norm(self.hands, axis=1, keepdims=True)
         out = self.hands / radius
