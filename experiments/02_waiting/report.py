@@ -13,7 +13,7 @@ import numpy as np
 from answers import Answer
 from suite import STRATA, Case
 
-from gcm_learn.evaluation.statistics import stratified
+from gcm_learn.evaluation import stratified
 
 REACHABLE = ("L", "W", "Q")
 WORDS = {

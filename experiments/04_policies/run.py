@@ -20,10 +20,7 @@ from report import write_report
 
 from gcm_learn.envs import Pool
 from gcm_learn.evaluation import draw_suite
-from gcm_learn.policies.actor import Actor
-from gcm_learn.policies.plan import TrainingPlan, plan_of
-from gcm_learn.policies.score import score
-from gcm_learn.policies.training import train
+from gcm_learn.policies import Actor, TrainingPlan, plan_of, score, train
 
 HERE = Path(__file__).parent
 STRATA = ("L", "W", "Q")

@@ -11,7 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gcm_learn.evaluation.statistics import stratified
+from gcm_learn.evaluation import stratified
 
 STRATA = ("L", "W", "Q")
 CHECKS = (1, 5, 20)

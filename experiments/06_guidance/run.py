@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gcm_learn.plots import style
-from gcm_learn.policies.plan import TrainingPlan, plan_of
-from gcm_learn.policies.training import train
+from gcm_learn.policies import TrainingPlan, plan_of, train
 
 HERE = Path(__file__).parent
 EVERY = 8192  # steps between evaluations: one update of PPO

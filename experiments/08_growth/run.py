@@ -26,7 +26,7 @@ sys.path[:0] = [str(HERE.parents[1])]
 
 from gcm_learn import dataset  # noqa: E402
 from gcm_learn.dataset import planner_of  # noqa: E402
-from gcm_learn.evaluation.statistics import stratified  # noqa: E402
+from gcm_learn.evaluation import stratified  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402
     Coverage,
     Index,

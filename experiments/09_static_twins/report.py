@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gcm_learn.evaluation.statistics import difference, stratified
+from gcm_learn.evaluation import difference, stratified
 from gcm_learn.maps import build_map
 from gcm_learn.plots import (
     draw_bodies,

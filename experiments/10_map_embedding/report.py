@@ -11,7 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gcm_learn.evaluation.statistics import Interval, difference, stratified
+from gcm_learn.evaluation import Interval, difference, stratified
 
 CHECKS = (1, 5, 20)
 BASE = "raw neighbours"

@@ -6,11 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from gcm_learn.evaluation import Results
-from gcm_learn.evaluation.blurred import blurred
-from gcm_learn.evaluation.contest import DELAYS
-from gcm_learn.evaluation.measures import declines, measured
-from gcm_learn.evaluation.statistics import Interval, chance, difference, mcnemar, stratified
+from gcm_learn.evaluation import (
+    DELAYS,
+    Interval,
+    Results,
+    blurred,
+    chance,
+    declines,
+    difference,
+    mcnemar,
+    measured,
+    stratified,
+)
 
 ALLOWED = 20.0  # thinking that H1 grants [ms]
 

@@ -18,9 +18,7 @@ from pathlib import Path
 import numpy as np
 from report import write_tables
 
-from gcm_learn.evaluation import Entry, Results, compare, draw_suite
-from gcm_learn.evaluation.blurred import compare_blurred
-from gcm_learn.evaluation.suites import hash_of
+from gcm_learn.evaluation import Entry, Results, compare, compare_blurred, draw_suite, hash_of
 from gcm_learn.plots import charged_figure, rates_figure, write_report
 
 HERE = Path(__file__).parent

@@ -38,8 +38,8 @@ print(info["outcome"], info["reward_terms"])
 # directions, or to rest. This one sees only a few.
 
 # %%
-from gcm_learn.policies.plan import plan_of
-from gcm_learn.policies.training import train
+from gcm_learn.policies import plan_of
+from gcm_learn.policies import train
 
 plan = plan_of({
     "algo": "clone",
@@ -58,7 +58,7 @@ print({name: round(value, 2) for name, value in scores.items()})
 from PIL import Image
 
 from gcm_learn.policies import Actor
-from gcm_learn.envs.catch_arm import CatchArm
+from gcm_learn.envs import CatchArm
 
 actor = Actor.load(folder)
 arm = CatchArm("random-planar", "rgb_array", pool=16, settings=actor.settings)

@@ -22,7 +22,7 @@
 import os
 
 from gcm_learn.evaluation import compare, draw_suite
-from gcm_learn.evaluation.measures import measured, pairs
+from gcm_learn.evaluation import measured, pairs
 from gcm_learn.plots import families_figure, rates_figure
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))

@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Sequence
 from multiprocessing.context import SpawnProcess
 
-from gcm_learn.evaluation.contest import warmed
+from gcm_learn.evaluation import warmed
 from gcm_learn.processes import Context, cores
 
 

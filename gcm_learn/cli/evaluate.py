@@ -69,9 +69,7 @@ class Evaluate:
         if self.reference is not None and self.reference not in names:
             raise CommandFailure(f"--reference {self.reference}: is not one of --policies")
         deviations = _deviations(self.noise)
-        from gcm_learn.evaluation import compare, draw_suite
-        from gcm_learn.evaluation.methods import get_method
-        from gcm_learn.evaluation.suites import check_suite
+        from gcm_learn.evaluation import check_suite, compare, draw_suite, get_method
         from gcm_learn.plots import write_report
 
         suites = list(dict.fromkeys(self.suite.split(",")))
@@ -108,8 +106,8 @@ class Evaluate:
         self, names: list[str], entries: list[Entry], deviations: list[float], folder: Path
     ) -> Results:
         """The planners again, seeing inexactly."""
-        from gcm_learn.evaluation.blurred import compare_blurred, episodes
-        from gcm_learn.policies.planner import actor_names
+        from gcm_learn.evaluation import compare_blurred, episodes
+        from gcm_learn.policies import actor_names
 
         actors = actor_names()
         planners = [name for name in names if name not in actors]

@@ -34,8 +34,7 @@ class TrainPolicy:
     def run(self) -> int:
         """Train, and say how good the policy is."""
         try:
-            from gcm_learn.policies.plan import read_plan
-            from gcm_learn.policies.training import train
+            from gcm_learn.policies import read_plan, train
         except ModuleNotFoundError as error:
             raise MissingExtraError("train-policy", str(error.name), "rl") from None
         plan = read_plan(self.config)

@@ -10,11 +10,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gcm_learn.envs.catch_arm import CatchArm
+    from gcm_learn.envs.catch_arm import CatchArm, box
     from gcm_learn.envs.vector import CatchArms
     from gcm_learn.envs.views import WithMap, map_image
-    from gcm_learn.execution.pool import Pool
-    from gcm_learn.execution.settings import Settings, Weights
+    from gcm_learn.execution import Pool, Settings, Weights
 
 __all__ = [
     "CatchArm",
@@ -23,22 +22,24 @@ __all__ = [
     "Settings",
     "Weights",
     "WithMap",
+    "box",
     "map_image",
 ]
 
 _HOMES = {
-    "CatchArm": "gcm_learn.envs.catch_arm",
-    "CatchArms": "gcm_learn.envs.vector",
-    "Pool": "gcm_learn.execution.pool",
-    "Settings": "gcm_learn.execution.settings",
-    "Weights": "gcm_learn.execution.settings",
-    "WithMap": "gcm_learn.envs.views",
-    "map_image": "gcm_learn.envs.views",
+    "CatchArm": "envs.catch_arm",
+    "CatchArms": "envs.vector",
+    "Pool": "execution",
+    "Settings": "execution",
+    "Weights": "execution",
+    "WithMap": "envs.views",
+    "box": "envs.catch_arm",
+    "map_image": "envs.views",
 }
 
 
 def __getattr__(name: str) -> Any:
-    """Names of this folder, loaded when they are asked for: `gcm_learn` itself imports it."""
+    """Names of this folder, loaded when they are asked for: they need gymnasium."""
     import importlib
 
     if name not in _HOMES:
@@ -46,7 +47,7 @@ def __getattr__(name: str) -> Any:
     from gcm_learn.errors import MissingExtraError
 
     try:
-        module = importlib.import_module(_HOMES[name])
+        module = importlib.import_module(f"gcm_learn.{_HOMES[name]}")
     except ModuleNotFoundError as error:
         if error.name != "gymnasium":
             raise

@@ -9,7 +9,6 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
     CAUGHT,
@@ -20,22 +19,19 @@ from gcm_learn.execution import (
     KinematicPlant,
     Pool,
     Settings,
+    Source,
+    pool_of,
     settings_of,
 )
-from gcm_learn.execution.embedding import FARTHEST
-from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.situation import Situation
-from gcm_learn.situation.canonical import Frame
+from gcm_learn.motion import Trajectory
+from gcm_learn.situation import Frame, Situation
 
 POOL = 256  # situations that an environment draws from a family, by default
-LARGEST = 10.0  # number of an observation
 
 
 def box(plant: KinematicPlant) -> spaces.Box:
     """The space of observations."""
-    bounds = np.full(plant.observations.shape[1], LARGEST, np.float32)
-    bounds[plant.settings.width :] = FARTHEST
-    return spaces.Box(-bounds, bounds, dtype=np.float32)
+    return spaces.Box(-plant.bounds, plant.bounds, dtype=np.float32)
 
 
 class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):

@@ -11,7 +11,6 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from gcm_learn.envs.catch_arm import POOL, box
-from gcm_learn.envs.sources import Source, pool_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
     CAUGHT,
@@ -22,6 +21,8 @@ from gcm_learn.execution import (
     KinematicPlant,
     Pool,
     Settings,
+    Source,
+    pool_of,
     settings_of,
 )
 

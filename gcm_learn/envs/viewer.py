@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.scene.limb import elbow_position
-from gcm_learn.scene.outlines import outline
+from gcm_learn.scene import elbow_position, outline
 from gcm_learn.situation import Situation
 
 SIZE_INCHES, DPI = 4.8, 100

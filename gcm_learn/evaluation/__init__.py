@@ -1,7 +1,70 @@
 """Comparison: any planners and policies on the same situations, with paired statistics."""
 
-from gcm_learn.evaluation.contest import compare
-from gcm_learn.evaluation.suites import Entry, draw_suite, suite_names
+from gcm_learn.evaluation.blurred import HABITS, blurred, compare_blurred, episodes
+from gcm_learn.evaluation.contest import DELAYS, collision_point, compare, warmed
+from gcm_learn.evaluation.costs import Cost, costs_of, log_of
+from gcm_learn.evaluation.measures import (
+    Measures,
+    Pair,
+    charged_curve,
+    declines,
+    measured,
+    pairs,
+)
+from gcm_learn.evaluation.methods import Method, Result, get_method
+from gcm_learn.evaluation.statistics import (
+    Interval,
+    chance,
+    difference,
+    mcnemar,
+    stratified,
+    wilson,
+)
+from gcm_learn.evaluation.suites import (
+    Entry,
+    check_suite,
+    draw_suite,
+    hash_of,
+    suite_file,
+    suite_names,
+)
 from gcm_learn.evaluation.table import Results
+from gcm_learn.evaluation.verdict import verdict, who
 
-__all__ = ["Entry", "Results", "compare", "draw_suite", "suite_names"]
+__all__ = [
+    "DELAYS",
+    "HABITS",
+    "Cost",
+    "Entry",
+    "Interval",
+    "Measures",
+    "Method",
+    "Pair",
+    "Result",
+    "Results",
+    "blurred",
+    "chance",
+    "charged_curve",
+    "check_suite",
+    "collision_point",
+    "compare",
+    "compare_blurred",
+    "costs_of",
+    "declines",
+    "difference",
+    "draw_suite",
+    "episodes",
+    "get_method",
+    "hash_of",
+    "log_of",
+    "mcnemar",
+    "measured",
+    "pairs",
+    "stratified",
+    "suite_file",
+    "suite_names",
+    "verdict",
+    "warmed",
+    "who",
+    "wilson",
+]

@@ -9,19 +9,18 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.collision import least_distance
 from gcm_learn.collision.distance import segment_distance
-from gcm_learn.collision.sweep import least_distance
 from gcm_learn.evaluation.crew import rows_of
 from gcm_learn.evaluation.methods import Method, Result, get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
+from gcm_learn.motion import Trajectory
 from gcm_learn.motion.clearance import RESOLUTION
-from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import PARTS, joint_turns
-from gcm_learn.scene.bodies import LIMB, PART, Bodies, pose_at
-from gcm_learn.scene.limb import SIDE, elbow_of
-from gcm_learn.scene.packing import pack, pack_bodies
+from gcm_learn.scene import LIMB, PART, SIDE, Bodies, elbow_of, pack, pack_bodies
+from gcm_learn.scene.bodies import pose_at
 from gcm_learn.situation import Situation
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]

@@ -10,8 +10,7 @@ from typing import Any
 
 from gcm_learn import artifacts
 from gcm_learn.evaluation.methods import PlannerMethod, get_method
-from gcm_learn.policies.actor import FILE
-from gcm_learn.policies.planner import actor_folder, actor_names, shipped_actor
+from gcm_learn.policies import FILE, actor_folder, actor_names, shipped_actor
 from gcm_learn.recall import MANIFEST, Memory
 
 CONFIG, LOG, METRICS = "config.json", "log.jsonl", "metrics.json"
@@ -38,7 +37,7 @@ class Cost:
     """Of training, by the clock."""
 
 
-def costs(names: Sequence[str]) -> list[Cost]:
+def costs_of(names: Sequence[str]) -> list[Cost]:
     """Costs of methods by name; who holds nothing, because it plans anew, is left out."""
     found: dict[str, Cost] = {}
     for name in names:

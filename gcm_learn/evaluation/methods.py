@@ -10,12 +10,10 @@ import numpy as np
 
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import OUTCOMES, Pool
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Trajectory
 from gcm_learn.planners import Planner, get_planner, planner_names
-from gcm_learn.policies.actor import Actor
-from gcm_learn.policies.planner import ActorPlanner, actor_names, shipped_actor
-from gcm_learn.situation import Situation
-from gcm_learn.situation.canonical import canonical
+from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
+from gcm_learn.situation import Situation, canonical
 
 CLOCKED = ("st-rrt-star",)  # plan for a given time, in a process of their own
 

@@ -24,12 +24,11 @@ from gcm_learn.execution import (
     into_frame,
     run_episode,
 )
-from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.planners import Planner
-from gcm_learn.planners.completion import Attempt, Problem, checked
+from gcm_learn.motion import Trajectory
+from gcm_learn.planners import Planner, Problem
+from gcm_learn.planners.completion import Attempt, checked
 from gcm_learn.scene.later import later
-from gcm_learn.situation import Situation
-from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation import Pendulum, PlanarQuadratic, Situation, SolidQuadratic
 
 PERIOD = 0.05  # between two observations [s]
 STEP = 0.01  # of the world [s]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.sweep import least_distance
+from gcm_learn.collision import least_distance
 from gcm_learn.evaluation.methods import Method
-from gcm_learn.planners.completion import Problem, first_catch_on
+from gcm_learn.planners import Problem
+from gcm_learn.planners.completion import first_catch_on
 from gcm_learn.scene.later import later
 from gcm_learn.situation import Situation
 

@@ -17,13 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from gcm_learn import families
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.fronts import marching
-from gcm_learn.planners.oracle.bounds import bounds, stratum
+from gcm_learn.planners import Problem, StraightPlanner, bounds, marching, stratum
 from gcm_learn.processes import cores, pool
-from gcm_learn.situation import situation_to_json
-from gcm_learn.situation.canonical import canonical
+from gcm_learn.situation import canonical, situation_to_json
 from gcm_learn.storage import write_whole
 
 SEED = 9108

@@ -5,6 +5,7 @@
 >>> run_episode(agent, plant, np.arange(len(situations))).outcomes           # doctest: +SKIP
 """
 
+from gcm_learn.execution.embedding import encoder
 from gcm_learn.execution.episode import (
     Agent,
     Episodes,
@@ -14,17 +15,22 @@ from gcm_learn.execution.episode import (
     into_frame,
     run_episode,
 )
+from gcm_learn.execution.fan import RAYS
 from gcm_learn.execution.follower import Follower
+from gcm_learn.execution.observation import MEETING
 from gcm_learn.execution.plant import KinematicPlant
 from gcm_learn.execution.pool import Pool
 from gcm_learn.execution.settings import OUTCOMES, TERMS, Settings, Weights, settings_of
+from gcm_learn.execution.sources import Source, pool_of, situations_of
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 
 __all__ = [
     "CAUGHT",
     "COLLIDED",
     "LATE",
+    "MEETING",
     "OUTCOMES",
+    "RAYS",
     "RUNNING",
     "TERMS",
     "Agent",
@@ -35,9 +41,13 @@ __all__ = [
     "Plant",
     "Pool",
     "Settings",
+    "Source",
     "Steps",
     "Weights",
+    "encoder",
     "into_frame",
+    "pool_of",
     "run_episode",
     "settings_of",
+    "situations_of",
 ]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gcm_learn.execution.episode import Moment, into_frame
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Trajectory
 
 
 class Follower:

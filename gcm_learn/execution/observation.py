@@ -46,11 +46,12 @@ from gcm_learn.scene.bodies import (
 from gcm_learn.scene.limb import elbow_of
 
 ARM, TARGET, OBSTACLE = 10, 17, 20  # numbers of the arm, the target, an obstacle
+MEETING = ARM + 14  # where the direction of the meeting is told, two numbers
 LEAST, LATE, NOW = range(3)  # of an obstacle on the straight way: least distance, when, at first
 _INSTANTS = 16  # at which an interception is looked for
 _BISECTIONS = 6
 _FARTHEST = 2.0  # distances are told up to this
-_EXTREME = 10.0  # no number is larger
+EXTREME = 10.0  # no number is larger
 
 
 class View(NamedTuple):
@@ -131,7 +132,7 @@ def meeting_with(scene, catch, b, view, poses):
 
 @njit(_nrt=False, forceinline=True)
 def _put(row, k, value):
-    row[k] = min(max(value, -_EXTREME), _EXTREME)
+    row[k] = min(max(value, -EXTREME), EXTREME)
 
 
 @njit(_nrt=False, forceinline=True)

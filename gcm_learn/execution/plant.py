@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.execution.observation import observe
+from gcm_learn.execution.embedding import FARTHEST
+from gcm_learn.execution.observation import EXTREME, observe
 from gcm_learn.execution.pool import Pool
 from gcm_learn.execution.settings import Settings
 from gcm_learn.execution.stepping import TERMS, step
@@ -56,6 +57,13 @@ class KinematicPlant:
     def __getstate__(self) -> dict[str, Any]:
         """All but the threads."""
         return {**self.__dict__, "_crew": None}
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Largest sizes of the numbers of an observation (width,) float32."""
+        out = np.full(self.observations.shape[1], EXTREME, np.float32)
+        out[self.settings.width :] = FARTHEST
+        return out
 
     @property
     def rewards(self) -> np.ndarray:

@@ -10,12 +10,10 @@ import numpy as np
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.settings import Settings
 from gcm_learn.execution.world import World, world_of
-from gcm_learn.motion.rules import Rules, opening
-from gcm_learn.motion.verification import HOLE_MARGIN
-from gcm_learn.scene.packing import pack
-from gcm_learn.scene.scene import Limits, Scene
-from gcm_learn.situation import Situation
-from gcm_learn.situation.canonical import Frame, canonical
+from gcm_learn.motion import HOLE_MARGIN, Rules, opening
+from gcm_learn.scene import Scene, pack
+from gcm_learn.scene.scene import Limits
+from gcm_learn.situation import Frame, Situation, canonical
 
 _SPEED = Limits._fields.index("speed")
 HUB = 0.015  # distance that hands keep from the shoulder, where joints jump [forearm lengths]

@@ -1,5 +1,38 @@
-"""What acts: learned policies, their training, and planners that try them out."""
+"""What acts: learned policies, their training, and planners that try them out.
 
-from gcm_learn.policies.actor import Actor
+>>> from gcm_learn.policies import shipped_actor
+>>> shipped_actor("clone").play(pool, np.arange(len(pool))).outcomes  # doctest: +SKIP
+"""
 
-__all__ = ["Actor"]
+from typing import TYPE_CHECKING, Any
+
+from gcm_learn.policies.actor import FILE, Actor
+from gcm_learn.policies.card import score
+from gcm_learn.policies.plan import TrainingPlan, plan_of, read_plan
+from gcm_learn.policies.planner import ActorPlanner, actor_folder, actor_names, shipped_actor
+
+if TYPE_CHECKING:
+    from gcm_learn.policies.training import train
+
+__all__ = [
+    "FILE",
+    "Actor",
+    "ActorPlanner",
+    "TrainingPlan",
+    "actor_folder",
+    "actor_names",
+    "plan_of",
+    "read_plan",
+    "score",
+    "shipped_actor",
+    "train",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """`train`, when it is first asked for: it needs torch."""
+    if name != "train":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from gcm_learn.policies.training import train
+
+    return train

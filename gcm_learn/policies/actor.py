@@ -152,7 +152,7 @@ def _encoder_key(settings: Settings) -> str:
     """Of the encoder whose embeddings are told; empty if there is none."""
     if not settings.embedding:
         return ""
-    from gcm_learn.execution.embedding import encoder
+    from gcm_learn.execution import encoder
 
     return encoder().key
 

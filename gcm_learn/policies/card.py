@@ -1,16 +1,29 @@
-"""The card of a trained policy: what it was made of and how good it is."""
+"""How good a trained policy is, and its card, which says that and what it was made of."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from gcm_learn.policies.actor import FILE
+import numpy as np
+
+from gcm_learn.execution import CAUGHT, COLLIDED, Pool
+from gcm_learn.policies.actor import FILE, Actor
 from gcm_learn.policies.plan import Share, TrainingPlan
 from gcm_learn.storage import content_hash, write_whole
 
 CARD = "card.md"
+
+
+def score(actor: Actor, pool: Pool, groups: Sequence[str]) -> dict[str, float]:
+    """Shares of catches and touches, over all situations and by group."""
+    episodes = actor.play(pool, np.arange(len(pool)))
+    caught, touched = episodes.outcomes == CAUGHT, episodes.outcomes == COLLIDED
+    out = {"caught": float(caught.mean()), "touched": float(touched.mean())}
+    out |= {f"caught {g}": v for g, v in _by_group(groups, caught).items()}
+    out |= {f"touched {g}": v for g, v in _by_group(groups, touched).items()}
+    return out
 
 
 def write_card(
@@ -75,3 +88,9 @@ def _interval(share: float, n: int) -> str:
 
     low, high = binomtest(round(share * n), n).proportion_ci(method="wilson")
     return f"{share:.1%} ({low:.1%} to {high:.1%})"
+
+
+def _by_group(groups: Sequence[str], values: np.ndarray) -> dict[str, float]:
+    """Means of values (n,) by group."""
+    names = np.array(groups)
+    return {str(g): float(np.mean(values[names == g])) for g in sorted(set(groups))}

@@ -10,8 +10,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.execution import Settings
-from gcm_learn.execution.fan import RAYS
+from gcm_learn.execution import RAYS, Settings
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import Demonstrations
 from gcm_learn.policies.directions import aimed_of, choices_of

@@ -17,7 +17,7 @@ from gcm_learn.execution import (
     Steps,
     run_episode,
 )
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Trajectory
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.execution.fan import RAYS
-from gcm_learn.execution.observation import ARM
+from gcm_learn.execution import MEETING, RAYS
 
 REST = RAYS - 1
-MEETING = ARM + 14  # the direction of the meeting in an observation
 _SLOW = 0.25  # hands slower than this rest [hand speeds]
 
 

@@ -11,15 +11,11 @@ import numpy as np
 from gcm_learn import artifacts, seeding
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, Pool
-from gcm_learn.motion.failures import Failure
-from gcm_learn.motion.timing import refine
-from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.planners.completion import Attempt, Problem, checked
-from gcm_learn.planners.plan import Plan
+from gcm_learn.motion import Failure, Trajectory, refine
+from gcm_learn.planners import Plan, Problem
+from gcm_learn.planners.completion import Attempt, checked
 from gcm_learn.policies.actor import FILE, Actor
-from gcm_learn.situation import Situation
-from gcm_learn.situation.canonical import canonical
-from gcm_learn.situation.json_format import situation_to_json
+from gcm_learn.situation import Situation, canonical, situation_to_json
 from gcm_learn.storage import content_number
 
 TRIES = 20  # as many as paths are checked by planners that recall

@@ -6,19 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from gcm_learn import seeding
-from gcm_learn.envs.sources import SALT
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import Pool
-from gcm_learn.families import draw, family_names
-from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.planners import get_planner
-from gcm_learn.planners.plan import Plan
+from gcm_learn.execution import Pool, situations_of
+from gcm_learn.motion import Trajectory
+from gcm_learn.planners import Plan, get_planner
 from gcm_learn.policies.plan import Share
-from gcm_learn.situation import Situation, read_situations
-from gcm_learn.situation.canonical import canonical
+from gcm_learn.situation import Situation, canonical
 
 PLANNER = "layered"  # whose catches are shown
 Told = Callable[[str], object]
@@ -99,7 +92,7 @@ def _records(share: Share) -> Lot:
 def _drawn(share: Share, plans: bool) -> Lot:
     """Situations of a family or file, in canonical form; planned for if need be."""
     lot, planner = Lot([], [], []), get_planner(PLANNER)
-    for drawn in _sources(share):
+    for drawn in situations_of(share.source, share.count, share.seed):
         situation, _ = canonical(drawn)
         plan: Plan | None = None
         if plans or share.reachable:
@@ -112,21 +105,5 @@ def _drawn(share: Share, plans: bool) -> Lot:
     return lot
 
 
-def _sources(share: Share) -> list[Situation]:
-    if share.source not in family_names():
-        path = Path(share.source)
-        if not path.exists():
-            raise PolicyError(f"situations: {share.source!r} is no family, file or dataset")
-        return read_situations(path)[: share.count]
-    root = int(seeding.rng(share.seed, SALT).integers(2**62))
-    return [draw(share.source, root, k) for k in range(share.count)]
-
-
 def _path(plan: Plan | None) -> Trajectory | None:
     return plan.trajectory if plan is not None and plan.caught else None
-
-
-def by_group(groups: Sequence[str], values: np.ndarray) -> dict[str, float]:
-    """Means of values (n,) by group."""
-    names = np.array(groups)
-    return {str(g): float(np.mean(values[names == g])) for g in sorted(set(groups))}

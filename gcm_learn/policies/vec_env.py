@@ -9,9 +9,8 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnv
 
-from gcm_learn.envs.catch_arm import box
-from gcm_learn.execution import CAUGHT, OUTCOMES, RUNNING, KinematicPlant, Pool, Settings
-from gcm_learn.execution.fan import RAYS
+from gcm_learn.envs import box
+from gcm_learn.execution import CAUGHT, OUTCOMES, RAYS, RUNNING, KinematicPlant, Pool, Settings
 from gcm_learn.policies.directions import turned, velocities
 from gcm_learn.seeding import rng
 

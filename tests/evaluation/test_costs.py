@@ -8,18 +8,18 @@ import pytest
 
 from gcm_learn.artifacts import shipped
 from gcm_learn.evaluation import costs as module
-from gcm_learn.evaluation.costs import costs
+from gcm_learn.evaluation.costs import costs_of
 from gcm_learn.policies.planner import shipped_actor
 from gcm_learn.recall import shipped_memory
 
 
 def test_methods_share_what_they_hold():
-    found = costs(["layered", "clone", "recall", "clone@20", "hybrid", "straight"])
+    found = costs_of(["layered", "clone", "recall", "clone@20", "hybrid", "straight"])
     assert [cost.methods for cost in found] == [("clone", "clone@20"), ("recall", "hybrid")]
 
 
 def test_a_memory():
-    (cost,) = costs(["recall"])
+    (cost,) = costs_of(["recall"])
     memory = shipped_memory("recall")
     assert cost.memories == len(memory) and cost.weights is None and cost.steps is None
     files = [p for p in (shipped("models") / "recall").rglob("*") if p.suffix != ".json"]
@@ -29,7 +29,7 @@ def test_a_memory():
 
 
 def test_an_actor():
-    (cost,) = costs(["ppo-clone"])
+    (cost,) = costs_of(["ppo-clone"])
     layers = shipped_actor("ppo-clone").layers
     assert cost.weights == sum(w.size + b.size for w, b in layers)
     config = json.loads((shipped("models") / "ppo-clone" / "config.json").read_text())

@@ -15,11 +15,17 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 from matplotlib.transforms import offset_copy
 
-from gcm_learn.evaluation.blurred import HABITS, blurred
-from gcm_learn.evaluation.contest import DELAYS
-from gcm_learn.evaluation.costs import log_of
-from gcm_learn.evaluation.measures import Interval, charged_curve, measured, pairs
-from gcm_learn.evaluation.table import Results
+from gcm_learn.evaluation import (
+    DELAYS,
+    HABITS,
+    Interval,
+    Results,
+    blurred,
+    charged_curve,
+    log_of,
+    measured,
+    pairs,
+)
 from gcm_learn.plots.figures import style
 
 _PAIRED = colormaps["tab20"].colors  # type: ignore[attr-defined]

@@ -12,10 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from gcm_learn.evaluation.contest import collision_point
-from gcm_learn.evaluation.methods import get_method
-from gcm_learn.evaluation.suites import Entry
-from gcm_learn.evaluation.table import Results
+from gcm_learn.evaluation import Entry, Results, collision_point, get_method
 from gcm_learn.motion import Trajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import note_in_corner, pixels, write_film

@@ -8,10 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from gcm_learn.evaluation import compare, draw_suite
-from gcm_learn.evaluation.suites import Entry, suite_file
-from gcm_learn.evaluation.table import Results
-from gcm_learn.evaluation.verdict import verdict, who
+from gcm_learn.evaluation import Entry, Results, compare, draw_suite, suite_file, verdict, who
 from gcm_learn.plots.figures import comparison as figures
 from gcm_learn.plots.figures.failures import FILM, failure_film, failures_figure, failures_of
 from gcm_learn.plots.reports import tables
@@ -25,7 +22,7 @@ from gcm_learn.plots.reports.page import (
     section,
     words,
 )
-from gcm_learn.policies.planner import actor_names
+from gcm_learn.policies import actor_names
 from gcm_learn.recall import has_memory
 
 PAGE = "report.html"

@@ -18,8 +18,7 @@ from matplotlib.colors import to_rgba
 from PIL import Image
 
 from gcm_learn import seeding
-from gcm_learn.evaluation import draw_suite
-from gcm_learn.evaluation.suites import suite_file
+from gcm_learn.evaluation import draw_suite, suite_file
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.comparison import NAMES

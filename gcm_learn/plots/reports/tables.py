@@ -6,19 +6,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gcm_learn.evaluation.blurred import blurred
-from gcm_learn.evaluation.contest import DELAYS
-from gcm_learn.evaluation.costs import Cost, costs
-from gcm_learn.evaluation.measures import (
+from gcm_learn.evaluation import (
+    DELAYS,
+    Cost,
     Interval,
     Measures,
+    Results,
+    blurred,
+    chance,
     charged_curve,
+    costs_of,
     declines,
     measured,
     pairs,
 )
-from gcm_learn.evaluation.statistics import chance
-from gcm_learn.evaluation.table import Results
 from gcm_learn.plots.figures.comparison import catchable_strata, of_stratum, reachable
 from gcm_learn.plots.reports.page import Table, number
 
@@ -128,7 +129,7 @@ def costs_table(names: Sequence[str]) -> Table | None:
 
     Steps are those in the arena.
     """
-    found = costs(names)
+    found = costs_of(names)
     if not found:
         return None
     columns = ("method", "holds", "files [MB]", "learned from", "training [min]")

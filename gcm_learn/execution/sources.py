@@ -7,11 +7,10 @@ from pathlib import Path
 
 from gcm_learn import seeding
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution import Pool
-from gcm_learn.families import Family, draw, get_family
-from gcm_learn.families.registry import family_names
-from gcm_learn.motion.rules import start_clearance
-from gcm_learn.scene.packing import pack
+from gcm_learn.execution.pool import Pool
+from gcm_learn.families import Family, draw, family_names, get_family
+from gcm_learn.motion import start_clearance
+from gcm_learn.scene import pack
 from gcm_learn.situation import Situation, read_situations
 
 Source = str | Path | Family | Situation | Sequence[Situation]
