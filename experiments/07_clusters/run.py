@@ -31,6 +31,7 @@ from gcm_learn.recall import (  # noqa: E402
     Encoder,
     LearnedIndex,
     Memory,
+    PcaIndex,
     Scale,
     Waypoints,
     load_encoder,
@@ -41,7 +42,6 @@ from gcm_learn.recall import (  # noqa: E402
     transfer,
     waypoints_of,
 )
-from gcm_learn.recall.index import COMPONENTS  # noqa: E402
 
 K = 16  # clusters of k-means
 LEAST, FEW = 40, 8  # members of a cluster of HDBSCAN; principal components that it is asked in
@@ -115,7 +115,7 @@ def spaces(some: Experience, encoder: Encoder) -> dict[str, np.ndarray]:
         "memories": directions(memories),
         "situations": directions(queries),
         "raw": Scale.of(raw)(raw),
-        "maps": PCA(COMPONENTS, random_state=0).fit_transform(maps),
+        "maps": PCA(PcaIndex.most, random_state=0).fit_transform(maps),
     }
 
 

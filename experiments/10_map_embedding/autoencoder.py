@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from torch import nn
 
 from gcm_learn.recall import PcaIndex, Waypoints, map_picture, nearest_rows, raw_features
-from gcm_learn.recall.index import COMPONENTS, RIDGE, _inputs
-from gcm_learn.scene.bodies import Bodies
+from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 
 WIDTH, EPOCHS, BATCH, RATE = 256, 30, 64, 1e-3
@@ -26,7 +25,7 @@ class AutoencoderIndex:
     """Predicts a query's code from its raw parameters."""
     name = "autoencoder"
     key = "autoencoder"
-    dim = COMPONENTS + 1
+    dim = PcaIndex.most + 1
 
     @classmethod
     def fit(cls, situations: Sequence[Situation], seed: int = 0) -> AutoencoderIndex:
@@ -35,15 +34,12 @@ class AutoencoderIndex:
         pictures = np.array([map_picture(s) for s in situations])
         encoder = _trained(torch.from_numpy(pictures - regression.centre), seed)
         codes = _codes(encoder, pictures - regression.centre)
-        raw = regression.scale(np.array([raw_features(s) for s in situations]))
-        inputs = _inputs(raw, regression.waves, regression.phases).astype(float)
-        penalty = RIDGE * np.eye(inputs.shape[1])
-        weights = np.linalg.solve(inputs.T @ inputs + penalty, inputs.T @ codes)
-        return cls(encoder, replace(regression, weights=weights.astype(np.float32)))
+        raw = np.array([raw_features(s) for s in situations])
+        return cls(encoder, regression.predicting(codes, raw))
 
-    def embed_query(self, situation: Situation, bodies: Bodies | None = None) -> np.ndarray:
+    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Where the map of a situation probably lies."""
-        return self.regression.embed_query(situation, bodies)
+        return self.regression.embed_query(situation, scene)
 
     def embed_memories(
         self, situations: Sequence[Situation], traces: Sequence[Waypoints]
@@ -64,8 +60,8 @@ def _trained(pictures: torch.Tensor, seed: int) -> nn.Sequential:
     size = pictures.shape[1]
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        encoder = nn.Sequential(nn.Linear(size, WIDTH), nn.ReLU(), nn.Linear(WIDTH, COMPONENTS))
-        decoder = nn.Sequential(nn.Linear(COMPONENTS, WIDTH), nn.ReLU(), nn.Linear(WIDTH, size))
+        encoder = nn.Sequential(nn.Linear(size, WIDTH), nn.ReLU(), nn.Linear(WIDTH, PcaIndex.most))
+        decoder = nn.Sequential(nn.Linear(PcaIndex.most, WIDTH), nn.ReLU(), nn.Linear(WIDTH, size))
         net = nn.Sequential(encoder, decoder)
         optimiser = torch.optim.Adam(net.parameters(), RATE)
         for _ in range(EPOCHS):

@@ -47,7 +47,6 @@ from gcm_learn.recall import (  # noqa: E402
     nearest_rows,
     raw_features,
 )
-from gcm_learn.recall.raw_features import COUNT  # noqa: E402
 from gcm_learn.situation import Situation  # noqa: E402
 from gcm_learn.wave import MarchingParams  # noqa: E402
 
@@ -63,7 +62,7 @@ def learned(labels: TransferLabels, turns: int, steps: int) -> dict[str, Memory]
     given: Given = {}
     raw = np.array([raw_features(s) for s in labels.situations])
     padded = np.zeros((len(raw), memory_features.COUNT), np.float32)
-    padded[:, :COUNT] = Scale.of(raw)(raw)
+    padded[:, : raw.shape[1]] = Scale.of(raw)(raw)
     out = {}
     for name, kind, seen in (
         ("way", "trace", None),

@@ -83,7 +83,7 @@ def _fitted(records: Dataset, name: str, order: np.ndarray, seed: int) -> Index:
 
 
 def _file(memory: Memory, records: Iterable[Record], planner: str) -> None:
-    found = [(record, waypoints) for record in records if (waypoints := _catch(record, planner))]
+    found = [(record, waypoints) for record in records if (waypoints := catch_of(record, planner))]
     memory.add(
         [record.situation for record, _ in found],
         [waypoints for _, waypoints in found],
@@ -92,7 +92,7 @@ def _file(memory: Memory, records: Iterable[Record], planner: str) -> None:
     )
 
 
-def _catch(record: Record, planner: str) -> Waypoints | None:
+def catch_of(record: Record, planner: str = "") -> Waypoints | None:
     """Waypoints of a record's catch, of the earliest if no planner is named."""
     names = (planner,) if planner else record.planners
     plans = [record.plans[name] for name in names if record.plans[name].caught]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, Protocol, Self
 
@@ -21,7 +21,6 @@ from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, content_number
 
 FILE = "index.npz"
-COMPONENTS = 24
 SPARE, ITERATIONS = 8, 8  # of the subspace iteration
 COSINES = 512
 WIDTH = 6.0  # of the cosines' kernel [spreads of a parameter]
@@ -264,14 +263,16 @@ class PcaIndex:
     centre: np.ndarray
     """(2 CELLS CELLS,): mean of the maps."""
     components: np.ndarray
-    """(COMPONENTS, 2 CELLS CELLS)"""
+    """(most, 2 CELLS CELLS)"""
     waves: np.ndarray
     """(COUNT, COSINES)"""
     phases: np.ndarray
     """(COSINES,) [rad]"""
     weights: np.ndarray
-    """(COUNT + COSINES + 1, COMPONENTS)"""
+    """(COUNT + COSINES + 1, most)"""
     name: ClassVar[str] = "pca"
+    most: ClassVar[int] = 24
+    """Components that are kept."""
 
     @classmethod
     def fit(cls, situations: Sequence[Situation], seed: int = 0) -> PcaIndex:
@@ -280,14 +281,24 @@ class PcaIndex:
         features = np.array([raw_features(s) for s in situations])
         centre = pictures.mean(axis=0)
         scale, rng = Scale.of(features), seeding.rng(seed)
-        components = _components(pictures - centre, rng)
+        components = _components(pictures - centre, cls.most, rng)
         waves = (rng.standard_normal((COUNT, COSINES)) / WIDTH).astype(np.float32)
         phases = rng.uniform(0.0, 2.0 * np.pi, COSINES).astype(np.float32)
-        inputs = _inputs(scale(features), waves, phases).astype(float)
-        places = (pictures - centre) @ components.T
+        unfitted = cls(scale, centre, components, waves, phases, np.zeros((0, 0), np.float32))
+        return unfitted.predicting((pictures - centre) @ components.T, features)
+
+    def predicting(self, places: np.ndarray, features: np.ndarray) -> PcaIndex:
+        """The same with a regression from raw parameters (n, COUNT) to other places (n, d)."""
+        inputs = self._inputs(features).astype(float)
         penalty = RIDGE * np.eye(inputs.shape[1])
         weights = np.linalg.solve(inputs.T @ inputs + penalty, inputs.T @ places)
-        return cls(scale, centre, components, waves, phases, weights.astype(np.float32))
+        return replace(self, weights=weights.astype(np.float32))
+
+    def _inputs(self, features: np.ndarray) -> np.ndarray:
+        """What the regression is linear in (n, COUNT + COSINES + 1)."""
+        scaled = self.scale(features)
+        cosines = np.cos(scaled @ self.waves + self.phases) * np.sqrt(2.0 / len(self.phases))
+        return np.hstack([scaled, cosines, np.ones((len(scaled), 1), dtype=np.float32)])
 
     @property
     def key(self) -> str:
@@ -301,8 +312,8 @@ class PcaIndex:
 
     def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """Where the map of a situation probably lies."""
-        features = self.scale(raw_features(situation, scene)[None])
-        return nearest_query((_inputs(features, self.waves, self.phases) @ self.weights)[0])
+        inputs = self._inputs(raw_features(situation, scene)[None])
+        return nearest_query((inputs @ self.weights)[0])
 
     def embed_memories(
         self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
@@ -326,24 +337,18 @@ class PcaIndex:
         return (self.scale.mean, self.scale.spread, self.centre, self.components, *regression)
 
 
-def _components(pictures: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """First principal components (at most COMPONENTS, m) of centred pictures (n, m).
+def _components(pictures: np.ndarray, most: int, rng: np.random.Generator) -> np.ndarray:
+    """First principal components (at most `most`, m) of centred pictures (n, m).
 
     By subspace iteration, with a few more directions than are wanted.
     """
-    count = min(COMPONENTS, *pictures.shape)
+    count = min(most, *pictures.shape)
     extra = min(count + SPARE, *pictures.shape)
     basis = rng.standard_normal((pictures.shape[1], extra)).astype(np.float32)
     for _ in range(ITERATIONS):
         basis = np.linalg.qr(pictures.T @ (pictures @ basis))[0]
     _, _, turn = np.linalg.svd(pictures @ basis, full_matrices=False)
     return (turn[:count] @ basis.T).astype(np.float32)
-
-
-def _inputs(scaled: np.ndarray, waves: np.ndarray, phases: np.ndarray) -> np.ndarray:
-    """What the regression is linear in (n, COUNT + COSINES + 1)."""
-    cosines = np.cos(scaled @ waves + phases) * np.sqrt(2.0 / len(phases))
-    return np.hstack([scaled, cosines, np.ones((len(scaled), 1), dtype=np.float32)])
 
 
 _CLASSES: dict[str, type[Index]] = {

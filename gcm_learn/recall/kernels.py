@@ -15,7 +15,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import approach, target_distance
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.verification import PARTS, joint_turns
-from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
+from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at, poses_at
 from gcm_learn.scene.scene import Scene
 
 KNOTS = 24  # of a remembered path, see `gcm_learn.recall.waypoints`
@@ -70,13 +70,9 @@ class Workspace(NamedTuple):
 @njit
 def pose_table(bodies, horizon, instants):
     """Poses (instants, n, 12) of all bodies at instants from 0 to the horizon."""
-    n = bodies.rows.shape[0]
-    out = np.zeros((instants, n, 12))
+    out = np.zeros((instants, bodies.rows.shape[0], 12))
     for g in range(instants):
-        t = horizon * g / (instants - 1)
-        poses = out[g]
-        for b in range(n):
-            pose_at(bodies, b, t, poses)
+        poses_at(bodies, horizon * g / (instants - 1), out[g])
     return out
 
 

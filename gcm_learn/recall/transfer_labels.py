@@ -24,8 +24,9 @@ from gcm_learn.errors import RecallError
 from gcm_learn.planners.completion import Problem, straight_plan
 from gcm_learn.recall.adaptation import Adaptation, transfer
 from gcm_learn.recall.clearance_features import FeatureBatch, batched, clearance_features
+from gcm_learn.recall.growth import catch_of
 from gcm_learn.recall.memory_features import map_features, path_features
-from gcm_learn.recall.waypoints import Waypoints, waypoints_of
+from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.situation import Situation
 from gcm_learn.storage import write_whole
@@ -128,12 +129,11 @@ class TransferLabels:
         with uncollected():
             for k in order.tolist():
                 record = train[k]
-                plans = [plan for plan in record.plans.values() if plan.caught]
                 progress(1)
-                if not plans:
+                waypoints = catch_of(record)
+                if waypoints is None:
                     continue
-                earliest = min(plans, key=lambda plan: plan.catch_time or 0.0)
-                paths.append(waypoints_of(record.situation, earliest))
+                paths.append(waypoints)
                 self.situations.append(record.situation)
                 easy.append(record.stratum == "L")
                 if maps:
