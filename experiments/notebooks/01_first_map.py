@@ -59,5 +59,5 @@ from gcm_learn import MarchingParams
 
 marched = build_map(situation, MarchingParams())
 print(
-    f"contact: {plan.map.contact.time:.3f} s by the wave, {marched.contact.time:.3f} s by marching"
+    f"contact: {plan.map.interception.time:.3f} s by the wave, {marched.interception.time:.3f} s by marching"
 )

@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.maps.cognitive_map import Contact
+from gcm_learn.maps.cognitive_map import Interception
 from gcm_learn.motion import Failure, Trajectory
 from gcm_learn.planners import Plan
 from gcm_learn.situation import Situation
@@ -48,7 +48,7 @@ PLAN = pa.struct(
 
 def map_cells(made: CognitiveMap) -> Sequence[Any]:
     """The cells of a map, in the order of MAP."""
-    quantum, later, contact = made.kappa * STEP, made.later, made.contact
+    quantum, later, contact = made.kappa * STEP, made.later, made.interception
     where = None if contact is None else contact.cell[0] * made.lattice.n + contact.cell[1]
     return (
         counts_of(made.arrival, quantum).tobytes(),
@@ -80,14 +80,14 @@ def map_of(situation: Situation, engine: str, n: int, cells: Sequence[Any]) -> C
     if cell is not None:
         iy, ix = divmod(cell, n)
         position = (float(lattice.centres[ix]), float(lattice.centres[iy]))
-        contact = Contact((iy, ix), position, time, body)
+        contact = Interception((iy, ix), position, time, body)
     return CognitiveMap(
         chart=lattice,
         hand=arm.hand,
         arrival=_arrival(arrival, quantum, (n, n)),
         effective_obstacles=_bits(obstacles, n),
         effective_target=_bits(target, n),
-        contact=contact,
+        interception=contact,
         kappa=kappa,
         engine=engine,
         later=None if later is None else _arrival(later, quantum, (-1, n, n)),

@@ -16,8 +16,8 @@ from gcm_learn.planners import (
     Bounds,
     Exploration,
     Explore,
+    Feedback,
     FrontPlanner,
-    Lessons,
     Params,
     Plan,
     Planner,
@@ -45,7 +45,7 @@ ENGINES = {"wave": "gcm", "marching": "marching", "layered": "layered"}
 
 @lru_cache(maxsize=64)
 def planner_of(name: str, n: int, rungs: int) -> Planner:
-    """A planner by name; those with fronts on lattices of n cells, on their first rungs only."""
+    """A planner by name; those with fronts on lattices of n cells, on their first levels only."""
     if name not in FRONTS:
         return get_planner(name)
     made: FrontPlanner = (
@@ -53,7 +53,7 @@ def planner_of(name: str, n: int, rungs: int) -> Planner:
         if name == "gcm"
         else (marching if name == "marching" else layered)(MarchingParams(n=n))
     )
-    return replace(made, rungs=made.rungs[:rungs])
+    return replace(made, levels=made.levels[:rungs])
 
 
 def make_item(spec: DatasetSpec, k: int) -> Record:
@@ -180,9 +180,9 @@ class Case:
             return planner.plan(self.situation)
         if planner.direct and self.plan("straight").caught:
             return replace(self.plan("straight"), planner=name)
-        first, *others = planner.rungs
+        first, *others = planner.levels
         witness = _Witness(name, first.explore, self._first_maps)
-        return replace(planner, rungs=(replace(first, explore=witness), *others)).climb(problem)
+        return replace(planner, levels=(replace(first, explore=witness), *others)).search(problem)
 
     def map(self) -> CognitiveMap | None:
         """The map of the specification's engine, with its default parameters and full margin."""
@@ -214,13 +214,13 @@ class Case:
 
 
 class _Witness(Generic[Params]):
-    """Explores for a planner's first rung and keeps the first map."""
+    """Explores for a planner's first level and keeps the first map."""
 
     def __init__(self, name: str, explore: Explore[Params], maps: dict[str, CognitiveMap]) -> None:
         self.name, self.maps = name, maps
         self.explore: Explore[Params] = explore
 
-    def __call__(self, problem: Problem, params: Params, lessons: Lessons) -> Exploration:
-        made = self.explore(problem, params, lessons)
+    def __call__(self, problem: Problem, params: Params, feedback: Feedback) -> Exploration:
+        made = self.explore(problem, params, feedback)
         self.maps.setdefault(self.name, made.map)
         return made

@@ -52,7 +52,7 @@ def warm_and_make(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
 
 
 def _run(spec: DatasetSpec) -> None:
-    """Make a few items, and climb all rungs of all planners in a situation without a path."""
+    """Make a few items, and try all levels of all planners in a situation without a path."""
     small = replace(spec, strata=None, count=DRAWS * len(spec.families))
     for k in range(small.count):
         family = spec.families[k // DRAWS]

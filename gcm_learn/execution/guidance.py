@@ -51,9 +51,9 @@ def field_of(situation: Situation) -> np.ndarray:
     params = MarchingParams(n=2 * CELLS)
     cognitive_map = build_map(situation, params)
     walls = cognitive_map.effective_obstacles
-    if cognitive_map.contact is None:
+    if cognitive_map.interception is None:
         cognitive_map, walls = build_map(situation, params, wait=True), np.zeros_like(walls)
-    if cognitive_map.contact is None:
+    if cognitive_map.interception is None:
         return np.ones((CELLS, CELLS))
     seconds = time_to_go(cognitive_map, walls, situation.arm.max_hand_speed)
     share = np.minimum(seconds / situation.horizon, 1.0)
@@ -62,12 +62,12 @@ def field_of(situation: Situation) -> np.ndarray:
 
 def time_to_go(cognitive_map: CognitiveMap, walls: np.ndarray, speed: float) -> np.ndarray:
     """Seconds (n, n) from every cell to the contact, around walls (n, n); 1e9 within them."""
-    assert cognitive_map.contact is not None
+    assert cognitive_map.interception is not None
     n, lattice = cognitive_map.lattice.n, cognitive_map.lattice
     open_cells = hand_space(lattice).inside.reshape(n, n) & ~walls
-    open_cells[cognitive_map.contact.cell] = True
+    open_cells[cognitive_map.interception.cell] = True
     cells = np.full((n, n), _FAR)
-    cells[cognitive_map.contact.cell] = 0.0
+    cells[cognitive_map.interception.cell] = 0.0
     sweep(cells, open_cells)
     return np.where(cells < _FAR, cells * lattice.spacing / speed, _FAR)
 

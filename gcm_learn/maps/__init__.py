@@ -1,12 +1,12 @@
 """Dynamic made static: cognitive maps and the paths that run down them."""
 
 from gcm_learn.maps.build import build_map, chart_of, explore, map_of
-from gcm_learn.maps.cognitive_map import CognitiveMap, Contact
+from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.maps.descent import descend, nodes_to
 
 __all__ = [
     "CognitiveMap",
-    "Contact",
+    "Interception",
     "build_map",
     "chart_of",
     "descend",

@@ -6,7 +6,7 @@ import numpy as np
 
 from gcm_learn.handspace.chart import Chart
 from gcm_learn.handspace.lattice import Lattice
-from gcm_learn.maps.cognitive_map import CognitiveMap, Contact
+from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
@@ -52,14 +52,14 @@ def build_map(
     scene : Scene, optional
         The situation packed, if the caller has it at hand.
     ignore : float
-        Contacts before this time do not stop the front [s].
+        Interceptions before this time do not stop the front [s].
     widening : (nodes,) ndarray, optional
         Margin of every node beyond that of `params`, in the same unit.
 
     Returns
     -------
     CognitiveMap
-        Whether the target was met is its `contact`.
+        Whether the target was met is its `interception`.
     """
     params = WaveParams() if params is None else params
     chart = chart_of(situation.arm, params.n) if chart is None else chart
@@ -98,10 +98,10 @@ def map_of(
     Its effective obstacles are the nodes in which an obstacle was when a front came; where the hand
     may wait these may have arrivals, later ones.
     """
-    sheets, contact, wave = front.sheets, None, isinstance(params, WaveParams)
+    sheets, interception, wave = front.sheets, None, isinstance(params, WaveParams)
     if front.met_state >= 0:
         node = int(front.nodes[front.met_state])
-        contact = Contact(
+        interception = Interception(
             cell=tuple(int(i) for i in np.unravel_index(node, front.chart.shape)),
             position=tuple(float(x) for x in front.chart.hands[node]),
             time=front.met_time,
@@ -114,7 +114,7 @@ def map_of(
         arrival=sheets[0],
         effective_obstacles=front.refused,
         effective_target=front.met,
-        contact=contact,
+        interception=interception,
         kappa=kappa_of(scene, front.chart, timed),
         engine="layered" if front.waits else "wave" if wave else "marching",
         later=sheets[1:] if len(sheets) > 1 else None,

@@ -21,7 +21,7 @@ FORMAT = "gcm-learn/map@1"
 
 
 @dataclass(frozen=True)
-class Contact:
+class Interception:
     """Where and when the front met a target first."""
 
     cell: tuple[int, ...]
@@ -51,7 +51,7 @@ class CognitiveMap:
     """(...) bool: cells in which the front froze on an obstacle (Omega of Eq. 11)."""
     effective_target: np.ndarray
     """(...) bool: cells in which the front met a target."""
-    contact: Contact | None
+    interception: Interception | None
     """The first of them, None if the front met no target."""
     kappa: float
     """Seconds per unit of mental time: t = kappa tau."""
@@ -83,9 +83,9 @@ class CognitiveMap:
         return self.arrival / self.kappa
 
     @property
-    def contact_tau(self) -> float | None:
-        """Mental time of the contact, as in the figures' captions."""
-        return None if self.contact is None else self.contact.time / self.kappa
+    def interception_tau(self) -> float | None:
+        """Mental time of the interception, as in the figures' captions."""
+        return None if self.interception is None else self.interception.time / self.kappa
 
     @property
     def sheets(self) -> np.ma.MaskedArray:
@@ -110,7 +110,7 @@ class CognitiveMap:
             "hand": self.hand,
             "kappa": self.kappa,
             "engine": self.engine,
-            "contact": None if self.contact is None else vars(self.contact),
+            "contact": None if self.interception is None else vars(self.interception),
         }
         arrays = {
             "header": np.array(json.dumps(header)),
@@ -141,7 +141,7 @@ class CognitiveMap:
             raise FileFormatError(f"format is {header['format']!r}, expected {FORMAT!r}")
         contact = header["contact"]
         if contact is not None:
-            contact = Contact(
+            contact = Interception(
                 tuple(contact["cell"]), tuple(contact["position"]), contact["time"], contact["body"]
             )
         arrival = data["arrival"]
@@ -151,7 +151,7 @@ class CognitiveMap:
             arrival=np.ma.MaskedArray(arrival, mask=arrival < 0.0),
             effective_obstacles=data["effective_obstacles"],
             effective_target=data["effective_target"],
-            contact=contact,
+            interception=contact,
             kappa=header["kappa"],
             engine=header["engine"],
             later=np.ma.MaskedArray(data["later"], mask=data["later"] < 0.0)

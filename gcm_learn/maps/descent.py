@@ -77,7 +77,7 @@ def descend_kernel(arrival, x, y, hand_x, hand_y, points):
     Parameters
     ----------
     arrival : (n, n) ndarray
-        Negative where there is no way.
+        Negative where no path leads.
     points : (m, 3) ndarray
         Filled with x, y and arrival, from the start of the descent to the hand.
 
@@ -131,7 +131,7 @@ def descend(
     ----------
     cognitive_map : CognitiveMap
     start : (d,) tuple of float, optional
-        Where the descent starts, i.e. where the path ends; the contact's cell by default.
+        Where the descent starts, i.e. where the path ends; the interception's cell by default.
 
     Returns
     -------
@@ -139,12 +139,12 @@ def descend(
         Hand positions from the hand at t = 0 to `start` [forearm lengths].
     arrival : (m,) ndarray
         When the front was there [s].
-        None instead of both if there is no way.
+        None instead of both if there is no path.
     """
     if start is None:
-        if cognitive_map.contact is None:
+        if cognitive_map.interception is None:
             return None
-        start = cognitive_map.contact.position
+        start = cognitive_map.interception.position
     lattice = cognitive_map.chart
     if not isinstance(lattice, Lattice):
         return _over_nodes(cognitive_map, start)

@@ -3,7 +3,7 @@
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, straight_plan
-from gcm_learn.planners.feedback import Exploration, Lessons
+from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
@@ -17,7 +17,7 @@ __all__ = [
     "Exploration",
     "Explore",
     "FrontPlanner",
-    "Lessons",
+    "Feedback",
     "Params",
     "Plan",
     "Planner",

@@ -23,39 +23,39 @@ NEAR = 2.0  # touches nearer together than this widen ever farther [cells]
 
 @dataclass(frozen=True)
 class Exploration:
-    """A map and ways to end at its contact."""
+    """A map and paths that end at its interception."""
 
     map: CognitiveMap
     attempts: Iterable[Attempt] = ()
     """Not verified, the most promising first; made when they are asked for."""
     arrived: float = 0.0
-    """When the hand is where the contact is [s]."""
+    """When the hand is where the interception is [s]."""
     shared: float = 0.0
     """Until when all attempts are the same [s]."""
 
 
 @dataclass(frozen=True)
-class Lessons:
+class Feedback:
     """What has been learned about a situation on one lattice.
 
-    A limb that is touched on its way passes between the centres of cells where their neighbourhood
+    A limb that is touched on its path passes between the centres of cells where their neighbourhood
     is not free: the cells around get a wider margin, and the front goes round or waits.  If the
-    way to the contact holds, but no way to end it, or if the front comes to the same contact again,
-    the contact is passed over.
+    path to the interception holds, but none that ends it, or if the front comes to the same
+    interception again, that is passed over.
     """
 
     beyond: float = 0.0
     """How long after the horizon the front stops [crossings of a cell]."""
     ignore: float = 0.0
-    """Contacts before this time do not count [s]."""
+    """Interceptions before this time do not count [s]."""
     widening: np.ndarray | None = None
     """Margin (nodes,) on top of the usual one."""
     touches: tuple[tuple[float, ...], ...] = ()
     """Where the hand was when the limb was touched [forearm lengths]."""
     passed_over: int = 0
-    """Number of contacts."""
+    """Number of interceptions."""
     met: float = -1.0
-    """When the last map's contact was [s]."""
+    """When the last map's interception was [s]."""
 
     def applied(self, scene: Scene, chart: Chart) -> Scene:
         """A scene with the horizon at which the front stops."""
@@ -64,27 +64,27 @@ class Lessons:
 
     def after(
         self, found: Exploration, failures: list[tuple[Attempt, Verdict]], speed: float
-    ) -> Lessons:
-        """Add what the failure of all attempts at a contact teaches.
+    ) -> Feedback:
+        """Add what the failure of all attempts at an interception teaches.
 
         `speed` is the hand's [forearm lengths / s].
         """
-        assert found.map.contact is not None
-        met = found.map.contact.time
+        assert found.map.interception is not None
+        met = found.map.interception.time
         touched = [(v.touched, a) for a, v in failures if v.touched is not None]
         when, attempt = min(touched, key=lambda touch: touch[0], default=(np.inf, None))
-        lessons = replace(self, met=met)
+        feedback = replace(self, met=met)
         if attempt is not None and when < found.arrived:
-            lessons = lessons._wider(found.map.chart, attempt, when)
+            feedback = feedback._wider(found.map.chart, attempt, when)
             if met != self.met:
-                return lessons
-        # Nothing to widen, or the last widening has not moved the contact.  Contacts that fail come
-        # in rows: skip ever more of them.
+                return feedback
+        # Nothing to widen, or the last widening has not moved the interception.  Those that fail
+        # come in rows: skip ever more of them.
         crossing = found.map.chart.spacing / speed
         ignore = met + 2**self.passed_over * crossing
-        return replace(lessons, ignore=ignore, passed_over=self.passed_over + 1)
+        return replace(feedback, ignore=ignore, passed_over=self.passed_over + 1)
 
-    def _wider(self, chart: Chart, attempt: Attempt, when: float) -> Lessons:
+    def _wider(self, chart: Chart, attempt: Attempt, when: float) -> Feedback:
         """Widen the margin of the nodes around the hand at some time."""
         path, h = attempt.trajectory, chart.spacing
         hand = tuple(float(np.interp(when, path.time, x)) for x in path.hand.T)

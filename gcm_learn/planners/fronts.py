@@ -11,47 +11,47 @@ from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt, Problem, finish, judged, straight_plan
-from gcm_learn.planners.feedback import Exploration, Lessons
+from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 
 HALF_DIAGONAL = 0.71  # [cells]: slack with which no target is lost between the centres of cells
 Params = TypeVar("Params", WaveParams, MarchingParams)
-Explore: TypeAlias = Callable[[Problem, Params, Lessons], Exploration]
+Explore: TypeAlias = Callable[[Problem, Params, Feedback], Exploration]
 
 
 @dataclass(frozen=True)
-class Rung(Generic[Params]):
+class Level(Generic[Params]):
     """One kind of map to try."""
 
     params: Params
     explore: Explore[Params]
-    """Makes a map and ways to end at its contact."""
+    """Makes a map and paths that end at its interception."""
     trials: int = 3
-    """How many maps to make, each with the lessons of those before."""
+    """How many maps to make, each with the feedback of those before."""
     beyond: float = 0.0
-    """How long after the horizon the front stops [crossings of a cell]: ways are a little shorter
+    """How long after the horizon the front stops [crossings of a cell]: paths are a little shorter
     than those from centre to centre."""
     decisive: bool = False
-    """Whether none of the rungs above is tried if this one's first map has no contact."""
+    """Whether none of the levels above is tried if this one's first map has no interception."""
 
 
 @dataclass(frozen=True)
 class FrontPlanner:
-    """Map, way, verification; and again with more care when the verification fails.
+    """Map, path, verification; and again with more care when the verification fails.
 
     A map knows the cells' centres only.  With obstacles widened by half a cell its paths mostly
     hold, but narrow gaps are lost; without, gaps are found and the verification rejects what
     touches.  So both are tried, then both again on a finer lattice, and where a path is touched
-    the margin is widened (`lessons`).
+    the margin is widened (`feedback`).
     """
 
     name: str
-    rungs: tuple[Rung[Any], ...]
+    levels: tuple[Level[Any], ...]
     """The maps to try, in order."""
     direct: bool = False
-    """Try the straight line first: where it holds, no way is faster, and no map is needed."""
+    """Try the straight line first: where it holds, no path is faster, and no map is needed."""
 
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""
@@ -60,27 +60,27 @@ class FrontPlanner:
         if answer is None and self.direct:
             straight = straight_plan(problem)
             answer = straight if straight.caught else None
-        return self.climb(problem) if answer is None else answer
+        return self.search(problem) if answer is None else answer
 
-    def climb(self, problem: Problem) -> Plan:
+    def search(self, problem: Problem) -> Plan:
         """Answer by maps, after what can be said without one has been said."""
         first: CognitiveMap | None = None
         reason: Reason | None = None
-        for rung in self.rungs:
-            lessons = Lessons(beyond=rung.beyond)
-            for trial in range(rung.trials):
-                found = rung.explore(problem, rung.params, lessons)
+        for level in self.levels:
+            feedback = Feedback(beyond=level.beyond)
+            for trial in range(level.trials):
+                found = level.explore(problem, level.params, feedback)
                 first = found.map if first is None else first
-                if found.map.contact is None:
+                if found.map.interception is None:
                     reason = reason or Reason(Failure.NO_INTERCEPTION)
-                    if rung.decisive and trial == 0:
+                    if level.decisive and trial == 0:
                         return problem.answer(reason or Failure.NO_INTERCEPTION, first)
                     break
                 plan, failures = _first_that_holds(problem, found)
                 if plan is not None:
                     return plan
                 reason = failures[0][1].reason if failures else Reason(Failure.NO_ENDING)
-                lessons = lessons.after(found, failures, problem.situation.arm.max_hand_speed)
+                feedback = feedback.after(found, failures, problem.situation.arm.max_hand_speed)
         return problem.answer(reason or Failure.NO_INTERCEPTION, first)
 
 
@@ -102,19 +102,19 @@ def _first_that_holds(
 def gcm(params: WaveParams | None = None) -> FrontPlanner:
     """The paper's planner: the wave of Eq. 10, its map and the descent on it."""
     return FrontPlanner(
-        "gcm", wave_rungs(WaveParams() if params is None else params, first_arrival)
+        "gcm", wave_levels(WaveParams() if params is None else params, first_arrival)
     )
 
 
-def wave_rungs(params: WaveParams, explore: Explore[WaveParams]) -> tuple[Rung[WaveParams], ...]:
+def wave_levels(params: WaveParams, explore: Explore[WaveParams]) -> tuple[Level[WaveParams], ...]:
     """Ever more careful waves."""
-    return ladder(params, replace(params, margin=0.0, slack=HALF_DIAGONAL), explore)
+    return levels_of(params, replace(params, margin=0.0, slack=HALF_DIAGONAL), explore)
 
 
 def marching(params: MarchingParams | None = None) -> FrontPlanner:
     """The same idea with causal marching instead of the wave."""
     params = MarchingParams() if params is None else params
-    return FrontPlanner("marching", ladder(params, without_margin(params), first_arrival))
+    return FrontPlanner("marching", levels_of(params, without_margin(params), first_arrival))
 
 
 def without_margin(params: MarchingParams) -> MarchingParams:
@@ -122,9 +122,9 @@ def without_margin(params: MarchingParams) -> MarchingParams:
     return replace(params, margin=0.0, lookback=0.0, slack=HALF_DIAGONAL)
 
 
-def ladder(params: Params, bare: Params, explore: Explore[Params]) -> tuple[Rung[Params], ...]:
+def levels_of(params: Params, bare: Params, explore: Explore[Params]) -> tuple[Level[Params], ...]:
     """Maps with margin and without, then both on a finer lattice."""
-    return tuple(Rung(kind, explore) for kind in (params, bare, finer(params), finer(bare)))
+    return tuple(Level(kind, explore) for kind in (params, bare, finer(params), finer(bare)))
 
 
 def finer(params: Params) -> Params:
@@ -133,18 +133,18 @@ def finer(params: Params) -> Params:
 
 
 def first_arrival(
-    problem: Problem, params: WaveParams | MarchingParams, lessons: Lessons
+    problem: Problem, params: WaveParams | MarchingParams, feedback: Feedback
 ) -> Exploration:
     """First-arrival map and the descent on it."""
     cognitive_map = build_map(
         problem.situation,
         params,
         scene=problem.scene,
-        ignore=lessons.ignore,
-        widening=lessons.widening,
+        ignore=feedback.ignore,
+        widening=feedback.widening,
     )
-    way = descend(cognitive_map)
-    attempt = None if way is None else finish(problem, *way)
-    if attempt is None or cognitive_map.contact is None:
+    path = descend(cognitive_map)
+    attempt = None if path is None else finish(problem, *path)
+    if attempt is None or cognitive_map.interception is None:
         return Exploration(cognitive_map)
-    return Exploration(cognitive_map, (attempt,), arrived=cognitive_map.contact.time)
+    return Exploration(cognitive_map, (attempt,), arrived=cognitive_map.interception.time)

@@ -10,14 +10,14 @@ import numpy as np
 from gcm_learn.maps import chart_of, explore, map_of
 from gcm_learn.motion.timing import segment_times, straight_path
 from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
-from gcm_learn.planners.feedback import Exploration, Lessons
-from gcm_learn.planners.fronts import FrontPlanner, Rung, finer, first_arrival, without_margin
+from gcm_learn.planners.feedback import Exploration, Feedback
+from gcm_learn.planners.fronts import FrontPlanner, Level, finer, first_arrival, without_margin
 from gcm_learn.situation.situation import Arm
 from gcm_learn.wave import Front, MarchingParams, WaveParams, fastest
 
 MEETING = 1.5  # the hand may meet a target so long before the map says so [crossings]
 A_WAIT = 0.3  # a stay that is longer is a wait [crossings]
-BEYOND = 4.0  # what a way through cells' centres loses at most to the best one [crossings]
+BEYOND = 4.0  # what a path through cells' centres loses at most to the best one [crossings]
 DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
@@ -25,7 +25,7 @@ def layered(params: MarchingParams | None = None) -> FrontPlanner:
     """The planner of first choice: marching in which the hand may wait.
 
     Where the straight line to the earliest interception holds, that is the answer, without a map.
-    The map without margin sees every gap that is as wide as a cell, so where it has no contact
+    The map without margin sees every gap that is as wide as a cell, so where it has no interception
     none is looked for any more.  Descents on first-arrival maps cut corners in another way than
     chains of cells do, and now and then hold where those fail.
     """
@@ -34,40 +34,40 @@ def layered(params: MarchingParams | None = None) -> FrontPlanner:
     # A front that enters a cell as soon as its centre is free is early; one that does not misses
     # gaps that are open for a moment.
     patient = replace(bare, lookback=params.lookback)
-    rungs = (
-        Rung(params, waiting),
-        Rung(bare, waiting, 4, BEYOND, decisive=True),
-        Rung(params, first_arrival),
-        Rung(bare, first_arrival),
-        Rung(patient, waiting, 8, BEYOND),
-        Rung(finer(params), waiting),
-        Rung(finer(patient), waiting, 16, BEYOND),
-        Rung(finer(bare), waiting, 8, BEYOND),
-        Rung(finer(bare), first_arrival),
+    levels = (
+        Level(params, waiting),
+        Level(bare, waiting, 4, BEYOND, decisive=True),
+        Level(params, first_arrival),
+        Level(bare, first_arrival),
+        Level(patient, waiting, 8, BEYOND),
+        Level(finer(params), waiting),
+        Level(finer(patient), waiting, 16, BEYOND),
+        Level(finer(bare), waiting, 8, BEYOND),
+        Level(finer(bare), first_arrival),
     )
-    return FrontPlanner("layered", rungs, direct=True)
+    return FrontPlanner("layered", levels, direct=True)
 
 
-def waiting(problem: Problem, params: MarchingParams, lessons: Lessons) -> Exploration:
-    """Layered map and ways back through its states."""
-    return explored(problem, spread(problem, params, lessons), params)
+def waiting(problem: Problem, params: MarchingParams, feedback: Feedback) -> Exploration:
+    """Layered map and paths back through its states."""
+    return explored(problem, spread(problem, params, feedback), params)
 
 
-def spread(problem: Problem, params: WaveParams | MarchingParams, lessons: Lessons) -> Front:
+def spread(problem: Problem, params: WaveParams | MarchingParams, feedback: Feedback) -> Front:
     """Let a front that may wait spread over the arm's hand-space."""
     chart = chart_of(problem.situation.arm, params.n)
     return explore(
-        lessons.applied(problem.scene, chart),
+        feedback.applied(problem.scene, chart),
         chart,
         params,
         wait=True,
-        ignore=lessons.ignore,
-        widening=lessons.widening,
+        ignore=feedback.ignore,
+        widening=feedback.widening,
     )
 
 
 def explored(problem: Problem, front: Front, params: WaveParams | MarchingParams) -> Exploration:
-    """What comes of a front that waits: its map and the ways to end at its contact."""
+    """What comes of a front that waits: its map and the paths that end at its interception."""
     found = map_of(problem.situation, problem.scene, front, params)
     if front.met_state < 0:
         return Exploration(found)
@@ -106,9 +106,9 @@ def path_to(front: Front, arm: Arm, chain: list[int]) -> tuple[np.ndarray, np.nd
 
 
 def _attempts(problem: Problem, front: Front, chain: list[int], wait: int) -> Iterator[Attempt]:
-    """Ways to end at the contact, the soonest first.
+    """Paths that end at the interception, the soonest first.
 
-    From the last corner straight to the target; through the cell of the contact and on to the
+    From the last corner straight to the target; through the cell of the interception and on to the
     target; the same, but resting in that cell until the target comes; from the last wait straight
     to the target, left a little later if need be (`wait` is its index, -1 if there is none).
     """
@@ -119,8 +119,8 @@ def _attempts(problem: Problem, front: Front, chain: list[int], wait: int) -> It
         return timed(arm, wanted, hand) if count > 0 else (wanted, hand)
 
     time, hand = until(len(chain) - 1)
-    ways = [go_on(problem, time, hand, straight_catch(problem, hand[-1], float(time[-1])))]
-    yield from (way for way in ways if way is not None)
+    paths = [go_on(problem, time, hand, straight_catch(problem, hand[-1], float(time[-1])))]
+    yield from (path for path in paths if path is not None)
     whole = finish(problem, *path_to(front, arm, chain))
     if whole is not None:
         yield whole

@@ -10,14 +10,14 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.handspace import Lattice
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.feedback import Exploration, Lessons
-from gcm_learn.planners.fronts import FrontPlanner, wave_rungs
+from gcm_learn.planners.feedback import Exploration, Feedback
+from gcm_learn.planners.fronts import FrontPlanner, wave_levels
 from gcm_learn.planners.layered import explored, spread
 from gcm_learn.scene import Scene, joints_of
 from gcm_learn.wave import Front, WaveParams
 
 EARLY = 0.75  # a cell may be passed so long before the front is at its centre [crossings]
-OUTRUN = 0.05  # share of a way's time by which a front may outrun the hand (concave ones do)
+OUTRUN = 0.05  # share of a path's time by which a front may outrun the hand (concave ones do)
 CLOSE = 0.5  # distance of the points at which a straight piece is asked [cells]
 
 
@@ -28,22 +28,22 @@ def layered_wave(params: WaveParams | None = None) -> FrontPlanner:
     is less early along the diagonals (erratum 9), which costs catches when it is late elsewhere.
     """
     params = WaveParams(laplacian=9) if params is None else params
-    return FrontPlanner("layered-wave", wave_rungs(params, _explore), direct=True)
+    return FrontPlanner("layered-wave", wave_levels(params, _explore), direct=True)
 
 
-def _explore(problem: Problem, params: WaveParams, lessons: Lessons) -> Exploration:
-    """Layered map and ways back through its states."""
-    front = spread(problem, params, lessons)
+def _explore(problem: Problem, params: WaveParams, feedback: Feedback) -> Exploration:
+    """Layered map and paths back through its states."""
+    front = spread(problem, params, feedback)
     if front.met_state >= 0:
         front = straightened(front, problem.scene)
     return explored(problem, front, params)
 
 
 def straightened(front: Front, scene: Scene) -> Front:
-    """The same front with fewer bends on the way to where the target is met.
+    """The same front with fewer bends on the path to where the target is met.
 
-    A front of the wave knows from which neighbour it came to a cell, so its ways run along the
-    lattice.  Here states on the way are left out where the straight line is safe as well.
+    A front of the wave knows from which neighbour it came to a cell, so its paths run along the
+    lattice.  Here states on the path are left out where the straight line is safe as well.
     """
     lattice, via = front.chart, np.array(front.via)
     assert isinstance(lattice, Lattice), "the wave runs over lattices only"

@@ -110,11 +110,11 @@ def map_features(situation: Situation) -> np.ndarray:
     fields[0] = np.where(there, arrival.filled(0.0) * speed / 3.0, 0.0)
     fields[1] = there
     fields[2] = chart.effective_obstacles[rows, columns]
-    if chart.contact is not None:
-        x, y = chart.contact.position
+    if chart.interception is not None:
+        (x, y), when = chart.interception.position, chart.interception.time
         r = np.hypot(x, y)
         share = (r - arm.inner_reach) / (arm.reach - arm.inner_reach)
-        out[-CONTACT:] = (1.0, x / r, y / r, 2.0 * share - 1.0, chart.contact.time * speed / 3.0)
+        out[-CONTACT:] = (1.0, x / r, y / r, 2.0 * share - 1.0, when * speed / 3.0)
     return out
 
 

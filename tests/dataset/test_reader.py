@@ -52,8 +52,8 @@ def test_maps_come_back_to_half_a_step(records):
         assert away.max() is np.ma.masked or away.max() <= 0.5001 * quantum
         for part in ("effective_obstacles", "effective_target"):
             np.testing.assert_array_equal(getattr(record.map, part), getattr(fresh, part))
-        assert record.map.contact == fresh.contact and record.map.lattice == fresh.lattice
-        seen += fresh.contact is not None
+        assert record.map.interception == fresh.interception and record.map.lattice == fresh.lattice
+        seen += fresh.interception is not None
     assert seen >= 5
 
 

@@ -200,7 +200,7 @@ def test_contact_comes_near_the_captions_instant(name):
     plan = solve(paper.PAPER_SCENES[name](), "gcm")
     assert plan.status == "caught"
     assert plan.map.lattice.n == 80
-    assert plan.map.contact_tau == pytest.approx(paper.CAPTION_INSTANTS[name][-1], rel=0.15)
+    assert plan.map.interception_tau == pytest.approx(paper.CAPTION_INSTANTS[name][-1], rel=0.15)
 
 
 @pytest.mark.parametrize("name", paper.PAPER_SCENES)
@@ -213,4 +213,4 @@ def test_both_engines_catch_where_a_straight_line_fails(name):
 def test_fig8_the_cord_is_in_the_plane_at_the_contact():
     situation = paper.fig8()
     plan = solve(situation, "gcm")
-    assert len(cut_at(situation, "cord", plan.map.contact_tau)) > 2
+    assert len(cut_at(situation, "cord", plan.map.interception_tau)) > 2

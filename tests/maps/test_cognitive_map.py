@@ -16,7 +16,7 @@ from gcm_learn.families.random_solid import random_solid
 from gcm_learn.handspace import Lattice
 from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.handspace.occupied import occupied_cells
-from gcm_learn.maps import CognitiveMap, Contact, build_map
+from gcm_learn.maps import CognitiveMap, Interception, build_map
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 
@@ -36,7 +36,7 @@ def same(first, second):
     return (
         first.lattice == second.lattice
         and first.hand == second.hand
-        and first.contact == second.contact
+        and first.interception == second.interception
         and first.kappa == second.kappa
         and first.engine == second.engine
         and np.array_equal(first.arrival.mask, second.arrival.mask)
@@ -61,15 +61,15 @@ def build(situation, engine, **changes):
 def test_it_says_where_and_when_the_target_was_met(engine):
     found = build(scene(GOAL, POST), engine)
     assert found.engine == engine and found.hand == ARM.hand
-    assert found.contact.body == "goal"
-    iy, ix = found.contact.cell
+    assert found.interception.body == "goal"
+    iy, ix = found.interception.cell
     assert found.effective_target[iy, ix]
     centres = found.lattice.centres
-    assert found.contact.position == (centres[ix], centres[iy])
-    away = np.hypot(found.contact.position[0] + 0.9, found.contact.position[1] - 1.2)
+    assert found.interception.position == (centres[ix], centres[iy])
+    away = np.hypot(found.interception.position[0] + 0.9, found.interception.position[1] - 1.2)
     assert away <= 0.08 + ARM.grasp + found.lattice.spacing
-    assert found.contact_tau == pytest.approx(found.contact.time / found.kappa)
-    assert 0.0 < found.contact.time <= 2.0
+    assert found.interception_tau == pytest.approx(found.interception.time / found.kappa)
+    assert 0.0 < found.interception.time <= 2.0
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -81,9 +81,9 @@ def test_obstacles_are_masked_and_contacts_are_outside_of_them(engine, seed):
     inside = hand_space(found.lattice).inside.reshape(found.arrival.shape)
     assert found.arrival.mask[~inside].all()
     assert (found.arrival.compressed() >= 0.0).all()
-    if found.contact is not None:
-        assert not found.effective_obstacles[found.contact.cell]
-        assert not found.arrival.mask[found.contact.cell]
+    if found.interception is not None:
+        assert not found.effective_obstacles[found.interception.cell]
+        assert not found.arrival.mask[found.interception.cell]
     else:
         assert not found.effective_target.any()
 
@@ -116,14 +116,14 @@ def test_free_space_is_filled_in_straight_lines(engine):
 
 def test_nothing_is_reached_after_the_horizon(engine):
     found = build(scene(GOAL, horizon=0.3), engine)
-    assert found.contact is None and found.contact_tau is None
+    assert found.interception is None and found.interception_tau is None
     assert found.arrival.max() <= 0.3 + 0.003  # the wave looks round every few steps
     assert 100 < found.arrival.count() < 3000
 
 
 def test_contacts_can_be_ignored_for_a_while(engine):
-    first = build(scene(GOAL), engine).contact
-    later = build_map(scene(GOAL), ENGINES[engine], ignore=first.time + 0.03).contact
+    first = build(scene(GOAL), engine).interception
+    later = build_map(scene(GOAL), ENGINES[engine], ignore=first.time + 0.03).interception
     assert later.time >= first.time + 0.03
     assert later.cell != first.cell
 
@@ -133,7 +133,7 @@ def test_a_target_behind_a_frozen_obstacle_is_no_contact(engine):
     over = Body("obstacle", "over", Disc(0.3), PlanarQuadratic((-0.9, 1.2), REST, REST))
     found = build(scene(GOAL, over), engine, until="horizon")
     assert found.effective_obstacles.any()
-    assert found.contact is None
+    assert found.interception is None
 
 
 def test_kappa_is_the_papers_at_the_papers_setting():
@@ -260,8 +260,9 @@ def test_a_missing_file_is_a_missing_file(tmp_path):
         CognitiveMap.load(tmp_path / "nowhere.npz")
 
 
-def test_contacts_compare_by_value():
-    assert Contact((1, 2), (0.5, 0.25), 0.3, "a") == Contact((1, 2), (0.5, 0.25), 0.3, "a")
+def test_interceptions_compare_by_value():
+    first, second = (Interception((1, 2), (0.5, 0.25), 0.3, "a") for _ in range(2))
+    assert first == second
 
 
 @pytest.mark.parametrize("k", [8, 23])

@@ -78,14 +78,14 @@ def test_it_runs_from_the_hand_to_the_contact_in_order_of_arrival(engine, seed):
     situation = random_planar(seeding.rng(51, seed))
     found = build_map(situation, ENGINES[engine])
     way = descend(found)
-    if found.contact is None or start_distance(situation) < 0.1:
+    if found.interception is None or start_distance(situation) < 0.1:
         return
     assert way is not None
     points, arrival = way
     assert tuple(points[0]) == situation.arm.hand and arrival[0] == 0.0
-    np.testing.assert_allclose(points[-1], found.contact.position, atol=1e-9)
+    np.testing.assert_allclose(points[-1], found.interception.position, atol=1e-9)
     assert (np.diff(arrival) > 0.0).all()
-    assert arrival[-1] <= found.contact.time + 1e-6 or arrival[-1] <= situation.horizon
+    assert arrival[-1] <= found.interception.time + 1e-6 or arrival[-1] <= situation.horizon
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1) / found.lattice.spacing
     assert steps.max() < 2.2  # cells; the first step is the one straight from the hand
 

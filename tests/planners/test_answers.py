@@ -241,7 +241,7 @@ def test_obstacles_are_gone_round():
         plan = checked(situation, planner)
         assert plan.status == "caught" and plan.clearance > 0.0
         if planner in ("gcm", "marching"):
-            assert plan.map.contact.body == "goal"
+            assert plan.map.interception.body == "goal"
 
 
 def test_the_catch_must_come_before_the_horizon(planner):

@@ -12,7 +12,7 @@ from gcm_learn.handspace.lattice import Lattice
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt
-from gcm_learn.planners.feedback import AROUND, WIDER, Exploration, Lessons
+from gcm_learn.planners.feedback import AROUND, WIDER, Exploration, Feedback
 from tests.referee import judge
 
 LATTICE = Lattice(n=40)
@@ -20,9 +20,9 @@ SPEED = 2.0
 STILL = (0.0, 0.0)
 
 
-def found(contact=0.6, arrived=0.5):
-    """An exploration, as far as lessons look at it."""
-    made = SimpleNamespace(chart=LATTICE, contact=SimpleNamespace(time=contact))
+def found(interception=0.6, arrived=0.5):
+    """An exploration, as far as feedback look at it."""
+    made = SimpleNamespace(chart=LATTICE, interception=SimpleNamespace(time=interception))
     return Exploration(made, arrived=arrived)
 
 
@@ -35,16 +35,16 @@ def failure(touched):
 
 
 def test_a_touch_on_the_way_widens_the_margin_around_it():
-    lessons = Lessons().after(found(), [failure(0.45), failure(0.3)], SPEED)
-    assert lessons.ignore == 0.0
+    feedback = Feedback().after(found(), [failure(0.45), failure(0.3)], SPEED)
+    assert feedback.ignore == 0.0
     x, y = np.meshgrid(LATTICE.centres, LATTICE.centres)
     near = np.maximum(abs(x - 0.7), abs(y - 0.5)) < AROUND * LATTICE.spacing  # the first touch
-    assert np.array_equal(lessons.widening.reshape(40, 40), WIDER * near)
+    assert np.array_equal(feedback.widening.reshape(40, 40), WIDER * near)
     assert 4 <= near.sum() <= 16
 
 
 def test_touches_at_one_place_widen_ever_farther():
-    once = Lessons().after(found(), [failure(0.3)], SPEED)
+    once = Feedback().after(found(), [failure(0.3)], SPEED)
     twice = once.after(found(0.7), [failure(0.3)], SPEED)
     assert twice.widening.max() == 2 * WIDER
     assert (twice.widening > 0).sum() > (once.widening > 0).sum()
@@ -54,7 +54,7 @@ def test_touches_at_one_place_widen_ever_farther():
 
 def test_a_contact_that_widening_does_not_move_is_passed_over():
     crossing = LATTICE.spacing / SPEED
-    once = Lessons().after(found(0.6), [failure(0.3)], SPEED)
+    once = Feedback().after(found(0.6), [failure(0.3)], SPEED)
     moved = once.after(found(0.7), [failure(0.3)], SPEED)
     assert once.ignore == moved.ignore == 0.0
     again = moved.after(found(0.7), [failure(0.3)], SPEED)
@@ -66,7 +66,7 @@ def test_a_contact_that_widening_does_not_move_is_passed_over():
 def test_a_contact_that_cannot_be_ended_is_passed_over(failures):
     """Nothing to try, touched after the way there, or wrong in another way."""
     crossing = LATTICE.spacing / SPEED
-    once = Lessons().after(found(0.6), failures, SPEED)
+    once = Feedback().after(found(0.6), failures, SPEED)
     assert once.widening is None and once.ignore == pytest.approx(0.6 + crossing)
     twice = once.after(found(0.7), failures, SPEED)
     assert twice.ignore == pytest.approx(0.7 + 2 * crossing)

@@ -80,7 +80,7 @@ def test_the_gate_that_opens():
     assert plan.caught and plan.catch_time > 0.7
     assert judge(gate_scene(), plan).complaints == []
     assert sum(wait.duration for wait in plan.trajectory.waits()) > 0.1
-    assert plan.map.later is not None and plan.map.contact is not None
+    assert plan.map.later is not None and plan.map.interception is not None
 
 
 def caught(planner, situations):
@@ -111,6 +111,6 @@ def test_it_lies_between_the_published_wave_and_layered_marching(family):
 
 def test_parameters_of_the_first_map_carry_over_to_the_others():
     planner = layered_wave(WaveParams(n=40, laplacian=5, start_radius=3.0))
-    params = [rung.params for rung in planner.rungs]
+    params = [level.params for level in planner.levels]
     assert [(p.n, p.margin) for p in params] == [(40, 1), (40, 0), (80, 1), (80, 0)]
     assert all(p.start_radius == 3.0 and p.laplacian == 5 for p in params)

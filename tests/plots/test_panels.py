@@ -177,7 +177,7 @@ def test_birth_of_frozen_cells_is_when_the_front_came(planar_case):
     _, plan = planar_case
     born = birth(plan.map)[plan.map.effective_obstacles]
     assert np.isfinite(born).all()
-    assert born.max() <= plan.map.contact_tau
+    assert born.max() <= plan.map.interception_tau
 
 
 @pytest.mark.parametrize("tau", [0.0, 60.0, 100.0])
@@ -197,7 +197,7 @@ def test_snapshot_shades_what_was_reached_by_then(planar_case, tau):
 def test_snapshot_shows_only_effective_cells_of_the_past(planar_case):
     situation, plan = planar_case
     early = draw_snapshot(axes(), situation, plan.map, 30.0)
-    late = draw_snapshot(axes(), situation, plan.map, plan.map.contact_tau)
+    late = draw_snapshot(axes(), situation, plan.map, plan.map.interception_tau)
     counts = [max((to_red(image) for image in ax.images), default=0) for ax in (early, late)]
     assert counts[0] < counts[1] == plan.map.effective_obstacles.sum()
 

@@ -220,9 +220,9 @@ def complaints(situation, cube, nodes, times):
 def test_it_is_descended_and_the_path_holds(cube, wall):
     situation = goal_behind(cube, wall)
     made = build_map(situation, MarchingParams(margin=0.0), chart=cube)
-    assert made.contact is not None and made.contact.body == "goal"
+    assert made.interception is not None and made.interception.body == "goal"
     points, arrival = descend(made)
-    node = np.ravel_multi_index(made.contact.cell, cube.shape)
+    node = np.ravel_multi_index(made.interception.cell, cube.shape)
     nodes = nodes_to(made, int(node))
     np.testing.assert_allclose(points, cube.hands[nodes])
     np.testing.assert_allclose(arrival, made.arrival.ravel()[nodes])
@@ -230,7 +230,7 @@ def test_it_is_descended_and_the_path_holds(cube, wall):
     assert complaints(situation, cube, nodes, arrival) == []
     steps = [dict(neighbours(cube, a))[b] for a, b in itertools.pairwise(nodes)]
     assert arrival[-1] == pytest.approx(sum(steps))  # costs add up, nobody waits
-    assert made.contact.time == pytest.approx(arrival[-1])
+    assert made.interception.time == pytest.approx(arrival[-1])
 
 
 @pytest.mark.parametrize("k", range(12))

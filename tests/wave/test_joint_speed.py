@@ -104,7 +104,7 @@ def test_joint_limits_are_planned_for():
         situation = scene(*drawn.bodies, hand=drawn.arm.hand, horizon=2.0, elbow=drawn.arm.elbow,
                           upper_arm=drawn.arm.upper_arm, max_joint_speed=LIMITS)  # fmt: skip
         plan = get_planner("marching").plan(situation)
-        if plan.caught and plan.map.contact.time > 0.2:
-            late.append(plan.catch_time / plan.map.contact.time)
+        if plan.caught and plan.map.interception.time > 0.2:
+            late.append(plan.catch_time / plan.map.interception.time)
     assert len(late) > 15
     assert 0.8 < np.median(late) < 1.1

@@ -224,7 +224,7 @@ def _draw_snapshots(panels: Sequence[Axes], situation: Situation, plan: Plan) ->
     *early, caption = CAPTION_INSTANTS[situation.name]
     for ax, tau in zip(panels, early, strict=False):
         draw_snapshot(ax, situation, plan.map, tau)
-    last, contact = panels[len(early)], plan.map.contact_tau
+    last, contact = panels[len(early)], plan.map.interception_tau
     path = None if plan.trajectory is None else plan.trajectory.hand
     draw_snapshot(last, situation, plan.map, caption if contact is None else contact, path)
     if contact is not None:

@@ -146,9 +146,9 @@ def sheet_of(cognitive_map: CognitiveMap, k: int) -> CognitiveMap:
     met.
     """
     first, sheet = cognitive_map.arrival, cognitive_map.sheets[k]
-    contact, here = cognitive_map.contact, False
-    if contact is not None:
-        here = _sheet_at(cognitive_map, contact.cell, contact.time) == k
+    met, here = cognitive_map.interception, False
+    if met is not None:
+        here = _sheet_at(cognitive_map, met.cell, met.time) == k
     nothing = np.zeros_like(cognitive_map.effective_target)
     return replace(
         cognitive_map,

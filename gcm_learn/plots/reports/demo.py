@@ -133,7 +133,7 @@ def _overview_row(scene: Solved) -> list[str]:
 
 
 def _contact(plan: Plan) -> float | None:
-    return None if plan.map is None else plan.map.contact_tau
+    return None if plan.map is None else plan.map.interception_tau
 
 
 def _scene_section(out: Path, scene: Solved) -> Section:

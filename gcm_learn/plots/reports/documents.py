@@ -99,12 +99,12 @@ def _hand_space(situation: Situation) -> Figure:
 def _wave(situation: Situation, plan: Plan) -> Figure:
     figure = style.new_figure(9.6, 2.75)
     panels = figure.subplots(1, len(INSTANTS) + 1)
-    if plan.map is None or plan.map.contact_tau is None or plan.trajectory is None:
+    if plan.map is None or plan.map.interception_tau is None or plan.trajectory is None:
         raise RuntimeError(f"no catch to show: {plan.message}")
     for ax, tau in zip(panels, INSTANTS, strict=False):
         draw_snapshot(ax, situation, plan.map, tau)
-    draw_snapshot(panels[-1], situation, plan.map, plan.map.contact_tau, plan.trajectory.hand)
-    style.title(panels[-1], f"τ = {plan.map.contact_tau:.0f}: contact")
+    draw_snapshot(panels[-1], situation, plan.map, plan.map.interception_tau, plan.trajectory.hand)
+    style.title(panels[-1], f"τ = {plan.map.interception_tau:.0f}: contact")
     style.label(panels[0], (0.25, 0.95), "front", style.FRONT)
     style.label(panels[1], (1.25, 0.68), "frozen", style.EFFECTIVE)
     return figure
