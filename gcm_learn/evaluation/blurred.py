@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from gcm_learn.errors import SuiteError
-from gcm_learn.evaluation.crew import rows_of
+from gcm_learn.evaluation.crew import Rows, rows_of
 from gcm_learn.evaluation.methods import Method, PlannerMethod, get_method
 from gcm_learn.evaluation.noise import Habit, Noise, under_noise
 from gcm_learn.evaluation.statistics import Interval, wilson
@@ -23,14 +24,6 @@ HABITS = {
 """Ways to deal with inexact perception, with the margin in deviations of what is known."""
 EXACT = "plans once"  # says all if nothing is inexact
 _CHUNK = 5  # situations that a process takes at once
-
-
-@dataclass(frozen=True)
-class _Job:
-    name: str
-    place: float
-    way: str
-    entries: tuple[Entry, ...]
 
 
 def compare_blurred(
@@ -65,8 +58,15 @@ def compare_blurred(
     for place in deviations:
         if not 0.0 <= place <= 1.0:
             raise SuiteError(f"noise: must be from 0 to 1 forearms (got {place})")
-    jobs = list(_jobs(names, entries, sorted({0.0, *deviations})))
-    return Results.of(_ordered(rows_of(jobs, _do, workers, progress), names))
+    ordered = sorted(entries, key=lambda entry: (entry.suite, entry.index))
+    calls = [
+        partial(_answers, name, place, way, ordered[first : first + _CHUNK])
+        for name in names
+        for place in sorted({0.0, *deviations})
+        for way in (HABITS if place > 0.0 else (EXACT,))
+        for first in range(0, len(ordered), _CHUNK)
+    ]
+    return Results.of(rows_of(calls, workers, progress))
 
 
 def episodes(names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]) -> int:
@@ -80,39 +80,19 @@ def _planner_of(made: Method) -> Any:
     return made.planner
 
 
-def _jobs(
-    names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]
-) -> Iterator[_Job]:
-    for name in names:
-        for place in deviations:
-            for way in HABITS if place > 0.0 else (EXACT,):
-                for first in range(0, len(entries), _CHUNK):
-                    yield _Job(name, place, way, tuple(entries[first : first + _CHUNK]))
-
-
-def _do(job: _Job) -> list[dict[str, Any]]:
-    """The rows of a job."""
-    habit, caution = HABITS[job.way]
-    planner = _planner_of(get_method(job.name))
-    outcomes = under_noise(planner, job.entries, Noise(job.place, caution), habit)
+def _answers(name: str, place: float, way: str, entries: Sequence[Entry]) -> Rows:
+    """A planner's rows for some situations."""
+    habit, caution = HABITS[way]
+    planner = _planner_of(get_method(name))
+    outcomes = under_noise(planner, entries, Noise(place, caution), habit)
     return [
         {
-            "entrant": job.name, "noise": job.place, "way": job.way, "suite": entry.suite,
+            "entrant": name, "noise": place, "way": way, "suite": entry.suite,
             "index": entry.index, "family": entry.family, "stratum": entry.stratum,
             "outcome": outcome,
         }
-        for entry, outcome in zip(job.entries, outcomes, strict=True)
+        for entry, outcome in zip(entries, outcomes, strict=True)
     ]  # fmt: skip
-
-
-def _ordered(rows: list[dict[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
-    first, ways = {name: k for k, name in enumerate(names)}, list(HABITS)
-    return sorted(
-        rows,
-        key=lambda row: (
-            first[row["entrant"]], row["noise"], ways.index(row["way"]), row["suite"], row["index"],
-        ),
-    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from gcm_learn.collision import least_distance
 from gcm_learn.collision.distance import segment_distance
-from gcm_learn.evaluation.crew import rows_of
+from gcm_learn.evaluation.crew import Rows, rows_of
 from gcm_learn.evaluation.methods import Method, Result, get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
@@ -27,16 +26,6 @@ DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
 NO_OBSTACLE = 1e200  # a distance beyond this one says that there is none [forearm lengths]
 _CHUNK = 10  # situations that a process takes at once
 _POINTS = 101  # of each part of the limb, among which the nearest one is looked for
-
-
-@dataclass(frozen=True)
-class Job:
-    """Some situations for one method."""
-
-    name: str
-    entries: tuple[Entry, ...]
-    charge: tuple[bool, ...]
-    """For which of them thinking is charged."""
 
 
 def compare(
@@ -68,9 +57,14 @@ def compare(
     """
     for name in names:
         get_method(name)  # refused here rather than in a process
-    marks = _marked(entries, charge)
-    jobs = list(_jobs(names, entries, marks))
-    return Results.of(_ordered(rows_of(jobs, do, workers, progress), names))
+    marked = zip(entries, _marked(entries, charge), strict=True)
+    ordered = sorted(marked, key=lambda pair: (pair[0].suite, pair[0].index))
+    calls = [
+        partial(_answers, name, ordered[first : first + _CHUNK])
+        for name in names
+        for first in range(0, len(ordered), _CHUNK)
+    ]
+    return Results.of(rows_of(calls, workers, progress))
 
 
 def _marked(entries: Sequence[Entry], charge: int) -> list[bool]:
@@ -81,18 +75,6 @@ def _marked(entries: Sequence[Entry], charge: int) -> list[bool]:
         seen[entry.stratum] = seen.get(entry.stratum, 0) + 1
         marks.append(seen[entry.stratum] <= charge)
     return marks
-
-
-def _jobs(names: Sequence[str], entries: Sequence[Entry], marks: list[bool]) -> Iterator[Job]:
-    for name in names:
-        for first in range(0, len(entries), _CHUNK):
-            rows = slice(first, first + _CHUNK)
-            yield Job(name, tuple(entries[rows]), tuple(marks[rows]))
-
-
-def _ordered(rows: list[dict[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
-    place = {name: k for k, name in enumerate(names)}
-    return sorted(rows, key=lambda row: (place[row["entrant"]], row["suite"], row["index"]))
 
 
 @lru_cache(maxsize=32)
@@ -106,12 +88,10 @@ def warmed(name: str) -> Method:
     return made
 
 
-def do(job: Job) -> list[dict[str, Any]]:
-    """The rows of a job."""
-    made = warmed(job.name)
-    return [
-        row_of(made, entry, charge) for entry, charge in zip(job.entries, job.charge, strict=True)
-    ]
+def _answers(name: str, entries: Sequence[tuple[Entry, bool]]) -> Rows:
+    """A method's rows for some situations, and whether its thinking is charged there."""
+    made = warmed(name)
+    return [row_of(made, entry, charge) for entry, charge in entries]
 
 
 def row_of(made: Method, entry: Entry, charge: bool) -> dict[str, Any]:

@@ -1,55 +1,41 @@
-"""Jobs of a comparison, shared among processes that take one thread each."""
+"""Calls of a comparison, shared among processes that take one thread each."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
-from gcm_learn.evaluation.suites import Entry
 from gcm_learn.processes import cores, pool
 
-
-class Piece(Protocol):
-    """Some situations to be answered at once."""
-
-    @property
-    def entries(self) -> tuple[Entry, ...]:
-        """The situations."""
-
-
-AnyPiece = TypeVar("AnyPiece", bound=Piece)
 Rows = list[dict[str, Any]]
 
 
 def rows_of(
-    jobs: Sequence[AnyPiece],
-    do: Callable[[AnyPiece], Rows],
+    calls: Sequence[Callable[[], Rows]],
     workers: int | None,
     progress: Callable[[int], object],
 ) -> Rows:
-    """Rows of all jobs, in any order.
+    """Rows of all calls, in their order.
 
     Parameters
     ----------
-    jobs : sequence
-    do : callable
-        A function of a module: makes the rows of a job.
+    calls : sequence of callable
+        Each makes a row for each of some situations; processes get them pickled.
     workers : int, optional
         Processes; by default one for each core.
     progress : callable
-        Told how many situations of a job are done.
+        Told how many rows are new.
     """
     rows: Rows = []
-    workers = min(workers or cores(), len(jobs))
+    workers = min(workers or cores(), len(calls))
     if workers <= 1:
-        for job in jobs:
-            rows += do(job)
-            progress(len(job.entries))
+        for call in calls:
+            rows += (new := call())
+            progress(len(new))
         return rows
     with pool(workers) as executor:
-        running = {executor.submit(do, job): job for job in jobs}
+        running = [executor.submit(call) for call in calls]
         for future in as_completed(running):
-            rows += future.result()
-            progress(len(running[future].entries))
-    return rows
+            progress(len(future.result()))
+    return [row for future in running for row in future.result()]

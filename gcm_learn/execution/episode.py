@@ -34,17 +34,10 @@ class Agent(Protocol):
 class Plant(Protocol):
     """Whatever carries commands out: arms, each in a situation of its own."""
 
-    @property
-    def time(self) -> np.ndarray:
-        """See `Moment`."""
-
-    @property
-    def hand(self) -> np.ndarray:
-        """See `Moment`."""
-
-    @property
-    def observations(self) -> np.ndarray:
-        """See `Moment`."""
+    time: np.ndarray
+    """As `Moment` has it, and so the next two."""
+    hand: np.ndarray
+    observations: np.ndarray
 
     @property
     def rewards(self) -> np.ndarray:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -86,7 +85,7 @@ class Actor:
             "head": self.head,
             "activation": self.activation,
             "squash": self.squash,
-            "settings": settings_to_json(self.settings),
+            "settings": asdict(self.settings),
             "encoder": _encoder_key(self.settings),
         }
         arrays: dict[str, Any] = {f"w{k}": w for k, (w, _) in enumerate(self.layers)}
@@ -116,7 +115,7 @@ class Actor:
             if header.get("format") != FORMAT:
                 raise PolicyError(f"{path}: is not {FORMAT} but {header.get('format')!r}")
             count = sum(name.startswith("w") for name in file.files)
-            settings = settings_from_json(header["settings"])
+            settings = settings_of(header["settings"])
             _check_encoder(path, settings, header.get("encoder", ""))
             return cls(
                 layers=tuple((file[f"w{k}"], file[f"b{k}"]) for k in range(count)),
@@ -155,15 +154,3 @@ def _encoder_key(settings: Settings) -> str:
     from gcm_learn.execution import encoder
 
     return encoder().key
-
-
-def settings_to_json(settings: Settings) -> dict[str, Any]:
-    """Settings as JSON values."""
-    from dataclasses import asdict
-
-    return asdict(settings)
-
-
-def settings_from_json(values: Mapping[str, Any]) -> Settings:
-    """Settings from JSON values."""
-    return settings_of(values)

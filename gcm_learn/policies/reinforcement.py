@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -163,8 +162,3 @@ def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
         model.load_replay_buffer(folder / BUFFER)  # type: ignore[attr-defined]
     env.venv.seed(plan.seed + 1 + model.num_timesteps)  # other situations than at the beginning
     return model
-
-
-def logged(model: BaseAlgorithm) -> Mapping[str, float]:
-    """What the learner last logged."""
-    return {name: float(v) for name, v in model.logger.name_to_value.items()}

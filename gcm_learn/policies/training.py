@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ import torch
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import Pool
 from gcm_learn.motion import Trajectory
-from gcm_learn.policies.actor import Actor, settings_to_json
+from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.card import score, write_card
 from gcm_learn.policies.cloning import Cloning, clone
 from gcm_learn.policies.demonstrations import Demonstrations, act_out, transitions
@@ -102,7 +102,7 @@ def _claim(run: Run) -> None:
 def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
     """A plan as JSON values."""
     values = {name: getattr(plan, name) for name in plan.__dataclass_fields__}
-    values["settings"] = settings_to_json(plan.settings)
+    values["settings"] = asdict(plan.settings)
     values["hyperparameters"] = dict(plan.hyperparameters)
     for name in ("situations", "validation"):
         values[name] = [
