@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, Protocol, Self
@@ -25,7 +25,7 @@ SPARE, ITERATIONS = 8, 8  # of the subspace iteration
 COSINES = 512
 WIDTH = 6.0  # of the cosines' kernel [spreads of a parameter]
 RIDGE = 3.0  # weight of the penalty
-_NAMES = ("mean", "spread", "centre", "components", "waves", "phases", "weights")
+_NAMES = ("centre", "components", "waves", "phases", "weights")  # of a PcaIndex' arrays
 
 
 class Index(Protocol):
@@ -72,27 +72,41 @@ class Index(Protocol):
         """One for memories of situations like these, if it takes no training of its own."""
 
 
-def hash_of(name: str, *arrays: np.ndarray) -> str:
-    """Short hash of an index' name and numbers."""
-    parts: list[str | bytes] = [name]
-    for array in arrays:
-        parts += [repr((array.dtype.str, array.shape)), np.ascontiguousarray(array).tobytes()]
-    return content_hash(*parts)[:16]
+class _Numbers:
+    """What indexes share that are a few arrays of numbers: key and file."""
 
+    name: ClassVar[str]
 
-def write_arrays(folder: Path, arrays: dict[str, np.ndarray]) -> None:
-    """Write the numbers of an index into its file."""
-    with open(folder / FILE, "wb") as stream:
-        np.savez(stream, **arrays)  # type: ignore[arg-type]
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All numbers that embeddings depend on, by name."""
+        raise NotImplementedError
 
+    @classmethod
+    def of(cls, arrays: Mapping[str, np.ndarray]) -> Self:
+        """The index with such numbers."""
+        raise NotImplementedError
 
-def read_arrays(folder: Path, names: Sequence[str]) -> list[np.ndarray]:
-    """Read the numbers of an index from its file."""
-    try:
-        with np.load(folder / FILE) as file:
-            return [file[name] for name in names]
-    except (OSError, KeyError, ValueError) as error:
-        raise RecallError(f"{folder / FILE}: not an index ({error})") from None
+    @property
+    def key(self) -> str:
+        """Short hash of its name and numbers."""
+        parts: list[str | bytes] = [self.name]
+        for array in self.arrays.values():
+            parts += [repr((array.dtype.str, array.shape)), np.ascontiguousarray(array).tobytes()]
+        return content_hash(*parts)[:16]
+
+    def save(self, folder: Path) -> None:
+        """Write its numbers into its file."""
+        np.savez(folder / FILE, **self.arrays)  # type: ignore[arg-type]
+
+    @classmethod
+    def load(cls, folder: Path) -> Self:
+        """Read its numbers from its file."""
+        try:
+            with np.load(folder / FILE) as file:
+                return cls.of(file)
+        except (OSError, KeyError, ValueError) as error:
+            raise RecallError(f"{folder / FILE}: not an index ({error})") from None
 
 
 def nearest_query(place: np.ndarray) -> np.ndarray:
@@ -107,7 +121,7 @@ def nearest_rows(places: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class RawIndex:
+class RawIndex(_Numbers):
     """Neighbours in the space of raw canonical parameters, each on its own scale."""
 
     scale: Scale
@@ -119,9 +133,14 @@ class RawIndex:
         return cls(Scale.of(np.array([raw_features(s) for s in situations])))
 
     @property
-    def key(self) -> str:
-        """Hash of the scales."""
-        return hash_of(self.name, self.scale.mean, self.scale.spread)
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The scales."""
+        return {"mean": self.scale.mean, "spread": self.scale.spread}
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, np.ndarray]) -> RawIndex:
+        """The index with such scales."""
+        return cls(Scale(arrays["mean"], arrays["spread"]))
 
     @property
     def dim(self) -> int:
@@ -139,18 +158,9 @@ class RawIndex:
         features = np.array([raw_features(s) for s in situations]).reshape(-1, COUNT)
         return nearest_rows(self.scale(features))
 
-    def save(self, folder: Path) -> None:
-        """Write the scales."""
-        write_arrays(folder, {"mean": self.scale.mean, "spread": self.scale.spread})
-
-    @classmethod
-    def load(cls, folder: Path) -> RawIndex:
-        """Read the scales."""
-        return cls(Scale(*read_arrays(folder, ("mean", "spread"))))
-
 
 @dataclass(frozen=True)
-class RandomIndex:
+class RandomIndex(_Numbers):
     """Any memories: places at random, for the control that asks what verification does alone.
 
     A situation always gets the same ones, however it is turned.
@@ -166,9 +176,14 @@ class RandomIndex:
         return cls(seed)
 
     @property
-    def key(self) -> str:
-        """Hash of the seed."""
-        return hash_of(self.name, np.array([self.seed]))
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The seed."""
+        return {"seed": np.array([self.seed])}
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, np.ndarray]) -> RandomIndex:
+        """The index with such a seed."""
+        return cls(int(arrays["seed"][0]))
 
     def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
         """A direction that depends on the situation's numbers only."""
@@ -186,15 +201,6 @@ class RandomIndex:
         rng = seeding.rng(self.seed, kind, content_number(rounded.tobytes()))
         place = rng.standard_normal(self.dim)
         return (place / np.linalg.norm(place)).astype(np.float32)
-
-    def save(self, folder: Path) -> None:
-        """Write the seed."""
-        write_arrays(folder, {"seed": np.array([self.seed])})
-
-    @classmethod
-    def load(cls, folder: Path) -> RandomIndex:
-        """Read the seed."""
-        return cls(int(read_arrays(folder, ("seed",))[0][0]))
 
 
 @dataclass(frozen=True)
@@ -251,7 +257,7 @@ class LearnedIndex:
 
 
 @dataclass(frozen=True)
-class PcaIndex:
+class PcaIndex(_Numbers):
     """Neighbours by principal components of maps: a control without a network.
 
     A memory is filed under the components of its situation's map. A query must not know its own
@@ -301,9 +307,15 @@ class PcaIndex:
         return np.hstack([scaled, cosines, np.ones((len(scaled), 1), dtype=np.float32)])
 
     @property
-    def key(self) -> str:
-        """Hash of all its numbers."""
-        return hash_of(self.name, *self._arrays())
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All its numbers."""
+        scale = {"mean": self.scale.mean, "spread": self.scale.spread}
+        return scale | {name: getattr(self, name) for name in _NAMES}
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, np.ndarray]) -> PcaIndex:
+        """The index with such numbers."""
+        return cls(Scale(arrays["mean"], arrays["spread"]), *(arrays[name] for name in _NAMES))
 
     @property
     def dim(self) -> int:
@@ -321,20 +333,6 @@ class PcaIndex:
         """Where the maps of memories lie."""
         rows = [self.components @ (map_picture(s) - self.centre) for s in situations]
         return nearest_rows(np.array(rows).reshape(-1, len(self.components)))
-
-    def save(self, folder: Path) -> None:
-        """Write its numbers."""
-        write_arrays(folder, dict(zip(_NAMES, self._arrays(), strict=True)))
-
-    @classmethod
-    def load(cls, folder: Path) -> PcaIndex:
-        """Read its numbers."""
-        mean, spread, *rest = read_arrays(folder, _NAMES)
-        return cls(Scale(mean, spread), *rest)
-
-    def _arrays(self) -> tuple[np.ndarray, ...]:
-        regression = (self.waves, self.phases, self.weights)
-        return (self.scale.mean, self.scale.spread, self.centre, self.components, *regression)
 
 
 def _components(pictures: np.ndarray, most: int, rng: np.random.Generator) -> np.ndarray:

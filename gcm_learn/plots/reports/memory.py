@@ -156,15 +156,15 @@ def _unit_square(places: np.ndarray) -> np.ndarray:
 def _point(memory: Memory, k: int) -> Values:
     """What the page tells of memory k."""
     entry = memory[k]
-    situation, trace = entry.situation, entry.waypoints
-    sides = [SIDES[letter] for letter in passing_of(situation, trace).sides]
+    situation, waypoints = entry.situation, entry.waypoints
+    sides = [SIDES[letter] for letter in passing_of(situation, waypoints).sides]
     words = {
         "stratum": NAMES.get(entry.stratum or "", "unknown"),
         "family": entry.family or "unknown",
         "sides of the hand on which obstacles are passed": ", ".join(sides) or "none",
     }
     return {"words": words, "map": _picture(situation)} | _movement(
-        situation, *path_of(trace, situation.arm)
+        situation, *path_of(waypoints, situation.arm)
     )
 
 
@@ -174,13 +174,13 @@ def _question(memory: Memory, situation: Situation) -> Values:
     planner = RecallPlanner(memory)
     found = planner.recollect(turned)
     tried = memory.recall(memory.index.embed_query(turned), CANDIDATES).tolist()
-    movement, trace = found.plan.trajectory, None
+    movement, waypoints = found.plan.trajectory, None
     if found.memory is not None:
-        trace = Waypoints(memory.knots[found.memory], memory.goals[found.memory])
+        waypoints = Waypoints(memory.knots[found.memory], memory.goals[found.memory])
         tried = list(dict.fromkeys([*tried, found.memory]))
     time = np.array([0.0, turned.horizon]) if movement is None else movement.time
     hand = np.array([turned.arm.hand] * 2) if movement is None else movement.hand
-    before = [] if trace is None else _whole(path_of(trace, turned.arm)[1])
+    before = [] if waypoints is None else _whole(path_of(waypoints, turned.arm)[1])
     return {
         "name": situation.name,
         "tried": tried,
