@@ -11,9 +11,9 @@ from typing import Any
 
 from gcm_learn import seeding
 from gcm_learn.families import get_family
+from gcm_learn.planners import marching
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.fronts import marching
 from gcm_learn.planners.oracle.bounds import bounds, stratum
 from gcm_learn.situation import situation_from_json, situation_to_json
 

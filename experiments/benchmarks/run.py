@@ -30,8 +30,7 @@ sys.path.insert(0, str(ROOT))
 
 from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng  # noqa: E402
 from gcm_learn.families import random_planar  # noqa: E402
-from gcm_learn.handspace.lattice import hand_space  # noqa: E402
-from gcm_learn.handspace.occupied import occupied_cells  # noqa: E402
+from gcm_learn.handspace import hand_space, occupied_cells  # noqa: E402
 from gcm_learn.scene import Scene, pack  # noqa: E402
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation  # noqa: E402
 from gcm_learn.wave import (  # noqa: E402

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.handspace.lattice import Lattice
-from gcm_learn.maps import CognitiveMap
-from gcm_learn.maps.cognitive_map import Interception
+from gcm_learn.handspace import Lattice
+from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.motion import Failure, Trajectory
 from gcm_learn.planners import Plan
 from gcm_learn.situation import Situation

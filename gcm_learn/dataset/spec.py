@@ -20,7 +20,7 @@ from gcm_learn.dataset import checks
 from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.errors import FamilyError, FileFormatError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
-from gcm_learn.handspace.lattice import LARGEST_LATTICE, SMALLEST_LATTICE
+from gcm_learn.handspace import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.planners import planner_names
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash

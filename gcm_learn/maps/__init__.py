@@ -1,6 +1,6 @@
 """Dynamic made static: cognitive maps and the paths that run down them."""
 
-from gcm_learn.maps.build import build_map, chart_of, explore, map_of
+from gcm_learn.maps.build import build_map, explore, map_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.maps.descent import descend, nodes_to
 
@@ -8,7 +8,6 @@ __all__ = [
     "CognitiveMap",
     "Interception",
     "build_map",
-    "chart_of",
     "descend",
     "explore",
     "map_of",

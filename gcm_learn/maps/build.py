@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.handspace.chart import Chart
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.handspace import Chart, Lattice, chart_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
-from gcm_learn.situation.situation import Arm
 from gcm_learn.wave import (
     Front,
     MarchingParams,
@@ -21,11 +19,6 @@ from gcm_learn.wave import (
     propagate,
     propagate_layers,
 )
-
-
-def chart_of(arm: Arm, n: int) -> Chart:
-    """The chart of an arm's hand-space, n cells along a side."""
-    return Lattice(n, arm.upper_arm, arm.elbow)
 
 
 def build_map(

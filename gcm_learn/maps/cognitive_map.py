@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gcm_learn.errors import FileFormatError
-from gcm_learn.handspace.chart import Chart
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.handspace import Chart, Lattice
 from gcm_learn.storage import whole_file
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.handspace import Lattice
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
 STRIDE = 0.35  # length of a step [cells]

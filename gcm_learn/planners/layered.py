@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from gcm_learn.maps import chart_of, explore, map_of
+from gcm_learn.handspace import chart_of
+from gcm_learn.maps import explore, map_of
 from gcm_learn.motion.timing import segment_times, straight_path
 from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
 from gcm_learn.planners.feedback import Exploration, Feedback

@@ -12,11 +12,11 @@ import numpy as np
 
 from gcm_learn.collision.intervals import NEVER, last_use, next_free
 from gcm_learn.compiled import njit
+from gcm_learn.handspace import START_RADIUS
 from gcm_learn.wave.plane import (
     BUCKETS,
     PER_CELL,
     ROOT2,
-    START_RADIUS,
     STEP_I,
     STEP_J,
     UNKNOWN,

@@ -6,8 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.handspace.chart import Chart
-from gcm_learn.handspace.lattice import Lattice, hand_space
+from gcm_learn.handspace import Chart, Lattice, hand_space
 from gcm_learn.scene.scene import Scene
 from gcm_learn.wave import agenda, general, layered, marching
 from gcm_learn.wave.front import Front

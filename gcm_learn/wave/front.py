@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gcm_learn.handspace.chart import Chart
+from gcm_learn.handspace import Chart
 
 
 @dataclass(frozen=True)

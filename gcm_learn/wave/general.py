@@ -16,7 +16,7 @@ import numpy as np
 from gcm_learn.collision.chains import Chains, Spans, spans_of
 from gcm_learn.collision.intervals import INSTANTS, NEVER, target_ways
 from gcm_learn.compiled import njit
-from gcm_learn.handspace.chart import Chart
+from gcm_learn.handspace import Chart
 from gcm_learn.scene.bodies import HAND, PART
 from gcm_learn.scene.scene import Scene
 from gcm_learn.wave.front import Front
@@ -36,6 +36,8 @@ class Nodes(NamedTuple):
     near: Spans  # spans in which a target is near the hand
     target: np.ndarray  # (s,): which one, for every span of `near`
     useful: np.ndarray  # (nodes,): until when a target can still be met from there
+    wait: bool  # whether the hand may wait for a span to begin
+    lookback: float  # share of a step during which a node must have been free
 
 
 class Labels(NamedTuple):
@@ -59,7 +61,7 @@ def spread(
     """March over the nodes of a chart, with waits or without; see `wave.march`."""
     terms = terms_of(scene, chart, params, 1.0, ignore)
     terms = terms._replace(shortest=SHORTEST * chart.spacing / terms.speed)
-    nodes = _nodes(scene, chart, params, terms, widening)
+    nodes = _nodes(scene, chart, params, terms, wait, widening)
     count, spans = chart.inside.size, len(nodes.free.times)
     labels = Labels(
         np.full(spans, NEVER),
@@ -69,7 +71,7 @@ def spread(
         np.zeros(count, dtype=np.bool_),
     )
     steps, start = chart.steps(scene.limits), chart.start(scene)
-    met = _spread(steps, nodes, terms, start, wait, labels)
+    met = _spread(steps, nodes, terms, start, labels)
     return (_layers if wait else _first)(scene, chart, nodes, labels, met)
 
 
@@ -78,6 +80,7 @@ def _nodes(
     chart: Chart,
     params: MarchingParams,
     terms: Terms,
+    wait: bool,
     widening: np.ndarray | None,
 ) -> Nodes:
     """Ask for every node of a chart when it is free, and when a target is near."""
@@ -98,7 +101,8 @@ def _nodes(
     times, order = np.concatenate([s.times for s in found]), np.argsort(node, kind="stable")
     first = np.searchsorted(node[order], np.arange(len(limbs) + 1))
     near = Spans(first, times[order])
-    return Nodes(free, near, target[order], _useful_until(scene, chart, terms))
+    useful = _useful_until(scene, chart, terms)
+    return Nodes(free, near, target[order], useful, wait, terms.lookback)
 
 
 def _useful_until(scene: Scene, chart: Chart, terms: Terms) -> np.ndarray:
@@ -124,17 +128,17 @@ def meeting(nodes, node, since, until, when):
 
 
 @njit
-def entries(nodes, q, leave, until, step, wait, lookback, heap, home):
+def entries(nodes, q, leave, until, step, heap, home):
     """Queue the spans of node q that can be entered from a neighbour.
 
     The hand may leave it from `leave` on, until `until`, and takes a `step` [s].  Where an obstacle
     is when it could come first, that is queued as well.
     """
-    first, before, blocked = leave + step, lookback * step, True
+    first, before, blocked = leave + step, nodes.lookback * step, True
     for i in range(nodes.free.first[q], nodes.free.first[q + 1]):
         opens = nodes.free.times[i, 0]
         since = opens + before if opens > 0.0 else 0.0  # what was before t = 0 does not matter
-        t = max(first, since) if wait else first
+        t = max(first, since) if nodes.wait else first
         if since <= t <= min(nodes.free.times[i, 1], until + step) + ROUNDING:
             heappush(heap, (t, i, q, home))
             blocked = blocked and t > first
@@ -143,14 +147,14 @@ def entries(nodes, q, leave, until, step, wait, lookback, heap, home):
 
 
 @njit
-def _spread(steps, nodes, terms, start, wait, labels):
+def _spread(steps, nodes, terms, start, labels):
     """Fill labels in order of time; returns where (span, -1 if none), when and what is met."""
-    arrival, free = labels.arrival, nodes.free
+    arrival, free, wait = labels.arrival, nodes.free, nodes.wait
     met, body, when = NONE, NONE, terms.end
     heap = [(0.0, NONE, NONE, NONE)]
     heappop(heap)
     for i in range(start[0].size):
-        entries(nodes, start[0][i], 0.0, 0.0, start[1][i], wait, terms.lookback, heap, NONE)
+        entries(nodes, start[0][i], 0.0, 0.0, start[1][i], heap, NONE)
     while len(heap) > 0:
         time, span, node, home = heappop(heap)
         if time > (terms.end if terms.explore else when):
@@ -172,7 +176,7 @@ def _spread(steps, nodes, terms, start, wait, labels):
                 continue
         for e in range(steps.first[node], steps.first[node + 1]):
             q, step = steps.to[e], steps.time[e]
-            entries(nodes, q, time, until, step, wait, terms.lookback, heap, span)
+            entries(nodes, q, time, until, step, heap, span)
     return met, body, when
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.collision.occupancy import Postures, postures_of
-from gcm_learn.handspace.chart import Chart
-from gcm_learn.handspace.lattice import Lattice, cell_joints, hand_space
+from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.scene.limb import joints_of
 from gcm_learn.scene.scene import Scene
 from gcm_learn.wave.kernels import Terms

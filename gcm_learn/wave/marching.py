@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.compiled import njit
+from gcm_learn.handspace import START_RADIUS
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.kernels import FREE, batch_of, judge
 from gcm_learn.wave.plane import (
@@ -28,7 +29,6 @@ from gcm_learn.wave.plane import (
     CLOSED,
     PER_CELL,
     ROOT2,
-    START_RADIUS,
     STEP_I,
     STEP_J,
     UNKNOWN,

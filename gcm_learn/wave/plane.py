@@ -16,7 +16,6 @@ UNKNOWN, ACCEPTED, CLOSED, BEYOND = 0, 1, 2, 3
 PER_CELL = 1.5  # buckets per crossing: neighbours along a ray are 0.7 crossings apart or more
 BUCKETS = 256  # circular, a power of two; one step never spans more
 SLOWEST = 165.0  # crossings that a step may take when joints limit the speed: see BUCKETS
-START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
 ROOT2 = float(np.sqrt(2.0))
 STEP_I = np.array([-1, -1, -1, 0, 0, 1, 1, 1])
 STEP_J = np.array([-1, 0, 1, -1, 1, -1, 0, 1])

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.handspace import Lattice
 from gcm_learn.scene.scene import Scene
 from gcm_learn.wave.excitation import FELT
 from gcm_learn.wave.front import Front

@@ -9,8 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.handspace.chart import Chart
-from gcm_learn.handspace.lattice import Lattice, cell_joints, hand_space
+from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.scene.bodies import COLUMNS, Bodies
 from gcm_learn.scene.scene import Limb, Limits, Scene
 from gcm_learn.wave import kernels, stencil

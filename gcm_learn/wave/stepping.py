@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.collision.distance import arm_distance
-from gcm_learn.handspace.lattice import Lattice, hand_space
+from gcm_learn.handspace import Lattice, hand_space
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.limb import SIDE

@@ -11,7 +11,8 @@ from gcm_learn import seeding, solve
 from gcm_learn.families import draw
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.maps import chart_of, explore
+from gcm_learn.handspace import chart_of
+from gcm_learn.maps import explore
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.layered import path_to
 from gcm_learn.planners.layered_wave import CLOSE, EARLY, layered_wave, straightened

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.collision import first_touch
-from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
+from gcm_learn.handspace import SMALLEST_LATTICE, Lattice
 from gcm_learn.motion import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle import kernels

@@ -10,8 +10,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.patches import Circle
 
-from gcm_learn.handspace.lattice import Lattice
-from gcm_learn.handspace.occupied import occupied_cells
+from gcm_learn.handspace import Lattice, occupied_cells
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.workspace import draw_bodies
 from gcm_learn.situation import Arm, Situation

@@ -18,7 +18,7 @@ from gcm_learn.plots.figures.workspace import draw_bodies, draw_targets, draw_wa
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
-    from gcm_learn.maps.cognitive_map import CognitiveMap
+    from gcm_learn.maps import CognitiveMap
     from gcm_learn.planners import Plan
 
 CONTOUR_STEP = 20.0  # [tau]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES
-from gcm_learn.handspace.extended import extended_obstacle
+from gcm_learn.handspace import extended_obstacle
 from gcm_learn.maps import build_map
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style

@@ -24,7 +24,7 @@ from gcm_learn.plots.figures.workspace import (
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
-    from gcm_learn.maps.cognitive_map import CognitiveMap
+    from gcm_learn.maps import CognitiveMap
     from gcm_learn.planners import Plan
 
 PANEL, STRIP = 4.0, 3.2  # [inches] of `plan_figure`, and where panels stand in one row
