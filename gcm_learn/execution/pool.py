@@ -86,10 +86,10 @@ class Pool:
 
 def _rules_of(scene: Scene, name: str) -> Rules:
     """The rules of a scene; refuses one in which the limb touches something at t = 0."""
-    free, rules = opening(scene)
-    if free <= 0.0:
+    opened = opening(scene)
+    if opened.clearance <= 0.0:
         raise ArenaError(f"situation {name!r}: the limb touches an obstacle at t = 0")
-    return rules
+    return opened.rules
 
 
 def _outside_hole(scene: Scene) -> Scene:

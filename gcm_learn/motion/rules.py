@@ -8,6 +8,7 @@ import numpy as np
 
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
+from gcm_learn.motion.interception import may_be_reached
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 
@@ -29,12 +30,27 @@ class Rules(NamedTuple):
 
 def rules_of(scene: Scene) -> Rules:
     """The rules of a scene."""
-    return opening(scene)[1]
+    return opening(scene).rules
 
 
-def opening(scene: Scene) -> tuple[float, Rules]:
-    """`start_clearance` and `rules_of` at once: many plans take little longer than these."""
-    distance, fastest = _at_start(scene)
+def start_clearance(scene: Scene) -> float:
+    """Distance of the limb at t = 0 to the obstacles, less the thickness [forearm lengths]."""
+    return opening(scene).clearance
+
+
+class Opening(NamedTuple):
+    """What is known of a scene before it is planned for."""
+
+    clearance: float
+    """Distance of the limb at t = 0 to the obstacles, less the thickness [forearm lengths]."""
+    hopeful: bool
+    """Whether a target may come within reach before the horizon; False is certain."""
+    rules: Rules
+
+
+def opening(scene: Scene) -> Opening:
+    """Look at a scene before it is planned for; many plans take little longer than this."""
+    distance, fastest, hopeful = _at_start(scene)
     free, limits = distance - scene.limb.thickness, scene.limits
     rules = Rules(
         touch=scene.limb.thickness + safety_of(free),
@@ -42,24 +58,19 @@ def opening(scene: Scene) -> tuple[float, Rules]:
         speed=limits.speed * (1.0 - SPEED_SAFETY),
         instant=max(_INSTANT / (limits.speed + fastest), limits.horizon / _MOST_INSTANTS),
     )
-    return free, rules
-
-
-def start_clearance(scene: Scene) -> float:
-    """Distance of the limb at t = 0 to the obstacles, less the thickness [forearm lengths]."""
-    distance: float = _at_start(scene)[0]
-    return distance - scene.limb.thickness
+    return Opening(free, hopeful, rules)
 
 
 @njit
 def _at_start(scene):
-    """Distance of the limb at t = 0 to the obstacles, and top speed of the fastest target."""
+    """Distance of the limb to obstacles, top speed of targets, whether one may be reached."""
     hand, fastest = np.empty((1, 2)), 0.0
     hand[0, 0], hand[0, 1] = scene.limb.x, scene.limb.y
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] == HAND:
             fastest = max(fastest, scene.bodies.rows[b, TOP_SPEED])
-    return least_distance(scene, np.zeros(1), hand, -1.0, 1.0)[0], fastest
+    distance = least_distance(scene, np.zeros(1), hand, -1.0, 1.0)[0]
+    return distance, fastest, may_be_reached(scene)
 
 
 def safety_of(at_start: float) -> float:

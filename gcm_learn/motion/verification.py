@@ -35,8 +35,8 @@ class Verdict:
     the failure when `good` is False."""
     reason: Reason | None = None
     """What is wrong."""
-    touched: float | None = None
-    """When the limb is touched [s]; None if it is not, or something else is wrong."""
+    collision_time: float | None = None
+    """When the limb touches an obstacle [s]; None if it does not, or something else is wrong."""
 
 
 @njit
@@ -106,17 +106,67 @@ def nearest_to_shoulder(hand):
     return best
 
 
-NOTHING, ELSEWHERE, LATE, OUTSIDE, ROUND, FAST = range(6)
+NOTHING, ELSEWHERE, LATE, OUTSIDE, ROUND, FAST, TURNS, MISSED, TOUCHED = range(9)
 FAULTS = {
     ELSEWHERE: Failure.WRONG_START,
+    LATE: Failure.LATE,
     OUTSIDE: Failure.OUTSIDE,
     ROUND: Failure.SINGULAR,
     FAST: Failure.HAND_SPEED,
+    TURNS: Failure.JOINT_SPEED,
+    MISSED: Failure.MISSED,
+    TOUCHED: Failure.COLLISION,
 }
 
 
+def verify(scene: Scene, rules: Rules, trajectory: Trajectory, body: int) -> Verdict:
+    """Check a trajectory against everything that "caught" promises.
+
+    Parameters
+    ----------
+    scene : Scene
+    rules : Rules
+        Of the scene; its `touch` is the distance that the limb keeps.
+    trajectory : Trajectory
+    body : int
+        Index of the target that is caught at the trajectory's end.
+
+    Returns
+    -------
+    Verdict
+    """
+    fault, distance, when = _judge(
+        scene, rules.touch, trajectory.time, trajectory.hand, trajectory.joints, body
+    )
+    if fault == NOTHING:
+        return Verdict(True, np.inf if distance > 1e200 else distance - scene.limb.thickness)
+    reason = FAULTS[fault].with_numbers(when=when)
+    if fault == TOUCHED:
+        return Verdict(False, distance - scene.limb.thickness, reason, collision_time=when)
+    return Verdict(False, 0.0, reason)
+
+
+@njit
+def _judge(scene, touch, time, hand, joints, body):
+    """First promise that is not kept (NOTHING if all are), least distance, and when [s]."""
+    last = time.size - 1
+    fault = _hand_fault(scene, time, hand, joints)
+    if fault == NOTHING and _turns_too_fast(scene, time, hand):
+        fault = TURNS
+    if fault == NOTHING:
+        poses = np.zeros((scene.bodies.rows.shape[0], 12))
+        pose_at(scene.bodies, body, time[last], poses)
+        away = target_distance(scene.bodies, poses, body, hand[last, 0], hand[last, 1])
+        if away > scene.limits.grasp - 0.5 * CATCH_SAFETY:
+            fault = MISSED
+    if fault != NOTHING:
+        return fault, 0.0, time[last]
+    distance, when = least_distance(scene, time, hand, touch, RESOLUTION)
+    return TOUCHED if distance <= touch else NOTHING, distance, when
+
+
 @njit(_nrt=False)
-def _fault(scene, time, hand, joints):
+def _hand_fault(scene, time, hand, joints):
     """First of the promises about the hand's path that is not kept, NOTHING if all are."""
     limb, limits, last = scene.limb, scene.limits, time.size - 1
     if time[0] != 0.0 or hand[0, 0] != limb.x or hand[0, 1] != limb.y:
@@ -140,55 +190,18 @@ def _fault(scene, time, hand, joints):
     return NOTHING
 
 
-def verify(scene: Scene, rules: Rules, trajectory: Trajectory, body: int) -> Verdict:
-    """Check a trajectory against everything that "caught" promises.
-
-    Parameters
-    ----------
-    scene : Scene
-    rules : Rules
-        Of the scene; its `touch` is the distance that the limb keeps.
-    trajectory : Trajectory
-    body : int
-        Index of the target that is caught at the trajectory's end.
-
-    Returns
-    -------
-    Verdict
-    """
-    reason = _kinematic_fault(scene, trajectory) or _miss(scene, trajectory, body)
-    if reason is not None:
-        return Verdict(False, 0.0, reason)
-    time, hand, thickness = trajectory.time, trajectory.hand, scene.limb.thickness
-    distance, when = least_distance(scene, time, hand, rules.touch, RESOLUTION)
-    if distance <= rules.touch:
-        reason = Failure.COLLISION.with_numbers(when=when)
-        return Verdict(False, distance - thickness, reason, touched=float(when))
-    free = np.inf if distance > 1e200 else distance - thickness
-    return Verdict(True, float(free))
-
-
-def _kinematic_fault(scene: Scene, trajectory: Trajectory) -> Reason | None:
-    """What of start, horizon, ring and speeds is not kept, or nothing."""
-    hand, time, limits = trajectory.hand, trajectory.time, scene.limits
-    fault = _fault(scene, time, hand, trajectory.joints)
-    if fault == LATE:
-        return Failure.LATE.with_numbers(when=time[-1])
-    if fault != NOTHING:
-        return Reason(FAULTS[fault])
-    if limits.shoulder < np.inf and len(time) > 1:
-        turns = joint_turns(hand, scene.limb.rho, scene.limb.side, PARTS)
-        most = np.array([limits.shoulder, limits.elbow]) * (1.0 + SPEED_TOLERANCE)
-        if np.any(turns > most * np.diff(time)[:, None]):
-            return Reason(Failure.JOINT_SPEED)
-    return None
-
-
-def _miss(scene: Scene, trajectory: Trajectory, body: int) -> Reason | None:
-    """Whether the hand misses the target at the end."""
-    poses = np.zeros((len(scene.bodies.rows), 12))
-    pose_at(scene.bodies, body, trajectory.duration, poses)
-    distance = target_distance(scene.bodies, poses, body, *trajectory.hand[-1])
-    if distance > scene.limits.grasp - 0.5 * CATCH_SAFETY:
-        return Reason(Failure.MISSED)
-    return None
+@njit
+def _turns_too_fast(scene, time, hand):
+    """Whether a joint would have to be faster than its limit."""
+    limits = scene.limits
+    if limits.shoulder == np.inf or time.size == 1:
+        return False
+    turns = joint_turns(hand, scene.limb.rho, scene.limb.side, PARTS)
+    shoulder, elbow = (
+        limits.shoulder * (1.0 + SPEED_TOLERANCE), limits.elbow * (1.0 + SPEED_TOLERANCE)
+    )  # fmt: skip
+    for k in range(time.size - 1):
+        span = time[k + 1] - time[k]
+        if turns[k, 0] > shoulder * span or turns[k, 1] > elbow * span:
+            return True
+    return False

@@ -12,6 +12,7 @@ from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import (
     HOLE_MARGIN,
     Failure,
+    Opening,
     Reason,
     Rules,
     Trajectory,
@@ -19,7 +20,6 @@ from gcm_learn.motion import (
     first_catch,
     first_interception,
     keep_limits,
-    may_be_reached,
     opening,
     refine,
     segment_times,
@@ -49,18 +49,18 @@ class Problem:
         return self.scene.bodies
 
     @cached_property
-    def _opening(self) -> tuple[float, Rules]:
+    def _opening(self) -> Opening:
         return opening(self.scene)
 
     @property
     def start_clearance(self) -> float:
         """Clearance of the limb at t = 0 [forearm lengths]."""
-        return self._opening[0]
+        return self._opening.clearance
 
     @property
     def rules(self) -> Rules:
         """What movements keep so that they are surely verified."""
-        return self._opening[1]
+        return self._opening.rules
 
     def answer(self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None) -> Plan:
         """A plan without a catch."""
@@ -80,7 +80,7 @@ class Problem:
         """What can be said without planning: blocked at the start, or hopeless."""
         if self.start_clearance <= 0.0:
             return self.answer(Failure.START_BLOCKED)
-        if not may_be_reached(self.scene):
+        if not self._opening.hopeful:
             return self.answer(Failure.OUT_OF_REACH)
         return None
 

@@ -71,7 +71,7 @@ class Feedback:
         """
         assert found.map.interception is not None
         met = found.map.interception.time
-        touched = [(v.touched, a) for a, v in failures if v.touched is not None]
+        touched = [(v.collision_time, a) for a, v in failures if v.collision_time is not None]
         when, attempt = min(touched, key=lambda touch: touch[0], default=(np.inf, None))
         feedback = replace(self, met=met)
         if attempt is not None and when < found.arrived:

@@ -94,7 +94,7 @@ def _first_that_holds(
         if plan is not None:
             return plan, failures
         failures.append((attempt, verdict))
-        if verdict.touched is not None and verdict.touched < found.shared:
+        if verdict.collision_time is not None and verdict.collision_time < found.shared:
             break  # the others begin in the same way
     return None, failures
 

@@ -31,7 +31,7 @@ def failure(touched):
     time = np.linspace(0.0, 1.0, 11)
     hand = np.stack([1.0 - time, np.full(11, 0.5)], axis=-1)
     attempt = Attempt(Trajectory.of_hand(time, hand, 1.0, "right"), 0)
-    return attempt, Verdict(False, -0.1, "touched", touched=touched)
+    return attempt, Verdict(False, -0.1, collision_time=touched)
 
 
 def test_a_touch_on_the_way_widens_the_margin_around_it():
