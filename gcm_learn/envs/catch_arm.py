@@ -208,7 +208,7 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         outcome = self.plant.move(self._actions).item()
         observation = self.plant.observations[0].copy()
         self._path.append(self._where())
-        info, terms = self._info(outcome), self.plant.told.terms[0].tolist()
+        info, terms = self._info(outcome), self.plant.terms[0].tolist()
         catch, touch, haste, guide = terms  # a literal costs a fourth of what a zip does
         info["reward_terms"] = {"catch": catch, "touch": touch, "haste": haste, "guide": guide}
         if outcome != RUNNING:

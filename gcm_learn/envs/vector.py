@@ -96,7 +96,7 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         plant, info = self.plant, dict[str, Any]()
         outcomes = plant.move(np.asarray(actions, float))
         rewards = plant.rewards
-        info["reward_terms"] = dict(zip(TERMS, plant.told.terms.T.copy(), strict=True))
+        info["reward_terms"] = dict(zip(TERMS, plant.terms.T.copy(), strict=True))
         over, late = outcomes != RUNNING, outcomes == LATE
         if over.any():
             self._begin_anew(np.flatnonzero(over), over, info)

@@ -44,12 +44,15 @@ class KinematicPlant:
         self.told = Told(np.zeros(n, np.int64), np.zeros((n, TERMS)), np.zeros((n, width), "f4"))
         self.observations = self.told.observations
         """What the arms are told (count, width) float32."""
+        self.terms = self.told.terms
+        """Of the rewards of the last step (count, 4)."""
         self.time = self.state.time
         """How long the arms have been under way (count,) [s]."""
         self.hand = self.state.hand
         """Hands (count, 2), in canonical coordinates of t = 0 [forearm lengths]."""
         # Plain tuples: of named ones, finding the types takes as long as a step.
         self._arms, self._options, self._told = tuple(self.state), s.options, tuple(self.told)
+        self._world = tuple(self.pool.world)
         marks = np.linspace(0, n, min(self.threads, n) + 1).astype(int).tolist()
         self._shares = list(pairwise(marks))
         self._crew: ThreadPoolExecutor | None = None
@@ -68,16 +71,16 @@ class KinematicPlant:
     @property
     def rewards(self) -> np.ndarray:
         """Of the last step (count,)."""
-        return self.told.terms.sum(axis=1)
+        return self.terms.sum(axis=1)
 
     def put(self, arms: np.ndarray, places: np.ndarray) -> None:
         """Put arms (m,) at the start of situations (m,) of the pool, and observe."""
-        state = self.state
+        state, self._world = self.state, tuple(self.pool.world)  # the pool may be another now
         state.place[arms] = places
         state.hand[arms] = self.pool.world.limbs[places, _HAND:]
         state.time[arms] = 0.0
         self.observations[arms, self.settings.width :] = self.pool.embeddings[places]
-        _observe_all(tuple(self.pool.world), self._arms, arms, self._options, self.observations)
+        _observe_all(self._world, self._arms, arms, self._options, self.observations)
 
     def move(self, actions: np.ndarray) -> np.ndarray:
         """One step of every arm, and what they are told then: the outcomes (count,).
@@ -101,8 +104,7 @@ class KinematicPlant:
 
     def _play(self, actions: np.ndarray, first: int, last: int) -> None:
         """One step of some arms."""
-        world = tuple(self.pool.world)
-        _play(world, self._arms, actions, self._options, self._told, first, last)
+        _play(self._world, self._arms, actions, self._options, self._told, first, last)
 
     def hold(self, arms: np.ndarray) -> None:
         """Let arms (m,) whose episode is over stay where they are, at little cost."""
