@@ -13,8 +13,7 @@ from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners.plan import Plan
 from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.scene.bodies import pose_at
-from gcm_learn.scene.packing import pack
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation
 from gcm_learn.situation.canonical import frame_of
 from gcm_learn.situation.situation import Arm
@@ -112,7 +111,7 @@ def ring_share(arm: Arm, radius: np.ndarray | float) -> np.ndarray | float:
     return (radius - arm.inner_reach) / (arm.reach - arm.inner_reach)
 
 
-def waypoints_of(situation: Situation, plan: Plan, scene: Scene | None = None) -> Waypoints:
+def waypoints_of(situation: Situation, plan: Plan) -> Waypoints:
     """The catch of a plan as memory keeps it.
 
     Parameters
@@ -121,15 +120,12 @@ def waypoints_of(situation: Situation, plan: Plan, scene: Scene | None = None) -
         In any frame; those of a situation and of its canonical form are the same.
     plan : Plan
         A catch in it.
-    scene : Scene, optional
-        The situation packed, if the caller has it at hand.
     """
     if plan.trajectory is None or plan.catch_body is None:
         raise ValueError(f"plan: {plan.status}, only catches can be remembered")
-    scene = pack(situation) if scene is None else scene
     body = [b.name for b in situation.bodies].index(plan.catch_body)
     poses = np.zeros((len(situation.bodies), 12))
-    pose_at(scene.bodies, body, plan.trajectory.duration, poses)
+    pose_at(pack_bodies(situation), body, plan.trajectory.duration, poses)
     return waypoints_of_path(situation, plan.trajectory, poses[body, :2])
 
 
