@@ -13,9 +13,7 @@ from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of, turns_of
 from gcm_learn.wave.params import MarchingParams
 from gcm_learn.wave.plane import Plane, closed_rim
-from gcm_learn.wave.solver import first_arrivals
-
-STATES_PER_CELL = 4  # room for sheets; most cells need one
+from gcm_learn.wave.solver import STATES_PER_CELL, first_arrivals
 
 
 def march(

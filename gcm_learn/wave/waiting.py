@@ -14,6 +14,7 @@ from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import contact_distance, fastest, postures
 from gcm_learn.wave.params import WaveParams
 from gcm_learn.wave.solver import (
+    STATES_PER_CELL,
     free_scene,
     front_speed,
     ground_of,
@@ -21,8 +22,6 @@ from gcm_learn.wave.solver import (
     propagate,
     start_disc,
 )
-
-STATES_PER_CELL = 4  # room for sheets; most cells need one
 
 
 def propagate_layers(
