@@ -15,8 +15,8 @@ import gcm_learn
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "gcm_learn").rglob("*.py"))
 LAYERS = """
-    cli plots evaluation policies envs recall dataset families planners maps wave handspace motion
-    collision scene situation
+    cli plots evaluation policies envs execution recall dataset families planners maps wave
+    handspace motion collision scene situation
 """.split()
 
 LONGEST_MODULE = 400
