@@ -91,7 +91,8 @@ def map_of(
     Its effective obstacles are the nodes in which an obstacle was when a front came; where the hand
     may wait these may have arrivals, later ones.
     """
-    sheets, interception, wave = front.sheets, None, isinstance(params, WaveParams)
+    sheets, masked = front.sheets()
+    interception, wave = None, isinstance(params, WaveParams)
     if front.met_state >= 0:
         node = int(front.nodes[front.met_state])
         interception = Interception(
@@ -104,12 +105,12 @@ def map_of(
     return CognitiveMap(
         chart=front.chart,
         hand=situation.arm.hand,
-        arrival=sheets[0],
+        arrival=np.ma.MaskedArray(sheets[0], mask=masked[0]),
         effective_obstacles=front.refused,
         effective_target=front.met,
         interception=interception,
         kappa=kappa_of(scene, front.chart, timed),
         engine="layered" if front.waits else "wave" if wave else "marching",
-        later=sheets[1:] if len(sheets) > 1 else None,
+        later=np.ma.MaskedArray(sheets[1:], mask=masked[1:]) if len(sheets) > 1 else None,
         via=None if front.waits or front.via is None else front.via.reshape(front.chart.shape),
     )

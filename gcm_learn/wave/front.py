@@ -57,19 +57,19 @@ class Front:
         np.minimum.at(out, self.nodes, self.arrival)
         return np.where(np.isfinite(out), out, -1.0).reshape(self.chart.shape)
 
-    @property
-    def sheets(self) -> np.ma.MaskedArray:
+    def sheets(self) -> tuple[np.ndarray, np.ndarray]:
         """Arrivals (s, ...) in the first, second, ... interval of every node that was reached [s].
 
-        Masked where there is none, and where a front that cannot wait was refused.
+        And where (s, ...) there is none, or a front that cannot wait was refused.
         """
         if not self.waits:
             first = self.first
-            return np.ma.MaskedArray(first, mask=self.refused | (first < 0.0))[None]
+            return first[None], (self.refused | (first < 0.0))[None]
         order, sheet = self._intervals()
         out = np.full((sheet.max(initial=0) + 1, self.refused.size), -1.0)
         out[sheet, self.nodes[order]] = self.arrival[order]
-        return np.ma.MaskedArray(out, mask=out < 0.0).reshape(-1, *self.chart.shape)
+        out = out.reshape(-1, *self.chart.shape)
+        return out, out < 0.0
 
     def chain(self) -> list[int]:
         """States on the path from the hand to where the target is met."""

@@ -111,6 +111,10 @@ class Stepped:
         self.q = self.rate.copy()
         self.coupled = couplings(self.inside, params.laplacian)
         self.arrival, self.crossing = np.full(shape, -1.0), np.full(shape, -1.0)
+        parts = scene.bodies.rows[:, k.PART]
+        self.targets = np.flatnonzero(parts == k.HAND).tolist()
+        self.obstacles = np.flatnonzero(parts != k.HAND).tolist()
+        self.reach = contact_distance(scene, lattice, params)
 
     @property
     def insulates(self) -> bool:
@@ -161,19 +165,8 @@ class Stepped:
     def near(self, b: int, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Whether body b is at limbs or, a target, hands in cells (c, 2) at times (m,): (c, m)."""
         limbs, target = self.limb[tuple(cells.T)], b in self.targets
-        reach = contact_distance(self.scene, self.lattice, self.params)
-        gap = np.full(len(cells), reach) if target else self.gap[tuple(cells.T)]
+        gap = np.full(len(cells), self.reach) if target else self.gap[tuple(cells.T)]
         return distances(self.scene.bodies, b, limbs, times) <= gap[:, None]
-
-    @property
-    def targets(self) -> list[int]:
-        """Indices of the targets."""
-        return np.flatnonzero(self.scene.bodies.rows[:, k.PART] == k.HAND).tolist()
-
-    @property
-    def obstacles(self) -> list[int]:
-        """Indices of the others."""
-        return np.flatnonzero(self.scene.bodies.rows[:, k.PART] != k.HAND).tolist()
 
 
 def _limbs(lattice: Lattice) -> np.ndarray:
