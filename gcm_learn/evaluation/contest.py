@@ -8,22 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.collision import least_distance
 from gcm_learn.collision.distance import segment_distance
 from gcm_learn.evaluation.crew import Rows, rows_of
 from gcm_learn.evaluation.methods import Method, Result, get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
-from gcm_learn.motion import Trajectory
-from gcm_learn.motion.clearance import RESOLUTION
+from gcm_learn.motion import Trajectory, clearance
 from gcm_learn.motion.verification import PARTS, joint_turns
-from gcm_learn.scene import LIMB, PART, SIDE, Bodies, elbow_of, pack, pack_bodies
-from gcm_learn.scene.bodies import pose_at
+from gcm_learn.scene import LIMB, PART, SIDE, elbow_of, pack, poses_at
 from gcm_learn.situation import Situation
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
-NO_OBSTACLE = 1e200  # a distance beyond this one says that there is none [forearm lengths]
 _CHUNK = 10  # situations that a process takes at once
 _POINTS = 101  # of each part of the limb, among which the nearest one is looked for
 
@@ -130,7 +126,7 @@ def _movement(situation: Situation, result: Result) -> dict[str, Any]:
     spans = np.maximum(np.diff(path.time), 1e-12)
     out |= {"end": path.duration, "length": path.length, "clearance": result.clearance}
     if result.clearance is None and result.outcome == "caught":
-        out["clearance"] = clearance_of(situation, path)
+        out["clearance"], _ = clearance(situation, path)
     if len(spans):
         steps = np.sqrt((np.diff(path.hand, axis=0) ** 2).sum(axis=1))
         turns = joint_turns(path.hand, arm.upper_arm, SIDE[arm.elbow], PARTS) / spans[:, None]
@@ -141,52 +137,31 @@ def _movement(situation: Situation, result: Result) -> dict[str, Any]:
     return out
 
 
-def clearance_of(situation: Situation, path: Trajectory) -> float:
-    """Least distance of the limb to the obstacles on a path, less its thickness [forearm lengths].
-
-    Infinite without obstacles.
-    """
-    distance, _ = least_distance(pack(situation), path.time, path.hand, -1.0, RESOLUTION)
-    return np.inf if distance > NO_OBSTACLE else float(distance) - situation.arm.thickness
-
-
 def collided_part(situation: Situation, path: Trajectory) -> str:
     """Which part of the limb is nearer to an obstacle at the end of a path."""
-    elbow, hand = _limb_at_end(situation, path)
-    bodies, poses = _posed(situation, path.duration)
-    near = {
-        "forearm": _nearness(bodies, poses, elbow, hand),
-        "upper arm": _nearness(bodies, poses, np.zeros(2), elbow),
-    }
-    return min(near, key=lambda part: near[part])
+    elbow, hand, distance = _at_end(situation, path)
+    return "forearm" if distance(elbow, hand) <= distance(np.zeros(2), elbow) else "upper arm"
 
 
 def collision_point(situation: Situation, path: Trajectory) -> np.ndarray:
     """The point (2,) of the limb that is nearest to an obstacle at the end of a path."""
-    elbow, hand = _limb_at_end(situation, path)
+    elbow, hand, distance = _at_end(situation, path)
     shares = np.linspace(0.0, 1.0, _POINTS)[:, None]
     points = np.concatenate([shares * elbow, elbow + shares * (hand - elbow)])
-    bodies, poses = _posed(situation, path.duration)
-    near = [_nearness(bodies, poses, point, point) for point in points]
-    return np.asarray(points[int(np.argmin(near))])
+    return np.asarray(min(points, key=lambda point: distance(point, point)))
 
 
-def _limb_at_end(situation: Situation, path: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    """Elbow and hand, each (2,)."""
-    arm, hand = situation.arm, path.hand[-1]
-    return np.array(elbow_of(hand[0], hand[1], arm.upper_arm, SIDE[arm.elbow])), hand
-
-
-def _posed(situation: Situation, time: float) -> tuple[Bodies, np.ndarray]:
-    """Bodies, and where they are at a time (n, 12)."""
-    bodies, poses = pack_bodies(situation), np.zeros((len(situation.bodies), 12))
-    for b in range(len(poses)):
-        pose_at(bodies, b, time, poses)
-    return bodies, poses
-
-
-def _nearness(bodies: Bodies, poses: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
-    """Distance of a segment to the nearest obstacle."""
+def _at_end(
+    situation: Situation, path: Trajectory
+) -> tuple[np.ndarray, np.ndarray, Callable[[np.ndarray, np.ndarray], float]]:
+    """Elbow (2,) and hand (2,) at the end of a path, and how far segments are from obstacles."""
+    (bodies, limb, _), hand = pack(situation), path.hand[-1]
+    poses = np.zeros((len(situation.bodies), 12))
+    poses_at(bodies, path.duration, poses)
     obstacles = np.flatnonzero(bodies.rows[:, PART] == LIMB)
-    near = (segment_distance(bodies, poses, b, *start, *end) for b in obstacles)
-    return float(min(near, default=np.inf))
+
+    def distance(start: np.ndarray, end: np.ndarray) -> float:
+        near = (segment_distance(bodies, poses, b, *start, *end) for b in obstacles)
+        return float(min(near, default=np.inf))
+
+    return np.array(elbow_of(hand[0], hand[1], limb.rho, limb.side)), hand, distance

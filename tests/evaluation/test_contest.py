@@ -11,12 +11,13 @@ from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
 from gcm_learn.cli import main
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
-from gcm_learn.evaluation.contest import clearance_of, collided_part, collision_point, compare
+from gcm_learn.evaluation.contest import collided_part, collision_point, compare
 from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
 from gcm_learn.evaluation.methods import get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged, resting
+from gcm_learn.motion import clearance
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import solve
@@ -91,7 +92,7 @@ def test_clearances_are_those_of_the_verification(entries):
     for entry in entries:
         plan = solve(entry.situation, "layered")
         if plan.caught:
-            assert clearance_of(entry.situation, plan.trajectory) == pytest.approx(
+            assert clearance(entry.situation, plan.trajectory)[0] == pytest.approx(
                 plan.clearance, abs=2e-4
             )
 
