@@ -1,12 +1,16 @@
 """What can be asked of a scene: distance, clearance, free intervals, the sweep of a motion."""
 
-from gcm_learn.collision.distance import arm_distance, limb_segment2
-from gcm_learn.collision.occupancy import first_touch
+from gcm_learn.collision.distance import arm_distance, limb_segment2, segment_distance
+from gcm_learn.collision.occupancy import Postures, blocked_cells, first_touch, postures_of
 from gcm_learn.collision.sweep import least_distance
 
 __all__ = [
+    "Postures",
     "arm_distance",
+    "blocked_cells",
     "first_touch",
     "least_distance",
     "limb_segment2",
+    "postures_of",
+    "segment_distance",
 ]

@@ -35,7 +35,6 @@ from gcm_learn.dataset.verifying import verify_dataset
 from gcm_learn.dataset.warming import warm_up
 
 __all__ = [
-    "WINDOW",
     "Dataset",
     "DatasetSpec",
     "Example",
@@ -46,6 +45,7 @@ __all__ = [
     "MapCache",
     "Record",
     "Split",
+    "WINDOW",
     "generate",
     "make_item",
     "make_shard",

@@ -32,10 +32,10 @@ from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.verdict import verdict, who
 
 __all__ = [
-    "DELAYS",
-    "HABITS",
     "Cost",
+    "DELAYS",
     "Entry",
+    "HABITS",
     "Interval",
     "Measures",
     "Method",

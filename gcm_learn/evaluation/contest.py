@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.collision.distance import segment_distance
+from gcm_learn.collision import segment_distance
 from gcm_learn.evaluation.crew import Rows, rows_of
 from gcm_learn.evaluation.methods import Method, Result, get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
-from gcm_learn.motion import Trajectory, clearance
-from gcm_learn.motion.verification import PARTS, joint_turns
+from gcm_learn.motion import PARTS, Trajectory, clearance, joint_turns
 from gcm_learn.scene import LIMB, PART, SIDE, elbow_of, pack, poses_at
 from gcm_learn.situation import Situation
 

@@ -25,9 +25,8 @@ from gcm_learn.execution import (
     run_episode,
 )
 from gcm_learn.motion import Trajectory
-from gcm_learn.planners import Planner, Problem
-from gcm_learn.planners.completion import Attempt, checked
-from gcm_learn.scene.later import later
+from gcm_learn.planners import Attempt, Planner, Problem, checked
+from gcm_learn.scene import later
 from gcm_learn.situation import Pendulum, PlanarQuadratic, Situation, SolidQuadratic
 
 PERIOD = 0.05  # between two observations [s]

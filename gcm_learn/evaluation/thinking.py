@@ -6,9 +6,8 @@ import numpy as np
 
 from gcm_learn.collision import least_distance
 from gcm_learn.evaluation.methods import Method
-from gcm_learn.planners import Problem
-from gcm_learn.planners.completion import first_catch_on
-from gcm_learn.scene.later import later
+from gcm_learn.planners import Problem, first_catch_on
+from gcm_learn.scene import later
 from gcm_learn.situation import Situation
 
 _ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is

@@ -16,7 +16,7 @@ from gcm_learn.execution.pool import Pool
 from gcm_learn.execution.settings import Settings
 from gcm_learn.execution.stepping import TERMS, step
 from gcm_learn.execution.world import HORIZON, Options, State, Told, World, workspace_for
-from gcm_learn.scene.scene import Limb
+from gcm_learn.scene import Limb
 
 _HAND = Limb._fields.index("x")
 

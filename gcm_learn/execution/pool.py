@@ -11,8 +11,7 @@ from gcm_learn.errors import ArenaError
 from gcm_learn.execution.settings import Settings
 from gcm_learn.execution.world import World, world_of
 from gcm_learn.motion import HOLE_MARGIN, Rules, opening
-from gcm_learn.scene import Scene, pack
-from gcm_learn.scene.scene import Limits
+from gcm_learn.scene import Limits, Scene, pack
 from gcm_learn.situation import Frame, Situation, canonical
 
 _SPEED = Limits._fields.index("speed")

@@ -24,7 +24,7 @@ from gcm_learn.execution.world import (
 )
 from gcm_learn.motion.interception import first_catch
 from gcm_learn.motion.verification import PARTS, joint_turns, nearest_to_shoulder
-from gcm_learn.planners.completion import CATCH_STEP
+from gcm_learn.planners import CATCH_STEP
 from gcm_learn.scene.limb import elbow_of
 
 CATCH, TOUCH, HASTE, GUIDE = range(4)  # terms of the reward

@@ -11,8 +11,8 @@ from gcm_learn.compiled import njit
 from gcm_learn.execution.nearness import MOMENT_COLUMNS
 from gcm_learn.motion.rules import Rules
 from gcm_learn.recall import own_axis
+from gcm_learn.scene import Limb, Limits, Scene
 from gcm_learn.scene.bodies import COLUMNS, FIRST, LAST, SWING, Bodies
-from gcm_learn.scene.scene import Limb, Limits, Scene
 
 HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # what an action is
 RUNNING, CAUGHT, COLLIDED, LATE = range(4)  # how an episode stands

@@ -11,7 +11,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from gcm_learn.errors import FamilyError, SituationError
-from gcm_learn.situation import checks
+from gcm_learn.situation import number as checked_number
+from gcm_learn.situation import show
 
 Range = tuple[float, float]
 Counts = tuple[int, int]
@@ -58,7 +59,7 @@ class Ranges:
             if check is not None:
                 object.__setattr__(self, field.name, check(value, field.name))
             elif not isinstance(value, kind := type(_default(field))):
-                reason = f"must be {kind.__name__} (got {checks.show(value)})"
+                reason = f"must be {kind.__name__} (got {show(value)})"
                 raise FamilyError(field.name, reason)
 
 
@@ -96,7 +97,7 @@ def choose(rng: np.random.Generator, items: Sequence[_Item]) -> _Item:
 
 def _number(value: object, field: str, least: float, most: float) -> float:
     try:
-        result = checks.number(value, field)
+        result = checked_number(value, field)
     except SituationError as error:
         raise FamilyError(error.field, error.reason) from None
     if not least <= result <= most:
@@ -107,7 +108,7 @@ def _number(value: object, field: str, least: float, most: float) -> float:
 
 def _two(value: object, field: str) -> Sequence[object]:
     if not isinstance(value, tuple | list) or len(value) != 2:
-        raise FamilyError(field, f"must be a range [low, high] (got {checks.show(value)})")
+        raise FamilyError(field, f"must be a range [low, high] (got {show(value)})")
     return value
 
 
@@ -126,14 +127,14 @@ def _count_pair(value: object, field: str, least: int) -> Counts:
     ends = _two(value, field)
     for end in ends:
         if isinstance(end, bool) or not isinstance(end, int):
-            raise FamilyError(field, f"must be whole numbers (got {checks.show(end)})")
+            raise FamilyError(field, f"must be whole numbers (got {show(end)})")
         if not least <= end <= LARGEST:
             bound = f"at least {least}" if end < least else f"at most {LARGEST}"
-            raise FamilyError(field, f"must be {bound} (got {checks.show(end)})")
+            raise FamilyError(field, f"must be {bound} (got {show(end)})")
     return _ordered(int(ends[0]), int(ends[1]), field)  # type: ignore[call-overload]
 
 
 def _options(value: object, field: str) -> tuple[float, ...]:
     if not isinstance(value, tuple | list) or not value:
-        raise FamilyError(field, f"must be a list of numbers (got {checks.show(value)})")
+        raise FamilyError(field, f"must be a list of numbers (got {show(value)})")
     return tuple(_number(v, field, 0.0, LARGEST) for v in value)

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from gcm_learn.scene.scene import Limits, Scene
+from gcm_learn.scene import Limits, Scene
 
 
 class Steps(NamedTuple):

@@ -11,8 +11,8 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace.chart import Chart, Steps, steps_of
+from gcm_learn.scene import Limits, Scene
 from gcm_learn.scene.limb import SIDE, elbow_of, joints_of
-from gcm_learn.scene.scene import Limits, Scene
 from gcm_learn.situation import Arm
 
 SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.occupancy import blocked_cells, postures_of
+from gcm_learn.collision import blocked_cells, postures_of
 from gcm_learn.handspace.lattice import Lattice, hand_space
-from gcm_learn.scene.bodies import poses_at
-from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.scene import pack_bodies, poses_at
 from gcm_learn.situation import Situation
 
 

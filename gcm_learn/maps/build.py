@@ -6,8 +6,7 @@ import numpy as np
 
 from gcm_learn.handspace import Chart, Lattice, chart_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
-from gcm_learn.scene.packing import pack
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Situation
 from gcm_learn.wave import (
     Front,

@@ -1,19 +1,29 @@
 """Timed movement: trajectories, timing under limits, interception, verification."""
 
-from gcm_learn.motion.clearance import clearance
+from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
 from gcm_learn.motion.rules import Opening, Rules, opening, rules_of, start_clearance
-from gcm_learn.motion.timing import keep_limits, refine, segment_times, straight_path
+from gcm_learn.motion.timing import (
+    SPACING,
+    keep_limits,
+    refine,
+    segment_times,
+    spread,
+    straight_path,
+)
 from gcm_learn.motion.trajectory import Trajectory, Wait
-from gcm_learn.motion.verification import HOLE_MARGIN, Verdict, verify
+from gcm_learn.motion.verification import HOLE_MARGIN, PARTS, Verdict, joint_turns, verify
 
 __all__ = [
     "Failure",
     "HOLE_MARGIN",
-    "Reason",
     "Opening",
+    "PARTS",
+    "RESOLUTION",
+    "Reason",
     "Rules",
+    "SPACING",
     "Trajectory",
     "Verdict",
     "Wait",
@@ -21,11 +31,13 @@ __all__ = [
     "clearance",
     "first_catch",
     "first_interception",
+    "joint_turns",
     "keep_limits",
     "opening",
     "refine",
     "rules_of",
     "segment_times",
+    "spread",
     "start_clearance",
     "straight_path",
     "verify",

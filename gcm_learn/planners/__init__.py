@@ -2,36 +2,50 @@
 
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.completion import Problem, straight_plan
+from gcm_learn.planners.completion import (
+    CATCH_STEP,
+    Attempt,
+    Problem,
+    attempt_of,
+    checked,
+    first_catch_on,
+    straight_plan,
+)
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.plan import Plan, Planner, plan_to_json
 from gcm_learn.planners.recheck import broken_promise
-from gcm_learn.planners.registry import get_planner, planner_names, solve
+from gcm_learn.planners.registry import get_planner, planner_names, register, solve
 from gcm_learn.planners.retiming import retime
 
 __all__ = [
+    "Attempt",
     "Bounds",
+    "CATCH_STEP",
     "Exploration",
     "Explore",
-    "FrontPlanner",
     "Feedback",
+    "FrontPlanner",
     "Params",
     "Plan",
     "Planner",
     "Problem",
     "STRRTStarPlanner",
     "StraightPlanner",
+    "attempt_of",
     "bounds",
     "broken_promise",
+    "checked",
+    "first_catch_on",
     "gcm",
     "get_planner",
     "layered",
     "marching",
     "plan_to_json",
     "planner_names",
+    "register",
     "retime",
     "solve",
     "straight_plan",

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcm_learn.handspace import Chart
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion.verification import Verdict
+from gcm_learn.motion import Verdict
 from gcm_learn.planners.completion import Attempt
 from gcm_learn.scene import Scene
 from gcm_learn.wave import fastest

@@ -8,8 +8,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 from gcm_learn.handspace import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
-from gcm_learn.motion.failures import Failure, Reason
-from gcm_learn.motion.verification import Verdict
+from gcm_learn.motion import Failure, Reason, Verdict
 from gcm_learn.planners.completion import Attempt, Problem, finish, judged, straight_plan
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.plan import Plan

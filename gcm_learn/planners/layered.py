@@ -9,11 +9,11 @@ import numpy as np
 
 from gcm_learn.handspace import chart_of
 from gcm_learn.maps import explore, map_of
-from gcm_learn.motion.timing import segment_times, straight_path
+from gcm_learn.motion import segment_times, straight_path
 from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import FrontPlanner, Level, finer, first_arrival, without_margin
-from gcm_learn.situation.situation import Arm
+from gcm_learn.situation import Arm
 from gcm_learn.wave import Front, MarchingParams, WaveParams, fastest
 
 MEETING = 1.5  # the hand may meet a target so long before the map says so [crossings]

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from gcm_learn.policies.training import train
 
 __all__ = [
-    "FILE",
     "Actor",
     "ActorPlanner",
+    "FILE",
     "TrainingPlan",
     "actor_folder",
     "actor_names",

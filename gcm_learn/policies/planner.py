@@ -12,8 +12,7 @@ from gcm_learn import artifacts, seeding
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, Pool
 from gcm_learn.motion import Failure, Trajectory, refine
-from gcm_learn.planners import Plan, Problem
-from gcm_learn.planners.completion import Attempt, checked
+from gcm_learn.planners import Attempt, Plan, Problem, checked
 from gcm_learn.policies.actor import FILE, Actor
 from gcm_learn.situation import Situation, canonical, situation_to_json
 from gcm_learn.storage import content_number

@@ -14,9 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from gcm_learn.motion.interception import first_interception
-from gcm_learn.motion.timing import SPACING, refine, spread
-from gcm_learn.planners.completion import Attempt, Problem, attempt_of
+from gcm_learn.motion import SPACING, first_interception, refine, spread
+from gcm_learn.planners import Attempt, Problem, attempt_of
 from gcm_learn.recall import kernels, trials
 from gcm_learn.recall.kernels import Query, Style
 from gcm_learn.recall.waypoints import Waypoints, ring_share

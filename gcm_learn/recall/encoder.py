@@ -27,7 +27,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
 from gcm_learn.recall.clearance_features import Features, clearance_features
 from gcm_learn.recall.memory_features import map_features, path_features
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, write_whole
 

@@ -16,8 +16,7 @@ import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.errors import RecallError
-from gcm_learn.planners.plan import Plan, Planner
-from gcm_learn.planners.registry import get_planner
+from gcm_learn.planners import Plan, Planner, get_planner
 from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory

@@ -16,7 +16,7 @@ from gcm_learn.recall.kernels import KNOTS
 from gcm_learn.recall.memory_features import map_picture
 from gcm_learn.recall.raw_features import COUNT, Scale, raw_features
 from gcm_learn.recall.waypoints import Waypoints
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene import Scene
 from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, content_number
 

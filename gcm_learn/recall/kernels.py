@@ -15,8 +15,8 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import approach, target_distance
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.verification import PARTS, joint_turns
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at, poses_at
-from gcm_learn.scene.scene import Scene
 
 KNOTS = 24  # of a remembered path, see `gcm_learn.recall.waypoints`
 ANGLE, RING, TIME, EARLIEST = range(4)  # columns of a knot

@@ -16,8 +16,7 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.maps import build_map
-from gcm_learn.situation import Situation
-from gcm_learn.situation.canonical import canonical
+from gcm_learn.situation import Situation, canonical
 from gcm_learn.wave import MarchingParams
 
 SAMPLES = 16  # equal shares of the path's length

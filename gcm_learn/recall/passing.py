@@ -16,13 +16,12 @@ import numpy as np
 
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Trajectory
 from gcm_learn.recall.waypoints import Waypoints, path_of
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.scene.limb import SIDE, elbows_of
 from gcm_learn.scene.packing import pack_bodies
-from gcm_learn.situation import Situation
-from gcm_learn.situation.canonical import frame_of
+from gcm_learn.situation import Situation, frame_of
 
 NEAR = 0.3  # limbs that come this near to an obstacle pass it [forearm lengths]
 PASSED = 0.5 * np.pi  # from this turn on an obstacle has been passed [rad]

@@ -9,10 +9,8 @@ import numpy as np
 
 from gcm_learn import artifacts, seeding
 from gcm_learn.errors import RecallError
-from gcm_learn.motion.failures import Failure
-from gcm_learn.planners.completion import Attempt, Problem, checked
-from gcm_learn.planners.plan import Plan, Planner
-from gcm_learn.planners.registry import get_planner, register
+from gcm_learn.motion import Failure
+from gcm_learn.planners import Attempt, Plan, Planner, Problem, checked, get_planner, register
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, adapt, attempt_at, query_of
 from gcm_learn.recall.index import index_class
 from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME, Query

@@ -14,6 +14,7 @@ import numpy as np
 
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.compiled import njit
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     BOX,
     CAPSULE,
@@ -30,7 +31,6 @@ from gcm_learn.scene.bodies import (
     pose_at,
 )
 from gcm_learn.scene.packing import pack
-from gcm_learn.scene.scene import Scene
 from gcm_learn.situation import Situation
 
 SLOTS = 4  # obstacles that are told, the nearest to hand, arm and path first

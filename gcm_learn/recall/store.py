@@ -26,8 +26,7 @@ from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.kernels import KNOTS
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.waypoints import Waypoints
-from gcm_learn.situation import Situation, situation_from_json, situation_to_json
-from gcm_learn.situation.canonical import canonical
+from gcm_learn.situation import Situation, canonical, situation_from_json, situation_to_json
 from gcm_learn.storage import to_disk, write_whole
 
 FORMAT = "gcm-learn/memory@1"

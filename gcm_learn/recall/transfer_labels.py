@@ -21,13 +21,13 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
-from gcm_learn.planners.completion import Problem, straight_plan
+from gcm_learn.planners import Problem, straight_plan
 from gcm_learn.recall.adaptation import Adaptation, transfer
 from gcm_learn.recall.clearance_features import FeatureBatch, batched, clearance_features
 from gcm_learn.recall.growth import catch_of
 from gcm_learn.recall.memory_features import map_features, path_features
 from gcm_learn.recall.waypoints import Waypoints
-from gcm_learn.scene.bodies import TOP_SPEED
+from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import Situation
 from gcm_learn.storage import write_whole
 

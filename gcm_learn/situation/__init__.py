@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from gcm_learn.situation.canonical import Frame, canonical, quaternion_of
-from gcm_learn.situation.checks import positive, show
+from gcm_learn.situation.canonical import Frame, canonical, frame_of, quaternion_of
+from gcm_learn.situation.checks import number, positive, show
 from gcm_learn.situation.frames import plane_frame, rotation_of
 from gcm_learn.situation.json_format import (
     FORMAT,
@@ -61,7 +61,9 @@ __all__ = [
     "SolidShape",
     "Sphere",
     "canonical",
+    "frame_of",
     "line_of",
+    "number",
     "parse",
     "plane_frame",
     "positive",

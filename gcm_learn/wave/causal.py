@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.handspace import Chart, Lattice, hand_space
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene import Scene
 from gcm_learn.wave import agenda, general, layered, marching
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of, turns_of

@@ -17,8 +17,8 @@ from gcm_learn.collision.chains import Chains, Spans, spans_of
 from gcm_learn.collision.intervals import INSTANTS, NEVER, target_ways
 from gcm_learn.compiled import njit
 from gcm_learn.handspace import Chart
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART
-from gcm_learn.scene.scene import Scene
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.kernels import Terms
 from gcm_learn.wave.limits import contact_distance, gaps, terms_of

@@ -10,8 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
-from gcm_learn.scene.bodies import COLUMNS, Bodies
-from gcm_learn.scene.scene import Limb, Limits, Scene
+from gcm_learn.scene import COLUMNS, Bodies, Limb, Limits, Scene
 from gcm_learn.wave import kernels, stencil
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of

@@ -8,12 +8,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance
+from gcm_learn.collision import arm_distance
 from gcm_learn.handspace import Lattice, hand_space
-from gcm_learn.scene import bodies as k
-from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.limb import SIDE
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene import (
+    ACCELERATION,
+    DISC,
+    HAND,
+    KIND,
+    PART,
+    POSITION,
+    SIDE,
+    SIZE,
+    TOP_SPEED,
+    VELOCITY,
+    Bodies,
+    Scene,
+    pose_at,
+)
 from gcm_learn.wave.limits import contact_distance, gaps
 from gcm_learn.wave.params import REST, WaveParams
 from gcm_learn.wave.solver import front_speed, kappa_of, rates_of, start_disc
@@ -158,7 +169,7 @@ class Stepped:
 
     def instants(self, b: int, span: tuple[float, float]) -> np.ndarray:
         """Times that cover a span [s] so densely that body b does not go far between two."""
-        way = self.scene.bodies.rows[b, k.TOP_SPEED] * (span[1] - span[0])
+        way = self.scene.bodies.rows[b, TOP_SPEED] * (span[1] - span[0])
         step = FINENESS * self.lattice.spacing
         return np.linspace(*span, int(np.ceil(way / step)) + 1 if way > 0.0 else 1)
 
@@ -194,18 +205,18 @@ def distances(bodies: Bodies, b: int, limbs: np.ndarray, times: np.ndarray) -> n
     (c, m) ndarray
     """
     row = bodies.rows[b]
-    if row[k.KIND] != k.DISC:
+    if row[KIND] != DISC:
         return np.array([[_kernel_distance(bodies, b, limb, t) for t in times] for limb in limbs])
     t = times[:, None]
-    centre = row[k.POSITION :][:2] + row[k.VELOCITY :][:2] * t
-    centre = centre + 0.5 * row[k.ACCELERATION :][:2] * t**2
+    centre = row[POSITION:][:2] + row[VELOCITY:][:2] * t
+    centre = centre + 0.5 * row[ACCELERATION:][:2] * t**2
     hand, elbow = limbs[:, None, :2], limbs[:, None, 2:]
-    if row[k.PART] == k.HAND:
+    if row[PART] == HAND:
         away = np.linalg.norm(centre - hand, axis=-1)
     else:
         upper_arm = _from_segments(centre, 0.0 * elbow, elbow)
         away = np.minimum(_from_segments(centre, elbow, hand), upper_arm)
-    return np.maximum(away - row[k.SIZE], 0.0)
+    return np.maximum(away - row[SIZE], 0.0)
 
 
 def _from_segments(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -219,5 +230,5 @@ def _from_segments(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarr
 def _kernel_distance(bodies: Bodies, b: int, limb: np.ndarray, t: float) -> float:
     """As `distances`, for bodies that are no discs."""
     poses = np.zeros((bodies.rows.shape[0], 12))
-    k.pose_at(bodies, b, t, poses)
+    pose_at(bodies, b, t, poses)
     return float(arm_distance(bodies, poses, b, *limb))

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.handspace import Lattice
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene import Scene
 from gcm_learn.wave import excitation, inhibition, stencil
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import contact_distance, fastest, postures

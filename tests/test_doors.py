@@ -1,0 +1,144 @@
+"""Folders are entered by their doors, no files go round in circles, imports change nothing."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+import subprocess
+import sys
+from collections import defaultdict
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "gcm_learn"
+FOLDERS = sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
+MOST_PARAMETERS, MANY_PARAMETERS = 12, 8  # of a compiled function: none over, few over
+
+
+def name_of(path: Path) -> str:
+    """Return a file's name as a module."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {name_of(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+@cache
+def tree_of(module: str) -> ast.Module:
+    """Return a module's source, parsed; once."""
+    return ast.parse(MODULES[module].read_text("utf-8"))
+
+
+@cache
+def imports_of(module: str) -> list[tuple[str, str]]:
+    """Return what a module takes from the package, wherever it does: (module, name)."""
+    tree = tree_of(module)
+    typing = {
+        id(inner)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+        for inner in ast.walk(node)
+    }
+    return [
+        (node.module, alias.name)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and id(node) not in typing
+        for alias in node.names
+        if node.module is not None and node.module.split(".")[0] == "gcm_learn"
+    ]
+
+
+def folder_of(module: str) -> str:
+    """Return the folder of a module; empty for those that lie in none."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 and parts[1] in FOLDERS else ""
+
+
+def is_compiled(module: str) -> bool:
+    """Return whether a module has kernels."""
+    return folder_of(module) != "" and "@njit" in MODULES[module].read_text("utf-8")
+
+
+def offers(folder: str) -> set[str]:
+    """Return what the door of a folder lists."""
+    for node in tree_of(f"gcm_learn.{folder}").body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return set(ast.literal_eval(node.value))
+    return set()
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_a_folder_is_entered_by_its_door(folder):
+    """Kernels may import kernels: compiled code has no use for a shell."""
+    past = []
+    for module in MODULES:
+        for source, name in imports_of(module):
+            if folder_of(source) != folder or folder_of(module) == folder:
+                continue
+            inside = source if source in MODULES else source.rpartition(".")[0]
+            if source == f"gcm_learn.{folder}":
+                if name not in offers(folder):
+                    past.append(f"{module} takes {name}, which the door does not list")
+            elif not (is_compiled(module) and is_compiled(inside)):
+                past.append(f"{module} takes {name} from {source}")
+    assert past == []
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_no_circle_in_a_folder(folder):
+    graph: dict[str, set[str]] = defaultdict(set)
+    for module in MODULES:
+        if folder_of(module) != folder:
+            continue
+        for source, name in imports_of(module):
+            taken = f"{source}.{name}" if f"{source}.{name}" in MODULES else source
+            if folder_of(taken) == folder and taken not in (module, f"gcm_learn.{folder}"):
+                graph[module].add(taken)
+    graphlib.TopologicalSorter(graph).prepare()  # raises CycleError with the circle
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_what_a_door_lists_is_there(folder):
+    listed = [
+        ast.literal_eval(node.value)
+        for node in tree_of(f"gcm_learn.{folder}").body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    ]
+    assert all(len(set(names)) == len(names) for names in listed)
+    code = f"import gcm_learn.{folder} as door\nfor name in door.__all__: getattr(door, name)"
+    if listed:
+        subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+
+
+def test_kernels_take_few_parameters():
+    counts = {
+        f"{module}.{node.name}": len(node.args.args)
+        for module in MODULES
+        if is_compiled(module)
+        for node in ast.walk(tree_of(module))
+        if isinstance(node, ast.FunctionDef)
+        and any("njit" in ast.unparse(decorator) for decorator in node.decorator_list)
+    }
+    assert {name: n for name, n in counts.items() if n > MOST_PARAMETERS} == {}
+    assert sum(n > MANY_PARAMETERS for n in counts.values()) <= 0.15 * len(counts)
+
+
+def test_an_import_changes_nothing_but_who_waits_for_gymnasium():
+    """ARCHITECTURE.md tells why there is one who waits."""
+    code = """
+import os, sys
+import numba, numpy
+from numba.core.caching import IndexDataCacheFile
+before = (numba.config.CACHE_DIR, IndexDataCacheFile.save, list(sys.meta_path), dict(os.environ))
+import gcm_learn.cli, gcm_learn.planners, gcm_learn.recall
+gcm_learn.solve
+assert numba.config.CACHE_DIR == before[0] and IndexDataCacheFile.save is before[1]
+assert dict(os.environ) == before[3]
+print(*(type(finder).__module__ for finder in sys.meta_path if finder not in before[2]))
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout.split() == ["gcm_learn.registration"], done.stdout + done.stderr
