@@ -122,9 +122,9 @@ class Stepped:
         self.q = self.rate.copy()
         self.coupled = couplings(self.inside, params.laplacian)
         self.arrival, self.crossing = np.full(shape, -1.0), np.full(shape, -1.0)
-        parts = scene.bodies.rows[:, k.PART]
-        self.targets = np.flatnonzero(parts == k.HAND).tolist()
-        self.obstacles = np.flatnonzero(parts != k.HAND).tolist()
+        parts = scene.bodies.rows[:, PART]
+        self.targets = np.flatnonzero(parts == HAND).tolist()
+        self.obstacles = np.flatnonzero(parts != HAND).tolist()
         self.reach = contact_distance(scene, lattice, params)
 
     @property
