@@ -73,7 +73,9 @@ def _propagate(
     n, shape = lattice.n, stencil.layout(lattice.n)
     slowness = 1.0 / front_speed(params).fastest if params.start_radius > 0.0 else 0.0
     buffers = _workspace.__dict__.setdefault("buffers", {})
-    buffer = buffers.setdefault(n, np.empty(shape.length, dtype=np.float32))
+    if n not in buffers:
+        buffers[n] = stencil.room(n)
+    buffer = buffers[n]
     ground = ground_of(scene, lattice, params, buffer, slowness)
     kernels.excite(ground, *start_disc(scene, lattice, params))
     terms = terms_of(scene, lattice, params, kappa, ignore)

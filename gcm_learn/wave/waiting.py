@@ -49,9 +49,8 @@ def propagate_layers(
     Front
     """
     n = lattice.n
-    buffer = np.empty(stencil.layout(n).length, dtype=np.float32)
     slowness = 1.0 / front_speed(params).fastest
-    ground, book = ground_of(scene, lattice, params, buffer, slowness), _book(n)
+    ground, book = ground_of(scene, lattice, params, stencil.room(n), slowness), _book(n)
     world = _world(scene, lattice, params, ignore, widening)
     state, body, time = excitation.propagate_layers(
         *start_disc(scene, lattice, params), ground, world, book, _batch(n)
