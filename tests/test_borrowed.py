@@ -15,7 +15,8 @@ import gcm_learn
 from gcm_learn import families, get_planner
 from gcm_learn.situation import Situation
 
-MAKERS = {"array", "copy", "empty", "full", "ones", "zeros", "append", "Bodies", "World", "State"}
+MAKERS = {"array", "copy", "empty", "full", "ones", "zeros", "append"}
+MAKERS |= {"Bodies", "World", "State", "Agenda", "Batch", "Spans"}
 PLANNERS = ("gcm", "marching", "layered", "straight", "recall")
 
 
