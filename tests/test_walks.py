@@ -23,6 +23,20 @@ WALKS = {
 }
 
 
+SPEC = """
+format = "gcm-learn/dataset-spec@1"
+name = "one"
+seed = 3
+count = 1
+shard_size = 1
+map = "marching"
+planners = ["marching"]
+rungs = 1
+[[families]]
+family = "random-planar"
+"""
+
+
 @pytest.fixture
 def called(monkeypatch) -> Callable[[list[tuple[str, str]]], list[tuple[str, str]]]:
     """Return a function that has calls of some doors written down, wherever they were taken."""
@@ -82,10 +96,7 @@ def test_from_json_to_a_solution(called, tmp_path):
 
 def test_from_a_specification_to_a_shard(called, tmp_path):
     spec_file = tmp_path / "one.toml"
-    spec_file.write_text(
-        'format = "gcm-learn/dataset-spec@1"\nname = "one"\nseed = 3\ncount = 1\nshard_size = 1\nmap = "marching"\n'
-        'planners = ["marching"]\nrungs = 1\n[[families]]\nfamily = "random-planar"\n'
-    )
+    spec_file.write_text(SPEC)
     seen = called(WALKS["From a specification to a shard"])
     from gcm_learn import dataset
 
