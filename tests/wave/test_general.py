@@ -289,7 +289,7 @@ def test_marching_in_the_plane_means_the_same_and_is_more_exact(wait, k):
     both = (ours >= 0.0) & (theirs >= 0.0)
     early = (ours >= 0.0) & (ours < until / OCTILE), (theirs >= 0.0) & (theirs < until / OCTILE)
     if both.sum() < 50:
-        pytest.skip("blocked at the start")
+        pytest.skip("blocked from the start")
     assert np.count_nonzero((early[0] | early[1]) & ~both) <= 0.06 * both.sum()
     # Steps across a corner slip through where marching goes round.
     assert np.mean(theirs[both] >= ours[both] - step) > 0.9
