@@ -28,6 +28,10 @@ class SituationError(FieldError):
     """A situation breaks a rule of the exchange contract."""
 
 
+class ArmKindError(GcmError, ValueError):
+    """A planner or a command does not take arms of this kind; the message names who and which."""
+
+
 class FamilyError(FieldError):
     """A family of situations is asked for something it does not know or cannot draw."""
 

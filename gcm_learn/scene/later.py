@@ -3,26 +3,41 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
+from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.scene.packing import integrate_swing
 from gcm_learn.situation import (
+    JOINTS,
+    Arm,
     Body,
     Motion,
     Pendulum,
     PlanarQuadratic,
     Situation,
     SolidQuadratic,
+    SpatialArm,
     quaternion_of,
     rotation_of,
 )
 
+AnyKind = TypeVar("AnyKind", Situation[Arm], Situation[SpatialArm])
+
 STEPS_PER_PERIOD = 2000  # of a swing, as packed bodies have it
 
 
-def later(situation: Situation, t: float, hand: tuple[float, float] | None = None) -> Situation:
+def later(
+    situation: AnyKind,
+    t: float,
+    hand: tuple[float, float] | None = None,
+    *,
+    joints: Sequence[float] | None = None,
+    rates: Sequence[float] | None = None,
+) -> AnyKind:
     """The situation `t` seconds later.
 
     Parameters
@@ -31,16 +46,44 @@ def later(situation: Situation, t: float, hand: tuple[float, float] | None = Non
     t : float
         From 0 to less than the horizon [s].
     hand : (2,) tuple of float, optional
-        Where the hand is then; by default it has rested.
+        Where the hand of a planar arm is then; by default it has rested.
+    joints : (4,) sequence of float, optional
+        How a spatial arm stands then [rad]; by default it has rested, which only one can that
+        rests at t = 0.
+    rates : (4,) sequence of float, optional
+        Rates of its joints then [rad/s]; 0 by default.
 
     Returns
     -------
     Situation
         Its bodies go on as they would have; its horizon is shorter by t.
     """
-    arm = situation.arm if hand is None else replace(situation.arm, hand=hand)
+    arm: Any = situation.arm
+    if isinstance(arm, SpatialArm):
+        if hand is not None:
+            raise ArmKindError("hand: is of planar arms; a spatial one has joints")
+        arm = _stands(arm, t, joints, rates)
+    elif joints is not None or rates is not None:
+        raise ArmKindError("joints, rates: are of spatial arms; a planar one has a hand")
+    elif hand is not None:
+        arm = replace(arm, hand=hand)
     bodies = tuple(_moved(body, t) for body in situation.bodies)
     return replace(situation, arm=arm, bodies=bodies, horizon=situation.horizon - t)
+
+
+def _stands(
+    arm: SpatialArm, t: float, joints: Sequence[float] | None, rates: Sequence[float] | None
+) -> SpatialArm:
+    """The arm with other joints and rates at t = 0."""
+    if joints is None and rates is None and (t <= 0.0 or not any(arm.joint_rates or ())):
+        return arm
+    if joints is None:
+        raise SituationError("joints", "are to be told of an arm that moves")
+    if rates is None and arm.max_joint_acceleration is not None:
+        rates = (0.0,) * JOINTS
+    there: Any = tuple(joints)
+    moving: Any = None if rates is None else tuple(rates)
+    return replace(arm, joints=there, joint_rates=moving)
 
 
 def _moved(body: Body, t: float) -> Body:

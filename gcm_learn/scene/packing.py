@@ -12,6 +12,7 @@ from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.limb import SIDE
 from gcm_learn.scene.scene import Limb, Limits, Scene
 from gcm_learn.situation import (
+    AnySituation,
     Box,
     Capsule,
     Cylinder,
@@ -22,7 +23,8 @@ from gcm_learn.situation import (
     Situation,
     SolidQuadratic,
     Sphere,
-    plane_frame,
+    arm_frame,
+    planar,
     rotation_of,
 )
 
@@ -48,7 +50,7 @@ def pack(situation: Situation) -> Scene:
     -------
     Scene
     """
-    arm = situation.arm
+    arm = planar(situation, "a scene of the arm's plane").arm
     shoulder, elbow = arm.max_joint_speed or (math.inf, math.inf)
     limb = Limb(
         arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach, arm.thickness, *arm.hand
@@ -57,20 +59,21 @@ def pack(situation: Situation) -> Scene:
     return Scene(pack_bodies(situation), limb, limits)
 
 
-def pack_bodies(situation: Situation) -> Bodies:
-    """Pack a situation's bodies into arrays, in arm-plane coordinates.
+def pack_bodies(situation: AnySituation) -> Bodies:
+    """Pack a situation's bodies into arrays, in arm-plane coordinates or those of the base.
 
     Parameters
     ----------
     situation : Situation
-        Planar or 3D; solids are turned into the frame (plane.x, plane.y, plane normal).
+        Solids are turned into the frame (plane.x, plane.y, plane normal) of a planar arm, or that
+        of a spatial arm's base.
 
     Returns
     -------
     Bodies
         Arrays indexed as ``situation.bodies``.
     """
-    frame, origin = plane_frame(situation.plane)
+    frame, origin = arm_frame(situation)
     made: list[list[float]] = []  # lists, because writing into parts of arrays takes longer
     vertices: list[tuple[float, float]] = []
     swings: list[Pendulum] = []
@@ -101,7 +104,7 @@ def pack_bodies(situation: Situation) -> Bodies:
     return Bodies(rows, np.array(vertices, dtype=float).reshape(-1, 2), angles, step)
 
 
-def pose(situation: Situation, index: int, t: float) -> tuple[np.ndarray, np.ndarray]:
+def pose(situation: AnySituation, index: int, t: float) -> tuple[np.ndarray, np.ndarray]:
     """Pose of one body at time t.
 
     Parameters
@@ -115,9 +118,9 @@ def pose(situation: Situation, index: int, t: float) -> tuple[np.ndarray, np.nda
     Returns
     -------
     centre : (3,) ndarray
-        In arm-plane coordinates; z = 0 is the arm's plane.
+        In arm-plane coordinates, where z = 0 is the arm's plane, or those of the base.
     rotation : (3, 3) ndarray
-        Body frame to arm-plane frame; the columns are the body's axes.
+        Body frame to the same frame; the columns are the body's axes.
     """
     bodies = pack_bodies(situation)
     poses = np.zeros((len(situation.bodies), 12))

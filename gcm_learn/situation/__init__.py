@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from gcm_learn.situation.canonical import Frame, canonical, frame_of, quaternion_of
+from gcm_learn.situation.canonical import Frame, canonical, frame_of
 from gcm_learn.situation.checks import number, positive, show
-from gcm_learn.situation.frames import plane_frame, rotation_of
+from gcm_learn.situation.frames import arm_frame, plane_frame, quaternion_of, rotation_of
 from gcm_learn.situation.json_format import (
     FORMAT,
+    SPATIAL_FORMAT,
     read_situations,
     situation_from_json,
     situation_to_json,
@@ -33,10 +34,14 @@ from gcm_learn.situation.shapes import (
     SolidShape,
     Sphere,
 )
-from gcm_learn.situation.situation import Arm, Body, Plane, Situation
+from gcm_learn.situation.situation import AnySituation, Arm, Body, Plane, Situation, planar
+from gcm_learn.situation.spatial_arm import JOINTS, Base, SpatialArm
+from gcm_learn.situation.spatial_frame import SpatialFrame
 
 __all__ = [
+    "AnySituation",
     "Arm",
+    "Base",
     "Body",
     "Box",
     "Capsule",
@@ -44,6 +49,7 @@ __all__ = [
     "Disc",
     "FORMAT",
     "Frame",
+    "JOINTS",
     "JsonTextError",
     "Motion",
     "PLANAR",
@@ -54,17 +60,22 @@ __all__ = [
     "Polygon",
     "RepeatedField",
     "SOLID",
+    "SPATIAL_FORMAT",
     "Shape",
     "Situation",
     "SolidMotion",
     "SolidQuadratic",
     "SolidShape",
+    "SpatialArm",
+    "SpatialFrame",
     "Sphere",
+    "arm_frame",
     "canonical",
     "frame_of",
     "line_of",
     "number",
     "parse",
+    "planar",
     "plane_frame",
     "positive",
     "quaternion_of",

@@ -10,14 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.situation.frames import plane_frame, rotation_of
-from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.frames import carried, plane_frame
+from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import Polygon, Shape
-from gcm_learn.situation.situation import Body, Plane, Situation
+from gcm_learn.situation.situation import AnySituation, Body, Plane, Situation
+from gcm_learn.situation.spatial_arm import SpatialArm
+from gcm_learn.situation.spatial_frame import SpatialFrame, canonical_in_space
 
 _SPACE = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
@@ -53,18 +56,33 @@ def frame_of(situation: Situation) -> Frame:
     return Frame(math.atan2(y, x), situation.arm.elbow == "left")
 
 
-def canonical(situation: Situation) -> tuple[Situation, Frame]:
+@overload
+def canonical(
+    situation: Situation[SpatialArm],
+) -> tuple[Situation[SpatialArm], SpatialFrame]: ...
+@overload
+def canonical(situation: Situation) -> tuple[Situation, Frame]: ...
+def canonical(situation: AnySituation) -> tuple[AnySituation, Frame | SpatialFrame]:
     """The situation in its canonical form, and how it lay.
 
     A 3D situation is also expressed in coordinates of its arm plane; to mirror it takes no more
-    than to look at the plane from its other side.
+    than to look at the plane from its other side.  A spatial arm stands at the origin and is a
+    left one (see `situation.spatial_frame`).
 
     Returns
     -------
     Situation
-        Hand at (r, 0), elbow on the right; names and order are kept.
-    Frame
+        Hand at (r, 0), elbow on the right; or the base at the origin, unturned.  Names and order
+        are kept.
+    Frame or SpatialFrame
     """
+    if isinstance(situation.arm, SpatialArm):
+        return canonical_in_space(situation)
+    return _canonical_in_plane(situation)
+
+
+def _canonical_in_plane(situation: Situation) -> tuple[Situation, Frame]:
+    """The canonical form of a situation with a planar arm."""
     frame = frame_of(situation)
     arm = replace(situation.arm, hand=(math.hypot(*situation.arm.hand), 0.0), elbow="right")
     if situation.plane is None:
@@ -114,51 +132,8 @@ def _solid_mover(plane: Plane, frame: Frame) -> Callable[[Body], Body]:
     # Seen from the other side the normal is turned, too: a rotation, so solids stay what they are.
     turn = np.array([[c, s, 0.0], [-side * s, side * c, 0.0], [0.0, 0.0, side]]) @ rows
 
-    def move(v: ArrayLike) -> tuple[float, float, float]:
-        x, y, z = (turn @ np.asarray(v, dtype=float)).tolist()
-        return (x, y, z)
-
-    def place(v: ArrayLike) -> tuple[float, float, float]:
-        return move(np.asarray(v, dtype=float) - origin)
-
-    def motion_of(motion: Motion) -> Motion:
-        if isinstance(motion, Pendulum):
-            axis, down = move(motion.axis), move(motion.down)
-            return replace(motion, pivot=place(motion.pivot), axis=axis, down=down)
-        assert isinstance(motion, SolidQuadratic)
-        return SolidQuadratic(
-            place(motion.position),
-            move(motion.velocity),
-            move(motion.acceleration),
-            quaternion_of(turn @ rotation_of(motion.orientation)),
-            move(motion.spin),
-        )
-
     def moved(body: Body) -> Body:
-        return replace(body, motion=motion_of(body.motion))
+        assert isinstance(body.motion, SolidQuadratic | Pendulum)
+        return replace(body, motion=carried(body.motion, turn, origin))
 
     return moved
-
-
-def quaternion_of(rotation: np.ndarray) -> tuple[float, float, float, float]:
-    """Unit quaternion (w, x, y, z) of a rotation matrix (3, 3), the inverse of `rotation_of`.
-
-    The largest of the four numbers is positive; it is taken from the diagonal and the others by
-    division (S. W. Shepperd, J. Guidance and Control 1, 1978), so none is a difference of nearly
-    equal numbers.
-    """
-    r = rotation.tolist()
-    trace = r[0][0] + r[1][1] + r[2][2]
-    squares = (trace, r[0][0], r[1][1], r[2][2])
-    k = max(range(4), key=squares.__getitem__)
-    if k == 0:
-        q = [1.0 + trace, r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
-    else:
-        a, b, c = k - 1, k % 3, (k + 1) % 3
-        q = [r[c][b] - r[b][c], 0.0, 0.0, 0.0]
-        q[1 + a] = 1.0 + r[a][a] - r[b][b] - r[c][c]
-        q[1 + b] = r[b][a] + r[a][b]
-        q[1 + c] = r[c][a] + r[a][c]
-    length = math.sqrt(math.fsum(x * x for x in q))
-    w, x, y, z = (value / length for value in q)
-    return (w, x, y, z)

@@ -1,4 +1,4 @@
-"""Files of situations in the exchange format ``gcm-learn/situation@1``."""
+"""Files of situations in the exchange formats ``gcm-learn/situation@1`` and ``@2``."""
 
 from __future__ import annotations
 
@@ -10,12 +10,18 @@ from pathlib import Path
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation.checks import quote
 from gcm_learn.situation.json_text import JsonTextError, line_of, parse
-from gcm_learn.situation.json_values import FORMAT, situation_from_json, situation_to_json
-from gcm_learn.situation.situation import Situation
+from gcm_learn.situation.json_values import (
+    FORMAT,
+    SPATIAL_FORMAT,
+    situation_from_json,
+    situation_to_json,
+)
+from gcm_learn.situation.situation import AnySituation
 from gcm_learn.storage import write_whole
 
 __all__ = [
     "FORMAT",
+    "SPATIAL_FORMAT",
     "read_situations",
     "situation_from_json",
     "situation_to_json",
@@ -23,7 +29,7 @@ __all__ = [
 ]
 
 
-def read_situations(path: str | Path) -> list[Situation]:
+def read_situations(path: str | Path) -> list[AnySituation]:
     """Read every situation of a file; all are checked before any is returned.
 
     Parameters
@@ -77,7 +83,7 @@ def _starts_with_value_line(content: str) -> bool:
     return True
 
 
-def _read_one(content: str, name: str) -> Situation:
+def _read_one(content: str, name: str) -> AnySituation:
     """Return the only situation of a text, which may span lines."""
     try:
         return situation_from_json(parse(content))
@@ -87,9 +93,9 @@ def _read_one(content: str, name: str) -> Situation:
         raise FileFormatError(f"{name}:{line_of(content, error.field)}: {error}") from None
 
 
-def _read_lines(content: str, name: str) -> list[Situation]:
+def _read_lines(content: str, name: str) -> list[AnySituation]:
     """Return the situations of a text that has one on each line, under different names."""
-    situations = []
+    situations: list[AnySituation] = []
     for number, line in _filled_lines(content):
         try:
             situations.append(_named_situation(parse(line)))
@@ -110,7 +116,7 @@ def _filled_lines(content: str) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _named_situation(obj: object) -> Situation:
+def _named_situation(obj: object) -> AnySituation:
     """Return the situation of a parsed line, where the name is required."""
     situation = situation_from_json(obj)
     if isinstance(obj, dict) and "name" not in obj:
@@ -118,7 +124,7 @@ def _named_situation(obj: object) -> Situation:
     return situation
 
 
-def _check_unique(situations: Sequence[Situation], lines: Sequence[int], name: str) -> None:
+def _check_unique(situations: Sequence[AnySituation], lines: Sequence[int], name: str) -> None:
     """Refuse two situations of the same name."""
     first: dict[str, int] = {}
     for situation, line in zip(situations, lines, strict=True):
@@ -128,7 +134,7 @@ def _check_unique(situations: Sequence[Situation], lines: Sequence[int], name: s
         first[situation.name] = line
 
 
-def write_situations(path: str | Path, situations: Sequence[Situation]) -> None:
+def write_situations(path: str | Path, situations: Sequence[AnySituation]) -> None:
     """Write situations to a file that `read_situations` reads back equal.
 
     The file appears complete or not at all.

@@ -1,4 +1,4 @@
-"""Situations to JSON values and back: the exchange format ``gcm-learn/situation@1``."""
+"""Situations to JSON values and back: the exchange formats ``gcm-learn/situation@1`` and ``@2``."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ from gcm_learn.situation.checks import quote, sequence, show
 from gcm_learn.situation.json_text import RepeatedField
 from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
-from gcm_learn.situation.situation import Arm, Body, Plane, Situation
+from gcm_learn.situation.situation import AnySituation, Arm, Body, Plane, Situation
+from gcm_learn.situation.spatial_arm import Base, SpatialArm
 
 FORMAT = "gcm-learn/situation@1"
+SPATIAL_FORMAT = "gcm-learn/situation@2"
 
 _SHAPES: dict[str, type[Shape]] = {record.kind: record for record in PLANAR + SOLID}
 _MOTIONS = (PlanarQuadratic.kind, Pendulum.kind)
@@ -22,7 +24,7 @@ _MOTIONS = (PlanarQuadratic.kind, Pendulum.kind)
 _Record = TypeVar("_Record")
 
 
-def situation_from_json(obj: object) -> Situation:
+def situation_from_json(obj: object) -> Situation[Any]:
     """Return the situation that a parsed JSON value describes.
 
     Parameters
@@ -36,19 +38,45 @@ def situation_from_json(obj: object) -> Situation:
         With the path of the offending field, e.g. ``"bodies[1].shape.radius"``.
     """
     members = _object(obj, "")
-    if "format" not in members:
-        raise SituationError("format", f"is missing (must be {quote(FORMAT)})")
-    if members["format"] != FORMAT:
-        raise SituationError("format", f"must be {quote(FORMAT)} (got {show(members['format'])})")
+    spatial = _format(members) == SPATIAL_FORMAT
     _check_names(members, "", Situation, extra=("format",), optional=("name",))
+    if spatial and "plane" in members:
+        raise SituationError("plane", f"is for planar arms ({quote(SPATIAL_FORMAT)} has none)")
     bodies = sequence(members["bodies"], "bodies", "bodies")
     return Situation(
         name=members.get("name", ""),
         horizon=members["horizon"],
-        arm=_record(Arm, members["arm"], "arm"),
+        arm=(_spatial_arm if spatial else _planar_arm)(members["arm"], "arm"),
         bodies=tuple(_body(body, f"bodies[{k}]") for k, body in enumerate(bodies)),
         plane=_record(Plane, members["plane"], "plane") if "plane" in members else None,
     )
+
+
+def _format(members: dict[str, Any]) -> str:
+    """Return the `format` of a situation."""
+    known = f"{quote(FORMAT)} or {quote(SPATIAL_FORMAT)}"
+    if "format" not in members:
+        raise SituationError("format", f"is missing (must be {known})")
+    given = members["format"]
+    if not isinstance(given, str) or given not in (FORMAT, SPATIAL_FORMAT):
+        raise SituationError("format", f"must be {known} (got {show(given)})")
+    return given
+
+
+def _planar_arm(obj: object, path: str) -> Arm:
+    """Return the arm of ``@1``."""
+    return _record(Arm, obj, path)
+
+
+def _spatial_arm(obj: object, path: str) -> SpatialArm:
+    """Return the arm of ``@2``."""
+    _kind(obj, path, (SpatialArm.kind,))
+    members = _object(obj, path)
+    _check_names(members, path, SpatialArm, extra=("kind",))
+    values = {name: value for name, value in members.items() if name != "kind"}
+    if "base" in values:
+        values["base"] = _record(Base, values["base"], f"{path}.base")
+    return _made(SpatialArm, values, path)
 
 
 def _body(obj: object, path: str) -> Body:
@@ -146,18 +174,26 @@ def _shown(key: object) -> str:
     return name if plain else quote(name)
 
 
-def situation_to_json(situation: Situation) -> dict[str, Any]:
+def situation_to_json(situation: AnySituation) -> dict[str, Any]:
     """Return the JSON object of a situation; `situation_from_json` gives back an equal one."""
+    spatial = isinstance(situation.arm, SpatialArm)
     result: dict[str, Any] = {
-        "format": FORMAT,
+        "format": SPATIAL_FORMAT if spatial else FORMAT,
         "name": situation.name,
         "horizon": situation.horizon,
-        "arm": _members_of(situation.arm),
+        "arm": _arm_to_json(situation.arm),
     }
     if situation.plane is not None:
         result["plane"] = _members_of(situation.plane)
     result["bodies"] = [_body_to_json(body) for body in situation.bodies]
     return result
+
+
+def _arm_to_json(arm: Arm | SpatialArm) -> dict[str, Any]:
+    """Return the JSON object of an arm."""
+    if isinstance(arm, Arm):
+        return _members_of(arm)
+    return {"kind": arm.kind, **_members_of(arm), "base": _members_of(arm.base)}
 
 
 def _body_to_json(body: Body) -> dict[str, Any]:
@@ -170,7 +206,7 @@ def _body_to_json(body: Body) -> dict[str, Any]:
     }
 
 
-def _members_of(record: Arm | Plane | Shape | Motion) -> dict[str, Any]:
+def _members_of(record: Arm | SpatialArm | Base | Plane | Shape | Motion) -> dict[str, Any]:
     """Return the fields of a record as JSON values; those that are None stay absent."""
     kind: type = type(record)
     values = {name: getattr(record, name) for name in _names_of(kind)}

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic
 
-from gcm_learn.errors import SituationError
+from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.situation.checks import (
     choice,
     non_negative,
@@ -28,6 +29,7 @@ from gcm_learn.situation.motion import (
     SolidQuadratic,
 )
 from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
+from gcm_learn.situation.spatial_arm import SpatialArm
 
 ROLES = ("target", "obstacle")
 ELBOWS = ("left", "right")
@@ -169,9 +171,22 @@ class Body:
         return isinstance(self.shape, SOLID)
 
 
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar  # a default makes a plain `Situation` one of the plane
+
+    ArmKind = TypeVar("ArmKind", bound=Arm | SpatialArm, default=Arm, covariant=True)
+else:
+    from typing import TypeVar
+
+    ArmKind = TypeVar("ArmKind")
+
+
 @dataclass(frozen=True)
-class Situation:
+class Situation(Generic[ArmKind]):
     """Everything a planner is told.
+
+    In annotations, `Situation` has a planar arm, ``Situation[SpatialArm]`` one in space, and
+    `AnySituation` either.
 
     Parameters
     ----------
@@ -179,18 +194,18 @@ class Situation:
         Any string; unique within a file.
     horizon : float
         Last moment at which a catch counts, above zero [s].
-    arm : Arm
+    arm : Arm or SpatialArm
         The arm at t = 0 and its limits.
     bodies : tuple of Body
-        At least one target, any number of obstacles; all solid when there is a plane, else all
-        planar.
+        At least one target, any number of obstacles; all solid when there is a plane or the arm
+        is spatial, else all planar.
     plane : Plane, optional
-        The arm's plane, present exactly in a 3D scene.
+        The arm's plane, present exactly when a planar arm is in a 3D scene.
     """
 
     name: str
     horizon: float
-    arm: Arm
+    arm: ArmKind
     bodies: tuple[Body, ...]
     plane: Plane | None = None
 
@@ -198,8 +213,10 @@ class Situation:
         """Check the fields, then the bodies against each other and against the plane."""
         put(self, "name", text(self.name, "name"))
         put(self, "horizon", positive(self.horizon, "horizon"))
-        if not isinstance(self.arm, Arm):
+        if not isinstance(self.arm, Arm | SpatialArm):
             raise SituationError("arm", f"must be an arm (got {show(self.arm)})")
+        if self.is_spatial and self.plane is not None:
+            raise SituationError("plane", "is for planar arms (the arm is spatial)")
         if self.plane is not None and not isinstance(self.plane, Plane):
             raise SituationError("plane", f"must be a plane (got {show(self.plane)})")
         put(self, "bodies", tuple(sequence(self.bodies, "bodies", "bodies")))
@@ -215,12 +232,7 @@ class Situation:
                 reason = f"{quote(body.name)} is already the name of bodies[{seen[body.name]}]"
                 raise SituationError(f"bodies[{k}].name", reason)
             seen[body.name] = k
-            if body.is_solid and self.plane is None:
-                reason = f"{quote(body.shape.kind)} is 3D, but the situation has no plane"
-                raise SituationError(f"bodies[{k}].shape.kind", reason)
-            if not body.is_solid and self.plane is not None:
-                reason = f"{quote(body.shape.kind)} is planar, but the situation has a plane"
-                raise SituationError(f"bodies[{k}].shape.kind", reason)
+            self._check_dimension(body, f"bodies[{k}].shape.kind")
             if isinstance(body.motion, Pendulum):
                 longest = 2.0 * math.pi * MOST_PERIODS / body.motion.fastest
                 if self.horizon > longest:
@@ -228,6 +240,17 @@ class Situation:
                     raise SituationError("horizon", f"{reason} (at most {longest:g})")
         if not self.targets:
             raise SituationError("bodies", f"no target among {len(self.bodies)} bodies")
+
+    def _check_dimension(self, body: Body, field: str) -> None:
+        """Refuse a body that does not live in the arm's space."""
+        if body.is_solid == (self.is_solid or self.is_spatial):
+            return
+        if body.is_solid:
+            reason = "is 3D, but the situation has no plane"
+        else:
+            why = "arm is spatial" if self.is_spatial else "situation has a plane"
+            reason = f"is planar, but the {why}"
+        raise SituationError(field, f"{quote(body.shape.kind)} {reason}")
 
     @property
     def targets(self) -> tuple[Body, ...]:
@@ -241,5 +264,32 @@ class Situation:
 
     @property
     def is_solid(self) -> bool:
-        """Whether this is a 3D scene, in which the arm meets the cuts of solids."""
+        """Whether a planar arm is in a 3D scene, in which its hand meets the cuts of solids."""
         return self.plane is not None
+
+    @property
+    def is_spatial(self) -> bool:
+        """Whether the arm moves in space."""
+        return isinstance(self.arm, SpatialArm)
+
+
+AnySituation = Situation[Arm] | Situation[SpatialArm]
+
+
+def planar(situation: AnySituation, who: str) -> Situation[Arm]:
+    """The situation, if its arm is planar.
+
+    Parameters
+    ----------
+    situation : Situation
+    who : str
+        Who asks, for the message, e.g. ``"planner 'gcm'"``.
+
+    Raises
+    ------
+    ArmKindError
+    """
+    if isinstance(situation.arm, SpatialArm):
+        name = quote(situation.name)
+        raise ArmKindError(f"{who} does not take spatial arms (situation {name})")
+    return situation

@@ -1,0 +1,135 @@
+"""One form for spatial situations that differ only by where the base is, or by a mirror.
+
+A mirror in the xz-plane of the base makes a left arm of a right one.  It reverses the sense of
+rotations about x and z, and keeps that of rotations about y: q1 stays, q2, q3 and q4 change their
+signs, their ranges are turned round, and the bones' y coordinates change their signs.  Nothing
+else is symmetry here, because joints have ranges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcm_learn.situation.frames import arm_frame, carried, rotation_of
+from gcm_learn.situation.motion import Pendulum, SolidQuadratic
+from gcm_learn.situation.situation import Body, Situation
+from gcm_learn.situation.spatial_arm import IDENTITY, Base, SpatialArm
+
+NOTHING = 1e-9
+"""Share of the reach, and angle [rad], below which a number has no side."""
+
+_MIRROR = np.array([1.0, -1.0, 1.0])  # of positions
+_TURNS = np.array([1.0, -1.0, -1.0, -1.0])  # of joint angles
+
+
+@dataclass(frozen=True)
+class SpatialFrame:
+    """How a situation lies: mirror the canonical one in its xz-plane if so, then put it there."""
+
+    base: Base = IDENTITY
+    """Pose of the shoulder in the world."""
+    mirrored: bool = False
+    """Whether the arm is a right one."""
+
+    def canonical(self, points: ArrayLike) -> np.ndarray:
+        """Points (..., 3) of the world in canonical coordinates."""
+        there = np.asarray(points, dtype=float) - self.base.origin
+        return there @ rotation_of(self.base.rotation) * self._sides
+
+    def original(self, points: ArrayLike) -> np.ndarray:
+        """Points (..., 3) in canonical coordinates, in the world."""
+        there = np.asarray(points, dtype=float) * self._sides
+        return there @ rotation_of(self.base.rotation).T + self.base.origin
+
+    def canonical_joints(self, joints: ArrayLike) -> np.ndarray:
+        """Joint angles or rates (..., 4) of the situation, as those of the canonical one."""
+        values = np.asarray(joints, dtype=float)
+        return values * _TURNS + 0.0 if self.mirrored else values.copy()
+
+    def original_joints(self, joints: ArrayLike) -> np.ndarray:
+        """Joint angles or rates (..., 4) of the canonical situation, as those of this one."""
+        return self.canonical_joints(joints)  # a mirror is its own inverse
+
+    @property
+    def _sides(self) -> np.ndarray:
+        return _MIRROR if self.mirrored else np.ones(3)
+
+
+def spatial_frame_of(situation: Situation[SpatialArm]) -> SpatialFrame:
+    """How a situation lies.
+
+    It is mirrored where the first of these that has a side is negative: the middles of the ranges
+    of q2, q3 and q4, the bones' y; where the arm has no side, its joints and rates at t = 0, and
+    then what the bodies do.
+    """
+    arm = situation.arm
+    small = NOTHING * arm.reach
+    for value, least in (*_sides_of_arm(arm, small), *_sides_of_bodies(situation, small)):
+        if abs(value) > least:
+            return SpatialFrame(arm.base, value < 0.0)
+    return SpatialFrame(arm.base, False)
+
+
+def _sides_of_arm(arm: SpatialArm, small: float) -> Iterator[tuple[float, float]]:
+    """Yield numbers that a mirror negates, and what of them is nothing."""
+    yield from ((low + high, NOTHING) for low, high in arm.joint_range[1:])
+    yield from ((bone[1], small) for bone in (arm.upper_arm, arm.forearm))
+    yield from ((value, NOTHING) for value in (*arm.joints[1:], *(arm.joint_rates or ())[1:]))
+
+
+def _sides_of_bodies(
+    situation: Situation[SpatialArm], small: float
+) -> Iterator[tuple[float, float]]:
+    """Yield the same of the bodies, in the frame of the base."""
+    for motion in (body.motion for body in _in_base(situation, mirrored=False)):
+        values: tuple[float, ...]
+        if isinstance(motion, Pendulum):
+            values = (motion.pivot[1], motion.down[1], motion.axis[0], motion.axis[2])
+        else:
+            assert isinstance(motion, SolidQuadratic)
+            flown = (motion.position[1], motion.velocity[1], motion.acceleration[1])
+            values = (*flown, motion.spin[0], motion.spin[2])
+        yield from ((value, small) for value in values)
+
+
+def canonical_in_space(
+    situation: Situation[SpatialArm],
+) -> tuple[Situation[SpatialArm], SpatialFrame]:
+    """The situation in its canonical form, and how it lay; see `canonical`."""
+    frame = spatial_frame_of(situation)
+    arm = _mirrored(situation.arm) if frame.mirrored else situation.arm
+    bodies = tuple(_in_base(situation, mirrored=frame.mirrored))
+    return replace(situation, arm=replace(arm, base=IDENTITY), bodies=bodies), frame
+
+
+def _in_base(situation: Situation[SpatialArm], *, mirrored: bool) -> Iterator[Body]:
+    """Yield the bodies in the frame of the base, or as its mirror shows them."""
+    rows, origin = arm_frame(situation)
+    turn = rows * _MIRROR[:, None] if mirrored else rows
+    for body in situation.bodies:
+        assert isinstance(body.motion, SolidQuadratic | Pendulum)
+        yield replace(body, motion=carried(body.motion, turn, origin))
+
+
+def _mirrored(arm: SpatialArm) -> SpatialArm:
+    """The arm as a mirror in the xz-plane of its base shows it."""
+
+    def bone(v: tuple[float, float, float]) -> tuple[float, float, float]:
+        return (v[0], 0.0 - v[1], v[2])
+
+    def turned(q: tuple[float, ...]) -> tuple[float, float, float, float]:
+        return (q[0], 0.0 - q[1], 0.0 - q[2], 0.0 - q[3])
+
+    ranges = ((0.0 - high, 0.0 - low) for low, high in arm.joint_range[1:])
+    return replace(
+        arm,
+        upper_arm=bone(arm.upper_arm),
+        forearm=bone(arm.forearm),
+        joint_range=(arm.joint_range[0], *ranges),
+        joints=turned(arm.joints),
+        joint_rates=None if arm.joint_rates is None else turned(arm.joint_rates),
+    )
