@@ -1,4 +1,4 @@
-"""Hypothesis strategies for valid situations, planar and 3D."""
+"""Hypothesis strategies for valid situations: planar, 3D with a planar arm, and in space."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from gcm_learn.situation import (
     Arm,
+    Base,
     Body,
     Box,
     Capsule,
@@ -20,6 +21,7 @@ from gcm_learn.situation import (
     Polygon,
     Situation,
     SolidQuadratic,
+    SpatialArm,
     Sphere,
 )
 
@@ -144,7 +146,54 @@ def arms(draw):
     )
 
 
-def _situations(shapes, motions, planes, max_bodies):
+@st.composite
+def bases(draw):
+    """Poses of a shoulder."""
+    return Base(draw(vectors(3)), draw(st.just((1.0, 0.0, 0.0, 0.0)) | unit_vectors(4)))
+
+
+@st.composite
+def bones(draw):
+    """Vectors along x, as a human's, or with offsets, as a robot's."""
+    x = draw(st.floats(0.1, 2.0))
+    return (x, *draw(st.just((0.0, 0.0)) | vectors(2, st.floats(-0.3, 0.3))))
+
+
+@st.composite
+def joint_ranges(draw):
+    """Ranges of four joints, some of them held, some more than a turn."""
+    pairs = []
+    for _ in range(4):
+        low = draw(st.floats(-4.0, 2.0))
+        pairs.append((low, low + draw(st.just(0.0) | st.floats(0.1, 7.0))))
+    return tuple(pairs)
+
+
+@st.composite
+def spatial_arms(draw):
+    """Arms in space that stand anywhere in their ranges."""
+    ranges = draw(joint_ranges())
+    speeds = draw(vectors(4, st.floats(0.1, 20.0)))
+    fastest = draw(st.none() | vectors(4, st.floats(0.1, 200.0)))
+    rates = None
+    if fastest is not None and draw(st.booleans()):
+        rates = tuple(draw(st.floats(-most, most)) for most in speeds)
+    return SpatialArm(
+        upper_arm=draw(bones()),
+        forearm=draw(bones()),
+        joints=tuple(draw(st.floats(low, high)) for low, high in ranges),
+        joint_range=ranges,
+        max_joint_speed=speeds,
+        grasp=draw(st.floats(0.0, 0.2)),
+        base=draw(bases()),
+        joint_rates=rates,
+        max_hand_speed=draw(st.none() | st.floats(0.1, 10.0)),
+        max_joint_acceleration=fastest,
+        thickness=draw(st.just(0.0) | st.floats(0.0, 0.1)),
+    )
+
+
+def _situations(shapes, motions, planes, max_bodies, arms):
     """Situations whose first body is a target and whose bodies are called 0, 1, ..."""
     parts = st.tuples(st.sampled_from(["target", "obstacle"]), shapes, motions)
 
@@ -158,7 +207,7 @@ def _situations(shapes, motions, planes, max_bodies):
         Situation,
         name=names,
         horizon=st.floats(0.05, 3.0),
-        arm=arms(),
+        arm=arms,
         bodies=st.lists(parts, min_size=1, max_size=max_bodies).map(bodies),
         plane=planes,
     )
@@ -166,15 +215,26 @@ def _situations(shapes, motions, planes, max_bodies):
 
 def planar_situations(max_bodies=3):
     """Valid planar situations."""
-    return _situations(planar_shapes, planar_motions, st.none(), max_bodies)
+    return _situations(planar_shapes, planar_motions, st.none(), max_bodies, arms())
 
 
 def solid_situations(max_bodies=3):
     """Valid 3D situations."""
     motions = st.one_of(solid_quadratics, pendulums())
-    return _situations(solid_shapes, motions, planes(), max_bodies)
+    return _situations(solid_shapes, motions, planes(), max_bodies, arms())
+
+
+def spatial_situations(max_bodies=3):
+    """Valid situations with a spatial arm."""
+    motions = st.one_of(solid_quadratics, pendulums())
+    return _situations(solid_shapes, motions, st.none(), max_bodies, spatial_arms())
 
 
 def situations(max_bodies=3):
-    """Valid situations of either kind."""
+    """Valid situations with a planar arm, of either kind."""
     return planar_situations(max_bodies) | solid_situations(max_bodies)
+
+
+def any_situations(max_bodies=3):
+    """Valid situations with any arm."""
+    return situations(max_bodies) | spatial_situations(max_bodies)

@@ -40,7 +40,7 @@ class Animate:
         from gcm_learn.planners import get_planner
 
         planner = get_planner(self.planner)
-        situation = self._chosen(read(self.file))
+        situation = self._chosen(read(self.file, planner))
         target = self.out or Path(f"{FileNames().unused(situation.name)}.gif")
         require_suffix(target, (".gif",))
         with staged(target) as place:

@@ -51,7 +51,7 @@ class Solve:
         from gcm_learn.planners import get_planner
 
         planner = get_planner(self.planner)
-        situations = read(self.file)
+        situations = read(self.file, planner)
         _refuse_to_overwrite_input(self.file, self.out)
         draw = None if self.plot is None else _pictures(made_folder(self.plot, option="--plot"))
         with output(self.out) as stream:
@@ -59,13 +59,13 @@ class Solve:
         return 0
 
 
-def read(file: str) -> list[Situation]:
-    """Return the situations of a file or of standard input (``-``)."""
-    from gcm_learn.situation import read_situations
+def read(file: str, planner: Planner) -> list[Situation]:
+    """Return the situations of a file or of standard input (``-``), if `planner` takes them all."""
+    from gcm_learn.situation import planar, read_situations
 
     if file == "-" and sys.stdin is None:
         raise CommandFailure("standard input is closed")
-    return read_situations(file)
+    return [planar(s, f"planner {planner.name!r}") for s in read_situations(file)]
 
 
 def plan_one(planner: Planner, situation: Situation, file: str) -> Plan:

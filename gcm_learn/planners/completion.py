@@ -28,7 +28,7 @@ from gcm_learn.motion import (
 )
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene import Bodies, Scene, pack
-from gcm_learn.situation import Arm, Situation
+from gcm_learn.situation import Arm, Situation, planar
 
 CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
@@ -39,7 +39,7 @@ class Problem:
 
     def __init__(self, situation: Situation, planner: str, scene: Scene | None = None) -> None:
         self.started = clock.perf_counter()
-        self.situation = situation
+        self.situation = planar(situation, f"planner {planner!r}")
         self.planner = planner
         self.scene: Scene = pack(situation) if scene is None else scene
 

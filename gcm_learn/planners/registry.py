@@ -15,7 +15,7 @@ from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import Plan, Planner
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation, planar
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
     "gcm": gcm,
@@ -74,7 +74,7 @@ def get_planner(name: str) -> Planner:
     return _PLANNERS[name]()
 
 
-def solve(situation: Situation, planner: str | Planner = "gcm") -> Plan:
+def solve(situation: AnySituation, planner: str | Planner = "gcm") -> Plan:
     """Plan a catch and verify it.
 
     Parameters
@@ -88,6 +88,11 @@ def solve(situation: Situation, planner: str | Planner = "gcm") -> Plan:
     Plan
         Its status is "caught" only if the trajectory has been verified.
 
+    Raises
+    ------
+    ArmKindError
+        If the planner does not take the situation's arm.
+
     Examples
     --------
     >>> from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, solve
@@ -97,4 +102,4 @@ def solve(situation: Situation, planner: str | Planner = "gcm") -> Plan:
     'caught'
     """
     chosen = get_planner(planner) if isinstance(planner, str) else planner
-    return chosen.plan(situation)
+    return chosen.plan(planar(situation, f"planner {chosen.name!r}"))

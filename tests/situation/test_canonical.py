@@ -19,8 +19,8 @@ from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack, pose
 from gcm_learn.situation import situation_to_json
-from gcm_learn.situation.canonical import Frame, canonical, quaternion_of
-from gcm_learn.situation.frames import rotation_of
+from gcm_learn.situation.canonical import Frame, canonical
+from gcm_learn.situation.frames import quaternion_of, rotation_of
 from tests.strategies import unit_vectors
 from tests.transforms import carried, mirrored, turned
 

@@ -23,7 +23,9 @@ numbers = st.one_of(
     st.integers(),
     st.sampled_from([10**309, -(10**400), 1e308, 5e-324, -0.0, 2**1024]),
 )
-words = st.sampled_from(["disc", "box", "quadratic", "pendulum", "target", "left", "\ud800", "\n"])
+words = st.sampled_from(
+    ["disc", "box", "quadratic", "pendulum", "target", "left", "\ud800", "\n", "spatial"]
+)
 values = st.recursive(
     st.none() | st.booleans() | numbers | words | st.text(max_size=5),
     lambda inner: st.lists(inner, max_size=5) | st.dictionaries(words | st.text(max_size=5), inner),
@@ -31,7 +33,18 @@ values = st.recursive(
 )
 snippets = st.sampled_from(
     ["{", "}", "[", "]", ",", ":", '"', "null", "NaN", "-Infinity", "1e999", "9" * 5000, "\\ud800"]
-    + ["\n", "\x00", "\u2028", "\ufeff", '"kind":"disc",', '"spin":0,', "[" * 5000, "true"]
+    + [
+        "\n",
+        "\x00",
+        "\u2028",
+        "\ufeff",
+        '"kind":"disc",',
+        '"spin":0,',
+        '"base":{},',
+        '"joint_rates":[0,0,0,0],',
+        "[" * 5000,
+        "true",
+    ]
 )
 
 
@@ -49,7 +62,7 @@ def paths(value, path=()):
 @st.composite
 def spoiled_objects(draw):
     """Situations as JSON objects in which one to three things are replaced."""
-    scene = situation_to_json(draw(strategies.situations(2)))
+    scene = situation_to_json(draw(strategies.any_situations(2)))
     for _ in range(draw(st.integers(1, 3))):
         *steps, last = draw(st.sampled_from(paths(scene)))
         parent = scene
@@ -62,7 +75,7 @@ def spoiled_objects(draw):
 @st.composite
 def spoiled_texts(draw):
     """The text of a situation with a few pieces cut out, moved or put in."""
-    text = json.dumps(situation_to_json(draw(strategies.situations(2))))
+    text = json.dumps(situation_to_json(draw(strategies.any_situations(2))))
     for _ in range(draw(st.integers(1, 3))):
         start, stop, place = (draw(st.integers(0, len(text))) for _ in range(3))
         piece = draw(st.just("") | snippets | st.just(text[start : start + 30]))
