@@ -160,19 +160,20 @@ def bones(draw):
 
 
 @st.composite
-def joint_ranges(draw):
-    """Ranges of four joints, some of them held, some more than a turn."""
+def joint_ranges(draw, held=True):
+    """Ranges of four joints, some of them more than a turn, some perhaps held."""
+    widths = st.floats(0.1, 7.0)
     pairs = []
     for _ in range(4):
         low = draw(st.floats(-4.0, 2.0))
-        pairs.append((low, low + draw(st.just(0.0) | st.floats(0.1, 7.0))))
+        pairs.append((low, low + draw(st.just(0.0) | widths if held else widths)))
     return tuple(pairs)
 
 
 @st.composite
-def spatial_arms(draw):
-    """Arms in space that stand anywhere in their ranges."""
-    ranges = draw(joint_ranges())
+def spatial_arms(draw, held=True):
+    """Arms in space that stand anywhere in their ranges; some joints may be held."""
+    ranges = draw(joint_ranges(held))
     speeds = draw(vectors(4, st.floats(0.1, 20.0)))
     fastest = draw(st.none() | vectors(4, st.floats(0.1, 200.0)))
     rates = None

@@ -48,35 +48,44 @@ def _moved(situation, matrix, angle):
 def carried(situation, rotation, shift):
     """Carry a 3D situation, its plane included, through the world: x -> rotation x + shift."""
 
+    bodies = tuple(
+        replace(body, motion=carried_motion(body.motion, rotation, shift))
+        for body in situation.bodies
+    )
+    plane = situation.plane
+    place = tuple((rotation @ plane.origin + shift).tolist())
+    plane = Plane(place, tuple((rotation @ plane.x).tolist()), tuple((rotation @ plane.y).tolist()))
+    return replace(situation, bodies=bodies, plane=plane)
+
+
+def carried_motion(motion, matrix, shift):
+    """Carry a motion of a solid through the world: x -> matrix x + shift, `matrix` orthogonal.
+
+    A reflected body is turned and reflected in its own xz-plane, which changes no solid of ours.
+    """
+    side = np.linalg.det(matrix)
+
     def turn(vector):
-        return tuple(float(v) for v in rotation @ vector)
+        return tuple(float(v) for v in matrix @ vector)
 
     def place(point):
-        return tuple(float(v) for v in rotation @ point + shift)
+        return tuple(float(v) for v in matrix @ point + shift)
 
-    bodies = []
-    for body in situation.bodies:
-        motion = body.motion
-        if isinstance(motion, Pendulum):
-            motion = replace(
-                motion,
-                pivot=place(motion.pivot),
-                axis=turn(motion.axis),
-                down=turn(motion.down),
-            )
-        else:
-            motion = replace(
-                motion,
-                position=place(motion.position),
-                velocity=turn(motion.velocity),
-                acceleration=turn(motion.acceleration),
-                orientation=quaternion_of(rotation @ of_quaternion(motion.orientation)),
-                spin=turn(motion.spin),
-            )
-        bodies.append(replace(body, motion=motion))
-    plane = situation.plane
-    plane = Plane(place(plane.origin), turn(plane.x), turn(plane.y))
-    return replace(situation, bodies=tuple(bodies), plane=plane)
+    def axial(vector):
+        return tuple(float(v) for v in round(side) * (matrix @ vector))
+
+    if isinstance(motion, Pendulum):
+        axis, down = axial(motion.axis), turn(motion.down)
+        return replace(motion, pivot=place(motion.pivot), axis=axis, down=down)
+    rotation = matrix @ of_quaternion(motion.orientation) @ np.diag([1.0, round(side), 1.0])
+    return replace(
+        motion,
+        position=place(motion.position),
+        velocity=turn(motion.velocity),
+        acceleration=turn(motion.acceleration),
+        orientation=quaternion_of(rotation),
+        spin=axial(motion.spin),
+    )
 
 
 def quaternion_of(rotation):

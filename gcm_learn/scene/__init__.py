@@ -21,6 +21,13 @@ from gcm_learn.scene.limb import SIDE, elbow_of, elbow_position, forward, joint_
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import integrate_swing, pack, pack_bodies, pose
 from gcm_learn.scene.scene import Limb, Limits, Scene
+from gcm_learn.scene.spatial_limb import (
+    SpatialLimb,
+    forward_in_space,
+    inverse_in_space,
+    spatial_limb,
+    swivel_in_space,
+)
 
 __all__ = [
     "ACCELERATION",
@@ -37,12 +44,15 @@ __all__ = [
     "SIDE",
     "SIZE",
     "Scene",
+    "SpatialLimb",
     "TOP_SPEED",
     "VELOCITY",
     "elbow_of",
     "elbow_position",
     "forward",
+    "forward_in_space",
     "integrate_swing",
+    "inverse_in_space",
     "joint_angles",
     "joints_of",
     "later",
@@ -52,4 +62,6 @@ __all__ = [
     "pose",
     "pose_at",
     "poses_at",
+    "spatial_limb",
+    "swivel_in_space",
 ]
