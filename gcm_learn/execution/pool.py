@@ -12,7 +12,7 @@ from gcm_learn.execution.settings import Settings
 from gcm_learn.execution.world import World, world_of
 from gcm_learn.motion import HOLE_MARGIN, Rules, opening
 from gcm_learn.scene import Limits, Scene, pack
-from gcm_learn.situation import Frame, Situation, canonical
+from gcm_learn.situation import Frame, Situation, canonical, planar
 
 _SPEED = Limits._fields.index("speed")
 HUB = 0.015  # distance that hands keep from the shoulder, where joints jump [forearm lengths]
@@ -49,7 +49,7 @@ class Pool:
         """
         if not situations:
             raise ArenaError("situations: there is none")
-        turned = [canonical(situation) for situation in situations]
+        turned = [canonical(planar(situation, "the arena")) for situation in situations]
         scenes = [pack(situation) for situation, _ in turned]
         rules = [_rules_of(scene, s.name) for scene, (s, _) in zip(scenes, turned, strict=True)]
         world = world_of([_outside_hole(scene) for scene in scenes], rules)

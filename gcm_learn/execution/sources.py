@@ -11,7 +11,7 @@ from gcm_learn.execution.pool import Pool
 from gcm_learn.families import Family, draw, family_names, get_family
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import pack
-from gcm_learn.situation import Situation, read_situations
+from gcm_learn.situation import AnySituation, Situation, planar, read_situations
 
 Source = str | Path | Family | Situation | Sequence[Situation]
 SALT = 77  # of the draws for pools, so that item k of a family is not in all of them
@@ -34,7 +34,13 @@ def situations_of(source: Source, count: int, seed: int) -> list[Situation]:
     ------
     ArenaError
         If it is none of these, or holds nothing.
+    ArmKindError
+        If an arm is spatial.
     """
+    return [planar(situation, "the arena") for situation in _found(source, count, seed)]
+
+
+def _found(source: Source, count: int, seed: int) -> Sequence[AnySituation]:
     if isinstance(source, Situation):
         return [source]
     if isinstance(source, Family):
@@ -62,7 +68,7 @@ def _drawn(family: Family, count: int, seed: int) -> list[Situation]:
     return [draw(family, root, k) for k in range(count)]
 
 
-def _read(path: Path, count: int) -> list[Situation]:
+def _read(path: Path, count: int) -> Sequence[AnySituation]:
     if path.is_dir():
         from gcm_learn import dataset  # needs pyarrow
 

@@ -54,8 +54,8 @@ def build_map(
         Whether the target was met is its `interception`.
     """
     params = WaveParams() if params is None else params
-    chart = chart_of(situation.arm, params.n) if chart is None else chart
     scene = pack(situation) if scene is None else scene
+    chart = chart_of(situation.arm, params.n) if chart is None else chart
     front = explore(scene, chart, params, wait=wait, ignore=ignore, widening=widening)
     return map_of(situation, scene, front, params)
 

@@ -113,6 +113,8 @@ def _turned(motion: SolidQuadratic, t: float) -> tuple[float, float, float, floa
     """Orientation at t: Rodrigues' formula for exp([spin t])."""
     spin = np.array(motion.spin)
     rate = float(np.linalg.norm(spin))
+    if rate < 1e-150:  # its square is nothing
+        return motion.orientation
     x, y, z = spin / rate
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn = np.eye(3) + math.sin(rate * t) * cross + (1 - math.cos(rate * t)) * cross @ cross

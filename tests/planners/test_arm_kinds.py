@@ -1,0 +1,54 @@
+"""What does not take spatial arms says so, in one line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from gcm_learn import build_map, get_planner, solve
+from gcm_learn.cli import main
+from gcm_learn.errors import ArmKindError
+from gcm_learn.execution import Pool, pool_of
+from gcm_learn.scene import pack
+from gcm_learn.situation import situation_from_json
+from tests.extras import planner_params
+from tests.situation.test_json_format import PLANAR
+from tests.situation.test_spatial_arm import NAO
+
+SPATIAL = situation_from_json(NAO)
+
+
+@pytest.mark.parametrize("name", planner_params())
+def test_every_planner_refuses(name):
+    expected = f"planner '{name}' does not take spatial arms"
+    with pytest.raises(ArmKindError, match=expected):
+        solve(SPATIAL, name)
+    with pytest.raises(ArmKindError, match=expected):
+        get_planner(name).plan(SPATIAL)
+
+
+@pytest.mark.parametrize("refuses", [pack, build_map, lambda s: Pool.of([s])])
+def test_scenes_and_maps_of_the_plane_refuse(refuses):
+    with pytest.raises(ArmKindError, match="does not take spatial arms"):
+        refuses(SPATIAL)
+
+
+def test_the_arena_refuses_files_and_situations(tmp_path):
+    path = tmp_path / "scenes.jsonl"
+    path.write_text(json.dumps(NAO))
+    for source in (SPATIAL, [SPATIAL], path, str(path)):
+        with pytest.raises(ArmKindError, match="the arena does not take spatial arms"):
+            pool_of(source, 1, 0)
+
+
+@pytest.mark.parametrize("command", ["solve", "animate"])
+def test_commands_refuse_before_anything_is_planned_or_written(command, tmp_path, capsys):
+    path, out = tmp_path / "scenes.jsonl", tmp_path / "out.gif"
+    path.write_text(f"{json.dumps(PLANAR)}\n{json.dumps(NAO)}\n")
+    assert main([command, str(path), "--planner", "straight", "--out", str(out)]) == 2
+    printed, complained = capsys.readouterr()
+    assert printed == "" and not out.exists()
+    assert complained == (
+        "gcm-learn: planner 'straight' does not take spatial arms (situation \"nao\")\n"
+    )
