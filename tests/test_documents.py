@@ -87,9 +87,10 @@ def test_readme_situation_has_the_solution_that_the_readme_shows(tmp_path, capsy
 
 
 def test_exchange_example_is_a_situation_and_its_fields_are_the_solutions():
-    (example,) = blocks(ROOT / "docs" / "exchange.md", "json")
-    situation = situation_from_json(json.loads(example))
-    assert situation.name == "ball-and-post"
+    examples = [json.loads(text) for text in blocks(ROOT / "docs" / "exchange.md", "json")]
+    situation, spatial = map(situation_from_json, examples)
+    assert (situation.name, spatial.name) == ("ball-and-post", "nao-1")
+    assert spatial.is_spatial and not situation.is_spatial
     caught = solve(situation, "layered")
     first_arrival = [solve(situation, name) for name in ("gcm", "marching")]
     assert caught.caught and not any(plan.caught for plan in first_arrival), "as the README says"
