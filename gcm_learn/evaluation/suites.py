@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 from gcm_learn import artifacts
 from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
 from gcm_learn.evaluation import turns
-from gcm_learn.families import family_names
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 from gcm_learn.storage import content_hash, write_whole
 
@@ -31,7 +30,7 @@ SHARD = 25
 FOLDER = "suites"
 FASTER = {"speed": [1.2, 2.4]}  # of bodies that are drawn anywhere [hand speeds]
 LONG_ARM = {"arm": {"upper_arm": [1.3, 1.5]}}
-_ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names()}
+_ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in turns.FAMILIES}
 _ANYWHERE: Mapping[str, Mapping[str, Any]] = {"random-planar": {}}
 
 FROZEN: Mapping[str, Mapping[int, str]] = {
@@ -103,7 +102,7 @@ SUITES: Mapping[str, Suite] = {
         _ALL,
         {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0},
     ),
-} | {name: Suite(f"the family {name}", 9200, {name: {}}) for name in family_names()}
+} | {name: Suite(f"the family {name}", 9200, {name: {}}) for name in turns.FAMILIES}
 
 
 @dataclass(frozen=True)

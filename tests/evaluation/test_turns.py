@@ -62,3 +62,14 @@ def test_later_draws_pass_over_what_is_easy(monkeypatch):
     easy = next(k for k in range(40) if (turns.drawn(k) or {}).get("stratum") == "L")
     monkeypatch.setattr(turns, "ENOUGH", easy)
     assert turns.drawn(easy) is None
+
+
+def test_a_family_that_comes_later_changes_no_suite(monkeypatch):
+    """Draw k is of the same family whatever else is registered."""
+    from gcm_learn.families import family_names, registry
+
+    assert set(turns.FAMILIES) <= set(family_names()) and len(set(turns.FAMILIES)) == 19
+    before = [turns.drawn(k) for k in (1, 3)]
+    later = {"a-new-one": registry._FAMILIES["gate"], **registry._FAMILIES}
+    monkeypatch.setattr(registry, "_FAMILIES", later)
+    assert [turns.drawn(k) for k in (1, 3)] == before
