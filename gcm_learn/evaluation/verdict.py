@@ -71,6 +71,9 @@ def verdict(results: Results) -> str:
         f"Of what can be caught, {best.method} catches most: {100 * best.caught.value:.0f} %, "
         f"thinking for {_ms(best.latency)} (median)."
     )
+    equals = [m.method for m in all_of_them if m.caught.value == best.caught.value and m != best]
+    if equals:
+        text += f" As much catch {', '.join(equals)}."
     quick = [m for m in all_of_them if np.isfinite(m.latency) and m.latency <= QUICK]
     if quick and best not in quick:
         first = max(quick, key=lambda m: m.caught.value)

@@ -37,6 +37,12 @@ def test_the_best_and_the_quickest_of_the_good_are_named():
     assert verdict(hopeless) == "None of these situations can be caught."
 
 
+def test_who_catches_as_much_is_named_too():
+    c, d = "caught", "declined"
+    text = verdict(results({"a": ([c, d], 3.0), "b": ([d, d], 3.0), "c": ([d, c], 9.0)}))
+    assert "a catches most: 50 %" in text and "As much catch c." in text
+
+
 def test_all_planners_are_introduced():
     there = {name for name, _ in who([*planner_names(), "recall", "hybrid", "clone", "clone@20"])}
     assert {"gcm", "layered", "recall", "hybrid", "clone", "clone@20"} <= there
