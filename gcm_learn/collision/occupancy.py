@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, room_at
+from gcm_learn.collision.distance import arm_distance, limb_point2, room_at
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, SIZE, TOP_SPEED, Bodies
 
@@ -51,20 +51,6 @@ def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
         t = min(t + max(room / speed, shortest), t1)
 
 
-@njit(forceinline=True)
-def _limb_point2(x, y, hx, hy, ex, ey, shrink):
-    """Squared distance of a point to the limb; shrink is 1 / length^2 of the upper arm.
-
-    Known lengths (the forearm's is 1) spare the divisions of the general distance to a segment.
-    """
-    dx, dy, wx, wy = hx - ex, hy - ey, x - ex, y - ey
-    s = min(max(wx * dx + wy * dy, 0.0), 1.0)
-    wx, wy = wx - s * dx, wy - s * dy
-    s = min(max((x * ex + y * ey) * shrink, 0.0), 1.0)
-    ux, uy = x - s * ex, y - s * ey
-    return min(wx * wx + wy * wy, ux * ux + uy * uy)
-
-
 @njit
 def blocked_cells(postures, cells, since, count, now, shortest, blocked):
     """Mark the cells whose limb an obstacle comes near at any instant of a span of time.
@@ -85,7 +71,6 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
     blocked[:count] = False
     if count == 0:
         return
-    shrink = 1.0 / (limb[cells[0], 2] ** 2 + limb[cells[0], 3] ** 2)
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
             continue
@@ -99,7 +84,7 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
             hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
             travel = speed * (now - since[i])
             if disc:  # the common case, decided without a root or a call
-                d2 = _limb_point2(x, y, hx, hy, ex, ey, shrink)
+                d2 = limb_point2(x, y, hx, hy, ex, ey)
                 near, far = radius + gap[m], radius + gap[m] + travel
                 if d2 > far * far:
                     continue
@@ -107,7 +92,7 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
                     blocked[i] = True
                     continue
             else:
-                d2 = _limb_point2(x, y, hx, hy, ex, ey, shrink) + z * z
+                d2 = limb_point2(x, y, hx, hy, ex, ey) + z * z
                 far = reach + gap[m] + travel
                 if d2 > far * far:  # the ball that holds the body spares most of its corners
                     continue
