@@ -183,14 +183,23 @@ def main() -> None:
     if arguments.serve:
         serve()
         return
-    if arguments.python is None or arguments.pairs < 3:
-        parser.error("the other Python is missing" if arguments.python is None else "--pairs: >= 3")
-    other = arguments.checkout or Path(arguments.python).parents[2]
-    new, old = Side(sys.executable, ROOT), Side(arguments.python, other.resolve())
+    if arguments.python is None:
+        parser.error("the other checkout's Python is missing")
+    if arguments.pairs < 3:
+        parser.error(f"--pairs: must be at least 3 (got {arguments.pairs})")
+    chosen = [name for name in WORKLOADS if arguments.only in name]
+    if not chosen:
+        parser.error(f"--only: {arguments.only!r} is in none of {', '.join(WORKLOADS)}")
+    python = Path(arguments.python).absolute()
+    if not python.is_file():
+        parser.error(f"{arguments.python}: there is no such Python")
+    other = (arguments.checkout or python.parents[2]).resolve()
+    if not (other / "gcm_learn").is_dir():
+        parser.error(f"--checkout: {other} has no gcm_learn")
+    new, old = Side(sys.executable, ROOT), Side(str(python), other)
     print("| workload | old [ms] | new [ms] | new / old | 95 % | |\n|---|---|---|---|---|---|")
-    for name in WORKLOADS:
-        if arguments.only in name:
-            print(compared(new, old, name, arguments.pairs), flush=True)
+    for name in chosen:
+        print(compared(new, old, name, arguments.pairs), flush=True)
 
 
 if __name__ == "__main__":
