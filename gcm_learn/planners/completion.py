@@ -62,6 +62,11 @@ class Problem:
         """What movements keep so that they are surely verified."""
         return self._opening.rules
 
+    @property
+    def elapsed_ms(self) -> float:
+        """Wall time since the problem was taken up [ms]."""
+        return 1e3 * (clock.perf_counter() - self.started)
+
     def answer(self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None) -> Plan:
         """A plan without a catch."""
         reason = why if isinstance(why, Reason) else Reason(why)
@@ -71,7 +76,7 @@ class Problem:
             planner=self.planner,
             status="start_blocked" if blocked else "unreachable",
             message=str(reason),
-            planning_ms=1e3 * (clock.perf_counter() - self.started),
+            planning_ms=self.elapsed_ms,
             failure=reason.failure,
             map=cognitive_map,
         )
@@ -89,13 +94,12 @@ class Problem:
     ) -> Plan:
         """A plan with a verified catch."""
         body = self.situation.bodies[attempt.body].name
-        elapsed = 1e3 * (clock.perf_counter() - self.started)
         return Plan(
             name=self.situation.name,
             planner=self.planner,
             status="caught",
             message=f"caught {body!r} at {attempt.trajectory.duration:.3f} s",
-            planning_ms=elapsed,
+            planning_ms=self.elapsed_ms,
             catch_time=attempt.trajectory.duration,
             catch_body=body,
             clearance=clearance,

@@ -21,7 +21,6 @@ support of its Python package is to be dropped, as its README says.
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -122,7 +121,7 @@ def retime(plan: Plan, situation: Situation, max_acceleration: float) -> Plan:
         answer = problem.answer(
             Failure.TOO_SLOW.with_numbers(limit=max_acceleration, reason=reason)
         )
-    elapsed = 1e3 * (clock.perf_counter() - problem.started)
+    elapsed = problem.elapsed_ms
     return replace(answer, planning_ms=plan.planning_ms + elapsed)
 
 

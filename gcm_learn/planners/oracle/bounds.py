@@ -10,7 +10,6 @@ timed and verified like every plan: the earliest of them is not before the earli
 from __future__ import annotations
 
 import math
-import time as clock
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -106,7 +105,7 @@ def bounds(
     if last_size is not None and not known.decided:
         known = _refined(problem, last_size, known)
     if known.plan.caught:
-        elapsed = 1e3 * (clock.perf_counter() - problem.started)
+        elapsed = problem.elapsed_ms
         return replace(known, plan=replace(known.plan, planning_ms=elapsed))
     return replace(known, plan=problem.answer(_why(known)))
 
