@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TextIO
+from typing import TYPE_CHECKING, Annotated, TextIO, cast
 
 from tyro.conf import Positional, arg
 
@@ -17,10 +17,10 @@ from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from gcm_learn.planners import Plan, Planner
-    from gcm_learn.situation import Situation
+    from gcm_learn.planners import AnyPlan, Plan, Planner
+    from gcm_learn.situation import AnySituation
 
-    Draw = Callable[[Situation, Plan], None]
+    Draw = Callable[[AnySituation, AnyPlan], None]
 
 
 @dataclass(frozen=True)
@@ -59,30 +59,33 @@ class Solve:
         return 0
 
 
-def read(file: str, planner: Planner) -> list[Situation]:
+def read(file: str, planner: Planner) -> list[AnySituation]:
     """Return the situations of a file or of standard input (``-``), if `planner` takes them all."""
-    from gcm_learn.situation import planar, read_situations
+    from gcm_learn.planners import taken
+    from gcm_learn.situation import read_situations
 
     if file == "-" and sys.stdin is None:
         raise CommandFailure("standard input is closed")
-    return [planar(s, f"planner {planner.name!r}") for s in read_situations(file)]
+    return [taken(planner, situation) for situation in read_situations(file)]
 
 
-def plan_one(planner: Planner, situation: Situation, file: str) -> Plan:
+def plan_one(planner: Planner, situation: AnySituation, file: str) -> AnyPlan:
     """Plan for one situation; any error ends the command and names the situation.
 
     A planner has a status for everything it cannot solve, so an exception is a defect, and a
     made-up solution in its place would be a false statement.
     """
+    from gcm_learn.planners import plan_with
+
     try:
-        return planner.plan(situation)
+        return plan_with(planner, situation)
     except Exception as error:
         message = f"{file}: situation {situation.name!r}: {place_of(error)}"
         raise CommandFailure(message, exit_code=1) from error
 
 
 def _solve_all(
-    situations: list[Situation], planner: Planner, file: str, stream: TextIO, draw: Draw | None
+    situations: list[AnySituation], planner: Planner, file: str, stream: TextIO, draw: Draw | None
 ) -> None:
     scrolling = stream.isatty()  # the solutions themselves show how far it has come
     with Progress(len(situations), "situations", quiet=scrolling) as progress:
@@ -97,11 +100,11 @@ def _solve_all(
             progress.advance()
 
 
-def _line(plan: Plan, situation: Situation, file: str) -> str:
+def _line(plan: AnyPlan, situation: AnySituation, file: str) -> str:
     from gcm_learn.planners import plan_to_json
 
     try:
-        return json.dumps(plan_to_json(plan), allow_nan=False) + "\n"
+        return json.dumps(plan_to_json(plan, situation), allow_nan=False) + "\n"
     except ValueError as error:
         message = f"{file}: situation {situation.name!r}: the solution is not JSON: {error}"
         raise CommandFailure(message, exit_code=1) from error
@@ -117,11 +120,12 @@ def _refuse_to_overwrite_input(file: str, out: Path | None) -> None:
 def _pictures(folder: Path) -> Draw:
     """Return a function that writes the picture of a plan into `folder`."""
     from gcm_learn import plots
+    from gcm_learn.situation import planar
 
     names = FileNames()
 
-    def draw(situation: Situation, plan: Plan) -> None:
+    def draw(situation: AnySituation, plan: AnyPlan) -> None:
         with staged(folder / f"{names.unused(situation.name)}.png", option="--plot") as place:
-            plots.plan_figure(situation, plan).savefig(place)
+            plots.plan_figure(planar(situation, "a picture"), cast("Plan", plan)).savefig(place)
 
     return draw

@@ -7,7 +7,7 @@ import numpy as np
 from gcm_learn.handspace import Chart, Lattice, chart_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, planar
 from gcm_learn.wave import (
     Front,
     MarchingParams,
@@ -54,7 +54,7 @@ def build_map(
         Whether the target was met is its `interception`.
     """
     params = WaveParams() if params is None else params
-    scene = pack(situation) if scene is None else scene
+    scene = pack(planar(situation, "a map")) if scene is None else scene
     chart = chart_of(situation.arm, params.n) if chart is None else chart
     front = explore(scene, chart, params, wait=wait, ignore=ignore, widening=widening)
     return map_of(situation, scene, front, params)

@@ -4,6 +4,7 @@ from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
 from gcm_learn.motion.rules import Opening, Rules, opening, rules_of, start_clearance
+from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 from gcm_learn.motion.timing import (
     SPACING,
     keep_limits,
@@ -24,6 +25,7 @@ __all__ = [
     "Reason",
     "Rules",
     "SPACING",
+    "SpatialTrajectory",
     "Trajectory",
     "Verdict",
     "Wait",

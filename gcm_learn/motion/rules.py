@@ -6,15 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.collision.postures import desk_of, distance_at
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import may_be_reached
-from gcm_learn.scene import Scene
+from gcm_learn.motion.interception_in_space import fastest_hand, may_be_met
+from gcm_learn.scene import Scene, SpatialLimb
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 
 SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]
 CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]
 SPEED_SAFETY = 2e-9  # share of the speed limit that is not used, against rounding
+SPATIAL_SPEED_SAFETY = 1e-4  # the same in space, where speeds are judged along curves
 _INSTANT = 5e-4  # resolution of interceptions: how far hand and target get in it [forearm lengths]
 _MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
 
@@ -49,33 +52,55 @@ class Opening(NamedTuple):
 
 
 def opening(scene: Scene) -> Opening:
-    """Look at a scene before it is planned for; many plans take little longer than this."""
-    distance, fastest, hopeful = _at_start(scene)
-    free, limits = distance - scene.limb.thickness, scene.limits
+    """Look at a scene before it is planned for; many plans take little longer than this.
+
+    In space the safeties count in forearms of the arm's own unit.
+    """
+    spatial, limits = isinstance(scene.limb, SpatialLimb), scene.limits
+    unit = scene.limb.length if spatial else 1.0
+    distance, hand, fastest, hopeful = (_at_start_in_space if spatial else _at_start)(scene)
+    free = distance - scene.limb.thickness
     rules = Rules(
-        touch=scene.limb.thickness + safety_of(free),
-        catch=limits.grasp - CATCH_SAFETY,
-        speed=limits.speed * (1.0 - SPEED_SAFETY),
-        instant=max(_INSTANT / (limits.speed + fastest), limits.horizon / _MOST_INSTANTS),
+        touch=scene.limb.thickness + safety_of(free, unit),
+        catch=limits.grasp - CATCH_SAFETY * unit,
+        speed=limits.speed * (1.0 - (SPATIAL_SPEED_SAFETY if spatial else SPEED_SAFETY)),
+        instant=max(_INSTANT * unit / (hand + fastest), limits.horizon / _MOST_INSTANTS),
     )
     return Opening(free, hopeful, rules)
 
 
 @njit
 def _at_start(scene):
-    """Distance of the limb to obstacles, top speed of targets, whether one may be reached."""
-    hand, fastest = np.empty((1, 2)), 0.0
+    """Distance of the limb to obstacles, speeds of hand and targets, if one may be reached."""
+    hand = np.empty((1, 2))
     hand[0, 0], hand[0, 1] = scene.limb.x, scene.limb.y
-    for b in range(scene.bodies.rows.shape[0]):
-        if scene.bodies.rows[b, PART] == HAND:
-            fastest = max(fastest, scene.bodies.rows[b, TOP_SPEED])
     distance = least_distance(scene, np.zeros(1), hand, -1.0, 1.0)[0]
-    return distance, fastest, may_be_reached(scene)
+    return distance, scene.limits.speed, _fastest_target(scene.bodies.rows), may_be_reached(scene)
 
 
-def safety_of(at_start: float) -> float:
-    """Clearance that a path must keep [forearm lengths], given that at t = 0.
+@njit
+def _at_start_in_space(scene):
+    """The same for a spatial arm."""
+    desk = desk_of(scene)
+    distance, hopeful = (
+        distance_at(scene, scene.limb.start, 0.0, desk),
+        may_be_met(scene, desk.poses),
+    )
+    return distance, fastest_hand(scene), _fastest_target(scene.bodies.rows), hopeful
+
+
+@njit(_nrt=False)
+def _fastest_target(rows):
+    fastest = 0.0
+    for b in range(rows.shape[0]):
+        if rows[b, PART] == HAND:
+            fastest = max(fastest, rows[b, TOP_SPEED])
+    return fastest
+
+
+def safety_of(at_start: float, unit: float = 1.0) -> float:
+    """Clearance that a path must keep, given that at t = 0, in a unit of `unit` lengths.
 
     Half of it where the limb begins nearer to an obstacle than SAFETY asks for.
     """
-    return min(SAFETY, 0.5 * at_start)
+    return min(SAFETY * unit, 0.5 * at_start)

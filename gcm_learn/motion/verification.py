@@ -8,10 +8,12 @@ import numpy as np
 
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
+from gcm_learn.motion import verification_in_space as space
 from gcm_learn.motion.clearance import RESOLUTION
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import target_distance
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
+from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import pose_at
@@ -119,7 +121,22 @@ FAULTS = {
 }
 
 
-def verify(scene: Scene, rules: Rules, trajectory: Trajectory, body: int) -> Verdict:
+FAULTS_IN_SPACE = {
+    space.ELSEWHERE: Failure.WRONG_START,
+    space.LATE: Failure.LATE,
+    space.RANGE: Failure.JOINT_RANGE,
+    space.JOINT: Failure.JOINT_SPEED,
+    space.FORCED: Failure.JOINT_ACCELERATION,
+    space.FAST: Failure.HAND_SPEED,
+    space.MISSED: Failure.MISSED,
+    space.TOUCHED: Failure.COLLISION,
+}
+_NO_RATES = np.empty((0, 4))
+
+
+def verify(
+    scene: Scene, rules: Rules, trajectory: Trajectory | SpatialTrajectory, body: int
+) -> Verdict:
     """Check a trajectory against everything that "caught" promises.
 
     Parameters
@@ -127,7 +144,8 @@ def verify(scene: Scene, rules: Rules, trajectory: Trajectory, body: int) -> Ver
     scene : Scene
     rules : Rules
         Of the scene; its `touch` is the distance that the limb keeps.
-    trajectory : Trajectory
+    trajectory : Trajectory or SpatialTrajectory
+        Of the scene's kind of arm.
     body : int
         Index of the target that is caught at the trajectory's end.
 
@@ -135,15 +153,33 @@ def verify(scene: Scene, rules: Rules, trajectory: Trajectory, body: int) -> Ver
     -------
     Verdict
     """
-    fault, distance, when = _judge(
-        scene, rules.touch, trajectory.time, trajectory.hand, trajectory.joints, body
-    )
-    if fault == NOTHING:
+    if isinstance(trajectory, SpatialTrajectory):
+        failure, distance, when = _judge_in_space(scene, rules, trajectory, body)
+    else:
+        fault, distance, when = _judge(
+            scene, rules.touch, trajectory.time, trajectory.hand, trajectory.joints, body
+        )
+        failure = FAULTS.get(fault)
+    if failure is None:
         return Verdict(True, np.inf if distance > 1e200 else distance - scene.limb.thickness)
-    reason = FAULTS[fault].with_numbers(when=when)
-    if fault == TOUCHED:
+    reason = failure.with_numbers(when=when)
+    if failure is Failure.COLLISION:
         return Verdict(False, distance - scene.limb.thickness, reason, collision_time=when)
     return Verdict(False, 0.0, reason)
+
+
+def _judge_in_space(
+    scene: Scene, rules: Rules, trajectory: SpatialTrajectory, body: int
+) -> tuple[Failure | None, float, float]:
+    """What is wrong, if anything; the least distance; when [s]."""
+    given, limits = trajectory.rates, scene.limits
+    if given is None and np.isfinite(limits.joint_acceleration).any():
+        return Failure.JOINT_ACCELERATION, 0.0, 0.0
+    rates = _NO_RATES if given is None else given
+    fault, distance, when = space.judge(
+        scene, rules.touch, trajectory.time, trajectory.joints, rates, body
+    )
+    return FAULTS_IN_SPACE.get(fault), distance, when
 
 
 @njit

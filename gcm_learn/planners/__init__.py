@@ -6,6 +6,7 @@ from gcm_learn.planners.completion import (
     CATCH_STEP,
     Attempt,
     Problem,
+    SpatialProblem,
     attempt_of,
     checked,
     first_catch_on,
@@ -15,12 +16,13 @@ from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
-from gcm_learn.planners.plan import Plan, Planner, plan_to_json
+from gcm_learn.planners.plan import AnyPlan, Plan, Planner, plan_to_json, taken
 from gcm_learn.planners.recheck import broken_promise
-from gcm_learn.planners.registry import get_planner, planner_names, register, solve
+from gcm_learn.planners.registry import get_planner, plan_with, planner_names, register, solve
 from gcm_learn.planners.retiming import retime
 
 __all__ = [
+    "AnyPlan",
     "Attempt",
     "Bounds",
     "CATCH_STEP",
@@ -33,6 +35,7 @@ __all__ = [
     "Planner",
     "Problem",
     "STRRTStarPlanner",
+    "SpatialProblem",
     "StraightPlanner",
     "attempt_of",
     "bounds",
@@ -44,10 +47,12 @@ __all__ = [
     "layered",
     "marching",
     "plan_to_json",
+    "plan_with",
     "planner_names",
     "register",
     "retime",
     "solve",
     "straight_plan",
     "stratum",
+    "taken",
 ]

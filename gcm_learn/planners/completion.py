@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Generic
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from gcm_learn.motion import (
     Opening,
     Reason,
     Rules,
+    SpatialTrajectory,
     Trajectory,
     Verdict,
     first_catch,
@@ -26,20 +28,22 @@ from gcm_learn.motion import (
     straight_path,
     verify,
 )
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import Movement, Plan
 from gcm_learn.scene import Bodies, Scene, pack
-from gcm_learn.situation import Arm, Situation, planar
+from gcm_learn.situation import AnySituation, Arm, Situation, SpatialArm, planar
 
 CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 
-class Problem:
-    """A situation on its way to a plan: packed, the clock running."""
+class Task(Generic[Movement]):
+    """A situation of either arm on its way to a plan: packed, the clock running."""
 
-    def __init__(self, situation: Situation, planner: str, scene: Scene | None = None) -> None:
+    situation: Any
+
+    def __init__(self, situation: AnySituation, planner: str, scene: Scene | None = None) -> None:
         self.started = clock.perf_counter()
-        self.situation = planar(situation, f"planner {planner!r}")
+        self.situation = situation
         self.planner = planner
         self.scene: Scene = pack(situation) if scene is None else scene
 
@@ -67,7 +71,9 @@ class Problem:
         """Wall time since the problem was taken up [ms]."""
         return 1e3 * (clock.perf_counter() - self.started)
 
-    def answer(self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None) -> Plan:
+    def answer(
+        self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None
+    ) -> Plan[Movement]:
         """A plan without a catch."""
         reason = why if isinstance(why, Reason) else Reason(why)
         blocked = reason.failure is Failure.START_BLOCKED
@@ -81,7 +87,7 @@ class Problem:
             map=cognitive_map,
         )
 
-    def early_answer(self) -> Plan | None:
+    def early_answer(self) -> Plan[Movement] | None:
         """What can be said without planning: blocked at the start, or hopeless."""
         if self.start_clearance <= 0.0:
             return self.answer(Failure.START_BLOCKED)
@@ -90,8 +96,11 @@ class Problem:
         return None
 
     def caught(
-        self, attempt: Attempt, clearance: float, cognitive_map: CognitiveMap | None = None
-    ) -> Plan:
+        self,
+        attempt: Attempt[Movement],
+        clearance: float,
+        cognitive_map: CognitiveMap | None = None,
+    ) -> Plan[Movement]:
         """A plan with a verified catch."""
         body = self.situation.bodies[attempt.body].name
         return Plan(
@@ -109,11 +118,33 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Attempt:
+class Attempt(Generic[Movement]):
     """A trajectory that ends at a target, not yet verified."""
 
-    trajectory: Trajectory
+    trajectory: Movement
     body: int
+
+
+class Problem(Task[Trajectory]):
+    """A situation of the plane on its way to a plan."""
+
+    situation: Situation
+
+    def __init__(self, situation: Situation, planner: str, scene: Scene | None = None) -> None:
+        super().__init__(planar(situation, f"planner {planner!r}"), planner, scene)
+
+
+class SpatialProblem(Task[SpatialTrajectory]):
+    """A situation of a spatial arm on its way to a plan."""
+
+    situation: Situation[SpatialArm]
+
+    def early_answer(self) -> Plan[SpatialTrajectory] | None:
+        """What can be said without planning; that accelerations are limited, as well."""
+        early = super().early_answer()
+        if early is None and self.situation.arm.max_joint_acceleration is not None:
+            early = self.answer(Failure.ACCELERATION_UNTAKEN)
+        return early
 
 
 def straight_catch(
@@ -232,8 +263,10 @@ def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) 
 
 
 def judged(
-    problem: Problem, attempt: Attempt, cognitive_map: CognitiveMap | None = None
-) -> tuple[Plan | None, Verdict]:
+    problem: Task[Movement],
+    attempt: Attempt[Movement],
+    cognitive_map: CognitiveMap | None = None,
+) -> tuple[Plan[Movement] | None, Verdict]:
     """Verify an attempt: a plan if it holds, and the verdict."""
     verdict = verify(problem.scene, problem.rules, attempt.trajectory, attempt.body)
     if not verdict.good:
@@ -241,7 +274,9 @@ def judged(
     return problem.caught(attempt, verdict.clearance, cognitive_map), verdict
 
 
-def checked(problem: Problem, attempt: Attempt) -> tuple[Plan | None, Reason | None]:
+def checked(
+    problem: Task[Movement], attempt: Attempt[Movement]
+) -> tuple[Plan[Movement] | None, Reason | None]:
     """Verify an attempt: a plan if it holds, else why not."""
     plan, verdict = judged(problem, attempt)
     return plan, verdict.reason

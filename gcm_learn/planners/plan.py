@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol
+
+import numpy as np
 
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion import Failure, Trajectory
-from gcm_learn.situation import Situation
+from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
+from gcm_learn.situation import AnySituation, Situation, SpatialArm, planar
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar  # a default makes a plain `Plan` one of the plane
+
+    Movement = TypeVar(
+        "Movement", bound=Trajectory | SpatialTrajectory, default=Trajectory, covariant=True
+    )
+else:
+    from typing import TypeVar
+
+    Movement = TypeVar("Movement")
 
 FORMAT = "gcm-learn/solution@1"
+SPATIAL_FORMAT = "gcm-learn/solution@2"
 Status = Literal["caught", "unreachable", "start_blocked"]
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A verified catch, or why there is none."""
+class Plan(Generic[Movement]):
+    """A verified catch, or why there is none; `Plan[SpatialTrajectory]` of a spatial arm."""
 
     name: str
     """Name of the situation."""
@@ -31,9 +45,9 @@ class Plan:
     catch_body: str | None = None
     """Name of the target that is caught."""
     clearance: float | None = None
-    """Smallest distance of limb and obstacles, less the thickness [forearm lengths]; infinite
-    without obstacles."""
-    trajectory: Trajectory | None = None
+    """Smallest distance of limb and obstacles, less the thickness [forearm lengths, or the unit of
+    a spatial arm]; infinite without obstacles."""
+    trajectory: Movement | None = None
     failure: Failure | None = None
     """Why there is no catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
@@ -45,8 +59,11 @@ class Plan:
         return self.status == "caught"
 
 
+AnyPlan = Plan[Trajectory] | Plan[SpatialTrajectory]
+
+
 class Planner(Protocol):
-    """Anything that plans."""
+    """Anything that plans; one that also plans for spatial arms says ``takes_space = True``."""
 
     @property
     def name(self) -> str:
@@ -56,15 +73,36 @@ class Planner(Protocol):
         """Answer a situation."""
 
 
-def plan_to_json(plan: Plan) -> dict[str, Any]:
-    """The plan in the exchange format ``gcm-learn/solution@1``.
+def taken(planner: Planner, situation: AnySituation) -> AnySituation:
+    """The situation, if the planner takes its arm.
+
+    Raises
+    ------
+    ArmKindError
+    """
+    if getattr(planner, "takes_space", False):
+        return situation
+    return planar(situation, f"planner {planner.name!r}")
+
+
+def plan_to_json(plan: AnyPlan, situation: AnySituation | None = None) -> dict[str, Any]:
+    """The plan in the exchange format ``gcm-learn/solution@1``, or ``@2`` of a spatial arm.
 
     Fields that make sense only for a catch are null otherwise; so is the clearance of a catch in a
     world without obstacles, where it has no value.
+
+    Parameters
+    ----------
+    plan : Plan
+    situation : Situation, optional
+        What it answers; without it a plan that has no trajectory counts as one of the plane.
     """
-    clearance = plan.clearance
+    clearance, moves = plan.clearance, plan.trajectory
+    spatial = isinstance(moves, SpatialTrajectory)
+    if situation is not None:
+        spatial = isinstance(situation.arm, SpatialArm)
     out: dict[str, Any] = {
-        "format": FORMAT,
+        "format": SPATIAL_FORMAT if spatial else FORMAT,
         "name": plan.name,
         "planner": plan.planner,
         "status": plan.status,
@@ -74,10 +112,20 @@ def plan_to_json(plan: Plan) -> dict[str, Any]:
         "planning_ms": round(plan.planning_ms, 3),
         "message": plan.message,
     }
-    if plan.trajectory is not None:
-        out["trajectory"] = {
-            "time": plan.trajectory.time.tolist(),
-            "hand": plan.trajectory.hand.tolist(),
-            "joints": plan.trajectory.joints.tolist(),
-        }
+    if moves is not None:
+        out["trajectory"] = _columns(moves)
     return out
+
+
+def _columns(moves: Trajectory | SpatialTrajectory) -> dict[str, list[Any]]:
+    columns: dict[str, np.ndarray | None] = {"time": moves.time}
+    if isinstance(moves, SpatialTrajectory):
+        columns |= {
+            "joints": moves.joints,
+            "hand": moves.hand,
+            "elbow": moves.elbow,
+            "rates": moves.rates,
+        }
+    else:
+        columns |= {"hand": moves.hand, "joints": moves.joints}
+    return {name: column.tolist() for name, column in columns.items() if column is not None}

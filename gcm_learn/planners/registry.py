@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from typing import cast, overload
 
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner
@@ -14,8 +16,8 @@ from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
-from gcm_learn.planners.plan import Plan, Planner
-from gcm_learn.situation import AnySituation, planar
+from gcm_learn.planners.plan import AnyPlan, Plan, Planner, taken
+from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
     "gcm": gcm,
@@ -74,7 +76,13 @@ def get_planner(name: str) -> Planner:
     return _PLANNERS[name]()
 
 
-def solve(situation: AnySituation, planner: str | Planner = "gcm") -> Plan:
+@overload
+def solve(situation: Situation, planner: str | Planner = "gcm") -> Plan: ...
+@overload
+def solve(
+    situation: Situation[SpatialArm], planner: str | Planner = "gcm"
+) -> Plan[SpatialTrajectory]: ...
+def solve(situation: AnySituation, planner: str | Planner = "gcm") -> AnyPlan:
     """Plan a catch and verify it.
 
     Parameters
@@ -102,4 +110,14 @@ def solve(situation: AnySituation, planner: str | Planner = "gcm") -> Plan:
     'caught'
     """
     chosen = get_planner(planner) if isinstance(planner, str) else planner
-    return chosen.plan(planar(situation, f"planner {chosen.name!r}"))
+    return plan_with(chosen, situation)
+
+
+def plan_with(planner: Planner, situation: AnySituation) -> AnyPlan:
+    """Let a planner answer a situation, if it takes the arm.
+
+    Raises
+    ------
+    ArmKindError
+    """
+    return planner.plan(cast(Situation, taken(planner, situation)))

@@ -20,7 +20,7 @@ from gcm_learn.scene.later import later
 from gcm_learn.scene.limb import SIDE, elbow_of, elbow_position, forward, joint_angles, joints_of
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import integrate_swing, pack, pack_bodies, pose
-from gcm_learn.scene.scene import Limb, Limits, Scene
+from gcm_learn.scene.scene import Limb, Limits, Scene, SpatialLimits
 from gcm_learn.scene.spatial_limb import (
     SpatialLimb,
     forward_in_space,
@@ -45,6 +45,7 @@ __all__ = [
     "SIZE",
     "Scene",
     "SpatialLimb",
+    "SpatialLimits",
     "TOP_SPEED",
     "VELOCITY",
     "elbow_of",

@@ -10,9 +10,12 @@ from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.limb import SIDE
-from gcm_learn.scene.scene import Limb, Limits, Scene
+from gcm_learn.scene.scene import Limb, Limits, Scene, SpatialLimits
+from gcm_learn.scene.spatial_limb import spatial_limb
 from gcm_learn.situation import (
+    JOINTS,
     AnySituation,
+    Arm,
     Box,
     Capsule,
     Cylinder,
@@ -20,11 +23,10 @@ from gcm_learn.situation import (
     Pendulum,
     PlanarQuadratic,
     Polygon,
-    Situation,
     SolidQuadratic,
+    SpatialArm,
     Sphere,
     arm_frame,
-    planar,
     rotation_of,
 )
 
@@ -39,8 +41,8 @@ _KIND = {
 _SWING_STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13 rad
 
 
-def pack(situation: Situation) -> Scene:
-    """Pack a situation into arrays and numbers, in arm-plane coordinates.
+def pack(situation: AnySituation) -> Scene:
+    """Pack a situation into arrays and numbers, in coordinates of the arm's plane or base.
 
     Parameters
     ----------
@@ -50,13 +52,30 @@ def pack(situation: Situation) -> Scene:
     -------
     Scene
     """
-    arm = planar(situation, "a scene of the arm's plane").arm
-    shoulder, elbow = arm.max_joint_speed or (math.inf, math.inf)
-    limb = Limb(
+    arm = situation.arm
+    if isinstance(arm, SpatialArm):
+        limits: Limits | SpatialLimits = _spatial_limits(arm, situation.horizon)
+        return Scene(pack_bodies(situation), spatial_limb(arm), limits)
+    return Scene(pack_bodies(situation), _limb(arm), _limits(arm, situation.horizon))
+
+
+def _limb(arm: Arm) -> Limb:
+    return Limb(
         arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach, arm.thickness, *arm.hand
     )
-    limits = Limits(arm.max_hand_speed, shoulder, elbow, arm.grasp, situation.horizon)
-    return Scene(pack_bodies(situation), limb, limits)
+
+
+def _limits(arm: Arm, horizon: float) -> Limits:
+    shoulder, elbow = arm.max_joint_speed or (math.inf, math.inf)
+    return Limits(arm.max_hand_speed, shoulder, elbow, arm.grasp, horizon)
+
+
+def _spatial_limits(arm: SpatialArm, horizon: float) -> SpatialLimits:
+    acceleration = arm.max_joint_acceleration or (math.inf,) * JOINTS
+    speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
+    return SpatialLimits(
+        np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, horizon
+    )
 
 
 def pack_bodies(situation: AnySituation) -> Bodies:

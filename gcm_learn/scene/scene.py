@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from gcm_learn.scene.bodies import Bodies
 
@@ -32,9 +34,22 @@ class Limits(NamedTuple):
     horizon: float  # last moment at which a catch counts [s]
 
 
+class SpatialLimits(NamedTuple):
+    """What a movement of a spatial arm may do; infinite where the situation says nothing."""
+
+    joint_speed: np.ndarray  # (4,) [rad/s]
+    joint_acceleration: np.ndarray  # (4,) [rad/s^2]
+    speed: float  # of the hand [lengths/s]
+    grasp: float  # signed distance of hand and target at which it is caught [lengths]
+    horizon: float  # last moment at which a catch counts [s]
+
+
 class Scene(NamedTuple):
-    """A situation, packed once and handed from kernel to kernel."""
+    """A situation, packed once and handed from kernel to kernel.
+
+    Kernels of the plane take a `Limb` with `Limits`, those of space the other two.
+    """
 
     bodies: Bodies
-    limb: Limb
-    limits: Limits
+    limb: Any  # Limb or SpatialLimb
+    limits: Any  # Limits or SpatialLimits

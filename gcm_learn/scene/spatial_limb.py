@@ -41,6 +41,8 @@ class SpatialLimb(NamedTuple):
     rho: float  # lengths of upper arm and forearm
     length: float
     thickness: float  # radius of both
+    start: np.ndarray  # (4,) joints at t = 0 [rad]
+    rates: np.ndarray  # (4,) of the joints at t = 0 [rad/s]
 
 
 @njit(_nrt=False)
@@ -241,7 +243,10 @@ def spatial_limb(arm: SpatialArm) -> SpatialLimb:
     low, high = np.array(arm.joint_range).T.copy()
     pole, zero = _pole(arm.upper_arm, arm.forearm, arm.joint_range)
     return _limb(arm.upper_arm, arm.forearm, low, high, arm.thickness)._replace(
-        pole=np.array(pole), zero=np.array(zero)
+        pole=np.array(pole),
+        zero=np.array(zero),
+        start=np.array(arm.joints),
+        rates=np.array(arm.joint_rates or (0.0,) * JOINTS),
     )
 
 
@@ -302,11 +307,11 @@ def swivel_in_space(arm: SpatialArm, joints: ArrayLike) -> float:
 def _limb(
     upper: ArrayLike, fore: ArrayLike, low: np.ndarray, high: np.ndarray, thickness: float
 ) -> SpatialLimb:
-    """A limb whose pole is not chosen yet."""
+    """A limb whose pole and start are not chosen yet."""
     u, f = np.array(upper, dtype=float), np.array(fore, dtype=float)
-    none = np.zeros(3)
+    none, rest = np.zeros(3), np.zeros(JOINTS)
     lengths = math.hypot(*u), math.hypot(*f)
-    return SpatialLimb(u, f, low, high, none, none, *lengths, thickness)
+    return SpatialLimb(u, f, low, high, none, none, *lengths, thickness, rest, rest)
 
 
 @lru_cache(maxsize=64)

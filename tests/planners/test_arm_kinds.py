@@ -10,7 +10,6 @@ from gcm_learn import build_map, get_planner, solve
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
 from gcm_learn.execution import Pool, pool_of
-from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
 from tests.extras import planner_params
 from tests.situation.test_json_format import PLANAR
@@ -28,8 +27,8 @@ def test_every_planner_refuses(name):
         get_planner(name).plan(SPATIAL)
 
 
-@pytest.mark.parametrize("refuses", [pack, build_map, lambda s: Pool.of([s])])
-def test_scenes_and_maps_of_the_plane_refuse(refuses):
+@pytest.mark.parametrize("refuses", [build_map, lambda s: Pool.of([s])])
+def test_maps_and_the_arena_refuse(refuses):
     with pytest.raises(ArmKindError, match="does not take spatial arms"):
         refuses(SPATIAL)
 

@@ -1,0 +1,78 @@
+"""A timed movement of a spatial arm, given by its joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gcm_learn.scene import forward_in_space
+from gcm_learn.situation import JOINTS, SpatialArm
+
+
+@dataclass(frozen=True)
+class SpatialTrajectory:
+    """A movement of a spatial arm: linear in the joints between samples, or cubic with rates."""
+
+    arm: SpatialArm
+    time: np.ndarray
+    """(n,) float: sample times [s], starting at 0, strictly increasing."""
+    joints: np.ndarray
+    """(n, 4) float [rad]"""
+    rates: np.ndarray | None = None
+    """(n, 4) float: of the joints at the samples [rad/s]; between them the joints are the cubic
+    Hermite curves of both. None where joints are linear."""
+
+    def __post_init__(self) -> None:
+        n, rates = self.time.shape[0], self.joints if self.rates is None else self.rates
+        if not (self.time.shape == (n,) and self.joints.shape == rates.shape == (n, JOINTS)):
+            raise ValueError(
+                f"trajectory needs shapes (n,), (n, {JOINTS}), (n, {JOINTS}), got "
+                f"{self.time.shape}, {self.joints.shape}, {rates.shape}"
+            )
+        if n == 0 or (self.time[1:] <= self.time[:-1]).any():
+            raise ValueError("trajectory times must increase and there must be at least one")
+
+    @cached_property
+    def _limb(self) -> tuple[np.ndarray, np.ndarray]:
+        return forward_in_space(self.arm, self.joints)
+
+    @property
+    def elbow(self) -> np.ndarray:
+        """(n, 3) float: elbows, in the world."""
+        return self._limb[0]
+
+    @property
+    def hand(self) -> np.ndarray:
+        """(n, 3) float: hands, in the world."""
+        return self._limb[1]
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return float(self.time[-1])
+
+    @property
+    def length(self) -> float:
+        """Length of the hand's path, straight between samples."""
+        return float(np.sqrt((np.diff(self.hand, axis=0) ** 2).sum(axis=1)).sum())
+
+    def joints_at(self, t: float | np.ndarray) -> np.ndarray:
+        """Joint angles (..., 4) at time(s) t, held before the first and after the last sample."""
+        if self.rates is None or self.time.size == 1:
+            return np.stack(
+                [np.interp(t, self.time, self.joints[:, j]) for j in range(JOINTS)], axis=-1
+            )
+        from scipy.interpolate import CubicHermiteSpline
+
+        curve = CubicHermiteSpline(self.time, self.joints, self.rates)
+        return np.asarray(curve(np.clip(t, self.time[0], self.time[-1])))
+
+    def hand_at(self, t: float | np.ndarray) -> np.ndarray:
+        """Hand position(s) (..., 3) in the world at time(s) t."""
+        return forward_in_space(self.arm, self.joints_at(t))[1]
+
+    def elbow_at(self, t: float | np.ndarray) -> np.ndarray:
+        """Elbow position(s) (..., 3) in the world at time(s) t."""
+        return forward_in_space(self.arm, self.joints_at(t))[0]

@@ -1,0 +1,198 @@
+"""What "caught" promises of a spatial arm, at every instant of its curve."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.collision.postures import desk_of, hermite, least_on, line, on_curve
+from gcm_learn.compiled import njit
+from gcm_learn.motion.interception_in_space import target_room
+from gcm_learn.motion.rules import CATCH_SAFETY
+from gcm_learn.scene.spatial_limb import limb_at
+
+NOTHING, ELSEWHERE, LATE, RANGE, JOINT, FORCED, FAST, MISSED, TOUCHED = range(9)
+TOLERANCE = 1e-7  # relative, of limits; the contract grants 1e-6
+RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearms]
+_DEEPEST = 50  # halvings of a piece before its hand counts as too fast
+
+
+@njit
+def judge(scene, touch, time, joints, rates, body):
+    """First promise that is not kept (NOTHING if all are), least distance, and when [s].
+
+    Parameters
+    ----------
+    touch : float
+        Distance of bones and obstacles that is not enough.
+    time : (n,) ndarray
+    joints : (n, 4) ndarray
+    rates : (n, 4) ndarray
+        (0, 4) where joints are linear between samples.
+    body : int
+        The target that is caught at the end.
+    """
+    desk, last = desk_of(scene), time.size - 1
+    fault = _fault_at_ends(scene, time, joints, rates, body, desk.poses)
+    if fault != NOTHING:
+        return fault, 0.0, time[last]
+    for k in range(last):
+        _piece(time, joints, rates, k, desk.curve)
+        fault = _piece_fault(scene, desk.curve, time[k + 1] - time[k], desk.joints)
+        if fault != NOTHING:
+            return fault, 0.0, time[k]
+    best, when = 1e300, 0.0
+    for k in range(max(last, 1)):
+        until = min(k + 1, last)
+        if until == k:  # a catch at t = 0
+            line(joints[0], joints[0], desk.curve)
+        else:
+            _piece(time, joints, rates, k, desk.curve)
+        found, t = least_on(
+            scene, time[k], time[until], touch, RESOLUTION * scene.limb.length, best, desk
+        )
+        if t >= 0.0:
+            best, when = found, t
+        if best <= touch:
+            break
+    return TOUCHED if best <= touch else NOTHING, best, when
+
+
+@njit(_nrt=False)
+def _piece(time, joints, rates, k, curve):
+    """Write the move between samples k and k + 1 into `curve` (4, 4)."""
+    if rates.shape[0] == 0:
+        line(joints[k], joints[k + 1], curve)
+    else:
+        hermite(joints[k], rates[k], joints[k + 1], rates[k + 1], time[k + 1] - time[k], curve)
+
+
+@njit(_nrt=False)
+def _fault_at_ends(scene, time, joints, rates, body, poses):
+    """Whether it begins where the arm is, and ends at the target in time."""
+    limb, last = scene.limb, time.size - 1
+    for j in range(4):
+        if time[0] != 0.0 or joints[0, j] != limb.start[j]:
+            return ELSEWHERE
+        if rates.shape[0] > 0 and rates[0, j] != limb.rates[j]:
+            return ELSEWHERE
+        if not limb.low[j] <= joints[0, j] <= limb.high[j]:
+            return RANGE
+    if time[last] > scene.limits.horizon:
+        return LATE
+    _, _, _, x, y, z = limb_at(limb, joints[last])
+    away = target_room(scene, body, x, y, z, time[last], poses)
+    if away > scene.limits.grasp - 0.5 * CATCH_SAFETY * limb.length:
+        return MISSED
+    return NOTHING
+
+
+@njit(_nrt=False)
+def _piece_fault(scene, curve, span, q):
+    """First limit that the move in `curve` breaks in `span` [s]; `q` (4,) is overwritten."""
+    limb, limits = scene.limb, scene.limits
+    for j in range(4):
+        low, high = _extremes(curve, j)
+        hair = TOLERANCE * max(abs(limb.low[j]), abs(limb.high[j]))
+        if low < limb.low[j] - hair or high > limb.high[j] + hair:
+            return RANGE
+        if _top_rate(curve, j) > limits.joint_speed[j] * span * (1.0 + TOLERANCE):
+            return JOINT
+        most = limits.joint_acceleration[j] * (1.0 + TOLERANCE) * span * span
+        first, second = 2.0 * curve[j, 2], 2.0 * curve[j, 2] + 6.0 * curve[j, 3]
+        if max(abs(first), abs(second)) > most:
+            return FORCED
+    if limits.speed != np.inf:
+        if _hand_too_fast(limb, curve, limits.speed * span * (1.0 + TOLERANCE), q):
+            return FAST
+    return NOTHING
+
+
+@njit(_nrt=False)
+def _extremes(curve, j):
+    """Smallest and largest angle of joint j over a move."""
+    a, b, c, d = curve[j, 0], curve[j, 1], curve[j, 2], curve[j, 3]
+    low, high = min(a, a + b + c + d), max(a, a + b + c + d)
+    if c == 0.0 and d == 0.0:
+        return low, high
+    square = c * c - 3.0 * b * d
+    if square >= 0.0:  # where the rate b + 2 c s + 3 d s^2 is 0; in the form that never cancels
+        root = -(c + np.copysign(np.sqrt(square), c))
+        for s in (root / (3.0 * d) if d != 0.0 else -1.0, b / root if root != 0.0 else -1.0):
+            if 0.0 < s < 1.0:
+                angle = a + s * (b + s * (c + s * d))
+                low, high = min(low, angle), max(high, angle)
+    return low, high
+
+
+@njit(_nrt=False)
+def _top_rate(curve, j):
+    """Largest rate of joint j over a move, per share of it."""
+    b, c, d = curve[j, 1], curve[j, 2], curve[j, 3]
+    top = max(abs(b), abs(b + 2.0 * c + 3.0 * d))
+    s = -c / (3.0 * d) if d != 0.0 else -1.0
+    return max(top, abs(b + c * s)) if 0.0 < s < 1.0 else top
+
+
+@njit(_nrt=False)
+def hand_rate(limb, curve, s, q):
+    """Way of the hand per share of a move, at share s; `q` (4,) is overwritten with the joints."""
+    on_curve(curve, s, q)
+    x, y, z = _velocity(limb, curve, s, q)
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@njit(_nrt=False)
+def _velocity(limb, curve, s, q):
+    """Derivative of the hand by the share of a move, at share s where the joints are q (4,)."""
+    ex, ey, ez, hx, hy, hz = limb_at(limb, q)
+    c1, s1, c2, s2 = np.cos(q[0]), np.sin(q[0]), np.cos(q[1]), np.sin(q[1])
+    c3, s3 = np.cos(q[2]), np.sin(q[2])
+    r = _rate(curve, 0, s), _rate(curve, 1, s), _rate(curve, 2, s), _rate(curve, 3, s)
+    # what turns all: about y, then about R_y z
+    wx, wy, wz = r[1] * s1, r[0], r[1] * c1
+    x, y, z = wy * hz - wz * hy, wz * hx - wx * hz, wx * hy - wy * hx
+    # what turns the forearm: about the upper arm's x, then about R_y R_z R_x z
+    fx, fy, fz = hx - ex, hy - ey, hz - ez
+    wx = r[2] * c1 * c2 + r[3] * (c1 * s2 * s3 + s1 * c3)
+    wy = r[2] * s2 - r[3] * c2 * s3
+    wz = -r[2] * s1 * c2 + r[3] * (c1 * c3 - s1 * s2 * s3)
+    return x + wy * fz - wz * fy, y + wz * fx - wx * fz, z + wx * fy - wy * fx
+
+
+@njit(_nrt=False, forceinline=True)
+def _rate(curve, j, s):
+    return curve[j, 1] + s * (2.0 * curve[j, 2] + s * 3.0 * curve[j, 3])
+
+
+@njit(_nrt=False)
+def _hand_too_fast(limb, curve, most, q):
+    """Whether the hand's way per share of a move exceeds `most` anywhere.
+
+    The hand accelerates by at most (sum of rates)^2 + sum of accelerations times the reach, so the
+    speed in the middle of a span bounds that in all of it.
+    """
+    far, rates, bends = limb.rho + limb.length, 0.0, 0.0
+    for j in range(4):
+        rates += _top_rate(curve, j)
+        bends += max(abs(2.0 * curve[j, 2]), abs(2.0 * curve[j, 2] + 6.0 * curve[j, 3]))
+    change = far * (rates * rates + bends)
+    if far * rates <= most:
+        return False
+    s, half, depth = 0.0, 0.5, 1  # spans from left to right, by bisection: 2^depth of the whole
+    while s < 1.0:
+        speed = hand_rate(limb, curve, s + half, q)
+        if speed > most or depth > _DEEPEST:
+            return True
+        if speed + change * half <= most:
+            s += 2.0 * half
+            while depth > 1 and _is_multiple(s, 4.0 * half):
+                half, depth = 2.0 * half, depth - 1
+        else:
+            half, depth = 0.5 * half, depth + 1
+    return False
+
+
+@njit(_nrt=False, forceinline=True)
+def _is_multiple(s, span):
+    """Whether s is a whole number of spans; both are exact powers of two and sums of them."""
+    return s / span == np.floor(s / span)
