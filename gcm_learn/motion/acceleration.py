@@ -1,0 +1,140 @@
+"""Timing of spatial arms under limits of acceleration.
+
+Two ways to come from the start, with its rates, to a posture at a given time: at once, with one
+constant acceleration and then at constant rates; or along a given path, as near to it as the
+limits allow.  A catch asks for a place and a time, not for rates at its end, so these are free;
+generators of motion from point to point (ruckig) want them given.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from gcm_learn.compiled import njit
+
+HAIR = 1e-6  # share of the limits that is not used, against rounding
+KNOTS = 24  # of a tracked path, evenly in time: between them accelerations are linear
+SAMPLES = 4  # of the path in each span between knots
+_END = 300.0  # weight of the path's end, where the target is, beside that of any other sample
+
+
+@njit(_nrt=False)
+def dash(scene, goal, until, joints, rates):
+    """Come to a posture at a time: a constant acceleration, then constant rates.
+
+    Parameters
+    ----------
+    goal : (4,) ndarray
+        Joints [rad] at the time `until` [s].
+    joints, rates : (3, 4) ndarray
+        Filled with the samples at 0, at the switch and at `until`.
+
+    Returns
+    -------
+    float
+        When the acceleration ends [s]; -1 if no such movement keeps the limits of the joints.
+    """
+    limb, limits, switch = scene.limb, scene.limits, until
+    for j in range(4):  # the longer the acceleration lasts, the faster the end
+        far = goal[j] - limb.start[j] - limb.rates[j] * until
+        most = limits.joint_speed[j] * (1.0 - HAIR)
+        spare = most - limb.rates[j] if far > 0.0 else most + limb.rates[j]
+        if abs(far) > spare * until:
+            return -1.0
+        if abs(far) > 0.5 * spare * until:
+            switch = min(switch, 2.0 * (until - abs(far) / spare))
+    lever = switch * (until - 0.5 * switch)
+    for j in range(4):
+        far = goal[j] - limb.start[j] - limb.rates[j] * until
+        if abs(far) > limits.joint_acceleration[j] * (1.0 - HAIR) * lever:
+            return -1.0
+        force = far / lever
+        joints[0, j], joints[2, j] = limb.start[j], goal[j]
+        rates[0, j] = limb.rates[j]
+        rates[1, j] = rates[2, j] = limb.rates[j] + force * switch
+        joints[1, j] = limb.start[j] + switch * (limb.rates[j] + 0.5 * force * switch)
+    return switch
+
+
+def tracked(
+    time: np.ndarray,
+    path: np.ndarray,
+    rates: np.ndarray,
+    limits: np.ndarray,
+    knots: int = KNOTS,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The movement nearest to a timed path, with limited accelerations.
+
+    Nearest in the sum of squares over the path, its end above all.  Speeds and ranges are not
+    looked at.
+
+    Parameters
+    ----------
+    time : (n,) ndarray
+        [s], from 0.
+    path : (n, 4) ndarray
+        Joints, linear between the times [rad].
+    rates : (4,) ndarray
+        Of the joints at the start [rad/s].
+    limits : (4,) ndarray
+        Of the accelerations [rad/s^2].
+
+    Returns
+    -------
+    time : (m,) ndarray
+    joints, rates : (m, 4) ndarray
+        Samples of the cubic Hermite curve.
+    """
+    end = time[-1]
+    at, speeds, places, weights = _tracking(knots)
+    wanted = np.stack([np.interp(at * end, time, path[:, j]) for j in range(4)], axis=-1)
+    joints, moving = np.empty((knots + 1, 4)), np.empty((knots + 1, 4))
+    share = np.linspace(0.0, 1.0, knots + 1)
+    for j in range(4):
+        off = wanted[:, j] - path[0, j] - rates[j] * end * at
+        most = limits[j] * (1.0 - HAIR) * end * end
+        force = lsq_linear(
+            weights[:, None] * places, weights * off, (-most, most), method="bvls", tol=1e-9
+        ).x
+        joints[:, j] = path[0, j] + rates[j] * end * share + places[::SAMPLES] @ force
+        moving[:, j] = rates[j] + speeds @ force / end
+    return share * end, joints, moving
+
+
+@lru_cache(maxsize=8)
+def _tracking(knots: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Where a path of duration 1 is sampled, and what accelerations at the knots do.
+
+    Returns
+    -------
+    at : (m,) ndarray
+        Times of the samples; every SAMPLES-th is a knot.
+    speeds : (knots + 1, knots + 1) ndarray
+        Rates at the knots from accelerations at the knots.
+    places : (m, knots + 1) ndarray
+        Joints at the samples from the same.
+    weights : (m,) ndarray
+        Of the samples.
+    """
+    h = 1.0 / knots
+    speeds, turned = np.zeros((knots + 1, knots + 1)), np.zeros((knots + 1, knots + 1))
+    for k in range(knots):  # an acceleration that goes linearly from a to b in h
+        speeds[k + 1] = speeds[k]
+        speeds[k + 1, k] += 0.5 * h
+        speeds[k + 1, k + 1] += 0.5 * h
+        turned[k + 1] = turned[k] + h * speeds[k]
+        turned[k + 1, k] += h * h / 3.0
+        turned[k + 1, k + 1] += h * h / 6.0
+    places = np.zeros((knots * SAMPLES + 1, knots + 1))
+    for i in range(places.shape[0]):
+        k = min(i // SAMPLES, knots - 1)
+        s = h * (i / SAMPLES - k)
+        places[i] = turned[k] + s * speeds[k]
+        places[i, k] += 0.5 * s * s - s**3 / (6.0 * h)
+        places[i, k + 1] += s**3 / (6.0 * h)
+    weights = np.ones(places.shape[0])
+    weights[-1] = _END
+    return np.linspace(0.0, 1.0, places.shape[0]), speeds, places, weights
