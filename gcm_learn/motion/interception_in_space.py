@@ -71,7 +71,7 @@ def met_at(scene, q, t, catch, poses):
     return -1
 
 
-@njit(_nrt=False)
+@njit
 def first_meeting(scene, curve, since, until, catch, shortest, poses):
     """First moment of a move at which a target is within `catch` of the hand.
 
