@@ -12,13 +12,16 @@ from gcm_learn.handspace.lattice import (
     hand_space,
 )
 from gcm_learn.handspace.occupied import occupied_cells
+from gcm_learn.handspace.space import LARGEST_IN_SPACE, SpaceLattice
 
 __all__ = [
     "Chart",
+    "LARGEST_IN_SPACE",
     "LARGEST_LATTICE",
     "Lattice",
     "SMALLEST_LATTICE",
     "START_RADIUS",
+    "SpaceLattice",
     "Steps",
     "cell_joints",
     "chart_of",
