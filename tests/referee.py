@@ -12,7 +12,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Pendulum, Polygon, Sphere
+from gcm_learn.planners import plan_to_json
+from gcm_learn.situation import (
+    Box,
+    Capsule,
+    Cylinder,
+    Disc,
+    Pendulum,
+    Polygon,
+    Sphere,
+    situation_to_json,
+)
+from tests import referee_in_space
 
 INSTANTS = 300  # first samples of a movement, besides the trajectory's own
 LOWS = 3  # local minima of a distance that are looked at more closely
@@ -36,7 +47,9 @@ class Verdict:
 
 
 def judge(situation, plan, instants=INSTANTS):
-    """Check all that CONTRACT.md promises of a caught plan."""
+    """Check all that CONTRACT.md promises of a caught plan, in the plane or in space."""
+    if situation.is_spatial:
+        return referee_in_space.judge(situation_to_json(situation), plan_to_json(plan))
     arm, path = situation.arm, plan.trajectory
     complaints = [*_records(situation, plan), *_speeds(arm, path)]
     t = np.unique(np.concatenate([np.linspace(0.0, path.time[-1], instants), path.time]))
