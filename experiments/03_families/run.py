@@ -82,7 +82,7 @@ def main() -> None:
         for name in ("gate", "pendulum"):
             get_planner(planner).plan(draw(name, SEED, count))
     text = HEAD
-    for name in family_names():
+    for name in family_names("planar"):
         text += row(name, count)
         print(text.splitlines()[-1], flush=True)
     note = (

@@ -22,7 +22,7 @@ from gcm_learn.errors import FamilyError, FileFormatError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
 from gcm_learn.handspace import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.planners import planner_names
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, planar
 from gcm_learn.storage import content_hash
 
 FORMAT = "gcm-learn/dataset-spec@1"
@@ -59,7 +59,7 @@ class FamilyShare:
 
     def draw(self, rng: np.random.Generator, name: str) -> Situation:
         """Draw a situation."""
-        return self.source.draw(rng, name)
+        return planar(self.source.draw(rng, name), "a dataset")
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
 from gcm_learn.motion import PARTS, Trajectory, clearance, joint_turns
 from gcm_learn.scene import LIMB, PART, SIDE, elbow_of, pack, poses_at
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, planar
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
 _CHUNK = 10  # situations that a process takes at once
@@ -79,7 +79,7 @@ def warmed(name: str) -> Method:
 
     made = get_method(name)
     for k in range(3):
-        made.run(draw("crossing-swarm", 3, k))
+        made.run(planar(draw("crossing-swarm", 3, k), "a comparison"))
     return made
 
 

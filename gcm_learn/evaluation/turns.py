@@ -19,7 +19,7 @@ from typing import Any
 from gcm_learn import families
 from gcm_learn.planners import Problem, StraightPlanner, bounds, marching, stratum
 from gcm_learn.processes import cores, pool
-from gcm_learn.situation import canonical, situation_to_json
+from gcm_learn.situation import canonical, planar, situation_to_json
 from gcm_learn.storage import write_whole
 
 SEED = 9108
@@ -46,7 +46,7 @@ Draw = dict[str, Any]
 def drawn(number: int) -> Draw | None:
     """A draw by its number as JSON values; None if it is passed over, or begins with a touch."""
     family = FAMILIES[number % len(FAMILIES)]
-    situation, _ = canonical(families.draw(family, SEED, number))
+    situation, _ = canonical(planar(families.draw(family, SEED, number), "a frozen suite"))
     answer = Problem(situation, "oracle").early_answer()
     if answer is not None and answer.status == "start_blocked":
         return None

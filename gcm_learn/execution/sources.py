@@ -63,7 +63,7 @@ def pool_of(source: Source, count: int, seed: int) -> Pool:
     return Pool.of(found)
 
 
-def _drawn(family: Family, count: int, seed: int) -> list[Situation]:
+def _drawn(family: Family, count: int, seed: int) -> list[AnySituation]:
     root = int(seeding.rng(seed, SALT).integers(2**62))
     return [draw(family, root, k) for k in range(count)]
 

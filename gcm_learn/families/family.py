@@ -24,7 +24,7 @@ from gcm_learn.families.ranges import (
 )
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import pack
-from gcm_learn.situation import Arm, Pendulum, Situation
+from gcm_learn.situation import AnySituation, Arm, Pendulum, Situation
 
 ATTEMPTS = 50  # draws until the limb starts free; after that many the last one is given
 TINY = 1e-3  # what must be positive is at least this
@@ -90,12 +90,10 @@ class Family(Ranges):
     """Under which it is registered."""
     summary: ClassVar[str]
     """What happens, in one line."""
+    kind: ClassVar[str] = "planar"
+    """Of the arm: planar or spatial."""
 
-    arm: ArmRanges = field(default_factory=ArmRanges)
-    obstacles: Counts = counts(1, 4)
-    """Number of obstacles."""
-
-    def draw(self, rng: np.random.Generator, name: str = "") -> Situation:
+    def draw(self, rng: np.random.Generator, name: str = "") -> AnySituation:
         """Draw a situation in which the limb touches nothing at t = 0.
 
         Draws that start blocked are thrown away, which thins out obstacles near the arm; after
@@ -120,11 +118,24 @@ class Family(Ranges):
         return situation
 
     @abstractmethod
+    def sketch(self, rng: np.random.Generator, name: str) -> AnySituation:
+        """Draw once, the limb free or not."""
+
+
+@dataclass(frozen=True)
+class PlanarFamily(Family):
+    """Base of families for an arm that moves in a plane."""
+
+    arm: ArmRanges = field(default_factory=ArmRanges)
+    obstacles: Counts = counts(1, 4)
+    """Number of obstacles."""
+
+    @abstractmethod
     def sketch(self, rng: np.random.Generator, name: str) -> Situation:
         """Draw once, the limb free or not."""
 
 
-def _starts_free(situation: Situation) -> bool:
+def _starts_free(situation: AnySituation) -> bool:
     """Whether the limb touches nothing at t = 0."""
     if any(isinstance(body.motion, Pendulum) for body in situation.bodies):
         # Packing one integrates its swing up to the horizon, of which nothing is needed here.

@@ -118,17 +118,47 @@ class PendulumFamily(InSpace, EventFamily):
         heading = pick_sign(rng) * pick(rng, self.heading)
         angle, stiffness = pick(rng, self.phase) * amplitude, swing.gravity / length
         rate = pick_sign(rng) * math.sqrt(2.0 * stiffness * (math.cos(angle) - math.cos(amplitude)))
-        # Without damping, time runs back when the rate is turned round.
-        back = integrate_swing(angle, -rate, stiffness, 0.0, swing.when / _STEPS, _STEPS + 1)[-1]
         along = in_world(math.cos(heading), 0.0, math.sin(heading))
-        x, y, z = in_world(*swing.place, 0.0)
-        s, c = length * math.sin(angle), length * math.cos(angle)
-        return Pendulum(
-            pivot=(x - s * along[0], y - s * along[1], z + c),
-            axis=(along[1], -along[0], 0.0),
-            down=(0.0, 0.0, -1.0),
-            length=length,
-            gravity=swing.gravity,
-            angle=float(back[0]),
-            rate=-float(back[1]),
-        )
+        place = in_world(*swing.place, 0.0)
+        return swing_through(place, along, swing.when, swing.gravity, length, (angle, rate))
+
+
+def swing_through(
+    place: tuple[float, float, float],
+    along: tuple[float, float, float],
+    when: float,
+    gravity: float,
+    length: float,
+    state: Vector,
+) -> Pendulum:
+    """The swing, from t = 0 on, of a body that is at a place at a time.
+
+    Parameters
+    ----------
+    place : (3,) tuple of float
+        [forearms]
+    along : (3,) tuple of float
+        Level unit vector: where the swing goes at positive rates.
+    when : float
+        [s]
+    gravity : float
+        [forearms/s^2]
+    length : float
+        From pivot to body [forearms].
+    state : (2,) tuple of float
+        Angle and rate then [rad, rad/s].
+    """
+    (x, y, z), (angle, rate) = place, state
+    # Without damping, time runs back when the rate is turned round.
+    step, stiffness = when / _STEPS, gravity / length
+    back = integrate_swing(angle, -rate, stiffness, 0.0, step, _STEPS + 1)[-1]
+    s, c = length * math.sin(angle), length * math.cos(angle)
+    return Pendulum(
+        pivot=(x - s * along[0], y - s * along[1], z + c),
+        axis=(along[1], -along[0], 0.0),
+        down=(0.0, 0.0, -1.0),
+        length=length,
+        gravity=gravity,
+        angle=float(back[0]),
+        rate=-float(back[1]),
+    )

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.family import TINY, PlanarFamily
 from gcm_learn.families.layout import (
     TRIES,
     Event,
@@ -74,7 +74,7 @@ class Sizes(Ranges):
 
 
 @dataclass(frozen=True)
-class PieceFamily(Family):
+class PieceFamily(PlanarFamily):
     """Base of families whose bodies are balls and bars."""
 
     plane: ClassVar[Plane | None] = None

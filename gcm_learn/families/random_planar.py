@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gcm_learn.errors import SituationError
-from gcm_learn.families.family import TINY, ArmRanges, Family
+from gcm_learn.families.family import TINY, ArmRanges, PlanarFamily
 from gcm_learn.families.ranges import (
     Counts,
     Range,
@@ -32,7 +32,7 @@ def pilot_arm() -> ArmRanges:
 
 
 @dataclass(frozen=True)
-class RandomPlanar(Family):
+class RandomPlanar(PlanarFamily):
     """One target, obstacles anywhere, most bodies moving; nothing is aimed."""
 
     name = "random-planar"

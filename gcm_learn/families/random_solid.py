@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.family import TINY, PlanarFamily
 from gcm_learn.families.layout import polar
 from gcm_learn.families.ranges import Counts, Range, number, pick, pick_angle, pick_count, span
 from gcm_learn.situation import (
@@ -29,7 +29,7 @@ Vector3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class RandomSolid(Family):
+class RandomSolid(PlanarFamily):
     """The arm's plane stands anywhere in space; every body crosses it within reach at some time.
 
     Half of the pendulums are cords, all else flies and most of it spins.

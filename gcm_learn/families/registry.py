@@ -21,9 +21,19 @@ from gcm_learn.families.pendulum import PendulumFamily
 from gcm_learn.families.random_planar import RandomPlanar
 from gcm_learn.families.random_solid import RandomSolid
 from gcm_learn.families.ranges import Ranges
+from gcm_learn.families.space.bench import BenchSpace
+from gcm_learn.families.space.boxes import CrateSpace, TraySpace
+from gcm_learn.families.space.clutter import (
+    BehindPostSpace,
+    CrossingSwarmSpace,
+    StaticClutterSpace,
+)
+from gcm_learn.families.space.flights import FallingSpace, LateTargetSpace, OverShelfSpace
+from gcm_learn.families.space.pendulum import PendulumSpace
+from gcm_learn.families.space.walls import DoorSpace, WindowSpace
 from gcm_learn.families.spinning import Spinning, SpinningSolid
 from gcm_learn.families.static_clutter import StaticClutter, StaticClutterSolid
-from gcm_learn.situation import JsonTextError, RepeatedField, Situation, line_of, parse, show
+from gcm_learn.situation import AnySituation, JsonTextError, RepeatedField, line_of, parse, show
 
 _Record = TypeVar("_Record", bound=Ranges)
 
@@ -34,13 +44,15 @@ _FAMILIES: dict[str, type[Family]] = {
         CrossingSwarmSolid, Falling, FallingSolid, Spinning, SpinningSolid, PendulumFamily, Gate,
         GateSolid, BehindMover, BehindMoverSolid, LateTarget, LateTargetSolid, RandomPlanar,
         RandomSolid,
+        StaticClutterSpace, CrossingSwarmSpace, BehindPostSpace, WindowSpace, DoorSpace, CrateSpace,
+        TraySpace, OverShelfSpace, FallingSpace, LateTargetSpace, PendulumSpace, BenchSpace,
     )
 }  # fmt: skip
 
 
-def family_names() -> list[str]:
-    """Names of the registered families, planar ones before their siblings in space."""
-    return list(_FAMILIES)
+def family_names(kind: str | None = None) -> list[str]:
+    """Names of the registered families, or of those for a "planar" or a "spatial" arm."""
+    return [name for name, family in _FAMILIES.items() if kind in (None, family.kind)]
 
 
 @functools.cache
@@ -49,7 +61,7 @@ def get_family(name: str) -> Family:
     return _class_of(name)()
 
 
-def draw(family: str | Family, seed: int, index: int) -> Situation:
+def draw(family: str | Family, seed: int, index: int) -> AnySituation:
     """Draw item `index` of a family under a seed: the same whatever else is drawn.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
 from gcm_learn.situation.checks import number, positive, show
-from gcm_learn.situation.frames import arm_frame, plane_frame, quaternion_of, rotation_of
+from gcm_learn.situation.frames import arm_frame, carried, plane_frame, quaternion_of, rotation_of
 from gcm_learn.situation.json_format import (
     FORMAT,
     SPATIAL_FORMAT,
@@ -71,6 +71,7 @@ __all__ = [
     "Sphere",
     "arm_frame",
     "canonical",
+    "carried",
     "frame_of",
     "line_of",
     "number",

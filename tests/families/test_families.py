@@ -25,7 +25,7 @@ from gcm_learn.planners import get_planner
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import situation_from_json, situation_to_json
 
-NAMES = family_names()
+NAMES = family_names("planar")
 AIMED = [name for name in NAMES if hasattr(get_family(name), "aimed")]
 BALLS = [name for name in NAMES if hasattr(get_family(name), "sizes") and "spinning" not in name]
 

@@ -140,7 +140,7 @@ def test_points_on_the_way_are_swept(seed):
     assert not leaves_room(point._replace(place=hand, when=0.0), arm, event._replace(meet=hand))
 
 
-SOLID = [name for name in family_names() if name.endswith("-solid") or name == "pendulum"]
+SOLID = [name for name in family_names("planar") if name.endswith("-solid") or name == "pendulum"]
 
 
 @pytest.mark.parametrize("name", SOLID)
@@ -286,7 +286,7 @@ def test_gates_need_waiting(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", family_names())
+@pytest.mark.parametrize("name", family_names("planar"))
 def test_no_family_is_trivial_or_hopeless(name):
     shares = strata(name, 100)
     assert shares["U"] <= 0.45

@@ -23,7 +23,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_workspace,
 )
 from gcm_learn.scene import outline
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, planar
 
 INSTANTS = (80.0, 160.0, 240.0)  # [tau] of the wave's snapshots; the contact follows
 SHOWN = 0.35  # [s] instant at which hand-space is shown
@@ -124,7 +124,7 @@ def _map(situation: Situation, plan: Plan) -> Figure:
 
 def shown_families() -> list[str]:
     """Families that get a panel: all but the siblings in space, which look alike in the plane."""
-    names = family_names()
+    names = family_names("planar")
     return [n for n in names if n.removesuffix("-solid") not in names or not n.endswith("-solid")]
 
 
@@ -156,7 +156,7 @@ def families_figure(seed: int = 0, columns: int = 4) -> Figure:
 def first_case(name: str, seed: int) -> tuple[Situation, Plan]:
     """The first situation of a family that is caught, but not on the straight line, and seen."""
     for k in range(MOST):
-        situation = draw(name, seed, k)
+        situation = planar(draw(name, seed, k), "the picture of the families")
         if solve(situation, "straight").caught:
             continue
         plan = solve(situation, "layered")

@@ -1,0 +1,1 @@
+"""Families for an arm in space."""

@@ -1,0 +1,104 @@
+"""A table before the robot: the arm hangs down, the ball rolls on the table."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcm_learn.families.layout import TRIES
+from gcm_learn.families.ranges import (
+    Counts,
+    Range,
+    counts,
+    number,
+    pick,
+    pick_angle,
+    pick_count,
+    span,
+)
+from gcm_learn.families.space.family import SpatialFamily, Story, fits
+from gcm_learn.families.space.solids import STILL, solid
+from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.situation import Body, Box, Cylinder, Sphere
+
+THIN = 0.05  # half the thickness of the table's top [forearms]
+
+
+@dataclass(frozen=True)
+class BenchSpace(SpatialFamily):
+    """The hand is under a table, the ball on it, behind boxes and cans; some of them slide.
+
+    It asks to come out from under the table, and then to reach over or past what stands on it.
+    """
+
+    name = "bench-space"
+    summary = "a ball that rolls on a table, among boxes and cans, the hand under the table"
+
+    takes: Range = span(0.12, 0.6, most=0.9)
+    """How long the straight way of the joints takes [horizons]."""
+    height: Range = span(-0.9, -0.3, -2.0, 1.0)
+    """Of the table's top, from the shoulder [forearms]."""
+    edge: Range = span(0.25, 0.6, 0.01)
+    """From the shoulder to the table's edge [forearms]."""
+    below: float = number(0.75)
+    """Share of hands that are under the table at first."""
+    roll: Range = span(0.0, 1.0)
+    """Speed of the ball [forearms/s]."""
+    goods: Counts = counts(1, 4)
+    """Number of boxes and cans."""
+    size: Range = span(0.1, 0.35, 1e-3)
+    """Half their widths [forearms]."""
+    tall: Range = span(0.15, 0.6, 1e-3)
+    """Half their heights [forearms]."""
+    sliding: float = number(0.4)
+    """Share of boxes and cans that slide."""
+    slides: Range = span(0.5, 2.5)
+    """Their speeds [forearms/s]."""
+
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """A table, a ball and goods."""
+        top, edge = pick(rng, self.height), pick(rng, self.edge)
+        if top > -2.0 * stage.thickness:
+            edge += stage.thickness
+        table = solid("table", Box((1.25, 2.0, THIN)), (edge + 1.25, 0.3, top - THIN))
+        way, target = self._way(rng, stage, table, top, edge)
+        bodies = [target, table]
+        for k in range(pick_count(rng, self.goods)):
+            for _ in range(TRIES):
+                good = self._good(rng, way, top, f"{k + 1}")
+                if fits(stage, way, way.takes, (good,)):
+                    break
+            bodies.append(good)
+        return Story(way, way.takes, tuple(bodies))
+
+    def _way(
+        self, rng: np.random.Generator, stage: Stage, table: Body, top: float, edge: float
+    ) -> tuple[Way, Body]:
+        """A start under or over the table, and a ball on it that the hand may touch."""
+        _, hand = stage.limb(stage.joints)
+        free = stage.room(stage.joints, (table,)) > 0.0
+        out = free & (hand[:, 0] > edge)
+        under = out & (hand[:, 2] < top) if rng.random() < self.below else free
+        near = self.target[1] + 0.7 * stage.grasp
+        on = out & (hand[:, 2] > top) & (hand[:, 2] < top + 2.0 * self.target[1] + near)
+        way = stage.way(rng, self.takes, under, on)
+        angle, speed = pick_angle(rng), pick(rng, self.roll)
+        course = speed * np.array([math.cos(angle), math.sin(angle), 0.0])
+        radius = pick(rng, self.target)
+        place = np.array([way.meet[0], way.meet[1], top + radius])
+        return way, solid("target", Sphere(radius), place, when=way.takes, velocity=course)
+
+    def _good(self, rng: np.random.Generator, way: Way, top: float, name: str) -> Body:
+        """A box or a can that stands before or beside the ball, or slides past it."""
+        size, high = pick(rng, self.size), pick(rng, self.tall)
+        towards = way.meet * rng.uniform(0.4, 1.0) + rng.normal(size=3) * 0.3
+        place = np.array([towards[0], towards[1], top + high])
+        can = Cylinder(size, high) if rng.random() < 0.5 else None
+        shape = can or Box((size, pick(rng, self.size), high))
+        velocity = STILL
+        if rng.random() < self.sliding:
+            angle = pick_angle(rng)
+            velocity = pick(rng, self.slides) * np.array([math.cos(angle), math.sin(angle), 0.0])
+        return solid(f"{shape.kind} {name}", shape, place, when=way.takes, velocity=velocity)

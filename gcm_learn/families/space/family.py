@@ -1,0 +1,213 @@
+"""What families in space share: a story about one way of the arm, and bodies aimed at it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.layout import TRIES
+from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
+from gcm_learn.families.space.arms import SpatialArmRanges
+from gcm_learn.families.space.solids import STILL, axes_along, moved, solid, unit_vector
+from gcm_learn.families.space.stage import Stage, Way, stage_of
+from gcm_learn.situation import (
+    Body,
+    Box,
+    Capsule,
+    Cylinder,
+    Situation,
+    SolidShape,
+    SpatialArm,
+    Sphere,
+)
+
+STEP = 0.02  # of a way, over which its direction is taken
+INNER, OUTER = 3, 10  # places on the limb at which bodies are aimed: past the half of the upper arm
+FARTHEST, SEARCHED = 5.0, 0.1  # how far a body goes to leave a place, in steps [forearms]
+
+
+class Story(NamedTuple):
+    """What happens, and one way to catch."""
+
+    way: Way
+    when: float
+    """From when on the end of the way is free [s]."""
+    bodies: tuple[Body, ...]
+    """The target and the obstacles [forearms]."""
+
+
+@dataclass(frozen=True)
+class Things(Ranges):
+    """Bodies in the way: boards, bars and balls [forearms]."""
+
+    boards: float = number(0.6)
+    """Share of boards: thin boxes across the way."""
+    bars: float = number(0.25)
+    """Share of bars across it; the rest are balls."""
+    length: Range = span(0.5, 1.3, TINY)
+    """Half the length of boards, across the limb, and of bars."""
+    width: Range = span(0.3, 0.8, TINY)
+    """Half the width of boards, along the limb."""
+    thin: Range = span(0.02, 0.05, TINY)
+    """Half the thickness of boards."""
+    radius: Range = span(0.06, 0.15, TINY)
+    """Of bars; balls have twice that."""
+    lean: Range = span(0.0, 0.5, most=1.5)
+    """Angle by which boards and bars are out of the square [rad]."""
+
+    def shape(self, rng: np.random.Generator) -> tuple[str, SolidShape]:
+        """Draw one: what it is called, and a shape whose z axis is its length."""
+        kind, radius = rng.random(), pick(rng, self.radius)
+        if kind < self.boards:
+            sizes = (pick(rng, self.width), pick(rng, self.thin), pick(rng, self.length))
+            return "board", Box(sizes)
+        if kind < self.boards + self.bars:
+            made = Capsule if rng.random() < 0.5 else Cylinder
+            return "bar", made(radius, pick(rng, self.length))
+        return "ball", Sphere(2.0 * radius)
+
+
+@dataclass(frozen=True)
+class SpatialFamily(Family):
+    """Base of families in space; a story is told anew until both ends of its way are free."""
+
+    kind: ClassVar[str] = "spatial"
+
+    arm: SpatialArmRanges = field(default_factory=SpatialArmRanges)
+    takes: Range = span(0.12, 0.5, most=0.9)
+    """How long the straight way of the joints takes [horizons]."""
+    target: Range = span(0.1, 0.28, TINY)
+    """Radius of the target [forearms]."""
+
+    def sketch(self, rng: np.random.Generator, name: str) -> Situation[SpatialArm]:
+        """Draw once, the limb free or not."""
+        build, horizon = self.arm.build(rng), pick(rng, self.arm.horizon)
+        limits = self.arm.limits(rng, build)
+        stage = stage_of(rng, build, horizon, rng.random() < self.arm.torso)
+        for _ in range(TRIES):
+            story = self.story(rng, stage)
+            if fits(stage, story.way, story.when, story.bodies):
+                break
+        return stage.situation(rng, name, story.way.start, story.bodies, limits)
+
+    @abstractmethod
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """What happens once."""
+
+    def ball(
+        self,
+        rng: np.random.Generator,
+        meet: np.ndarray,
+        when: float = 0.0,
+        velocity: np.ndarray = STILL,
+        pull: np.ndarray = STILL,
+    ) -> Body:
+        """The target: a ball that is at `meet` (3,) at a time; its velocity is that at t = 0."""
+        shape = Sphere(pick(rng, self.target))
+        return solid("target", shape, meet, when=when, velocity=velocity, pull=pull)
+
+
+def fits(stage: Stage, way: Way, when: float, bodies: Sequence[Body]) -> bool:
+    """Whether a way's start is free of bodies at t = 0, and its end at a time: a good guess."""
+    if stage.room(way.start, bodies) <= 0.0:
+        return False
+    return bool(stage.room(way.end, bodies, when) > 0.0)
+
+
+def across(
+    rng: np.random.Generator, stage: Stage, way: Way, share: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """A place that the limb sweeps, and axes there: along the limb, along its motion, across both.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    stage : Stage
+    way : Way
+    share : float
+        Of the way.
+
+    Returns
+    -------
+    place : (3,) ndarray
+        [forearms]
+    axes : (3, 3) ndarray
+        Columns.
+    """
+    limbs = stage.points(np.stack([way.at(share), way.at(share + STEP)]))
+    k = int(rng.integers(INNER, OUTER + 1))
+    place, motion = limbs[0, k], limbs[1, k] - limbs[0, k]
+    along = unit_vector(place)
+    return place, axes_along(np.cross(along, motion), along)
+
+
+def leaning(rng: np.random.Generator, axes: np.ndarray, angle: float) -> np.ndarray:
+    """Axes (3, 3) whose z axis leans to some side by an angle [rad]."""
+    side = pick_angle(rng)
+    sideways = np.cos(side) * axes[:, 0] + np.sin(side) * axes[:, 1]
+    return axes_along(np.cos(angle) * axes[:, 2] + np.sin(angle) * sideways, axes[:, 0])
+
+
+def aimed(
+    rng: np.random.Generator,
+    stage: Stage,
+    way: Way,
+    things: Things,
+    share: Range,
+    name: str,
+    when: float,
+) -> Body:
+    """A body at rest across a way, where the limb would be; a board's face is turned to it.
+
+    It is drawn again where it touches the limb at the start, or at the end at `when`.
+    """
+    for _ in range(TRIES):
+        kind, shape = things.shape(rng)
+        place, axes = across(rng, stage, way, pick(rng, share))
+        body = solid(f"{kind} {name}", shape, place, leaning(rng, axes, pick(rng, things.lean)))
+        if fits(stage, way, when, (body,)):
+            break
+    return body
+
+
+def leaving(
+    stage: Stage, way: Way, body: Body, course: np.ndarray, when: float, least: float = 0.0
+) -> Body:
+    """A body that sets out from rest, just so fast that the end of a way is free of it at a time.
+
+    Parameters
+    ----------
+    stage : Stage
+    way : Way
+    body : Body
+        At rest.
+    course : (3,) ndarray
+        Unit vector.
+    when : float
+        [s]
+    least : float
+        How far it goes at least until then [forearms].
+    """
+    for far in np.arange(least + SEARCHED, least + FARTHEST, SEARCHED):
+        moving = moved(body, 0.0, STILL, 2.0 * far / when**2 * course)
+        if stage.room(way.end, (moving,), when) > 0.0:
+            break
+    return moving
+
+
+def sentry(rng: np.random.Generator, stage: Stage, way: Way, things: Things, when: float) -> Body:
+    """A body that is where the limb ends its way, and leaves that place at a time."""
+    for _ in range(TRIES):
+        kind, shape = things.shape(rng)
+        place, axes = across(rng, stage, way, 1.0 - STEP)
+        body = solid(f"leaving {kind}", shape, place, leaning(rng, axes, pick(rng, things.lean)))
+        if stage.room(way.start, (body,)) > 0.0:
+            break
+    side = pick_angle(rng)
+    course = np.cos(side) * axes[:, 0] + np.sin(side) * axes[:, 1]
+    return leaving(stage, way, body, course, when)

@@ -1,0 +1,222 @@
+"""Balls in free flight: thrown over a shelf, falling among what falls, or coming late."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gcm_learn.families.layout import TRIES
+from gcm_learn.families.ranges import (
+    Counts,
+    Range,
+    counts,
+    number,
+    pick,
+    pick_angle,
+    pick_count,
+    span,
+)
+from gcm_learn.families.space.family import (
+    SpatialFamily,
+    Story,
+    Things,
+    across,
+    aimed,
+    fits,
+    sentry,
+)
+from gcm_learn.families.space.solids import UP, axes_along, flight, gap, solid
+from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.situation import Body, Box
+
+THIN = 0.03  # half the thickness of shelves [forearms]
+SEEN = 0.15  # of a flight before the meeting, in which balls keep off a shelf [s]
+
+
+@dataclass(frozen=True)
+class ThrownFamily(SpatialFamily):
+    """Base of families with a ball that is thrown from afar, and caught on its way down."""
+
+    when: Range = span(0.4, 0.85, 0.1, 0.95)
+    """When the ball is where it may be met [horizons]."""
+    thrown: Range = span(4.0, 12.0)
+    """From how far, level [forearms]."""
+    heading: Range = span(-0.8, 1.2, -3.15, 3.15)
+    """Where from, from ahead to the arm's side [rad]."""
+    drop: Range = span(-3.0, 1.0, -100.0)
+    """How much higher the ball is thrown from than it is met [forearms]."""
+
+    def thrown_ball(
+        self, rng: np.random.Generator, stage: Stage, meet: np.ndarray, when: float
+    ) -> Body:
+        """A ball that is at a place at a time, having been thrown at t = 0."""
+        angle = pick(rng, self.heading)
+        level = np.array([math.cos(angle), math.sin(angle), 0.0])
+        away = pick(rng, self.thrown) * level + pick(rng, self.drop) * UP
+        pull = -stage.build.gravity * UP
+        velocity = -away / when - 0.5 * pull * when
+        return self.ball(rng, meet, when, velocity, pull)
+
+
+@dataclass(frozen=True)
+class OverShelfSpace(ThrownFamily):
+    """A ball is thrown over a shelf that the arm is under; it has to be caught above the shelf.
+
+    It asks for a way round the shelf: past its end at the arm's side, or drawn in before its edge.
+    """
+
+    name = "over-shelf-space"
+    summary = "a thrown ball to catch above a shelf that the arm is under"
+
+    height: Range = span(-0.6, 0.5, -2.0, 2.0)
+    """Of the shelf over the shoulder [forearms]."""
+    edge: Range = span(0.2, 0.7, 0.01)
+    """From the shoulder to the shelf's near edge [forearms]."""
+    depth: Range = span(0.8, 1.8, 0.01)
+    """Of the shelf [forearms]."""
+    side: Range = span(0.3, 1.8, -1.0)
+    """How far it reaches to the arm's side [forearms]."""
+    posts: float = number(0.4)
+    """Share of shelves on a wall at that side, round which there is no way."""
+
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """A thrown ball, a shelf, perhaps a wall at its side."""
+        height = pick(rng, self.height)
+        edge = pick(rng, self.edge) + (stage.thickness if abs(height) < 2 * stage.thickness else 0)
+        shelf = self._shelf(rng, stage, height, edge)
+        points, (_, hand) = stage.points(stage.joints), stage.limb(stage.joints)
+        free = stage.room(stage.joints, shelf) > 0.0
+        out = free & (hand[:, 0] > edge)
+        under = out & (points[:, -3:, 2].max(axis=1) < height)
+        over = out & (hand[:, 2] > height + stage.thickness)
+        when = pick(rng, self.when) * stage.horizon
+        for _ in range(TRIES):
+            way = stage.way(rng, self.takes, under, over)
+            ball = self.thrown_ball(rng, stage, way.meet, when)
+            if _keeps_off(ball, shelf, when):
+                break
+        return Story(way, when, (ball, *shelf))
+
+    def _shelf(
+        self, rng: np.random.Generator, stage: Stage, height: float, edge: float
+    ) -> tuple[Body, ...]:
+        """A board, and with it a wall or not."""
+        depth, left, right = pick(rng, self.depth), pick(rng, self.side), -1.5
+        place = (edge + 0.5 * depth, 0.5 * (left + right), height)
+        board = solid("shelf", Box((0.5 * depth, 0.5 * (left - right), THIN)), place)
+        if rng.random() >= self.posts:
+            return (board,)
+        side = (place[0], left + THIN, height)
+        return board, solid("wall", Box((0.5 * depth, THIN, 0.5 * stage.reach)), side)
+
+
+@dataclass(frozen=True)
+class LateTargetSpace(ThrownFamily):
+    """A thrown ball that is within reach for a moment; what is in its place leaves just before.
+
+    It asks to be near in time and to go in late: where the ball will be, nobody can wait for it.
+    """
+
+    name = "late-target-space"
+    summary = "a thrown ball within reach for a moment, where something has just left"
+
+    sentries: float = number(0.6)
+    """Share of balls whose place is taken at first."""
+    leaves: Range = span(0.6, 0.95, 0.05, 1.0)
+    """When it is free, as shares of the time until the ball is there."""
+    things: Things = field(
+        default_factory=lambda: Things(boards=0.7, length=(0.7, 1.5), width=(0.5, 1.0))
+    )
+    obstacles: Counts = counts(1, 3)
+    """Number of other obstacles, which rest across the way."""
+    share: Range = span(0.25, 0.8, most=1.0)
+    """Where on the way they stand, as shares of it."""
+
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """A thrown ball, what is in its place, what stands in the way."""
+        way, when = stage.way(rng, self.takes), pick(rng, self.when) * stage.horizon
+        bodies = [self.thrown_ball(rng, stage, way.meet, when)]
+        if rng.random() < self.sentries:
+            gone = pick(rng, self.leaves) * when
+            bodies.append(sentry(rng, stage, way, self.things, gone))
+        for k in range(pick_count(rng, self.obstacles)):
+            bodies.append(aimed(rng, stage, way, Things(), self.share, f"{k + 1}", when))
+        return Story(way, when, tuple(bodies))
+
+
+@dataclass(frozen=True)
+class FallingSpace(SpatialFamily):
+    """A ball falls past shelves, among boards, bars and balls that fall as well.
+
+    It asks for a way round the shelves in the time that a fall takes, between what falls.
+    """
+
+    name = "falling-space"
+    summary = "a falling ball among falling bodies, and shelves at rest"
+
+    obstacles: Counts = counts(2, 5)
+    """Number of obstacles."""
+    shelves: float = number(0.6)
+    """Share of obstacles that are shelves at rest."""
+    falls: Range = span(0.05, 0.3)
+    """How long a body has fallen when it is in its place [s]."""
+    drift: Range = span(0.0, 1.0)
+    """Level speeds [forearms/s]."""
+    when: Range = span(0.35, 0.8, 0.1, 0.95)
+    """When the ball is where it may be met [horizons]."""
+    share: Range = span(0.25, 0.85, most=1.0)
+    """Where on the way obstacles are met, as shares of it."""
+    things: Things = field(default_factory=lambda: Things(boards=0.4, bars=0.4))
+
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """A ball, shelves, what falls."""
+        way, when = stage.way(rng, self.takes), pick(rng, self.when) * stage.horizon
+        velocity, pull = self._toss(rng, stage, when)
+        bodies = [self.ball(rng, way.meet, when, velocity, pull)]
+        for k in range(pick_count(rng, self.obstacles)):
+            make = self._shelf if rng.random() < self.shelves else self._faller
+            for _ in range(TRIES):
+                body = make(rng, stage, way, when, f"{k + 1}")
+                if fits(stage, way, when, (body,)):
+                    break
+            bodies.append(body)
+        return Story(way, when, tuple(bodies))
+
+    def _toss(
+        self, rng: np.random.Generator, stage: Stage, when: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Velocity (3,) at t = 0 of what falls at a time, and its acceleration."""
+        angle, speed = pick_angle(rng), pick(rng, self.drift)
+        pull = -stage.build.gravity * UP
+        level = speed * np.array([math.cos(angle), math.sin(angle), 0.0])
+        return level + (pick(rng, self.falls) - when) * pull, pull
+
+    def _shelf(
+        self, rng: np.random.Generator, stage: Stage, way: Way, when: float, name: str
+    ) -> Body:
+        """A level board across the way."""
+        place, axes = across(rng, stage, way, pick(rng, self.share))
+        sizes = (pick(rng, self.things.length), pick(rng, self.things.width), THIN)
+        return solid(f"shelf {name}", Box(sizes), place, axes_along(UP, axes[:, 2]))
+
+    def _faller(
+        self, rng: np.random.Generator, stage: Stage, way: Way, when: float, name: str
+    ) -> Body:
+        """Something that falls through the way when the limb is there, or until the ball comes."""
+        kind, shape = self.things.shape(rng)
+        share = pick(rng, self.share)
+        place, axes = across(rng, stage, way, share)
+        at = share * way.takes + rng.random() * (when - share * way.takes)
+        velocity, pull = self._toss(rng, stage, at)
+        return solid(f"{kind} {name}", shape, place, axes, when=at, velocity=velocity, pull=pull)
+
+
+def _keeps_off(ball: Body, bodies: tuple[Body, ...], when: float) -> bool:
+    """Whether a ball passes through nothing at rest shortly before it is met."""
+    times = np.linspace(max(when - SEEN, 0.0), when, 12)[:, None]
+    motion = flight(ball)
+    p, v, a = (np.array(x) for x in (motion.position, motion.velocity, motion.acceleration))
+    places = p + v * times + 0.5 * a * times**2
+    return all(gap(places, body, 0.0).min() > ball.shape.bounding_radius for body in bodies)

@@ -1,0 +1,151 @@
+"""Where families in space put things: an arm, what belongs to it, and postures to aim at."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.families.ranges import Range, pick, pick_angle
+from gcm_learn.families.space.arms import Build, arm_of
+from gcm_learn.families.space.solids import gap, placed, solid, triple
+from gcm_learn.scene import forward_in_space
+from gcm_learn.situation import Base, Body, Capsule, Situation, SpatialArm, rotation_of
+
+POSTURES = 160  # that a draw chooses its start and its end from
+ALONG = np.linspace(0.0, 1.0, 6)  # places on a bone that are asked for their distance
+NECK, HIP = 0.1, -1.7  # heights of the ends of a torso, from the shoulder [forearms]
+TIGHT = (0.04, 0.12)  # between torso and shoulder, beyond the limb's thickness [forearms]
+
+
+class Way(NamedTuple):
+    """From a start to a posture that catches, in a straight line of the joints."""
+
+    start: np.ndarray
+    """Joints (4,) [rad]."""
+    end: np.ndarray
+    takes: float
+    """At full speed [s]."""
+    meet: np.ndarray
+    """The hand (3,) at its end [forearms]."""
+
+    def at(self, share: float) -> np.ndarray:
+        """Joints (4,) at a share of the way."""
+        return self.start + share * (self.end - self.start)
+
+
+class Stage(NamedTuple):
+    """An arm with its horizon, in forearms about its shoulder."""
+
+    build: Build
+    horizon: float
+    """[s]"""
+    torso: tuple[Body, ...]
+    """None or one."""
+    joints: np.ndarray
+    """Postures (n, 4) within the joints' ranges, free of the torso [rad]."""
+
+    @property
+    def thickness(self) -> float:
+        """Radius of the limb [forearms]."""
+        return self.build.thickness / self.build.unit
+
+    @property
+    def grasp(self) -> float:
+        """Distance at which a target is caught [forearms]."""
+        return self.build.grasp / self.build.unit
+
+    @property
+    def reach(self) -> float:
+        """Of the hand [forearms]."""
+        return 1.0 + float(np.linalg.norm(self.build.upper_arm)) / self.build.unit
+
+    def limb(self, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Elbows and hands (..., 3) of joints (..., 4) [forearms]."""
+        elbow, hand = forward_in_space(arm_of(self.build, self.joints[0]), joints)
+        return elbow / self.build.unit, hand / self.build.unit
+
+    def points(self, joints: np.ndarray) -> np.ndarray:
+        """Places (..., 11, 3) on the limb, from the shoulder to the hand [forearms]."""
+        elbow, hand = (place[..., None, :] for place in self.limb(joints))
+        share = ALONG[:, None]
+        return np.concatenate([share * elbow, elbow + share[1:] * (hand - elbow)], axis=-2)
+
+    def room(self, joints: np.ndarray, bodies: Sequence[Body], t: float = 0.0) -> np.ndarray:
+        """How far limbs at joints (..., 4) are from bodies at time t: a good guess [forearms]."""
+        points = self.points(joints)
+        gaps = [gap(points, body, t).min(axis=-1) for body in bodies if body.role == "obstacle"]
+        return np.min([np.full(points.shape[:-2], np.inf), *gaps], axis=0) - self.thickness
+
+    def way(
+        self,
+        rng: np.random.Generator,
+        takes: Range,
+        starts: np.ndarray | None = None,
+        ends: np.ndarray | None = None,
+    ) -> Way:
+        """A way between two of the postures.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator
+        takes : (float, float)
+            Range of its time [horizons]; the nearest there is, if there is none.
+        starts, ends : (n,) ndarray of bool, optional
+            Which postures may be either; all of them if none may.
+        """
+        first = self.joints[_one(rng, starts, len(self.joints))]
+        turns = np.abs(self.joints - first) / self.build.max_joint_speed
+        shares = turns.max(axis=1) / self.horizon
+        off = np.maximum(np.maximum(takes[0] - shares, shares - takes[1]), 0.0)
+        if ends is not None and ends.any():
+            off = np.where(ends, off, np.inf)
+        last = _one(rng, off <= off.min(), len(off))
+        _, meet = self.limb(self.joints[last])
+        return Way(first, self.joints[last], float(shares[last]) * self.horizon, meet)
+
+    def situation(
+        self,
+        rng: np.random.Generator,
+        name: str,
+        start: np.ndarray,
+        bodies: Sequence[Body],
+        limits: Mapping[str, Any],
+    ) -> Situation[SpatialArm]:
+        """The situation in the world, the robot turned about the vertical at random."""
+        build, angle = self.build, pick_angle(rng)
+        rotation = (math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle))
+        turn = rotation_of(rotation)
+        origin = turn @ (0.0, build.aside, build.height)
+        base = Base(triple(origin), rotation)
+        arm = replace(arm_of(build, start), base=base, **limits)
+        there = (placed(body, build.unit, turn, origin) for body in (*bodies, *self.torso))
+        return Situation(name, self.horizon, arm, tuple(there))
+
+
+def stage_of(rng: np.random.Generator, build: Build, horizon: float, torso: bool) -> Stage:
+    """An arm with random postures, beside a torso or not."""
+    low, high = np.array(build.joint_range).T
+    joints = low + (high - low) * rng.random((2 * POSTURES, len(low)))
+    trunk = (_torso(rng, build),) if torso else ()
+    bare = Stage(build, horizon, trunk, joints)
+    free = joints[bare.room(joints, trunk) > 0.0] if torso else joints
+    return bare._replace(joints=free[:POSTURES])
+
+
+def _torso(rng: np.random.Generator, build: Build) -> Body:
+    """An upright capsule on the arm's other side; the shoulder stays a little off it."""
+    aside, thickness = build.aside / build.unit, build.thickness / build.unit
+    radius = max(aside - thickness - pick(rng, TIGHT), 0.1)
+    shape = Capsule(radius, 0.5 * (NECK - HIP))
+    return solid("torso", shape, (0.0, -aside, 0.5 * (NECK + HIP)))
+
+
+def _one(rng: np.random.Generator, allowed: np.ndarray | None, count: int) -> int:
+    """One of those that are allowed; of all if none is."""
+    if allowed is None or not allowed.any():
+        return int(rng.integers(count))
+    return int(rng.choice(np.flatnonzero(allowed)))

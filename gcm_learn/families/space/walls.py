@@ -1,0 +1,183 @@
+"""A wall between arm and ball, with one opening: a window that closes or opens, or a door."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
+from gcm_learn.families.space.family import SpatialFamily, Story
+from gcm_learn.families.space.solids import (
+    STILL,
+    UP,
+    axes_along,
+    moved,
+    solid,
+    triple,
+    unit_vector,
+)
+from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.situation import Body, Box, Pendulum
+
+EXTENT = 2.5  # how far a wall goes on beyond its opening [forearms]
+THICK = 0.03  # half the thickness of walls and what shuts them [forearms]
+THROUGH = 0.5  # cosine between a wall's normal and forearms that may reach through it
+PAST = 0.15  # how far hands are beyond the wall [forearms]
+WIDE_OPEN = 1.4  # angle at which a door counts as open [rad]
+
+
+class Wall(NamedTuple):
+    """A plane with an opening."""
+
+    middle: np.ndarray
+    """Of the opening (3,) [forearms]."""
+    axes: np.ndarray
+    """Columns: across the opening, up along the wall, the normal away from the shoulder."""
+    wide: float
+    """Half the opening's width [forearms]."""
+    high: float
+    """Half its height."""
+
+    def board(self, name: str, u: float, v: float, w: float, wide: float, high: float) -> Body:
+        """A board parallel to the wall, its middle at (u, v, w) in the wall's axes."""
+        place = self.middle + self.axes @ (u, v, w)
+        return solid(name, Box((wide, high, THICK)), place, self.axes)
+
+    def boards(self) -> tuple[Body, ...]:
+        """The wall: boards to both sides of the opening, over and under it."""
+        half = 0.5 * EXTENT
+        u, v = self.wide + half, self.high + half
+        return (
+            self.board("wall left", -u, 0.0, 0.0, half, self.high + EXTENT),
+            self.board("wall right", u, 0.0, 0.0, half, self.high + EXTENT),
+            self.board("wall below", 0.0, -v, 0.0, self.wide, half),
+            self.board("wall above", 0.0, v, 0.0, self.wide, half),
+        )
+
+
+@dataclass(frozen=True)
+class WallFamily(SpatialFamily):
+    """Base of families with a wall: the forearm has to go through its opening."""
+
+    distance: Range = span(0.45, 1.1, 0.05)
+    """From the shoulder to the wall [forearms]."""
+    slack: Range = span(0.1, 0.3, 0.01)
+    """Between a forearm in the middle of the opening and its rim [forearms]."""
+    heading: Range = span(-0.7, 1.2, -3.15)
+    """Of the wall's normal, from ahead to the arm's side [rad]."""
+    slope: Range = span(-0.4, 0.4, -1.5)
+    """Of the normal against the horizontal [rad]."""
+    drift: Range = span(0.0, 0.3)
+    """Speed of the target along the wall [forearms/s]."""
+    waiting: Range = span(0.25, 0.6, 0.0, 0.95)
+    """When what has to open is open, as shares of the time from when the hand could be there until
+    the horizon."""
+
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """A ball behind a wall."""
+        way, wall = self._wall(rng, stage)
+        opens = way.takes + pick(rng, self.waiting) * (stage.horizon - way.takes)
+        shut, when = self.shut(rng, wall, way, opens)
+        drift = pick(rng, self.drift) * pick_sign(rng) * wall.axes[:, 0]
+        target = self.ball(rng, way.meet, when, drift)
+        return Story(way, when, (target, *wall.boards(), *shut))
+
+    @abstractmethod
+    def shut(
+        self, rng: np.random.Generator, wall: Wall, way: Way, opens: float
+    ) -> tuple[tuple[Body, ...], float]:
+        """What shuts the opening, and when the limb can be in it [s]."""
+
+    def _wall(self, rng: np.random.Generator, stage: Stage) -> tuple[Way, Wall]:
+        """A wall, a start before it and an end whose forearm is in the opening."""
+        heading, slope = pick(rng, self.heading), pick(rng, self.slope)
+        level = np.array([math.cos(heading), math.sin(heading), 0.0])
+        normal = math.cos(slope) * level + math.sin(slope) * UP
+        distance = max(pick(rng, self.distance), stage.thickness + 2.0 * THICK)
+        heights = stage.points(stage.joints) @ normal - distance
+        elbow, hand = stage.limb(stage.joints)
+        before = heights.max(axis=1) < -stage.thickness - 2.0 * THICK
+        behind = (hand @ normal > distance + PAST) & (elbow @ normal < distance - stage.thickness)
+        behind &= (hand - elbow) @ normal > THROUGH
+        way = stage.way(rng, self.takes, before, behind)
+        elbow, _ = stage.limb(way.end)
+        bone = way.meet - elbow
+        middle = elbow + bone * (distance - elbow @ normal) / (bone @ normal)
+        axes = axes_along(normal, np.cross(UP, normal))
+        lean = np.abs(bone @ axes[:, :2]) / abs(bone @ normal)
+        wide, high = (
+            stage.thickness * math.hypot(1.0, s) + s * THICK + pick(rng, self.slack) for s in lean
+        )
+        return way, Wall(middle, axes, wide, high)
+
+
+@dataclass(frozen=True)
+class WindowSpace(WallFamily):
+    """A ball behind a wall with a window; a shutter closes it, or opens it late.
+
+    It asks for the forearm to be led through the window, in time; or to stay before it until the
+    shutter has gone, which no first arrival does.
+    """
+
+    name = "window-space"
+    summary = "a ball behind a wall with one window, which a shutter closes or opens"
+
+    opening: float = number(0.5)
+    """Share of shutters that open."""
+    closing: float = number(0.3)
+    """Share of those that close; the other windows have none."""
+    closes: Range = span(2.0, 5.0, 0.1)
+    """When a window is closed, in times that the straight way takes."""
+
+    def shut(
+        self, rng: np.random.Generator, wall: Wall, way: Way, opens: float
+    ) -> tuple[tuple[Body, ...], float]:
+        """A board that slides sideways, or up and down, on the far side of the wall."""
+        kind = rng.random()
+        if kind >= self.opening + self.closing:
+            return (), way.takes
+        k = int(rng.integers(2))
+        slide, size = pick_sign(rng) * wall.axes[:, k], (wall.wide, wall.high)[k]
+        shutter = wall.board("shutter", 0, 0, 3 * THICK, wall.wide + THICK, wall.high + THICK)
+        way_off = 2.0 * (size + THICK)
+        if kind < self.opening:
+            pull = 2.0 * way_off / opens**2 * slide
+            return (moved(shutter, 0.0, STILL, pull),), opens
+        closed = pick(rng, self.closes) * way.takes
+        return (moved(shutter, closed, velocity=way_off / closed * slide),), way.takes
+
+
+@dataclass(frozen=True)
+class DoorSpace(WallFamily):
+    """A ball behind a wall with a doorway; its door swings open, away from the arm.
+
+    It asks for patience: nobody gets through before the door is half open.
+    """
+
+    name = "door-space"
+    summary = "a ball behind a door that swings open, away from the arm"
+
+    def shut(
+        self, rng: np.random.Generator, wall: Wall, way: Way, opens: float
+    ) -> tuple[tuple[Body, ...], float]:
+        """A board on a hinge at one side of the doorway, which turns steadily."""
+        k, side = int(rng.integers(2)), pick_sign(rng)
+        sizes = (wall.wide + THICK, wall.high + THICK)
+        across = side * wall.axes[:, k]
+        # Turned about `axis` the door's free edge goes along the normal, away from the arm.
+        axis = unit_vector(np.cross(across, wall.axes[:, 2]))
+        motion = Pendulum(
+            pivot=triple(wall.middle + 3.0 * THICK * wall.axes[:, 2] - sizes[k] * across),
+            axis=triple(axis),
+            down=triple(across - axis * (axis @ across)),
+            length=sizes[k],
+            gravity=0.0,
+            angle=0.0,
+            rate=WIDE_OPEN / opens,
+        )
+        door = Body("obstacle", "door", Box((THICK, sizes[1 - k], sizes[k])), motion)
+        return (door,), opens
