@@ -426,11 +426,13 @@ def within_grasp(situation, plan, slack=1e-7):
     grasp = situation.arm.grasp
     if situation.plane is None:
         return segment_distances(body.shape, pose, hand[None], hand[None])[0] <= grasp + slack
-    return deepest(body.shape, pose, hand, grasp) <= slack
+    return deepest(body.shape, pose, hand, grasp, slack) <= slack
 
 
-def deepest(shape, pose, hand, grasp):
+def deepest(shape, pose, hand, grasp, enough):
     """Smallest signed distance to a solid's surface within `grasp` of the hand, in the plane.
+
+    One that is at most `enough` will do.
 
     It is convex, and so is its minimum over every chord of that disc as a function of the chord:
     golden section along the chords, ever closer chords around the best.
@@ -446,5 +448,7 @@ def deepest(shape, pose, hand, grasp):
 
         least = golden_minimum(depth, 33, 60)
         best = int(least.argmin())
+        if least[best] <= enough:
+            break
         low, high = x[max(best - 1, 0)], x[min(best + 1, 32)]
     return least[best]
