@@ -130,7 +130,7 @@ class Problem(Task[Trajectory]):
 
     situation: Situation
 
-    def __init__(self, situation: Situation, planner: str, scene: Scene | None = None) -> None:
+    def __init__(self, situation: AnySituation, planner: str, scene: Scene | None = None) -> None:
         super().__init__(planar(situation, f"planner {planner!r}"), planner, scene)
 
 

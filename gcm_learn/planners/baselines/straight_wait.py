@@ -4,21 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar, overload
 
 import numpy as np
 
-from gcm_learn.motion import Failure, Reason, first_interception, segment_times, straight_path
+from gcm_learn.motion import (
+    Failure,
+    Reason,
+    SpatialTrajectory,
+    first_interception,
+    segment_times,
+    straight_path,
+)
 from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.completion import Problem, checked, finish
-from gcm_learn.planners.plan import Plan
-from gcm_learn.situation import Situation
+from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
+from gcm_learn.planners.plan import AnyPlan, Plan
+from gcm_learn.planners.space.straight import any_straight, earliest_straight
+from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 
 @dataclass(frozen=True)
 class StraightWaitPlanner:
     """A straight line at the speed limit to an interception, the earlier the better, and a wait.
 
-    What time is left over is spent before leaving, after arriving, or in parts at both ends.
+    What time is left over is spent before leaving, after arriving, or in parts at both ends. In
+    space the joints go straight, all postures with which a target can be met are tried at every
+    instant, and the move may be slow as well.
     """
 
     name: str = "straight-wait"
@@ -27,13 +38,30 @@ class StraightWaitPlanner:
     shares: tuple[float, ...] = (0.0, 1.0, 0.5)
     """Shares of the spare time that are spent before leaving, in the order of trying."""
 
-    def plan(self, situation: Situation) -> Plan:
+    takes_space: ClassVar[bool] = True
+
+    @overload
+    def plan(self, situation: Situation) -> Plan: ...
+    @overload
+    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
+    def plan(self, situation: AnySituation) -> AnyPlan:
         """Answer a situation."""
+        return self._in_space(situation) if situation.is_spatial else self._in_plane(situation)
+
+    def _in_space(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+        problem = SpatialProblem(situation, self.name)
+        answer = problem.early_answer()
+        if answer is not None:
+            return answer
+        answer = earliest_straight(problem)
+        return answer if answer.caught else any_straight(problem, self.instants, self.shares)
+
+    def _in_plane(self, situation: AnySituation) -> Plan:
         problem = Problem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:
             return answer
-        at_once = StraightPlanner(self.name).plan(situation)
+        at_once = StraightPlanner(self.name).plan(problem.situation)
         if at_once.caught:
             return at_once
         reason: Reason | None = Reason(Failure.NO_STRAIGHT_LINE)

@@ -1,0 +1,234 @@
+"""Postures that catch a target, and straight moves to them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.collision.postures import distance_at, free_until
+from gcm_learn.compiled import njit
+from gcm_learn.motion.interception_in_space import target_room
+from gcm_learn.planners.space.moves import (
+    rest_is_free,
+    time_of,
+    timed_move_is_free,
+    turning_time,
+)
+from gcm_learn.scene.bodies import HAND, PART, centre_at
+from gcm_learn.scene.spatial_limb import hand_jacobian, inverse, limb_at
+
+ROUNDS = 16  # of pulling a hand to a target
+DEPTH = 1e-4  # how far into the catch it is pulled [forearms]
+PROBE = 1e-5  # finite difference for the direction of a target [forearms]
+LONGEST_PULL = 0.5  # of a joint in one round [rad]
+HALVINGS = 10  # of the time by which a catch may become earlier
+RIM = 1e-6  # share of the reach that is not used
+
+
+class Goals(NamedTuple):
+    """Postures that catch, in order of time."""
+
+    time: np.ndarray  # (m,) [s]
+    joints: np.ndarray  # (m, 4) [rad]
+    body: np.ndarray  # (m,)
+    size: np.ndarray  # (1,): how many there are
+
+
+def no_goals(targets: int, instants: int, swivels: int) -> Goals:
+    """Room for goals."""
+    most = targets * instants * (2 * swivels + 1)
+    return Goals(
+        np.empty(most), np.empty((most, 4)), np.empty(most, np.int64), np.zeros(1, np.int64)
+    )
+
+
+@njit(_nrt=False)
+def pulled(study, b, t, q):
+    """Turn joints q (4,), within ``study.low`` and ``study.high``, until the hand catches body b.
+
+    Newton's method on the signed distance of hand and target, in the metric of the joints' speeds.
+    Returns whether it succeeds.
+    """
+    scene, low, high, jacobian = study.scene, study.low, study.high, study.jacobian
+    limb, rate, poses, probe = scene.limb, scene.limits.joint_speed, study.desk.poses, PROBE
+    probe *= limb.length
+    for _ in range(ROUNDS):
+        _, _, _, x, y, z = limb_at(limb, q)
+        room = target_room(scene, b, x, y, z, t, poses) - study.catch
+        if room <= 0.0:
+            return True
+        nx = target_room(scene, b, x + probe, y, z, t, poses)
+        nx -= target_room(scene, b, x - probe, y, z, t, poses)
+        ny = target_room(scene, b, x, y + probe, z, t, poses)
+        ny -= target_room(scene, b, x, y - probe, z, t, poses)
+        nz = target_room(scene, b, x, y, z + probe, t, poses)
+        nz -= target_room(scene, b, x, y, z - probe, t, poses)
+        hand_jacobian(limb, q, jacobian)
+        size, most = 0.0, 0.0
+        for j in range(4):
+            slope = (nx * jacobian[0, j] + ny * jacobian[1, j] + nz * jacobian[2, j]) / probe / 2.0
+            if (q[j] <= low[j] and slope > 0.0) or (q[j] >= high[j] and slope < 0.0):
+                slope = 0.0
+            jacobian[0, j] = slope * rate[j] * rate[j]
+            size += jacobian[0, j] * slope
+            most = max(most, abs(jacobian[0, j]))
+        if size <= 1e-12 * limb.length * limb.length * rate[0] * rate[0]:
+            return False
+        pull = min((room + DEPTH * limb.length) / size, LONGEST_PULL / most)
+        for j in range(4):
+            q[j] = min(max(q[j] - pull * jacobian[0, j], low[j]), high[j])
+    return False
+
+
+@njit(_nrt=False)
+def box(study, q, span):
+    """Write the joints that a straight move from q (4,) can reach in a time into low and high."""
+    limb, rate = study.scene.limb, study.scene.limits.joint_speed
+    for j in range(4):
+        study.low[j] = max(limb.low[j], q[j] - rate[j] * span)
+        study.high[j] = min(limb.high[j], q[j] + rate[j] * span)
+
+
+@njit(_nrt=False)
+def _keep(study, goals, b, t, q):
+    """Note a posture that catches body b at t [s] if it is free then."""
+    k = goals.size[0]
+    if k < goals.time.size and distance_at(study.scene, q, t, study.desk) > study.touch:
+        for j in range(4):
+            goals.joints[k, j] = q[j]
+        goals.time[k], goals.body[k] = t, b
+        goals.size[0] = k + 1
+
+
+@njit(_nrt=False)
+def add_goals(study, goals, b, t, swivels, turn):
+    """Add postures that catch body b at t [s]: the next one to the start, and some round a circle.
+
+    Parameters
+    ----------
+    swivels : int
+        How many of the second kind; their hands are at the target's centre.
+    turn : float
+        The first of them is `turn` of the way to the second.
+    """
+    scene, q = study.scene, study.goal
+    limb = scene.limb
+    box(study, limb.start, t)
+    for j in range(4):
+        q[j] = limb.start[j]
+    if pulled(study, b, t, q):
+        _keep(study, goals, b, t, q)
+    centre_at(scene.bodies, b, t, study.desk.poses)
+    poses = study.desk.poses
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    away, far = np.sqrt(x * x + y * y + z * z), (limb.rho + limb.length) * (1.0 - RIM)
+    if away > far:
+        x, y, z = x * far / away, y * far / away, z * far / away
+        if target_room(scene, b, x, y, z, t, poses) > study.catch:
+            return
+    for k in range(swivels):
+        swivel = 2.0 * np.pi * (k + turn) / swivels
+        found = inverse(limb, x, y, z, swivel, limb.start, study.branches)
+        for i in range(found):
+            if turning_time(scene.limits.joint_speed, limb.start, study.branches[i]) <= t:
+                _keep(study, goals, b, t, study.branches[i])
+
+
+@njit(_nrt=False)
+def reach(study, q, since, until, p, t):
+    """A straight move from joints q to p (4,), free and over at t [s].
+
+    Parameters
+    ----------
+    since, until : float
+        The limb is at q since then and may stay there until then [s].
+
+    Returns
+    -------
+    leave, arrive : float
+        When the move begins and ends; -1 if none is free [s].
+    """
+    took, pieces = time_of(study, q, p)
+    if since + took > t:
+        return -1.0, -1.0
+    if timed_move_is_free(study, q, since, p, t, pieces):
+        return since, t
+    if t - since < 1.05 * took:
+        return -1.0, -1.0
+    if t - took <= until and timed_move_is_free(study, q, t - took, p, t, pieces):
+        return t - took, t
+    if timed_move_is_free(study, q, since, p, since + took, pieces):
+        if rest_is_free(study, p, since + took, t):
+            return since, since + took
+    return -1.0, -1.0
+
+
+@njit
+def straight(study, goals, times, swivels, ends):
+    """First straight move from the start that catches, by goals that are added on the way.
+
+    Parameters
+    ----------
+    times : (n,) ndarray
+        When interceptions are tried, increasing [s].
+    ends : (2,) ndarray
+        Gets when the move begins and ends [s].
+
+    Returns
+    -------
+    int
+        Index of the goal, -1 if there is none.
+    """
+    scene = study.scene
+    start = scene.limb.start
+    until = free_until(
+        scene, start, 0.0, scene.limits.horizon, study.touch, study.instant, study.desk
+    )
+    for n in range(times.size):
+        k = goals.size[0]
+        for b in range(scene.bodies.rows.shape[0]):
+            if scene.bodies.rows[b, PART] == HAND:
+                add_goals(study, goals, b, times[n], swivels, 0.5 * (n % 2))
+        while k < goals.size[0]:
+            ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], times[n])
+            if ends[0] >= 0.0:
+                return k
+            k += 1
+    return -1
+
+
+@njit(_nrt=False)
+def earlier(study, q, since, b, p, t):
+    """Make a straight move from joints q (4,) catch body b before t [s], as early as it can.
+
+    Parameters
+    ----------
+    since : float
+        When the limb is at q [s].
+    p : (4,) ndarray
+        Where the move ends; changed to where it ends then.
+
+    Returns
+    -------
+    float
+        When it ends: it begins at `since` if that is before t [s].
+    """
+    low, goal = since, study.goal
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + t)
+        box(study, q, middle - since)
+        for j in range(4):
+            goal[j] = min(max(p[j], study.low[j]), study.high[j])
+        found = pulled(study, b, middle, goal)
+        if found:
+            took, pieces = time_of(study, q, goal)
+            found = took <= middle - since
+            found = found and timed_move_is_free(study, q, since, goal, middle, pieces)
+        if found:
+            t = middle
+            for j in range(4):
+                p[j] = goal[j]
+        else:
+            low = middle
+    return t

@@ -1,0 +1,127 @@
+"""Moves in the joints of a spatial arm: how long they take, whether they are free.
+
+A move is straight in the joints. Where the hand's speed limits it, it is cut into pieces, each as
+fast as its own limits let it be.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.collision.postures import Desk, desk_of, line, move_is_free
+from gcm_learn.compiled import njit
+from gcm_learn.motion import Rules
+from gcm_learn.motion.verification_in_space import hand_rate
+from gcm_learn.scene import Scene
+from gcm_learn.scene.spatial_limb import motion_bounds
+
+PIECES = 8  # of a move, at most
+LONGEST = 0.3  # turn of a joint in a piece of a move that the hand's speed limits [rad]
+HAIR = 2e-9  # share of the speed limits that is not used, against rounding
+NEVER = 1e300
+
+
+class Study(NamedTuple):
+    """A scene that is planned for, what to keep, and room to work in."""
+
+    scene: Scene
+    touch: float  # distance at which an obstacle counts as touching the limb
+    catch: float  # signed distance to a target at which the hand surely catches
+    instant: float  # resolution in time [s]
+    desk: Desk
+    pace: np.ndarray  # (PIECES,): when the pieces of the move timed last end, from its begin [s]
+    near: np.ndarray  # (4,): joints
+    far: np.ndarray  # (4,)
+    posture: np.ndarray  # (4,)
+    goal: np.ndarray  # (4,)
+    low: np.ndarray  # (4,)
+    high: np.ndarray  # (4,)
+    jacobian: np.ndarray  # (3, 4)
+    branches: np.ndarray  # (4, 4)
+
+
+def study_of(scene: Scene, rules: Rules) -> Study:
+    """Get ready to plan for a scene."""
+    near, far, posture, goal, low, high = np.zeros((6, 4))
+    desk, pace, jacobian, branches = (
+        desk_of(scene), np.zeros(PIECES), np.zeros((3, 4)), np.zeros((4, 4))
+    )  # fmt: skip
+    kept = rules.touch, rules.catch, rules.instant
+    return Study(scene, *kept, desk, pace, near, far, posture, goal, low, high, jacobian, branches)
+
+
+@njit(_nrt=False)
+def turning_time(rate, q, p):
+    """Time in which joints whose speeds are `rate` (4,) turn from q to p (4,) [s]."""
+    return max(
+        max(abs(p[0] - q[0]) / rate[0], abs(p[1] - q[1]) / rate[1]),
+        max(abs(p[2] - q[2]) / rate[2], abs(p[3] - q[3]) / rate[3]),
+    )
+
+
+@njit(_nrt=False)
+def time_of(study, q, p):
+    """Least time of the move from q to p (4,), whose pieces are left in ``study.pace``.
+
+    Returns
+    -------
+    time : float
+        [s]
+    pieces : int
+    """
+    limits, limb, pace = study.scene.limits, study.scene.limb, study.pace
+    turning = turning_time(limits.joint_speed, q, p) * (1.0 + HAIR)
+    pace[0] = turning
+    if limits.speed == np.inf or motion_bounds(limb, q, p)[1] <= limits.speed * turning:
+        return turning, 1
+    longest = 0.0
+    for j in range(4):
+        longest = max(longest, abs(p[j] - q[j]))
+    count = min(max(int(np.ceil(longest / LONGEST)), 1), PIECES)
+    curve, work = study.desk.curve, study.desk.joints
+    line(q, p, curve)
+    total, before = 0.0, hand_rate(limb, curve, 0.0, work)
+    for k in range(count):
+        middle = hand_rate(limb, curve, (k + 0.5) / count, work)
+        after = hand_rate(limb, curve, (k + 1.0) / count, work)
+        # how far a parabola rises above three of its points, and a half for what is none
+        top = max(before, middle, after) + 0.2 * abs(before - 2.0 * middle + after)
+        total += max(turning, top / limits.speed * (1.0 + HAIR)) / count
+        pace[k] = total
+        before = after
+    return total, count
+
+
+@njit(_nrt=False)
+def between(q, p, share, out):
+    """Write the joints at a share of the move from q to p (4,) into `out`."""
+    for j in range(4):
+        out[j] = q[j] + share * (p[j] - q[j]) if share < 1.0 else p[j]
+
+
+@njit(_nrt=False)
+def timed_move_is_free(study, q, since, p, until, pieces):
+    """Whether the move that was timed last is free, if it begins and ends when it should."""
+    if pieces == 1:
+        return move_is_free(study.scene, q, since, p, until, study.touch, study.desk)
+    stretch = (until - since) / study.pace[pieces - 1]
+    near, far = study.near, study.far
+    between(q, p, 0.0, near)
+    for k in range(pieces):
+        between(q, p, (k + 1.0) / pieces, far)
+        begin = since + stretch * study.pace[k - 1] if k > 0 else since
+        end = since + stretch * study.pace[k] if k + 1 < pieces else until
+        if not move_is_free(study.scene, near, begin, far, end, study.touch, study.desk):
+            return False
+        near, far = far, near
+    return True
+
+
+@njit(_nrt=False)
+def rest_is_free(study, q, since, until):
+    """Whether a limb that rests at joints q (4,) is not touched."""
+    if until <= since:
+        return True
+    return move_is_free(study.scene, q, since, q, until, study.touch, study.desk)

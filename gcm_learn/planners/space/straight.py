@@ -1,0 +1,276 @@
+"""Straight lines in the joints of a spatial arm to where a target can be met."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from gcm_learn.collision.postures import line
+from gcm_learn.compiled import njit
+from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.motion.interception_in_space import (
+    fastest_hand,
+    first_meeting,
+    met_at,
+    target_room,
+)
+from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.space.goals import Goals, box, pulled
+from gcm_learn.planners.space.moves import (
+    HAIR,
+    Study,
+    rest_is_free,
+    study_of,
+    time_of,
+    timed_move_is_free,
+)
+from gcm_learn.scene.bodies import HAND, KIND, PART, SPHERE
+from gcm_learn.scene.spatial_limb import BRANCHES, inverse, limb_at
+
+SWIVELS = 12  # of the elbow that are tried for one place of the hand
+INSTANTS = 48  # of the horizon at which interceptions are looked for
+CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
+_PLACES = 3
+_HALVINGS = 12  # of an instant, by which the earliest interception is told
+_RIM = 1e-6  # share of the reach that is not used
+_PROBE = 1e-5  # finite difference of a distance [forearms]
+
+
+@njit(_nrt=False)
+def place_on(study, b, t, which, out):
+    """Write a place of body b at t [s] into `out` (3,): its centre, or about its nearest point.
+
+    The nearest point of a solid lies against the slope of the distance to it.
+    """
+    scene, poses, jacobian = study.scene, study.desk.poses, study.jacobian
+    limb, probe = scene.limb, _PROBE * scene.limb.length
+    x, y, z = 0.0, 0.0, 0.0
+    if which == FROM_HAND:
+        _, _, _, x, y, z = limb_at(limb, limb.start)
+    room = target_room(scene, b, x, y, z, t, poses)
+    if which == CENTRE or room <= 0.0:
+        out[0], out[1], out[2] = poses[b, 0], poses[b, 1], poses[b, 2]
+        return
+    for a in range(3):
+        dx, dy, dz = probe * (a == 0), probe * (a == 1), probe * (a == 2)
+        there = target_room(scene, b, x + dx, y + dy, z + dz, t, poses)
+        jacobian[0, a] = (there - room) / probe
+    out[0] = x - room * jacobian[0, 0]
+    out[1] = y - room * jacobian[0, 1]
+    out[2] = z - room * jacobian[0, 2]
+
+
+@njit(_nrt=False)
+def _keep(study, goals, b, t, q):
+    """Pull joints q (4,) to body b and note them if a straight move gets there by t [s]."""
+    k = goals.size[0]
+    if k == goals.time.size or not pulled(study, b, t, q):
+        return
+    if time_of(study, study.scene.limb.start, q)[0] > t:
+        return
+    for j in range(4):
+        goals.joints[k, j] = q[j]
+    goals.time[k], goals.body[k] = t, b
+    goals.size[0] = k + 1
+
+
+@njit(_nrt=False)
+def add_straight(study, goals, b, t, swivels):
+    """Add postures that catch body b at t [s] and to which there is a straight move in time.
+
+    One is what the start is pulled to, the others are what the closed-form inverse gives for
+    places of the target, put where the joints can be by then and pulled from there.
+    """
+    limb, q, hand = study.scene.limb, study.goal, study.posture
+    box(study, limb.start, t * (1.0 - 2.0 * HAIR))
+    for j in range(4):
+        q[j] = limb.start[j]
+    _keep(study, goals, b, t, q)
+    far = limb.rho + limb.length
+    for which in range(1 if study.scene.bodies.rows[b, KIND] == SPHERE else _PLACES):
+        place_on(study, b, t, which, hand)
+        away = np.sqrt(hand[0] ** 2 + hand[1] ** 2 + hand[2] ** 2)
+        share = min((1.0 - _RIM) * far / away, 1.0) if away > 0.0 else 1.0
+        x, y, z = share * hand[0], share * hand[1], share * hand[2]
+        for k in range(swivels):
+            swivel = 2.0 * np.pi * (k + 0.5) / swivels
+            for i in range(inverse(limb, x, y, z, swivel, limb.start, study.branches)):
+                for j in range(4):
+                    q[j] = min(max(study.branches[i, j], study.low[j]), study.high[j])
+                _keep(study, goals, b, t, q)
+
+
+@njit
+def meet_straight(study, goals, t, swivels):
+    """Forget the goals that there are, and add those for all targets at t [s]; see above."""
+    scene, poses = study.scene, study.desk.poses
+    limb, speed = scene.limb, fastest_hand(scene)
+    far = limb.rho + limb.length
+    _, _, _, x, y, z = limb_at(limb, limb.start)
+    goals.size[0] = 0
+    for b in range(scene.bodies.rows.shape[0]):
+        if scene.bodies.rows[b, PART] != HAND:
+            continue
+        if target_room(scene, b, x, y, z, t, poses) > study.catch + speed * t:
+            continue
+        if target_room(scene, b, 0.0, 0.0, 0.0, t, poses) <= study.catch + far:
+            add_straight(study, goals, b, t, swivels)
+
+
+@njit
+def hasten_straight(study, goals, before):
+    """Make every goal as early as a straight move can, though not before `before` [s]."""
+    start, q = study.scene.limb.start, study.goal
+    for k in range(goals.size[0]):
+        low, b = before, goals.body[k]
+        for _ in range(_HALVINGS):
+            t = 0.5 * (low + goals.time[k])
+            box(study, start, t * (1.0 - 2.0 * HAIR))
+            for j in range(4):
+                q[j] = min(max(goals.joints[k, j], study.low[j]), study.high[j])
+            if pulled(study, b, t, q) and time_of(study, start, q)[0] <= t:
+                goals.time[k] = t
+                for j in range(4):
+                    goals.joints[k, j] = q[j]
+            else:
+                low = t
+
+
+@njit
+def straight_is_free(study, p, begin, end, until):
+    """Whether the limb may wait, go straight from the start to joints p (4,), and wait there.
+
+    Parameters
+    ----------
+    begin, end : float
+        Of the move [s].
+    until : float
+        Last instant of the second wait [s].
+    """
+    start = study.scene.limb.start
+    if not rest_is_free(study, start, 0.0, begin) or not rest_is_free(study, p, end, until):
+        return False
+    _, pieces = time_of(study, start, p)
+    return timed_move_is_free(study, start, begin, p, end, pieces)
+
+
+def at_once(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
+    """The catch of a target that is there at t = 0."""
+    scene, poses = problem.scene, np.zeros((len(problem.situation.bodies), 12))
+    body = met_at(scene, scene.limb.start, 0.0, problem.rules.catch, poses)
+    if body < 0:
+        return None
+    rest = SpatialTrajectory(problem.situation.arm, np.zeros(1), scene.limb.start[None].copy())
+    return checked(problem, Attempt(rest, int(body)))[0]
+
+
+def earliest_straight(problem: SpatialProblem) -> Plan[SpatialTrajectory]:
+    """Go straight to the earliest interception, in any posture in which it can be met."""
+    plan, study = at_once(problem), study_of(problem.scene, problem.rules)
+    if plan is not None:
+        return plan
+    before = 0.0
+    for t, goals in _meetings(study, INSTANTS):
+        count = goals.size[0]
+        if count > 0:
+            hasten_straight(study, goals, before)
+            reason = None
+            for k in np.argsort(goals.time[:count], kind="stable"):
+                when = float(goals.time[k])
+                plan, why = checked(problem, _attempt(problem, study, goals, k, 0.0, when))
+                if plan is not None:
+                    return plan
+                reason = reason or why
+            return problem.answer(reason or Failure.NO_STRAIGHT_LINE)
+        before = t
+    return problem.answer(Failure.NO_STRAIGHT_LINE)
+
+
+def any_straight(
+    problem: SpatialProblem, instants: int = INSTANTS, shares: tuple[float, ...] = ()
+) -> Plan[SpatialTrajectory]:
+    """The first straight line that catches, evenly fast or with waits at its ends.
+
+    Parameters
+    ----------
+    problem : SpatialProblem
+    instants : int
+        Of the horizon at which interceptions are tried, in all postures.
+    shares : tuple of float
+        Shares of the spare time that are spent before leaving; what is left of it after arriving.
+        Without them the spare time is spread over the move.
+    """
+    plan, study = at_once(problem), study_of(problem.scene, problem.rules)
+    if plan is not None:
+        return plan
+    start = problem.scene.limb.start
+    for t, goals in _meetings(study, instants):
+        for k in range(goals.size[0]):
+            p = goals.joints[k]
+            took = time_of(study, start, p)[0]
+            spans = [(0.0, t), *((s * (t - took), s * (t - took) + took) for s in shares)]
+            for begin, end in spans:
+                end = min(end, t)
+                if straight_is_free(study, p, begin, end, t):
+                    attempt = _attempt(problem, study, goals, k, begin, end)
+                    plan, _ = checked(problem, attempt)
+                    if plan is not None:
+                        return plan
+    return problem.answer(Failure.NO_STRAIGHT_LINE)
+
+
+def _meetings(study: Study, instants: int) -> Iterator[tuple[float, Goals]]:
+    """Instants up to the horizon, and the goals at each, which the next ones overwrite."""
+    targets = int((study.scene.bodies.rows[:, PART] == HAND).sum())
+    most = targets * (1 + _PLACES * SWIVELS * BRANCHES)
+    goals = Goals(np.empty(most), np.empty((most, 4)), np.empty(most, int), np.zeros(1, int))
+    for k in range(1, instants + 1):
+        t = study.scene.limits.horizon * (k / instants)
+        meet_straight(study, goals, t, SWIVELS)
+        yield t, goals
+
+
+def _attempt(
+    problem: SpatialProblem, study: Study, goals: Goals, k: int, begin: float, end: float
+) -> Attempt[SpatialTrajectory]:
+    """The move to goal k from `begin` to `end` [s] with waits; it ends where a target is met."""
+    start, goal, last = problem.scene.limb.start, goals.joints[k].copy(), float(goals.time[k])
+    took, pieces = time_of(study, start, goal)
+    shares = np.arange(1, pieces + 1) / pieces
+    pace = study.pace[:pieces] / took if took > 0.0 else shares
+    moving = start + shares[:, None] * (goal - start)
+    time = np.concatenate([[0.0, begin], begin + (end - begin) * pace, [last]])
+    time[-2] = end
+    joints = np.vstack([start, start, moving, goal])
+    joints[-2] = goal
+    keep = np.append(True, time[1:] > time[:-1])
+    return _cut(problem, study, time[keep], joints[keep], int(goals.body[k]))
+
+
+def _cut(
+    problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
+) -> Attempt[SpatialTrajectory]:
+    """A timed path (n,), (n, 4), up to where a target is met first."""
+    for k in range(len(time) - 1):
+        line(joints[k], joints[k + 1], study.desk.curve)
+        t, b = first_meeting(
+            study.scene,
+            study.desk.curve,
+            time[k],
+            time[k + 1],
+            study.catch,
+            study.instant,
+            study.desk.poses,
+        )
+        if b >= 0 and t > time[k]:
+            share = (t - time[k]) / (time[k + 1] - time[k])
+            end = joints[k] + share * (joints[k + 1] - joints[k])
+            time, joints, body = (
+                np.append(time[: k + 1], t),
+                np.vstack([joints[: k + 1], end]),
+                int(b),
+            )
+            break
+    return Attempt(SpatialTrajectory(problem.situation.arm, time, joints), body)
