@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.scene import forward_in_space
@@ -20,7 +21,9 @@ from gcm_learn.situation import (
     SpatialArm,
     Sphere,
     read_situations,
+    situation_to_json,
 )
+from tests.referee_in_space import judge
 from tests.spatial import EXAMPLES
 
 ARM = SpatialArm(
@@ -128,5 +131,9 @@ def test_most_of_the_examples():
     drawn = [s for s in read_situations(EXAMPLES) if s.arm.max_joint_acceleration is None]
     plans = [[p.plan(s) for p in (StraightPlanner(), StraightWaitPlanner())] for s in drawn]
     assert all(b.catch_time == a.catch_time for a, b in plans if a.caught)
+    for situation, pair in zip(drawn, plans, strict=True):
+        for plan in (p for p in pair if p.caught):
+            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
+            assert verdict.complaints == []
     assert sum(a.caught for a, _ in plans) >= 22
     assert sum(b.caught for _, b in plans) >= 30
