@@ -12,13 +12,14 @@ from gcm_learn.handspace.lattice import (
     hand_space,
 )
 from gcm_learn.handspace.occupied import occupied_cells
-from gcm_learn.handspace.space import LARGEST_IN_SPACE, SpaceLattice
+from gcm_learn.handspace.space import LARGEST_IN_SPACE, MOST_POSTURES, SpaceLattice, space_of
 
 __all__ = [
     "Chart",
     "LARGEST_IN_SPACE",
     "LARGEST_LATTICE",
     "Lattice",
+    "MOST_POSTURES",
     "SMALLEST_LATTICE",
     "START_RADIUS",
     "SpaceLattice",
@@ -29,6 +30,7 @@ __all__ = [
     "extended_outline",
     "hand_space",
     "occupied_cells",
+    "space_of",
     "steps_of",
     "upper_arm_image",
 ]

@@ -1,17 +1,8 @@
-"""The lattice over hand-space in space, and the rule by which a hand has one posture there.
-
-A hand in space leaves the elbow a circle.  The rule takes the swivel that the arm has at t = 0, or
-the nearest one to it that the joints' ranges allow, on the branch of the inverse kinematics that
-the arm is on, or where that has none on another.  So it gives the arm's own joints where the arm is
-at t = 0.  It is continuous but for three places: the half-line on which swivels are undefined,
-where the swivels that are allowed fall apart, and where the branch changes.  A step across these
-takes the joints long, and fronts are told how long.
-
-Coordinates are those of the arm's base: the shoulder at the origin, the base unturned.
-"""
+"""The lattice over hand-space in space: the chart whose nodes are cells and postures in them."""
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -21,245 +12,265 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace.chart import Steps, steps_of
-from gcm_learn.handspace.lattice import SMALLEST_LATTICE, START_RADIUS
-from gcm_learn.scene import Scene, SpatialLimb, SpatialLimits
-from gcm_learn.scene.spatial_limb import inverse, limb_at, spatial_limb, swivel_of
-from gcm_learn.situation import JOINTS, SpatialArm
+from gcm_learn.handspace.lattice import SMALLEST_LATTICE
+from gcm_learn.handspace.postures import Rule, leap_of, posture_of, rule_of
+from gcm_learn.scene import Scene, SpatialLimits
+from gcm_learn.scene.spatial_limb import SpatialLimb, limb_at, limbs_at, spatial_limb
+from gcm_learn.situation import JOINTS, SpatialArm, rotation_of
 
 LARGEST_IN_SPACE = 80
-SWIVELS = 24  # tried where that of the start is not allowed
-HALVINGS = 5  # of the gap between two of them
-NOWHERE = 1e9  # joints of a hand that has no posture
-ON_THE_EDGE = 1e-6  # share of a bone within which a branch has no sign
+MOST_POSTURES = 16
+NOWHERE = 1e9  # joints of a node that has no posture
+UNSEEN, THERE, MISSING = 0, 1, 2  # what is known of a node's posture
 
 
-class Rule(NamedTuple):
-    """One posture for every hand."""
+class Nodes(NamedTuple):
+    """The nodes of a lattice in space as kernels read them; postures are found when asked for.
 
-    limb: SpatialLimb
-    swivel: float  # of the start [rad]
-    side: float  # branch of the start: signs, 0 where both branches meet
-    bend: float
-    branches: np.ndarray  # (4, 4): room for solutions
-
-
-def rule_of(limb: SpatialLimb) -> Rule:
-    """The rule that gives a limb's joints at t = 0 where its hand is then."""
-    place = limb_at(limb, limb.start)
-    side, bend = _branch(limb, limb.start)
-    return Rule(limb, swivel_of(limb, *place), side, bend, np.empty((4, JOINTS)))
-
-
-@njit(_nrt=False)
-def _sign(x, unit):
-    return 0.0 if abs(x) < ON_THE_EDGE * unit else np.copysign(1.0, x)
-
-
-@njit(_nrt=False)
-def _branch(limb, q):
-    """Branch of the inverse kinematics that joints q (4,) are on, as two signs."""
-    u, f = limb.upper, limb.fore
-    side = np.cos(q[1]) * u[0] - np.sin(q[1]) * u[1]
-    bend = np.sin(q[3]) * f[0] + np.cos(q[3]) * f[1]
-    return _sign(side, limb.rho), _sign(bend, limb.length)
-
-
-@njit(_nrt=False)
-def _held(rule, x, y, z, swivel, q):
-    """Whether the arm can hold the hand (x, y, z) with a swivel; q (4,) gets the joints.
-
-    Returns
-    -------
-    int
-        2 if it is on the rule's branch, 1 if it is on another one, 0 if it can not.
+    Node ``((iz * n + iy) * n + ix) * K + k`` is the k-th posture of a cell.
     """
-    limb, found, held = rule.limb, rule.branches, 0
-    for i in range(inverse(limb, x, y, z, swivel, limb.start, found)):
-        side, bend = _branch(limb, found[i])
-        own = side * rule.side >= 0.0 and bend * rule.bend >= 0.0
-        if own or held == 0:
-            for j in range(4):
-                q[j] = found[i, j]
-        if own:
-            return 2
-        held = 1
-    return held
+
+    rule: Rule
+    n: int  # cells along a side
+    spacing: float  # of cells
+    leap: float  # a step in which no joint turns farther is one [rad]
+    joints: np.ndarray  # (nodes, 4) float32 [rad], NOWHERE where there is none
+    known: np.ndarray  # (nodes,) uint8: UNSEEN, THERE or MISSING
+    scratch: np.ndarray  # (4,)
 
 
 @njit(_nrt=False)
-def posture_for(rule, x, y, z, q):
-    """Write the rule's joints for the hand (x, y, z) into q (4,); False if it has none."""
-    limb = rule.limb
-    away = np.sqrt(x * x + y * y + z * z)
-    if not abs(limb.rho - limb.length) < away < limb.rho + limb.length:
-        return False
-    if _held(rule, x, y, z, rule.swivel, q) == 2:
-        return True
-    step, other = 2.0 * np.pi / SWIVELS, 0.0
-    found = False
-    for k in range(1, SWIVELS + 1):
-        off = step * (k // 2 + k % 2) * (1.0 if k % 2 else -1.0)
-        held = _held(rule, x, y, z, rule.swivel + off, q)
-        if held == 2:
-            near, far = off - np.copysign(step, off), off
-            for _ in range(HALVINGS):
-                middle = 0.5 * (near + far)
-                if _held(rule, x, y, z, rule.swivel + middle, q) == 2:
-                    far = middle
-                else:
-                    near = middle
-            return _held(rule, x, y, z, rule.swivel + far, q) == 2
-        if held == 1 and not found:
-            found, other = True, off
-    return found and _held(rule, x, y, z, rule.swivel + other, q) > 0
-
-
-@njit(_nrt=False)
-def turning_time(speed, q, p):
-    """Time in which joints whose speeds are `speed` (4,) turn from q to p (4,) [s]."""
-    return max(
-        max(abs(p[0] - q[0]) / speed[0], abs(p[1] - q[1]) / speed[1]),
-        max(abs(p[2] - q[2]) / speed[2], abs(p[3] - q[3]) / speed[3]),
+def hand_of_node(nodes, node):
+    """Hand (three numbers) at a node, in the frame of the base."""
+    n, cell = nodes.n, node // nodes.rule.postures
+    row = cell // n
+    middle = 0.5 * (n - 1)
+    return (
+        (cell - row * n - middle) * nodes.spacing,
+        (row % n - middle) * nodes.spacing,
+        (row // n - middle) * nodes.spacing,
     )
 
 
 @njit(_nrt=False)
-def _postures(rule, n, spacing, joints, limbs):
-    """Joints (n^3, 4), the first NOWHERE if there are none, and limbs (n^3, 3, 3) of all cells."""
-    for m in range(n * n * n):
-        x = (m % n + 0.5 - 0.5 * n) * spacing
-        y = (m // n % n + 0.5 - 0.5 * n) * spacing
-        z = (m // (n * n) + 0.5 - 0.5 * n) * spacing
-        limbs[m, 2, 0], limbs[m, 2, 1], limbs[m, 2, 2] = x, y, z
-        if posture_for(rule, x, y, z, joints[m]):
-            limbs[m, 1, 0], limbs[m, 1, 1], limbs[m, 1, 2], _, _, _ = limb_at(rule.limb, joints[m])
-        else:
-            joints[m, 0] = NOWHERE
+def is_there(nodes, node):
+    """Whether a node has a posture, which is then in ``nodes.joints``."""
+    if nodes.known[node] == UNSEEN:
+        x, y, z = hand_of_node(nodes, node)
+        found = posture_of(nodes.rule, node % nodes.rule.postures, x, y, z, nodes.scratch)
+        for j in range(4):
+            nodes.joints[node, j] = nodes.scratch[j] if found else NOWHERE
+        nodes.known[node] = THERE if found else MISSING
+    return nodes.known[node] == THERE
+
+
+@njit(_nrt=False)
+def look_at_all(nodes):
+    """Find all postures."""
+    for node in range(nodes.known.size):
+        is_there(nodes, node)
 
 
 @dataclass(frozen=True)
 class SpaceLattice:
-    """A cubic lattice of n x n x n cells over the ball that an arm can reach.
+    """A lattice of n x n x n cells over the ball of hand positions, and K postures in each.
 
-    Arrays over it are indexed ``[iz, iy, ix]``; every cell has one posture.
+    The frame is that of the arm's base: the shoulder in the middle, lengths in the arm's unit.
+    Arrays over it are indexed ``[iz, iy, ix]``, and ``[iz, iy, ix, k]`` with several postures.
+    `postures` of this folder has the rule by which a hand has its postures. What is asked of all
+    nodes, as `inside`, finds all of them; fronts find those that they come to.
     """
 
     arm: SpatialArm
     n: int = 80
     """Cells along a side."""
+    postures: int = 1
+    """Postures K in a cell: swivels of the elbow in a ring."""
 
     def __post_init__(self) -> None:
+        """Check the sizes."""
         if not SMALLEST_LATTICE <= self.n <= LARGEST_IN_SPACE:
             raise LatticeError(
                 f"lattice size {self.n} is outside {SMALLEST_LATTICE}..{LARGEST_IN_SPACE} in space"
             )
+        if not 1 <= self.postures <= MOST_POSTURES:
+            raise LatticeError(f"{self.postures} postures are outside 1..{MOST_POSTURES}")
 
     @property
-    def shape(self) -> tuple[int, int, int]:
-        """Cells along z, y and x."""
-        return self.n, self.n, self.n
+    def shape(self) -> tuple[int, ...]:
+        """(n, n, n), with several postures (n, n, n, K)."""
+        return (self.n,) * 3 + ((self.postures,) if self.postures > 1 else ())
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return self.n**3 * self.postures
+
+    @property
+    def reach(self) -> float:
+        """Radius of the ball, half a side of the lattice."""
+        return self.arm.reach
 
     @property
     def spacing(self) -> float:
-        """Side of a cell, in the arm's unit."""
-        return 2.0 * self.arm.reach / self.n
+        """Side of a cell."""
+        return 2.0 * self.reach / self.n
 
     @property
     def centres(self) -> np.ndarray:
         """Coordinates (n,) of the cells' centres along an axis."""
-        return (np.arange(self.n) + 0.5 - 0.5 * self.n) * self.spacing
+        return (np.arange(self.n) - 0.5 * (self.n - 1)) * self.spacing
+
+    @cached_property
+    def limb(self) -> SpatialLimb:
+        """The arm as kernels read it."""
+        return spatial_limb(self.arm)
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        """The nodes as kernels read them; postures that were found once are kept."""
+        rule, count = rule_of(self.limb, self.postures), self.size
+        joints, known = np.empty((count, JOINTS), np.float32), np.zeros(count, np.uint8)
+        leap = leap_of(self.limb, self.spacing)
+        return Nodes(rule, self.n, self.spacing, leap, joints, known, np.empty(JOINTS))
 
     @property
     def hands(self) -> np.ndarray:
-        """Centres (n^3, 3) of the cells: x, y, z."""
-        return hands_of(self)
+        """Centre (nodes, 3) of every node's cell: x, y, z."""
+        z, y, x = np.meshgrid(*(self.centres,) * 3, indexing="ij")
+        cells = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+        return cells if self.postures == 1 else np.repeat(cells, self.postures, axis=0)
 
     @property
     def inside(self) -> np.ndarray:
-        """Cells (n^3,) bool that have a posture."""
-        return self._postures[0][:, 0] < NOWHERE
+        """Nodes (nodes,) bool that have a posture."""
+        look_at_all(self.nodes)
+        return np.asarray(self.nodes.known == THERE)
 
     @property
     def joints(self) -> np.ndarray:
-        """Joints (n^3, 4) in every cell, the first NOWHERE where there is no posture [rad]."""
-        return self._postures[0]
+        """Joints (nodes, 4) float32 of every node; NOWHERE if it has no posture [rad]."""
+        look_at_all(self.nodes)
+        return self.nodes.joints
 
     @property
     def limbs(self) -> np.ndarray:
-        """Shoulder, elbow and hand (n^3, 3, 3) in every cell."""
-        return self._postures[1]
+        """Shoulder, elbow and hand (nodes, 3, 3); without a posture the elbow is the hand."""
+        both = np.empty((self.size, 6))
+        limbs_at(self.limb, self.joints.astype(float), both)
+        out = np.repeat(self.hands[:, None], 3, axis=1)
+        out[:, 0] = 0.0
+        out[:, 1] = np.where(self.inside[:, None], both[:, :3], self.hands)
+        return out
 
-    @cached_property
+    @property
     def strides(self) -> np.ndarray:
-        """How far (n^3,) points of the limb move on half a step to a neighbour."""
-        pairs = self._pairs
-        elbows = self.limbs[:, 1]
-        way = 0.5 * np.linalg.norm(elbows[pairs[:, 0]] - elbows[pairs[:, 1]], axis=1)
-        out = np.full(self.n**3, 0.5 * self.spacing)
-        np.maximum.at(out, pairs.ravel(), np.repeat(way, 2))
+        """How far (nodes,) points of the limb move at most on half a step to a neighbour."""
+        pairs, limbs = self._pairs(), self.limbs
+        way = np.linalg.norm(limbs[pairs[:, 1], 1:] - limbs[pairs[:, 0], 1:], axis=2).max(axis=1)
+        out = np.zeros(self.size)
+        np.maximum.at(out, pairs[:, 0], 0.5 * way)
         return out
 
     def joints_at(self, nodes: np.ndarray) -> np.ndarray:
-        """Joints (m, 4) in cells (m,), without those of all the others [rad]."""
-        rule, out = rule_of(spatial_limb(self.arm)), np.full((len(nodes), JOINTS), NOWHERE)
-        for q, hand in zip(out, self.hands[nodes], strict=True):
-            posture_for(rule, *hand, q)
+        """Joints (m, 4) of some nodes to full precision; NOWHERE if there is no posture [rad]."""
+        out = np.empty((len(nodes), JOINTS))
+        for row, node in zip(out, nodes, strict=True):
+            place = hand_of_node(self.nodes, node)
+            if not posture_of(self.nodes.rule, node % self.postures, *place, row):
+                row[:] = NOWHERE
         return out
 
-    def cell_of(self, hand: np.ndarray) -> tuple[int, ...]:
-        """Index (iz, iy, ix) of the cell that holds a hand (3,), clipped to the lattice."""
-        index = np.floor(np.asarray(hand)[::-1] / self.spacing + 0.5 * self.n).astype(int)
-        return tuple(int(i) for i in np.clip(index, 0, self.n - 1))
+    def cell_of(self, hand: np.ndarray) -> tuple[int, int, int]:
+        """Index (iz, iy, ix) of the cell that holds a point (3,), clipped to the lattice."""
+        x, y, z = (
+            min(max(int((c + self.reach) / self.spacing), 0), self.n - 1) for c in np.asarray(hand)
+        )
+        return z, y, x
+
+    def in_world(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of the lattice's frame, in the world."""
+        base = self.arm.base
+        return np.asarray(points) @ rotation_of(base.rotation).T + np.array(base.origin)
+
+    def in_base(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of the world, in the lattice's frame."""
+        base = self.arm.base
+        return (np.asarray(points) - np.array(base.origin)) @ rotation_of(base.rotation)
 
     def steps(self, limits: SpatialLimits) -> Steps:
-        """The six neighbours; a step takes as long as the hand, or the slowest joint."""
-        both = np.concatenate([self._pairs, self._pairs[:, ::-1]])
-        turn = np.abs(self.joints[both[:, 1]] - self.joints[both[:, 0]]) / limits.joint_speed
-        times = np.maximum(turn.max(axis=1), self.spacing / limits.speed)
-        return steps_of(both, times, self.n**3)
+        """The 26 neighbours of every cell with the same posture, and two postures beside it.
+
+        A step takes as long as the hand, or the joint that has farthest to turn.  This lists them
+        all; marching in space finds them when it needs them.
+        """
+        pairs = np.concatenate([self._pairs(), self._ring()])
+        return steps_of(pairs, self._times(pairs, limits), self.size)
 
     def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-        """Cells within START_RADIUS of the hand, and when it is there [s]."""
-        away = np.linalg.norm(self.hands - limb_at(scene.limb, scene.limb.start)[3:], axis=1)
-        cells = np.flatnonzero(self.inside & (away <= START_RADIUS * self.spacing))
-        turn = np.abs(self.joints[cells] - scene.limb.start) / scene.limits.joint_speed
-        return cells, np.maximum(turn.max(axis=1), away[cells] / scene.limits.speed)
+        """First postures of the cells around the hand (k,), and when the arm is there (k,) [s]."""
+        limb = scene.limb
+        hand = np.array(limb_at(limb, limb.start)[3:])
+        for around in (1.0, 2.0):
+            near = [np.flatnonzero(np.abs(self.centres - c) < around * self.spacing) for c in hand]
+            index = np.stack(np.meshgrid(*near[::-1], indexing="ij"), axis=-1).reshape(-1, 3)
+            nodes = (index @ np.array([self.n**2, self.n, 1])) * self.postures
+            joints = self.joints_at(nodes)
+            turn = np.abs(joints - limb.start)
+            good = turn.max(axis=1) <= self.nodes.leap
+            if good.any():
+                break
+        places = np.array([hand_of_node(self.nodes, node) for node in nodes[good]]).reshape(-1, 3)
+        away = np.linalg.norm(places - hand, axis=1) / scene.limits.speed
+        turns = (turn[good] / scene.limits.joint_speed).max(axis=1, initial=0.0)
+        return nodes[good], np.maximum(turns, away)
 
     def lower_bound(self, place: np.ndarray, near: float, limits: SpatialLimits) -> np.ndarray:
-        """Least time (n^3,) from every cell until the hand is `near` a place (3,) [s]."""
-        rate, length = limits.joint_speed, float(np.hypot.reduce(self.arm.forearm))
-        turning = np.hypot(rate[0], rate[1]) * self.arm.reach + np.hypot(rate[2], rate[3]) * length
+        """Least time (nodes,) from every node until the hand is `near` a place (3,) [s]."""
+        rate, limb = limits.joint_speed, self.limb
+        turning = np.hypot(*rate[:2]) * self.reach + np.hypot(*rate[2:]) * limb.length
         away = np.linalg.norm(self.hands - place, axis=1)
         return np.maximum(away - near, 0.0) / min(turning, limits.speed)
 
-    @cached_property
-    def _postures(self) -> tuple[np.ndarray, np.ndarray]:
-        joints, limbs = np.empty((self.n**3, JOINTS)), np.zeros((self.n**3, 3, 3))
-        _postures(rule_of(spatial_limb(self.arm)), self.n, self.spacing, joints, limbs)
-        return joints, limbs
-
-    @property
     def _pairs(self) -> np.ndarray:
-        """Pairs (m, 2) of neighbouring cells that have postures."""
-        cells = np.arange(self.n**3).reshape(self.shape)
-        pairs = [
-            np.stack([cells[:-1], cells[1:]], -1),
-            np.stack([cells[:, :-1], cells[:, 1:]], -1),
-            np.stack([cells[:, :, :-1], cells[:, :, 1:]], -1),
-        ]
-        found = np.concatenate([pair.reshape(-1, 2) for pair in pairs])
-        return found[self.inside[found].all(axis=1)]
+        """Pairs (m, 2) of nodes that are a step apart, in cells next to each other."""
+        index = np.arange(self.size).reshape((self.n,) * 3 + (self.postures,))
+        pairs = []
+        for d in itertools.product((-1, 0, 1), repeat=3):
+            if any(d):
+                here = tuple(slice(max(-i, 0), self.n - max(i, 0)) for i in d)
+                there = tuple(slice(max(i, 0), self.n - max(-i, 0)) for i in d)
+                pairs.append(np.stack([index[here].ravel(), index[there].ravel()], axis=-1))
+        return self._without_leaps(np.concatenate(pairs), self.nodes.leap)
+
+    def _ring(self) -> np.ndarray:
+        """Pairs (m, 2) of nodes whose postures are next to each other in one cell."""
+        if self.postures == 1:
+            return np.empty((0, 2), dtype=np.int64)
+        index = np.arange(self.size).reshape(-1, self.postures)
+        sides = (1, -1) if self.postures > 2 else (1,)
+        pairs = [np.stack([index, np.roll(index, side, axis=1)], -1) for side in sides]
+        return self._without_leaps(np.concatenate(pairs).reshape(-1, 2), ring_leap(self.postures))
+
+    def _without_leaps(self, pairs: np.ndarray, leap: float) -> np.ndarray:
+        """Those of some pairs (m, 2) in which no joint turns farther than `leap`."""
+        pairs = pairs[self.inside[pairs].all(axis=1)]
+        joints = self.nodes.joints
+        return pairs[np.abs(joints[pairs[:, 1]] - joints[pairs[:, 0]]).max(axis=1) <= leap]
+
+    def _times(self, pairs: np.ndarray, limits: SpatialLimits) -> np.ndarray:
+        joints, hands = self.nodes.joints.astype(float), self.hands
+        turn = np.abs(joints[pairs[:, 1]] - joints[pairs[:, 0]]) / limits.joint_speed
+        away = np.linalg.norm(hands[pairs[:, 1]] - hands[pairs[:, 0]], axis=1)
+        return np.maximum(turn.max(axis=1), away / limits.speed)
 
 
-@lru_cache(maxsize=4)
-def _hands(n: int, spacing: float) -> np.ndarray:
-    along = (np.arange(n) + 0.5 - 0.5 * n) * spacing
-    z, y, x = np.meshgrid(along, along, along, indexing="ij")
-    out = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=-1)
-    out.setflags(write=False)
-    return out
+def ring_leap(postures: int) -> float:
+    """Angle by which no joint turns from one posture in a cell to the next [rad]."""
+    return min(4.0 * np.pi / postures, 0.9 * np.pi)
 
 
-def hands_of(lattice: SpaceLattice) -> np.ndarray:
-    """Centres (n^3, 3) of a lattice's cells; shared, read-only."""
-    return _hands(lattice.n, lattice.spacing)
+@lru_cache(maxsize=2)
+def space_of(arm: SpatialArm, n: int, postures: int = 1) -> SpaceLattice:
+    """The lattice of an arm's hand-space; those of the last two arms keep what they found."""
+    return SpaceLattice(arm, n, postures)
