@@ -12,16 +12,18 @@ from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
+from gcm_learn.planners.by_arm import ByArm
 from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import AnyPlan, Plan, Planner, taken
+from gcm_learn.planners.space import LayeredInSpace
 from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
     "gcm": gcm,
-    "layered": layered,
+    "layered": lambda: ByArm(layered(), LayeredInSpace()),
     "layered-wave": layered_wave,
     "marching": marching,
     "oracle": OraclePlanner,

@@ -1,1 +1,1 @@
-"""Planning for spatial arms: straight moves, and what searches are made of."""
+"""Planning for spatial arms: straight moves, and search over the joints."""
