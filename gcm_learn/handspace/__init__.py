@@ -2,6 +2,7 @@
 
 from gcm_learn.handspace.chart import Chart, Steps, steps_of
 from gcm_learn.handspace.extended import extended_obstacle, extended_outline, upper_arm_image
+from gcm_learn.handspace.joints import JointLattice, joint_lattice
 from gcm_learn.handspace.lattice import (
     LARGEST_LATTICE,
     SMALLEST_LATTICE,
@@ -17,6 +18,7 @@ from gcm_learn.handspace.space import LARGEST_IN_SPACE, MOST_POSTURES, SpaceLatt
 __all__ = [
     "Chart",
     "LARGEST_IN_SPACE",
+    "JointLattice",
     "LARGEST_LATTICE",
     "Lattice",
     "MOST_POSTURES",
@@ -29,6 +31,7 @@ __all__ = [
     "extended_obstacle",
     "extended_outline",
     "hand_space",
+    "joint_lattice",
     "occupied_cells",
     "space_of",
     "steps_of",

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding, solve
-from gcm_learn.handspace.joints import joint_lattice, neighbour, posture_of
+from gcm_learn.handspace import joint_lattice
+from gcm_learn.handspace.joints import neighbour, posture_of
 from gcm_learn.scene import forward_in_space, pack
 from gcm_learn.situation import Body, Box, Situation, SolidQuadratic, Sphere, situation_from_json
 from tests.situation.test_spatial_arm import NAO

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gcm_learn.handspace.joints import joint_lattice
+from gcm_learn.handspace import joint_lattice
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception_in_space import met_at
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
