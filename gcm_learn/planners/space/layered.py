@@ -9,10 +9,9 @@ import numpy as np
 
 from gcm_learn.handspace import joint_lattice
 from gcm_learn.motion import Failure, SpatialTrajectory
-from gcm_learn.motion.interception_in_space import met_at
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import Goals, no_goals, straight
+from gcm_learn.planners.space.goals import Goals, met_already, no_goals, straight
 from gcm_learn.planners.space.moves import NEVER, Study, study_of
 from gcm_learn.planners.space.search import new_tree, plant, search
 from gcm_learn.planners.space.ways import (
@@ -52,10 +51,10 @@ class LayeredInSpace:
         early = problem.early_answer()
         if early is not None:
             return early
-        at_once = _at_once(problem)
+        study = study_of(problem.scene, problem.rules)
+        at_once = _at_once(problem, study)
         if at_once is not None:
             return at_once
-        study = study_of(problem.scene, problem.rules)
         goals = self._room_for_goals(problem)
         way = self._straight(study, goals, problem.situation.horizon)
         if way is None:
@@ -100,13 +99,13 @@ class LayeredInSpace:
         return way
 
 
-def _at_once(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
+def _at_once(problem: SpatialProblem, study: Study) -> Plan[SpatialTrajectory] | None:
     """The catch of a target that is there at t = 0."""
-    scene, poses = problem.scene, np.zeros((len(problem.situation.bodies), 12))
-    body = met_at(scene, scene.limb.start, 0.0, problem.rules.catch, poses)
+    body = met_already(study)
     if body < 0:
         return None
-    rest = SpatialTrajectory(problem.situation.arm, np.zeros(1), scene.limb.start[None].copy())
+    start = problem.scene.limb.start
+    rest = SpatialTrajectory(problem.situation.arm, np.zeros(1), start[None].copy())
     return checked(problem, Attempt(rest, int(body)))[0]
 
 
