@@ -23,7 +23,7 @@ from gcm_learn.planners.space.ways import (
     trace,
     write,
 )
-from gcm_learn.scene.bodies import HAND, PART
+from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
 
 
