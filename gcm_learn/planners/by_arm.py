@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
 from gcm_learn.planners.plan import Plan, Planner
-from gcm_learn.situation import SpatialArm
 
 
 class SpacePlanner(Protocol):
@@ -36,6 +35,6 @@ class ByArm:
 
     def plan(self, situation: Any) -> Plan[Any]:
         """Answer a situation."""
-        if isinstance(situation.arm, SpatialArm):
+        if situation.is_spatial:
             return self.space.plan(situation)
         return self.plane.plan(situation)

@@ -18,7 +18,7 @@ from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import AnyPlan, Plan, Planner, taken
-from gcm_learn.planners.space import LayeredInSpace
+from gcm_learn.planners.space.layered import LayeredInSpace
 from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {

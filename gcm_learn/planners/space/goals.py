@@ -8,7 +8,7 @@ import numpy as np
 
 from gcm_learn.collision.postures import distance_at, free_until
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception_in_space import met_at, target_room
+from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.planners.space.moves import (
     rest_is_free,
     time_of,
@@ -41,13 +41,6 @@ def no_goals(targets: int, instants: int, swivels: int) -> Goals:
     return Goals(
         np.empty(most), np.empty((most, 4)), np.empty(most, np.int64), np.zeros(1, np.int64)
     )
-
-
-@njit(_nrt=False)
-def met_already(study):
-    """A target that the hand catches at t = 0; -1 if there is none."""
-    scene = study.scene
-    return met_at(scene, scene.limb.start, 0.0, study.catch, study.desk.poses)
 
 
 @njit(_nrt=False)

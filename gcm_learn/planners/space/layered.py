@@ -11,9 +11,10 @@ from gcm_learn.handspace import joint_lattice
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import Goals, met_already, no_goals, straight
+from gcm_learn.planners.space.goals import Goals, no_goals, straight
 from gcm_learn.planners.space.moves import NEVER, Study, study_of
 from gcm_learn.planners.space.search import new_tree, plant, search
+from gcm_learn.planners.space.straight import at_once
 from gcm_learn.planners.space.ways import (
     Way,
     hasten,
@@ -51,10 +52,10 @@ class LayeredInSpace:
         early = problem.early_answer()
         if early is not None:
             return early
+        caught = at_once(problem)
+        if caught is not None:
+            return caught
         study = study_of(problem.scene, problem.rules)
-        at_once = _at_once(problem, study)
-        if at_once is not None:
-            return at_once
         goals = self._room_for_goals(problem)
         way = self._straight(study, goals, problem.situation.horizon)
         if way is None:
@@ -97,16 +98,6 @@ class LayeredInSpace:
             return None
         shorten(study, found, way)
         return way
-
-
-def _at_once(problem: SpatialProblem, study: Study) -> Plan[SpatialTrajectory] | None:
-    """The catch of a target that is there at t = 0."""
-    body = met_already(study)
-    if body < 0:
-        return None
-    start = problem.scene.limb.start
-    rest = SpatialTrajectory(problem.situation.arm, np.zeros(1), start[None].copy())
-    return checked(problem, Attempt(rest, int(body)))[0]
 
 
 def finished(problem: SpatialProblem, study: Study, way: Way) -> Plan[SpatialTrajectory]:
