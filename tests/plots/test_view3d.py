@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from gcm_learn.families import paper
-from gcm_learn.plots.figures.view3d import beside_plane, camera, faces, to_world
+from gcm_learn.plots.figures.solids import faces
+from gcm_learn.plots.figures.view3d import beside_plane, camera, to_world
 from gcm_learn.scene.outlines import outline
 from gcm_learn.situation import Box, Capsule, Cylinder, Plane, Sphere
 

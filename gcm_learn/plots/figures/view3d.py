@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,47 +15,17 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
 from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.rendering import Camera, shaded
+from gcm_learn.plots.figures.solids import faces
 from gcm_learn.plots.figures.workspace import body_colour
 from gcm_learn.scene import elbow_position, pose
-from gcm_learn.situation import (
-    PLANAR,
-    Box,
-    Capsule,
-    Cylinder,
-    Plane,
-    Situation,
-    SolidShape,
-    Sphere,
-)
+from gcm_learn.situation import PLANAR, Cylinder, Plane, Situation, Sphere
 
-LIGHT = np.array([0.35, 0.4, 0.85])  # to the light, in the camera's frame: right, up, nearer
 HEADROOM = 3.6  # [forearms] what figures show above the shoulder; a long cord goes on
 GLASS, GLASS_ALPHA = "#8fbc9a", 0.38  # the arm plane; green, as in Fig. 4
 LIMB, JOINT, HAND = 0.055, 0.085, 0.11  # [forearms] radii of the drawn arm
 LIMB_LIFT = 0.2  # [forearms] how much nearer the arm counts when faces are sorted by depth
-SIDES = 24  # polygon that stands for a circle
-RINGS = 14  # of a sphere, from pole to pole
-TILE = 0.4  # [forearms] longest side of a tile of a box
 BEHIND, GLASSY, BEFORE = -1, 0, 1  # layers, in the order of drawing
-
-
-@dataclass(frozen=True)
-class Camera:
-    """Parallel projection.
-
-    Parameters
-    ----------
-    right, up, nearer : (3,) ndarray
-        Orthonormal: the picture's axes and the direction to the viewer, in the world frame.
-    """
-
-    right: np.ndarray
-    up: np.ndarray
-    nearer: np.ndarray
-
-    def see(self, points: np.ndarray) -> np.ndarray:
-        """World points (..., 3) to picture x, y and nearness (..., 3)."""
-        return points @ np.stack([self.right, self.up, self.nearer], axis=1)
 
 
 def camera(plane: Plane, azimuth: float = -40.0, elevation: float = 20.0) -> Camera:
@@ -127,7 +96,7 @@ def draw_scene(
         if alpha == 1.0 and facing[2] <= 0.0:
             continue  # the far side of a solid
         polygons.append(seen)
-        colours.append((*_shaded(colour, facing), alpha))
+        colours.append((*shaded(np.array(to_rgb(colour)), facing), alpha))
         lift = LIMB_LIFT if colour == style.ARM else 0.0
         nearness.append((layer, seen[:, 2].mean() + lift))
     order = sorted(range(len(nearness)), key=nearness.__getitem__)
@@ -270,81 +239,3 @@ def _normal(corners: np.ndarray) -> np.ndarray:
     cross = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
     size = np.linalg.norm(cross)
     return cross / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
-
-
-def _shaded(colour: str, normal: np.ndarray) -> tuple[float, float, float]:
-    """Lambert's law with much ambient light: faces turned away get darker, never black."""
-    light = LIGHT / np.linalg.norm(LIGHT)
-    bright = 0.62 + 0.38 * max(0.0, float(normal @ light))
-    r, g, b = to_rgb(colour)
-    lift = 0.25 * max(0.0, bright - 0.8) / 0.2  # towards white in full light
-    return tuple(min(1.0, c * bright + lift * (1 - c)) for c in (r, g, b))  # type: ignore[return-value]
-
-
-def faces(shape: SolidShape) -> list[np.ndarray]:
-    """Return the faces of a solid in its own frame.
-
-    Parameters
-    ----------
-    shape : Sphere, Box, Capsule or Cylinder
-
-    Returns
-    -------
-    list of (k, 3) ndarray
-        Polygons, counter-clockwise when seen from outside.
-    """
-    if isinstance(shape, Box):
-        return _box(np.asarray(shape.half_extents))
-    if isinstance(shape, Sphere):
-        return _turned(_arc(shape.radius, 0.0))
-    if isinstance(shape, Capsule):
-        return _turned(_arc(shape.radius, shape.half_length))
-    if isinstance(shape, Cylinder):
-        r, h = shape.radius, shape.half_length
-        return _turned(np.array([(0.0, -h), (r, -h), *_side(r, h), (r, h), (0.0, h)]))
-    raise TypeError(f"not a solid shape: {shape!r}")
-
-
-def _side(radius: float, half_length: float) -> list[tuple[float, float]]:
-    """Points along a long side, so that its faces stay small enough to be sorted by depth."""
-    pieces = max(1, int(np.ceil(2 * half_length / max(radius, 0.3))))
-    return [(radius, z) for z in np.linspace(-half_length, half_length, pieces + 1)[1:-1]]
-
-
-def _arc(radius: float, half_length: float) -> np.ndarray:
-    """Profile (k, 2) of a sphere or capsule: distance from the axis, height; from low to high."""
-    angle = np.linspace(-np.pi / 2, np.pi / 2, RINGS + 1)
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    lower, upper = points[: RINGS // 2 + 1], points[RINGS // 2 :]
-    low, high = lower - (0.0, half_length), upper + (0.0, half_length)
-    if half_length == 0.0:
-        return np.concatenate([low, high[1:]])
-    return np.concatenate([low, np.array(_side(radius, half_length)).reshape(-1, 2), high])
-
-
-def _turned(profile: np.ndarray) -> list[np.ndarray]:
-    """Turn a profile about the z axis."""
-    angle = np.linspace(0.0, 2 * np.pi, SIDES + 1)
-    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    out = []
-    for (r0, z0), (r1, z1) in itertools.pairwise(profile):
-        for a, b in itertools.pairwise(ring):
-            corners = [(*(r0 * a), z0), (*(r0 * b), z0), (*(r1 * b), z1), (*(r1 * a), z1)]
-            out.append(np.array(corners))
-    return out
-
-
-def _box(half: np.ndarray) -> list[np.ndarray]:
-    """Faces of a box, tiled so finely that they can be sorted by depth."""
-    cuts = [np.linspace(-h, h, int(np.ceil(2 * h / TILE)) + 1) for h in half]
-    out = []
-    for axis in range(3):
-        u, v = (axis + 1) % 3, (axis + 2) % 3
-        for sign in (-1, 1):
-            for u0, u1 in itertools.pairwise(cuts[u]):
-                for v0, v1 in itertools.pairwise(cuts[v]):
-                    corners = np.full((4, 3), sign * half[axis])
-                    corners[:, u] = (u0, u1, u1, u0)
-                    corners[:, v] = (v0, v0, v1, v1)
-                    out.append(corners[::sign])
-    return out

@@ -1,0 +1,129 @@
+"""Solids, bones and paths as faces."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from gcm_learn.plots.figures.rendering import Faces, normals
+from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
+
+SIDES = 24  # polygon that stands for a circle
+RINGS = 14  # of a sphere, from pole to pole
+TILE = 0.4  # longest side of a tile of a box, where faces are to be sorted by depth
+
+
+def faces(shape: SolidShape, tile: float = TILE) -> np.ndarray:
+    """Return the faces of a solid in its own frame.
+
+    Parameters
+    ----------
+    shape : Sphere, Box, Capsule or Cylinder
+    tile : float
+        About the longest side of a face of a box or along a long solid, so that faces can be sorted
+        by depth; infinite where that is not needed.
+
+    Returns
+    -------
+    (n, 4, 3) ndarray
+        Quadrilaterals, counter-clockwise when seen from outside.
+    """
+    if isinstance(shape, Box):
+        return _box(np.asarray(shape.half_extents), tile)
+    if isinstance(shape, Sphere):
+        return _turned(_arc(shape.radius, 0.0, tile))
+    if isinstance(shape, Capsule):
+        return _turned(_arc(shape.radius, shape.half_length, tile))
+    if isinstance(shape, Cylinder):
+        r, h = shape.radius, shape.half_length
+        return _turned(np.array([(0.0, -h), (r, -h), *_side(r, h, tile), (r, h), (0.0, h)]))
+    raise TypeError(f"not a solid shape: {shape!r}")
+
+
+def round_normals(shape: SolidShape, corners: np.ndarray) -> np.ndarray | None:
+    """Unit normals (n, 4, 3) at the corners of a solid's `faces`; None for a box, which is flat."""
+    if isinstance(shape, Box):
+        return None
+    if isinstance(shape, Cylinder):
+        flat = normals(corners)
+        side = np.abs(flat[:, 2]) < 0.5
+        axial = corners * (1.0, 1.0, 0.0) / shape.radius
+        return np.where(side[:, None, None], axial, flat[:, None])
+    half = shape.half_length if isinstance(shape, Capsule) else 0.0
+    core = np.zeros_like(corners)
+    core[..., 2] = np.clip(corners[..., 2], -half, half)
+    return (corners - core) / shape.radius
+
+
+def placed(
+    shape: SolidShape, centre: np.ndarray, turn: np.ndarray, colour: np.ndarray,
+    alpha: float = 1.0,
+) -> Faces:  # fmt: skip
+    """A solid at its place (3,), turned by a rotation (3, 3), in a colour (3,)."""
+    corners = faces(shape, np.inf)
+    normal = round_normals(shape, corners)
+    return Faces(
+        centre + corners @ turn.T, colour, alpha, None if normal is None else normal @ turn.T
+    )
+
+
+def tube(points: np.ndarray, radius: float, sides: int = 6) -> np.ndarray:
+    """Faces (n, 4, 3) of a thin tube along a path (k, 3) that nowhere turns back."""
+    along = np.gradient(points, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+    across = np.eye(3)[np.abs(along).argmin(axis=1)]
+    u = np.cross(along, across)
+    u /= np.maximum(np.linalg.norm(u, axis=1, keepdims=True), 1e-12)
+    v = np.cross(along, u)
+    for k in range(1, len(u)):  # the least twist from point to point
+        turned = u[k - 1] - (u[k - 1] @ along[k]) * along[k]
+        u[k] = turned / max(np.linalg.norm(turned), 1e-12)
+        v[k] = np.cross(along[k], u[k])
+    angle = np.linspace(0.0, 2 * np.pi, sides + 1)[:, None]
+    rings = points[:, None] + radius * (np.cos(angle) * u[:, None] + np.sin(angle) * v[:, None])
+    a, b = rings[:-1], rings[1:]
+    return np.stack([a[:, :-1], a[:, 1:], b[:, 1:], b[:, :-1]], axis=2).reshape(-1, 4, 3)
+
+
+def _side(radius: float, half_length: float, tile: float) -> list[tuple[float, float]]:
+    """Points along a long side, so that its faces stay small enough to be sorted by depth."""
+    pieces = max(1, int(np.ceil(2 * half_length / max(radius, 0.75 * tile))))
+    return [(radius, z) for z in np.linspace(-half_length, half_length, pieces + 1)[1:-1]]
+
+
+def _arc(radius: float, half_length: float, tile: float) -> np.ndarray:
+    """Profile (k, 2) of a sphere or capsule: distance from the axis, height; from low to high."""
+    angle = np.linspace(-np.pi / 2, np.pi / 2, RINGS + 1)
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    lower, upper = points[: RINGS // 2 + 1], points[RINGS // 2 :]
+    low, high = lower - (0.0, half_length), upper + (0.0, half_length)
+    if half_length == 0.0:
+        return np.concatenate([low, high[1:]])
+    side = np.array(_side(radius, half_length, tile)).reshape(-1, 2)
+    return np.concatenate([low, side, high])
+
+
+def _turned(profile: np.ndarray) -> np.ndarray:
+    """Turn a profile (k, 2) about the z axis."""
+    angle = np.linspace(0.0, 2 * np.pi, SIDES + 1)
+    r, z = profile[:, :1], np.broadcast_to(profile[:, 1:], (len(profile), SIDES + 1))
+    rings = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
+    a, b = rings[:-1], rings[1:]
+    return np.stack([a[:, :-1], a[:, 1:], b[:, 1:], b[:, :-1]], axis=2).reshape(-1, 4, 3)
+
+
+def _box(half: np.ndarray, tile: float) -> np.ndarray:
+    """Faces of a box, tiled so finely that they can be sorted by depth."""
+    cuts = [np.linspace(-h, h, max(1, int(np.ceil(2 * h / tile))) + 1) for h in half]
+    out = []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for sign in (-1, 1):
+            for u0, u1 in itertools.pairwise(cuts[u]):
+                for v0, v1 in itertools.pairwise(cuts[v]):
+                    corners = np.full((4, 3), sign * half[axis])
+                    corners[:, u] = (u0, u1, u1, u0)
+                    corners[:, v] = (v0, v0, v1, v1)
+                    out.append(corners[::sign])
+    return np.array(out)

@@ -1,0 +1,366 @@
+"""The arm in space among its bodies: at one instant, or over a movement.
+
+Everything stands over a floor that shows its shadow, and a line drawn through solids shows what
+they hide.  Paths are coloured by time; what has the same colour is there at the same time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import ArrayLike
+
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from, render
+from gcm_learn.plots.figures.solids import placed, tube
+from gcm_learn.plots.figures.workspace import body_colour
+from gcm_learn.scene import forward_in_space, pack_bodies, poses_at
+from gcm_learn.situation import Capsule, Situation, SpatialArm, Sphere, arm_frame
+
+if TYPE_CHECKING:
+    from gcm_learn.motion import SpatialTrajectory
+
+SpatialSituation = Situation[SpatialArm]
+
+TIME_COLOURS = LinearSegmentedColormap.from_list(
+    "time", ["#fbc65d", "#ef7b5a", "#c2427f", style.PATH]
+)
+THINNEST = 0.022  # of the reach: thinner bones are drawn so thick
+BALL, HAND = 1.12, 1.3  # radii of joints and hand, in those of the bones
+LINE = 0.007  # of the reach: radius of a path
+SAMPLES = 60  # points of a path
+GHOSTS = 4  # instants at which the arm is drawn, the last one being the catch
+PALEST = 0.15  # alpha of the earliest
+AWAY = 1.45  # [reaches] from the shoulder: nothing farther widens the picture
+PIXELS = 720  # of a side of a picture
+EYE = 7.0  # [reaches] distance of the eye
+ELEVATION = 24.0  # [degrees] of the eye
+FLOOR, SHADOW, GRID = "#f4f6f9", "#d9e0e9", "#ffffff"
+JOINT = "#f3dfe3"
+
+
+def body_poses(situation: SpatialSituation, times: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Where the bodies are at some times, in the world.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a spatial arm.
+    times : (k,) array_like
+        [s]
+
+    Returns
+    -------
+    centres : (k, m, 3) ndarray
+    rotations : (k, m, 3, 3) ndarray
+        Columns are the bodies' axes.
+    """
+    bodies, (axes, origin) = pack_bodies(situation), arm_frame(situation)
+    instants = np.atleast_1d(np.asarray(times, dtype=float))
+    out = np.zeros((len(instants), len(situation.bodies), 12))
+    out[..., 3:] = np.eye(3).ravel()  # spheres leave it so
+    for t, poses in zip(instants, out, strict=True):
+        poses_at(bodies, t, poses)
+    turns = axes.T @ out[..., 3:].reshape(*out.shape[:2], 3, 3)
+    return out[..., :3] @ axes + origin, turns
+
+
+def bone_radius(arm: SpatialArm) -> float:
+    """Radius with which the bones are drawn."""
+    return max(arm.thickness, THINNEST * arm.reach)
+
+
+def arm_faces(arm: SpatialArm, joints: ArrayLike, alpha: float = 1.0) -> list[Faces]:
+    """The arm as two capsules, with balls for shoulder, elbow and hand.
+
+    Parameters
+    ----------
+    arm : SpatialArm
+    joints : (4,) array_like
+        [rad]
+    alpha : float
+    """
+    elbow, hand = forward_in_space(arm, joints)
+    shoulder, radius = np.asarray(arm.base.origin), bone_radius(arm)
+    out = []
+    for a, b in ((shoulder, elbow), (elbow, hand)):
+        length = float(np.linalg.norm(b - a))
+        turn = _frame_along((b - a) / length)
+        bone = Capsule(radius, length / 2)
+        out.append(placed(bone, (a + b) / 2, turn, np.array(to_rgb(style.ARM)), alpha))
+    for centre, size, colour in (
+        (shoulder, BALL, style.INK), (elbow, BALL, JOINT), (hand, HAND, style.ARM),
+    ):  # fmt: skip
+        ball = Sphere(size * radius)
+        out.append(placed(ball, centre, np.eye(3), np.array(to_rgb(colour)), alpha))
+    return out
+
+
+def _frame_along(z: np.ndarray) -> np.ndarray:
+    """A rotation (3, 3) whose third column is a unit vector."""
+    x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def body_faces(
+    situation: SpatialSituation, t: float, alpha: float = 1.0, roles: Sequence[str] = ()
+) -> Iterator[Faces]:
+    """Yield the bodies at time t [s], or those in some roles."""
+    centres, turns = body_poses(situation, [t])
+    for body, centre, turn in zip(situation.bodies, centres[0], turns[0], strict=True):
+        if not roles or body.role in roles:
+            colour = np.array(to_rgb(body_colour(body)))
+            yield placed(body.shape, centre, turn, colour, alpha)  # type: ignore[arg-type]
+
+
+def view_of(
+    situation: SpatialSituation,
+    trajectory: SpatialTrajectory | None = None,
+    *,
+    elevation: float = ELEVATION,
+    turn: float = 0.0,
+) -> Camera:
+    """Return a camera that sees arm and hand's way from the side, and little in front of them.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a spatial arm.
+    trajectory : SpatialTrajectory, optional
+
+    Other Parameters
+    ----------------
+    elevation : float
+        Of the eye [degrees].
+    turn : float
+        The camera is turned about the vertical by so much [degrees].
+    """
+    arm = situation.arm
+    end = situation.horizon if trajectory is None else trajectory.duration
+    times = np.linspace(0.0, end, 12)
+    joints = np.tile(arm.joints, (12, 1)) if trajectory is None else trajectory.joints_at(times)
+    elbow, hand = forward_in_space(arm, joints)
+    centres, _ = body_poses(situation, times)
+    target = [body.role == "target" for body in situation.bodies]
+    shoulder = np.asarray(arm.base.origin)
+    seen = np.concatenate([shoulder[None], elbow, hand, hand, centres[-3:, target].reshape(-1, 3)])
+    centre = 0.5 * (shoulder + hand.mean(axis=0))
+    radii = np.array([body.shape.bounding_radius for body in situation.bodies])[~np.array(target)]
+    others = centres[:, ~np.array(target)]
+
+    def merit(azimuth: float) -> float:
+        view = camera_from(azimuth, elevation)
+        flat, places = view.turned(seen - centre), view.turned(others - centre)
+        spread = np.sqrt(np.linalg.det(np.cov(flat[:, :2].T)) + 1e-12) / arm.reach**2
+        limb = view.turned(np.stack([elbow, hand, 0.5 * (elbow + hand)], axis=1) - centre)
+        gap = np.linalg.norm(places[:, :, None, :2] - limb[:, None, :, :2], axis=-1)
+        before = places[:, :, None, 2] > limb[:, None, :, 2]
+        hidden = (before & (gap < radii[:, None])).any(axis=1).mean() if len(radii) else 0.0
+        return float(spread * (1.0 - 0.8 * hidden))
+
+    best = max(np.arange(0.0, 360.0, 15.0), key=merit)
+    return camera_from(best + turn, elevation, centre, EYE * arm.reach)
+
+
+def draw_space(
+    ax: Axes,
+    situation: SpatialSituation,
+    t: float = 0.0,
+    *,
+    joints: ArrayLike | None = None,
+    view: Camera | None = None,
+) -> Axes:
+    """Draw the arm and the bodies at one instant.
+
+    Parameters
+    ----------
+    ax : Axes
+        Ordinary two-dimensional axes.
+    situation : Situation
+        With a spatial arm.
+    t : float
+        Time [s].
+
+    Other Parameters
+    ----------------
+    joints : (4,) array_like, optional
+        By default those at t = 0 [rad].
+    view : Camera, optional
+        By default `view_of` the situation.
+    """
+    posture = situation.arm.joints if joints is None else joints
+    view = view or view_of(situation)
+    things = [*body_faces(situation, t), *arm_faces(situation.arm, posture)]
+    stage(ax, view, window_of(situation, view, things), floor_of(situation, things), things)
+    return ax
+
+
+def draw_course_in_space(ax: Axes, situation: SpatialSituation, end: float, view: Camera) -> None:
+    """Draw an arrow along the way of every body that moves until `end` [s]."""
+    centres, _ = body_poses(situation, np.linspace(0.0, end, SAMPLES))
+    for k, body in enumerate(situation.bodies):
+        if np.ptp(centres[:, k], axis=0).max() < 0.05 * situation.arm.reach:
+            continue
+        path = view.see(centres[:, k])
+        ax.plot(*path[:, :2].T, color=body_colour(body), lw=1.2, ls=(0, (2, 1.5)), zorder=4)
+        style.arrow(ax, path[-2, :2], path[-1, :2], body_colour(body))
+
+
+def draw_movement_in_space(
+    ax: Axes,
+    situation: SpatialSituation,
+    trajectory: SpatialTrajectory,
+    view: Camera | None = None,
+    *,
+    count: int = GHOSTS,
+) -> Axes:
+    """Draw a movement: the arm at several instants, later ones darker, with the hand's way.
+
+    Bodies are as at the end; paler ones show where they were before.
+    """
+    view = view or view_of(situation, trajectory)
+    end = trajectory.duration
+    things = [*path_faces(situation, trajectory)]
+    moments = _moments(situation.arm, trajectory, count)
+    for t, alpha in zip(moments, [*np.linspace(PALEST, 0.5, len(moments) - 1), 1.0], strict=True):
+        things += body_faces(situation, t, alpha)
+        things += arm_faces(situation.arm, trajectory.joints_at(t), alpha)
+    stage(ax, view, window_of(situation, view, things), floor_of(situation, things), things)
+    show_through(ax, view, trajectory.hand_at(np.linspace(0.0, end, SAMPLES)))
+    return ax
+
+
+def _moments(arm: SpatialArm, trajectory: SpatialTrajectory, count: int) -> np.ndarray:
+    """Instants evenly over the movement; fewer where the hand hardly moves."""
+    fitting = 1 + int(trajectory.length / (3.0 * HAND * bone_radius(arm)))
+    return np.linspace(0.0, trajectory.duration, min(max(fitting, 2), count))
+
+
+def path_faces(situation: SpatialSituation, trajectory: SpatialTrajectory,
+               until: float | None = None) -> Iterator[Faces]:  # fmt: skip
+    """Yield the ways of the hand, and of the targets dashed, coloured by time."""
+    end = trajectory.duration
+    last = end if until is None else until
+    times = np.linspace(0.0, last, SAMPLES)
+    radius = LINE * situation.arm.reach
+    shades = TIME_COLOURS(0.5 * (times[1:] + times[:-1]) / max(end, 1e-9))[:, :3]
+    hand = trajectory.hand_at(times)
+    if np.ptp(hand, axis=0).max() > radius:
+        yield Faces(tube(hand, radius), np.repeat(shades, 6, axis=0)[:, None])
+    centres, _ = body_poses(situation, times)
+    for k, body in enumerate(situation.bodies):
+        if body.role == "target" and np.ptp(centres[:, k], axis=0).max() > radius:
+            path = tube(centres[:, k], 0.8 * radius).reshape(-1, 6, 4, 3)
+            dashes = np.arange(len(path)) % 3 != 2
+            yield Faces(
+                path[dashes].reshape(-1, 4, 3), np.repeat(shades[dashes], 6, axis=0)[:, None]
+            )
+
+
+def show_through(ax: Axes, view: Camera, path: np.ndarray) -> None:
+    """Draw a path (k, 3) once more over everything, so faint that what hides it shows."""
+    seen = view.see(path)[:, :2]
+    shades = TIME_COLOURS(np.linspace(0.0, 1.0, len(seen) - 1))
+    ax.add_collection(
+        LineCollection(
+            list(np.stack([seen[:-1], seen[1:]], axis=1)), colors=shades, linewidths=1.6,
+            alpha=0.4, zorder=3,
+        )
+    )  # fmt: skip
+
+
+def window_of(situation: SpatialSituation, view: Camera, things: Sequence[Faces]) -> Window:
+    """The part of the picture in which things near the arm are whole."""
+    shoulder, reach = np.asarray(situation.arm.base.origin), situation.arm.reach
+    corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
+    near = corners[np.linalg.norm(corners - shoulder, axis=1) < AWAY * reach]
+    seen = view.see(near)[:, :2]
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    return Window(0.5 * (low + high), 0.5 * float((high - low).max()) + 0.05 * reach)
+
+
+def floor_of(situation: SpatialSituation, things: Sequence[Faces]) -> float:
+    """Height of a floor just under what is near the arm."""
+    shoulder, reach = np.asarray(situation.arm.base.origin), situation.arm.reach
+    corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
+    near = np.linalg.norm(corners - shoulder, axis=1) < AWAY * reach
+    return float(corners[near, 2].min()) - 0.03 * reach
+
+
+def stage(
+    ax: Axes, view: Camera, window: Window, floor: float, things: Sequence[Faces],
+    pixels: int = PIXELS,
+) -> None:  # fmt: skip
+    """Show things over a floor with their shadows, in a picture with equal axes."""
+    ground = ground_faces(view.centre, floor, window.half, things)
+    image = render(view, window, [*ground, *things], pixels)
+    ax.imshow(
+        np.clip(image, 0.0, 1.0), origin="lower", extent=window.extent, zorder=1,
+        interpolation="antialiased",
+    )  # fmt: skip
+    ax.axis("off")
+
+
+def ground_faces(
+    centre: np.ndarray, floor: float, size: float, things: Sequence[Faces]
+) -> Iterator[Faces]:
+    """Yield a floor, a grid on it and shadows of what is above it, lit from the zenith."""
+    step = 10.0 ** np.floor(np.log10(size))
+    step *= 0.5 if size / step < 3.0 else 1.0
+    middle = np.append(np.round(centre[:2] / step) * step, floor)
+    half, hair = np.ceil(1.2 * size / step) * step, 1e-3 * size
+    yield _level(middle - (0, 0, 2 * hair), [(-half, half, -half, half)], FLOOR)
+    marks, wide = np.arange(-half, half + 0.5 * step, step), 0.004 * size
+    lines = [(m - wide, m + wide, -half, half) for m in marks]
+    yield _level(middle, lines + [(c, d, a, b) for a, b, c, d in lines], GRID)
+    for thing in things:
+        if thing.alpha == 1.0 and thing.lit:
+            inside = (np.abs(thing.corners[..., :2] - middle[:2]) <= half).all(axis=(1, 2))
+            flat = thing.corners[inside].copy()
+            flat[..., 2] = floor - hair
+            yield Faces(flat, np.array(to_rgb(SHADOW)), both=True, lit=False)
+
+
+def _level(
+    middle: np.ndarray, areas: Sequence[tuple[float, float, float, float]], colour: str
+) -> Faces:
+    """Level rectangles, each from x to x and y to y from the middle of all."""
+    corners = [[(a, c, 0.0), (b, c, 0.0), (b, d, 0.0), (a, d, 0.0)] for a, b, c, d in areas]
+    return Faces(middle + np.array(corners), np.array(to_rgb(colour)), both=True, lit=False)
+
+
+def time_bar(ax: Axes, end: float) -> None:
+    """Explain the colours of paths in the lower left corner of a picture."""
+    bar = ax.inset_axes((0.03, 0.02, 0.3, 0.022), zorder=20)
+    bar.imshow(np.linspace(0.0, 1.0, 128)[None], cmap=TIME_COLOURS, aspect="auto")
+    bar.axis("off")
+    for x, text in ((0.0, "0"), (1.0, f"{end:.2f} s")):
+        bar.text(
+            x, 1.5, text, transform=bar.transAxes, fontsize=style.SMALL, color=style.INK,
+            ha="left" if x == 0.0 else "right", va="bottom", path_effects=[style.HALO],
+        )  # fmt: skip
+
+
+def key_in_space(figure: Figure) -> None:
+    """Say below pictures of movements what is what."""
+    tint = TIME_COLOURS(0.65)
+    handles = [
+        Patch(color=style.ARM, label="arm"),
+        Patch(color=style.TARGET, label="target"),
+        Patch(color=style.OBSTACLE, label="obstacle"),
+        Line2D([], [], color=tint, lw=2.5, label="hand's way"),
+        Line2D([], [], color=tint, lw=2.0, ls=(0, (2, 1)), label="target's way"),
+    ]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,
+        frameon=False, labelcolor=style.INK, handlelength=1.6, columnspacing=1.4,
+    )  # fmt: skip
