@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
@@ -14,7 +14,6 @@ from gcm_learn.cli.files import FileNames, staged
 from gcm_learn.cli.solve import plan_one, read
 
 if TYPE_CHECKING:
-    from gcm_learn.planners import Plan
     from gcm_learn.situation import AnySituation
 
 
@@ -39,16 +38,15 @@ class Animate:
     def run(self) -> int:
         """Plan, draw and save the film."""
         from gcm_learn.planners import get_planner
-        from gcm_learn.situation import planar
 
         planner = get_planner(self.planner)
-        situation = planar(self._chosen(read(self.file, planner)), "a film")
+        situation = self._chosen(read(self.file, planner))
         target = self.out or Path(f"{FileNames().unused(situation.name)}.gif")
         require_suffix(target, (".gif",))
         with staged(target) as place:
             from gcm_learn.plots import animate
 
-            animate(situation, cast("Plan", plan_one(planner, situation, self.file)), place)
+            animate(situation, plan_one(planner, situation, self.file), place)
         print(target)
         return 0
 

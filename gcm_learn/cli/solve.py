@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TextIO, cast
+from typing import TYPE_CHECKING, Annotated, TextIO
 
 from tyro.conf import Positional, arg
 
@@ -17,7 +17,7 @@ from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from gcm_learn.planners import AnyPlan, Plan, Planner
+    from gcm_learn.planners import AnyPlan, Planner
     from gcm_learn.situation import AnySituation
 
     Draw = Callable[[AnySituation, AnyPlan], None]
@@ -120,12 +120,11 @@ def _refuse_to_overwrite_input(file: str, out: Path | None) -> None:
 def _pictures(folder: Path) -> Draw:
     """Return a function that writes the picture of a plan into `folder`."""
     from gcm_learn import plots
-    from gcm_learn.situation import planar
 
     names = FileNames()
 
     def draw(situation: AnySituation, plan: AnyPlan) -> None:
         with staged(folder / f"{names.unused(situation.name)}.png", option="--plot") as place:
-            plots.plan_figure(planar(situation, "a picture"), cast("Plan", plan)).savefig(place)
+            plots.plan_figure(situation, plan).savefig(place)
 
     return draw

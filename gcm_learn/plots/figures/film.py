@@ -15,13 +15,19 @@ from PIL import Image
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand, extended_image, show_image
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored
+from gcm_learn.plots.figures.space import Scenery
+from gcm_learn.plots.figures.staging import from_above
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits, waiting_at
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 if TYPE_CHECKING:
-    from gcm_learn.planners import Plan
+    from gcm_learn.motion import SpatialTrajectory
+    from gcm_learn.planners import AnyPlan, Plan
+
+Scene = Callable[[Axes, float, float], None]  # draws a time [s], turned by an angle [degrees]
 
 FRAMES = 40
+ROUND = 24  # frames of a look around
 FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]
 WIDTH, HEIGHT, FILM_DPI = 6.6, 3.6, 80
 COLOURS = 128  # besides those of the style
@@ -41,8 +47,10 @@ NEARLY_WHITE = 247  # of 255
 COARSE = 240  # cells a side of the drawn extended obstacles
 
 
-def animate(situation: Situation, plan: Plan, path: str | Path, *, frames: int = FRAMES) -> None:
-    """Write an animated GIF of a plan.
+def animate(
+    situation: AnySituation, plan: AnyPlan, path: str | Path, *, frames: int = FRAMES
+) -> None:
+    """Write an animated GIF of a plan; in space, with a look around the catch at its end.
 
     Parameters
     ----------
@@ -80,24 +88,57 @@ def pixels(canvas: FigureCanvasAgg) -> Image.Image:
     return Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
 
 
-def _frames(situation: Situation, plan: Plan, frames: int) -> Iterator[Image.Image]:
+def _frames(situation: AnySituation, plan: AnyPlan, frames: int) -> Iterator[Image.Image]:
     """Draw frame after frame over one unchanging background."""
     figure = style.new_figure(WIDTH, HEIGHT)
     figure.set_dpi(FILM_DPI)
     canvas = FigureCanvasAgg(figure)
-    left, right = figure.subplots(1, 2)
-    for ax, name in ((left, "work-space"), (right, "hand-space")):
-        style.frame(ax, situation.arm.upper_arm)
-        style.title(ax, name)
+    panels = figure.subplots(1, 2)
+    scenes = (_spatial_scenes if situation.is_spatial else _planar_scenes)(situation, plan, panels)  # type: ignore[operator, arg-type]
     canvas.draw()
     figure.set_layout_engine("none")
     background = canvas.copy_from_bbox(figure.bbox)
     last = _duration(situation, plan)
-    for t in np.linspace(0.0, last, frames):
+    moments = [(t, 0.0) for t in np.linspace(0.0, last, frames)]
+    if situation.is_spatial and plan.caught:
+        moments += [(last, turn) for turn in np.linspace(0.0, 360.0, ROUND + 1)[1:]]
+    for t, turn in moments:
         canvas.restore_region(background)
-        _paint(left, lambda t=t: _left(left, situation, plan, t))  # type: ignore[misc]
-        _paint(right, lambda t=t: _right(right, situation, plan, t, t >= last))  # type: ignore[misc]
+        for ax, scene in zip(panels, scenes, strict=True):
+            _paint(ax, lambda ax=ax, scene=scene, t=t, turn=turn: scene(ax, t, turn))  # type: ignore[misc]
         yield pixels(canvas)
+
+
+def _planar_scenes(situation: Situation, plan: Plan, panels: Sequence[Axes]) -> tuple[Scene, Scene]:
+    """What the panels of a planar situation show at a time [s]."""
+    for ax, name in zip(panels, ("work-space", "hand-space"), strict=True):
+        style.frame(ax, situation.arm.upper_arm)
+        style.title(ax, name)
+    last = _duration(situation, plan)
+    return (
+        lambda ax, t, turn: _left(ax, situation, plan, t),
+        lambda ax, t, turn: _right(ax, situation, plan, t, t >= last),
+    )
+
+
+def _spatial_scenes(
+    situation: Situation[SpatialArm], plan: Plan[SpatialTrajectory], panels: Sequence[Axes]
+) -> tuple[Scene, Scene]:
+    """What the panels of a situation in space show at a time [s], from a camera that turns."""
+    level = Scenery(situation, plan.trajectory, turns=True)
+    above = Scenery(situation, plan.trajectory, from_above(level.view))
+    for ax, scenery, name in zip(panels, (level, above), ("work-space", "from above"), strict=True):
+        ax.set_aspect("equal")
+        left, right, bottom, top = scenery.window.extent
+        ax.set(xlim=(left, right), ylim=(bottom, top))
+        ax.axis("off")
+        style.title(ax, name)
+
+    def show(ax: Axes, t: float, turn: float) -> None:
+        level.show(ax, t, turn, round(WIDTH / 2 * FILM_DPI))
+        note_in_corner(ax, f"t = {t:.2f} s")
+
+    return show, lambda ax, t, _: above.show(ax, t, 0.0, round(WIDTH / 2 * FILM_DPI))
 
 
 def palette_of(images: Sequence[Image.Image]) -> Image.Image:
@@ -127,7 +168,7 @@ def _paint(ax: Axes, draw: Callable[[], None]) -> None:
         artist.remove()
 
 
-def _duration(situation: Situation, plan: Plan) -> float:
+def _duration(situation: AnySituation, plan: AnyPlan) -> float:
     return plan.trajectory.duration if plan.trajectory is not None else situation.horizon
 
 

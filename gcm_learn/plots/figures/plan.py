@@ -4,16 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
+from gcm_learn.motion import Trajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand_space, show_image
 from gcm_learn.plots.figures.maps import draw_colour_bar, latest_arrival, plot_plan
+from gcm_learn.plots.figures.space import (
+    draw_courses_in_space,
+    draw_movement_in_space,
+    draw_space,
+    key_in_space,
+    time_bar,
+    view_of,
+)
+from gcm_learn.plots.figures.staging import SpatialSituation, from_above
 from gcm_learn.plots.figures.view3d import HEADROOM, draw_scene
 from gcm_learn.plots.figures.workspace import (
     draw_courses,
@@ -21,13 +31,18 @@ from gcm_learn.plots.figures.workspace import (
     draw_waits,
     notable_waits,
 )
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
     from gcm_learn.maps import CognitiveMap
-    from gcm_learn.planners import Plan
+    from gcm_learn.motion import SpatialTrajectory
+    from gcm_learn.planners import AnyPlan, Plan
+
+    SpatialPlan = Plan[SpatialTrajectory]
 
 PANEL, STRIP = 4.0, 3.2  # [inches] of `plan_figure`, and where panels stand in one row
+IN_SPACE = 4.6  # [inches] of a panel in space
+SIDES = ("work-space", "from above")
 ABREAST = 4  # panels in one row; more are set in rows of three
 MOST_SHEETS = 4
 TITLES = (
@@ -39,7 +54,7 @@ TITLES = (
 EARLIER = "#e2e8f0"  # cells of earlier sheets
 
 
-def plan_figure(situation: Situation, plan: Plan) -> Figure:
+def plan_figure(situation: AnySituation, plan: AnyPlan) -> Figure:
     """Draw the movement in the work-space and the map it was read from.
 
     Parameters
@@ -52,8 +67,30 @@ def plan_figure(situation: Situation, plan: Plan) -> Figure:
     -------
     Figure
         Two panels, one more when the situation is 3D, and one more for every further sheet of
-        the map.
+        the map.  In space two panels: the movement from the side and from above.
     """
+    if situation.is_spatial:
+        return _plan_in_space(cast("SpatialSituation", situation), cast("SpatialPlan", plan))
+    return _plan_in_the_plane(cast("Situation", situation), cast("Plan", plan))
+
+
+def _plan_in_space(situation: SpatialSituation, plan: SpatialPlan) -> Figure:
+    figure, panels = style.panel_grid(2, 2, (IN_SPACE, IN_SPACE), (0.0, 0.8))
+    figure.suptitle(_headline(plan), fontsize=style.TITLE, color=style.INK)
+    level = view_of(situation, plan.trajectory)
+    for ax, view, name in zip(panels, (level, from_above(level)), SIDES, strict=True):
+        if plan.trajectory is None:
+            draw_space(ax, situation, view=view)
+            draw_courses_in_space(ax, situation, situation.horizon, view)
+        else:
+            draw_movement_in_space(ax, situation, plan.trajectory, view)
+            time_bar(ax, plan.trajectory.duration)
+        style.title(ax, name)
+    key_in_space(figure)
+    return figure
+
+
+def _plan_in_the_plane(situation: Situation, plan: Plan) -> Figure:
     count = 1 + situation.is_solid + (1 if plan.map is None else shown_sheets(plan.map))
     columns = count if count <= ABREAST else 3
     figure, panels = style.panel_grid(count, columns, (PANEL, PANEL), (0.0, 0.6))
@@ -70,13 +107,14 @@ def plan_figure(situation: Situation, plan: Plan) -> Figure:
     return figure
 
 
-def _headline(plan: Plan) -> str:
+def _headline(plan: AnyPlan) -> str:
     if plan.catch_time is None:
         return f"{plan.name} · {plan.planner}: {plan.status.replace('_', ' ')}\n{plan.message}"
     when = f"caught {plan.catch_body!r} after {plan.catch_time:.3f} s"
     if plan.map is not None:
         when += f" = {plan.catch_time / plan.map.kappa:.0f} τ"
-    waits = [] if plan.trajectory is None else notable_waits(plan.trajectory)
+    moves = plan.trajectory
+    waits = notable_waits(moves) if isinstance(moves, Trajectory) else []
     if waits:
         when += f", {sum(wait.duration for wait in waits):.2f} s of it waiting"
     known = plan.clearance is not None and np.isfinite(plan.clearance)

@@ -98,6 +98,11 @@ class Window(NamedTuple):
     half: float
 
     @property
+    def reach(self) -> float:
+        """Farthest side from where the camera looks."""
+        return float(np.abs(self.middle).max()) + self.half
+
+    @property
     def extent(self) -> tuple[float, float, float, float]:
         """Left, right, bottom and top."""
         (x, y), h = self.middle, self.half
@@ -119,14 +124,17 @@ def render(view: Camera, window: Window, things: Sequence[Faces], pixels: int) -
         Of a side; computed twice as finely.
     """
     size = FINER * pixels
-    image, depth = np.ones((size, size, 3)), np.full((size, size), -np.inf)
+    image = np.ones((size, size, 3), dtype=np.float32)
+    depth = np.zeros((size, size), dtype=np.float32)  # that of infinity
     for alpha in sorted({thing.alpha for thing in things}, key=lambda a: (a < 1.0, a)):
         pane, front = (image, depth) if alpha == 1.0 else (image.copy(), depth.copy())
         seen = [_triangles(view, window, thing, size) for thing in things if thing.alpha == alpha]
         fill(*(np.concatenate(parts) for parts in zip(*seen, strict=True)), pane, front)
         _outline(pane, front, depth if alpha < 1.0 else None, window.half / view.distance)
-        image += alpha * (pane - image)
-    return image.reshape(pixels, FINER, pixels, FINER, 3).mean(axis=(1, 3))
+        if alpha < 1.0:
+            image += np.float32(alpha) * (pane - image)
+    parts = [image[i::FINER, j::FINER] for i in range(FINER) for j in range(FINER)]
+    return sum(parts[1:], parts[0]) / len(parts)
 
 
 def _triangles(
@@ -176,12 +184,11 @@ def _outline(image: np.ndarray, depth: np.ndarray, behind: np.ndarray | None, sc
         Of depths.
     """
     wide = max(1, len(image) // RIM)
-    near = np.where(np.isfinite(depth), depth, 0.0)
-    farthest = near.copy()
+    farthest = depth.copy()
     for axis in (0, 1):
         for way in (wide, -wide):
-            farthest = np.minimum(farthest, np.roll(near, way, axis))
-    rim = near - farthest > JUMP * scale
+            np.minimum(farthest, np.roll(depth, way, axis), out=farthest)
+    rim = depth - farthest > JUMP * scale
     if behind is not None:
         rim &= depth > behind
     image[rim] *= INKED

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -56,13 +58,18 @@ def round_normals(shape: SolidShape, corners: np.ndarray) -> np.ndarray | None:
     return (corners - core) / shape.radius
 
 
+@lru_cache(maxsize=256)
+def _mesh(shape: SolidShape) -> tuple[np.ndarray, np.ndarray | None]:
+    corners = faces(shape, np.inf)
+    return corners, round_normals(shape, corners)
+
+
 def placed(
     shape: SolidShape, centre: np.ndarray, turn: np.ndarray, colour: np.ndarray,
     alpha: float = 1.0,
 ) -> Faces:  # fmt: skip
     """A solid at its place (3,), turned by a rotation (3, 3), in a colour (3,)."""
-    corners = faces(shape, np.inf)
-    normal = round_normals(shape, corners)
+    corners, normal = _mesh(shape)
     return Faces(
         centre + corners @ turn.T, colour, alpha, None if normal is None else normal @ turn.T
     )
@@ -72,14 +79,12 @@ def tube(points: np.ndarray, radius: float, sides: int = 6) -> np.ndarray:
     """Faces (n, 4, 3) of a thin tube along a path (k, 3) that nowhere turns back."""
     along = np.gradient(points, axis=0)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
-    across = np.eye(3)[np.abs(along).argmin(axis=1)]
-    u = np.cross(along, across)
-    u /= np.maximum(np.linalg.norm(u, axis=1, keepdims=True), 1e-12)
+    u = np.empty_like(along)
+    here = np.eye(3)[np.abs(along[0]).argmin()]
+    for k, way in enumerate(along):  # the least twist from point to point
+        here = here - (here @ way) * way
+        here = u[k] = here / max(math.sqrt(here @ here), 1e-12)
     v = np.cross(along, u)
-    for k in range(1, len(u)):  # the least twist from point to point
-        turned = u[k - 1] - (u[k - 1] @ along[k]) * along[k]
-        u[k] = turned / max(np.linalg.norm(turned), 1e-12)
-        v[k] = np.cross(along[k], u[k])
     angle = np.linspace(0.0, 2 * np.pi, sides + 1)[:, None]
     rings = points[:, None] + radius * (np.cos(angle) * u[:, None] + np.sin(angle) * v[:, None])
     a, b = rings[:-1], rings[1:]

@@ -19,16 +19,24 @@ from matplotlib.patches import Patch
 from numpy.typing import ArrayLike
 
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from, render
+from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from
 from gcm_learn.plots.figures.solids import placed, tube
+from gcm_learn.plots.figures.staging import (
+    PIXELS,
+    SpatialSituation,
+    centred,
+    floor_of,
+    show_image,
+    staged,
+    turned_view,
+    window_of,
+)
 from gcm_learn.plots.figures.workspace import body_colour
 from gcm_learn.scene import forward_in_space, pack_bodies, poses_at
-from gcm_learn.situation import Capsule, Situation, SpatialArm, Sphere, arm_frame
+from gcm_learn.situation import Capsule, SpatialArm, Sphere, arm_frame
 
 if TYPE_CHECKING:
     from gcm_learn.motion import SpatialTrajectory
-
-SpatialSituation = Situation[SpatialArm]
 
 TIME_COLOURS = LinearSegmentedColormap.from_list(
     "time", ["#fbc65d", "#ef7b5a", "#c2427f", style.PATH]
@@ -39,11 +47,8 @@ LINE = 0.007  # of the reach: radius of a path
 SAMPLES = 60  # points of a path
 GHOSTS = 4  # instants at which the arm is drawn, the last one being the catch
 PALEST = 0.15  # alpha of the earliest
-AWAY = 1.45  # [reaches] from the shoulder: nothing farther widens the picture
-PIXELS = 720  # of a side of a picture
 EYE = 7.0  # [reaches] distance of the eye
 ELEVATION = 24.0  # [degrees] of the eye
-FLOOR, SHADOW, GRID = "#f4f6f9", "#d9e0e9", "#ffffff"
 JOINT = "#f3dfe3"
 
 
@@ -200,11 +205,12 @@ def draw_space(
     posture = situation.arm.joints if joints is None else joints
     view = view or view_of(situation)
     things = [*body_faces(situation, t), *arm_faces(situation.arm, posture)]
-    stage(ax, view, window_of(situation, view, things), floor_of(situation, things), things)
+    window = window_of(situation, view, things)
+    show_image(ax, staged(view, window, floor_of(situation, things), things), window)
     return ax
 
 
-def draw_course_in_space(ax: Axes, situation: SpatialSituation, end: float, view: Camera) -> None:
+def draw_courses_in_space(ax: Axes, situation: SpatialSituation, end: float, view: Camera) -> None:
     """Draw an arrow along the way of every body that moves until `end` [s]."""
     centres, _ = body_poses(situation, np.linspace(0.0, end, SAMPLES))
     for k, body in enumerate(situation.bodies):
@@ -213,6 +219,59 @@ def draw_course_in_space(ax: Axes, situation: SpatialSituation, end: float, view
         path = view.see(centres[:, k])
         ax.plot(*path[:, :2].T, color=body_colour(body), lw=1.2, ls=(0, (2, 1.5)), zorder=4)
         style.arrow(ax, path[-2, :2], path[-1, :2], body_colour(body))
+
+
+class Scenery:
+    """A spatial situation as seen by a camera, in the same picture at every instant.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a spatial arm.
+    trajectory : SpatialTrajectory, optional
+        Without one the arm rests.
+    view : Camera, optional
+        By default `view_of` them.  It is moved so that all is in the picture.
+    turns : bool
+        Whether it will be turned, and all is to stay in the picture.
+    """
+
+    def __init__(
+        self,
+        situation: SpatialSituation,
+        trajectory: SpatialTrajectory | None = None,
+        view: Camera | None = None,
+        *,
+        turns: bool = False,
+    ) -> None:
+        self.situation, self.trajectory = situation, trajectory
+        self.view = view or view_of(situation, trajectory)
+        self.end = situation.horizon if trajectory is None else trajectory.duration
+        things = [thing for t in np.linspace(0.0, self.end, 4) for thing in self.at(t)]
+        self.view = centred(situation, self.view, things)
+        views = [turned_view(self.view, turn) for turn in range(0, 360, 30 if turns else 360)]
+        half = max(window_of(situation, view, things).reach for view in views)
+        self.window = Window(np.zeros(2), half)
+        self.floor = floor_of(situation, things)
+        self._drawn: tuple[float, float, int, np.ndarray] = (-1.0, 0.0, 0, np.empty(0))
+
+    def at(self, t: float) -> list[Faces]:
+        """Everything at time t [s], with the ways of hand and target until then."""
+        things = list(body_faces(self.situation, t))
+        if self.trajectory is None:
+            return things + arm_faces(self.situation.arm, self.situation.arm.joints)
+        things += arm_faces(self.situation.arm, self.trajectory.joints_at(t))
+        if t > 0.0:
+            things += path_faces(self.situation, self.trajectory, t)
+        return things
+
+    def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = PIXELS) -> None:
+        """Draw time t [s], from a camera that is turned about the vertical [degrees]."""
+        if self._drawn[:3] != (t, turn, pixels):
+            view, things = turned_view(self.view, turn), self.at(t)
+            image = staged(view, self.window, self.floor, things, pixels)
+            self._drawn = (t, turn, pixels, image)
+        show_image(ax, self._drawn[3], self.window)
 
 
 def draw_movement_in_space(
@@ -234,7 +293,8 @@ def draw_movement_in_space(
     for t, alpha in zip(moments, [*np.linspace(PALEST, 0.5, len(moments) - 1), 1.0], strict=True):
         things += body_faces(situation, t, alpha)
         things += arm_faces(situation.arm, trajectory.joints_at(t), alpha)
-    stage(ax, view, window_of(situation, view, things), floor_of(situation, things), things)
+    window = window_of(situation, view, things)
+    show_image(ax, staged(view, window, floor_of(situation, things), things), window)
     show_through(ax, view, trajectory.hand_at(np.linspace(0.0, end, SAMPLES)))
     return ax
 
@@ -276,66 +336,6 @@ def show_through(ax: Axes, view: Camera, path: np.ndarray) -> None:
             alpha=0.4, zorder=3,
         )
     )  # fmt: skip
-
-
-def window_of(situation: SpatialSituation, view: Camera, things: Sequence[Faces]) -> Window:
-    """The part of the picture in which things near the arm are whole."""
-    shoulder, reach = np.asarray(situation.arm.base.origin), situation.arm.reach
-    corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
-    near = corners[np.linalg.norm(corners - shoulder, axis=1) < AWAY * reach]
-    seen = view.see(near)[:, :2]
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    return Window(0.5 * (low + high), 0.5 * float((high - low).max()) + 0.05 * reach)
-
-
-def floor_of(situation: SpatialSituation, things: Sequence[Faces]) -> float:
-    """Height of a floor just under what is near the arm."""
-    shoulder, reach = np.asarray(situation.arm.base.origin), situation.arm.reach
-    corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
-    near = np.linalg.norm(corners - shoulder, axis=1) < AWAY * reach
-    return float(corners[near, 2].min()) - 0.03 * reach
-
-
-def stage(
-    ax: Axes, view: Camera, window: Window, floor: float, things: Sequence[Faces],
-    pixels: int = PIXELS,
-) -> None:  # fmt: skip
-    """Show things over a floor with their shadows, in a picture with equal axes."""
-    ground = ground_faces(view.centre, floor, window.half, things)
-    image = render(view, window, [*ground, *things], pixels)
-    ax.imshow(
-        np.clip(image, 0.0, 1.0), origin="lower", extent=window.extent, zorder=1,
-        interpolation="antialiased",
-    )  # fmt: skip
-    ax.axis("off")
-
-
-def ground_faces(
-    centre: np.ndarray, floor: float, size: float, things: Sequence[Faces]
-) -> Iterator[Faces]:
-    """Yield a floor, a grid on it and shadows of what is above it, lit from the zenith."""
-    step = 10.0 ** np.floor(np.log10(size))
-    step *= 0.5 if size / step < 3.0 else 1.0
-    middle = np.append(np.round(centre[:2] / step) * step, floor)
-    half, hair = np.ceil(1.2 * size / step) * step, 1e-3 * size
-    yield _level(middle - (0, 0, 2 * hair), [(-half, half, -half, half)], FLOOR)
-    marks, wide = np.arange(-half, half + 0.5 * step, step), 0.004 * size
-    lines = [(m - wide, m + wide, -half, half) for m in marks]
-    yield _level(middle, lines + [(c, d, a, b) for a, b, c, d in lines], GRID)
-    for thing in things:
-        if thing.alpha == 1.0 and thing.lit:
-            inside = (np.abs(thing.corners[..., :2] - middle[:2]) <= half).all(axis=(1, 2))
-            flat = thing.corners[inside].copy()
-            flat[..., 2] = floor - hair
-            yield Faces(flat, np.array(to_rgb(SHADOW)), both=True, lit=False)
-
-
-def _level(
-    middle: np.ndarray, areas: Sequence[tuple[float, float, float, float]], colour: str
-) -> Faces:
-    """Level rectangles, each from x to x and y to y from the middle of all."""
-    corners = [[(a, c, 0.0), (b, c, 0.0), (b, d, 0.0), (a, d, 0.0)] for a, b, c, d in areas]
-    return Faces(middle + np.array(corners), np.array(to_rgb(colour)), both=True, lit=False)
 
 
 def time_bar(ax: Axes, end: float) -> None:

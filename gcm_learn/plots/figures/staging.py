@@ -1,0 +1,106 @@
+"""A stage for what is in space: which part of it is in the picture, and a floor with shadows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+
+from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from, render
+from gcm_learn.situation import Situation, SpatialArm
+
+SpatialSituation = Situation[SpatialArm]
+
+AWAY = 1.15  # [reaches] from the shoulder: nothing farther widens the picture
+PIXELS = 720  # of a side of a picture
+ABOVE = 75.0  # [degrees] elevation of an eye that looks down
+FLOOR, SHADOW, GRID = "#f4f6f9", "#d9e0e9", "#ffffff"
+
+
+def turned_view(view: Camera, degrees: float) -> Camera:
+    """A camera turned about the vertical through its centre."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    turn = np.array([(c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)])
+    axes = (view.right @ turn, view.up @ turn, view.nearer @ turn)
+    return Camera(*axes, view.centre, view.distance)
+
+
+def from_above(view: Camera) -> Camera:
+    """A camera that looks down on the same, nearly steeply."""
+    azimuth = float(np.degrees(np.arctan2(view.nearer[1], view.nearer[0])))
+    return camera_from(azimuth, ABOVE, view.centre, view.distance)
+
+
+def window_of(situation: SpatialSituation, view: Camera, things: Sequence[Faces]) -> Window:
+    """The part of the picture in which things near the arm are whole."""
+    seen = view.see(_near_arm(situation, things))[:, :2]
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    room = 0.05 * situation.arm.reach
+    return Window(0.5 * (low + high), 0.5 * float((high - low).max()) + room)
+
+
+def centred(situation: SpatialSituation, view: Camera, things: Sequence[Faces]) -> Camera:
+    """The camera, looking at the middle of what is near the arm."""
+    near = _near_arm(situation, things)
+    return replace(view, centre=0.5 * (near.min(axis=0) + near.max(axis=0)))
+
+
+def floor_of(situation: SpatialSituation, things: Sequence[Faces]) -> float:
+    """Height of a floor just under what is near the arm."""
+    near = _near_arm(situation, things)
+    return float(near[:, 2].min()) - 0.03 * situation.arm.reach
+
+
+def _near_arm(situation: SpatialSituation, things: Sequence[Faces]) -> np.ndarray:
+    """Corners (k, 3) of things that are not far from the shoulder."""
+    corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
+    away = np.linalg.norm(corners - np.asarray(situation.arm.base.origin), axis=1)
+    near: np.ndarray = corners[away < AWAY * situation.arm.reach]
+    return near
+
+
+def staged(
+    view: Camera, window: Window, floor: float, things: Sequence[Faces], pixels: int = PIXELS
+) -> np.ndarray:
+    """An image (pixels, pixels, 3) of things over a floor with their shadows."""
+    ground = ground_faces(view.centre, floor, window.half, things)
+    return np.clip(render(view, window, [*ground, *things], pixels), 0.0, 1.0)
+
+
+def show_image(ax: Axes, image: np.ndarray, window: Window) -> None:
+    """Show an image in axes that have its camera's coordinates."""
+    ax.imshow(
+        image, origin="lower", extent=window.extent, zorder=1, interpolation="antialiased"
+    )  # fmt: skip
+    ax.axis("off")
+
+
+def ground_faces(
+    centre: np.ndarray, floor: float, size: float, things: Sequence[Faces]
+) -> Iterator[Faces]:
+    """Yield a floor, a grid on it and shadows of what is above it, lit from the zenith."""
+    step = 10.0 ** np.floor(np.log10(size))
+    step *= 0.5 if size / step < 3.0 else 1.0
+    middle = np.append(np.round(centre[:2] / step) * step, floor)
+    half, hair = np.ceil(1.2 * size / step) * step, 1e-3 * size
+    yield _level(middle - (0, 0, 2 * hair), [(-half, half, -half, half)], FLOOR)
+    marks, wide = np.arange(-half, half + 0.5 * step, step), 0.004 * size
+    lines = [(m - wide, m + wide, -half, half) for m in marks]
+    yield _level(middle, lines + [(c, d, a, b) for a, b, c, d in lines], GRID)
+    for thing in things:
+        if thing.alpha == 1.0 and thing.lit:
+            inside = (np.abs(thing.corners[..., :2] - middle[:2]) <= half).all(axis=(1, 2))
+            flat = thing.corners[inside].copy()
+            flat[..., 2] = floor - hair
+            yield Faces(flat, np.array(to_rgb(SHADOW)), both=True, lit=False)
+
+
+def _level(
+    middle: np.ndarray, areas: Sequence[tuple[float, float, float, float]], colour: str
+) -> Faces:
+    """Level rectangles, each from x to x and y to y from the middle of all."""
+    corners = [[(a, c, 0.0), (b, c, 0.0), (b, d, 0.0), (a, d, 0.0)] for a, b, c, d in areas]
+    return Faces(middle + np.array(corners), np.array(to_rgb(colour)), both=True, lit=False)
