@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from tyro.conf import Positional, arg
 
@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Animate:
-    """Plan for one situation of a file and show the movement as an animated GIF."""
+    """Plan for one situation of a file and show the movement: as an animated GIF, or on a page.
+
+    The page is for arms in space, which can be turned on it.
+    """
 
     file: Annotated[Positional[str], arg(metavar="FILE")]
     """situations: a .json or .jsonl file, or - for standard input"""
@@ -30,7 +33,7 @@ class Animate:
     out: Annotated[
         Path | None, arg(metavar="FILE", help_behavior_hint="(default: the situation's name.gif)")
     ] = None
-    """a .gif file"""
+    """a .gif file; of an arm in space also an .html page, which needs plotly (extra `plots`)"""
 
     index: int = 0
     """which situation of the file, counted from 0"""
@@ -42,11 +45,12 @@ class Animate:
         planner = get_planner(self.planner)
         situation = self._chosen(read(self.file, planner))
         target = self.out or Path(f"{FileNames().unused(situation.name)}.gif")
-        require_suffix(target, (".gif",))
+        require_suffix(target, (".gif", ".html") if situation.is_spatial else (".gif",))
         with staged(target) as place:
-            from gcm_learn.plots import animate
+            from gcm_learn.plots import animate, write_space_page
 
-            animate(situation, plan_one(planner, situation, self.file), place)
+            show: Any = animate if target.suffix.lower() == ".gif" else write_space_page
+            show(situation, plan_one(planner, situation, self.file), place)
         print(target)
         return 0
 

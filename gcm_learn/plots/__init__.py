@@ -27,6 +27,7 @@ from gcm_learn.plots.reports.comparison import (
 from gcm_learn.plots.reports.dataset import write_dataset_page
 from gcm_learn.plots.reports.demo import build_demo
 from gcm_learn.plots.reports.memory import write_memory_page, write_shipped_page
+from gcm_learn.plots.reports.space import write_space_page
 
 __all__ = [
     "FIGURES",
@@ -53,4 +54,5 @@ __all__ = [
     "write_memory_page",
     "write_report",
     "write_shipped_page",
+    "write_space_page",
 ]

@@ -9,6 +9,7 @@ import pytest
 
 from gcm_learn.cli import main
 from gcm_learn.recall import Memory, RandomIndex
+from tests.spatial import EXAMPLES
 
 
 class Picture:
@@ -82,6 +83,7 @@ def test_animate_shows_the_chosen_situation(scene_file, scene, planner, capsys, 
         (["--index", "2"], "--index 2"),
         (["--index", "-1"], "--index -1"),
         (["--out", "a.png"], ".gif"),
+        (["--out", "a.html"], ".gif"),  # pages are of arms in space
     ],
 )
 def test_animate_refuses(options, said, scene_file, scene, planner, capsys):
@@ -89,6 +91,17 @@ def test_animate_refuses(options, said, scene_file, scene, planner, capsys):
     assert main(["animate", str(path), *options]) == 2
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and said in stderr and planner.asked == []
+
+
+@pytest.mark.usefixtures("_in_folder")
+@pytest.mark.parametrize(("name", "begins"), [("a.gif", b"GIF8"), ("a.html", b"<!doctype html>")])
+def test_animate_shows_an_arm_in_space(name, begins, capsys):
+    if name.endswith("html"):
+        pytest.importorskip("plotly")
+    argv = ["animate", str(EXAMPLES), "--planner", "straight", "--index", "3", "--out", name]
+    assert main(argv) == 0
+    assert Path(name).read_bytes().startswith(begins)
+    assert capsys.readouterr().out == f"{name}\n"
 
 
 @pytest.mark.usefixtures("_in_folder")

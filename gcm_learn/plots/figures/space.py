@@ -24,6 +24,7 @@ from gcm_learn.plots.figures.solids import placed, tube
 from gcm_learn.plots.figures.staging import (
     PIXELS,
     SpatialSituation,
+    box_of,
     centred,
     floor_of,
     show_image,
@@ -98,7 +99,7 @@ def arm_faces(arm: SpatialArm, joints: ArrayLike, alpha: float = 1.0) -> list[Fa
     out = []
     for a, b in ((shoulder, elbow), (elbow, hand)):
         length = float(np.linalg.norm(b - a))
-        turn = _frame_along((b - a) / length)
+        turn = frame_along((b - a) / length)
         bone = Capsule(radius, length / 2)
         out.append(placed(bone, (a + b) / 2, turn, np.array(to_rgb(style.ARM)), alpha))
     for centre, size, colour in (
@@ -109,7 +110,7 @@ def arm_faces(arm: SpatialArm, joints: ArrayLike, alpha: float = 1.0) -> list[Fa
     return out
 
 
-def _frame_along(z: np.ndarray) -> np.ndarray:
+def frame_along(z: np.ndarray) -> np.ndarray:
     """A rotation (3, 3) whose third column is a unit vector."""
     x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
     x /= np.linalg.norm(x)
@@ -253,6 +254,8 @@ class Scenery:
         half = max(window_of(situation, view, things).reach for view in views)
         self.window = Window(np.zeros(2), half)
         self.floor = floor_of(situation, things)
+        self.box = np.stack(box_of(situation, things), axis=1)
+        self.box[2, 0] = self.floor
         self._drawn: tuple[float, float, int, np.ndarray] = (-1.0, 0.0, 0, np.empty(0))
 
     def at(self, t: float) -> list[Faces]:

@@ -44,14 +44,18 @@ def window_of(situation: SpatialSituation, view: Camera, things: Sequence[Faces]
 
 def centred(situation: SpatialSituation, view: Camera, things: Sequence[Faces]) -> Camera:
     """The camera, looking at the middle of what is near the arm."""
+    return replace(view, centre=np.mean(box_of(situation, things), axis=0))
+
+
+def box_of(situation: SpatialSituation, things: Sequence[Faces]) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest coordinates (3,) of what is near the arm."""
     near = _near_arm(situation, things)
-    return replace(view, centre=0.5 * (near.min(axis=0) + near.max(axis=0)))
+    return near.min(axis=0), near.max(axis=0)
 
 
 def floor_of(situation: SpatialSituation, things: Sequence[Faces]) -> float:
     """Height of a floor just under what is near the arm."""
-    near = _near_arm(situation, things)
-    return float(near[:, 2].min()) - 0.03 * situation.arm.reach
+    return float(box_of(situation, things)[0][2]) - 0.03 * situation.arm.reach
 
 
 def _near_arm(situation: SpatialSituation, things: Sequence[Faces]) -> np.ndarray:

@@ -1,0 +1,182 @@
+"""A page on which a movement in space is played, and turned with the mouse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.colors import to_hex
+
+from gcm_learn.errors import MissingExtraError
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.solids import faces
+from gcm_learn.plots.figures.space import (
+    BALL,
+    HAND,
+    JOINT,
+    TIME_COLOURS,
+    Scenery,
+    body_poses,
+    bone_radius,
+    frame_along,
+)
+from gcm_learn.plots.figures.staging import SpatialSituation
+from gcm_learn.plots.figures.workspace import body_colour
+from gcm_learn.plots.reports.page import fill
+from gcm_learn.scene import forward_in_space
+from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
+
+if TYPE_CHECKING:
+    from gcm_learn.motion import SpatialTrajectory
+    from gcm_learn.planners import Plan
+
+FRAMES = 41
+DIGITS = 4  # of numbers on the page, after the first of the reach
+EYE = 1.6  # distance of plotly's camera, in its own unit
+KEY = tuple(entry for entry in style.KEY if entry[1] in ("arm", "obstacle", "target"))
+
+
+def write_space_page(
+    situation: SpatialSituation, plan: Plan[SpatialTrajectory], path: str | Path
+) -> Path:
+    """Write a page that shows a plan in space; it holds all that it needs.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a spatial arm.
+    plan : Plan
+        Of this situation.  When it caught nothing, the arm rests and the world goes on.
+    path : str or Path
+        File to write.
+
+    Returns
+    -------
+    Path
+        The same.
+
+    Raises
+    ------
+    MissingExtraError
+        Without plotly.
+    """
+    path = Path(path)
+    ending = "the catch" if plan.caught else "the horizon"
+    told = {
+        "title": situation.name,
+        "lead": f"{plan.planner}: {plan.message}. Turn it with the mouse; the wheel comes nearer.",
+        "data": page_data(situation, plan),
+        "key": KEY,
+        "ramp": ",".join(to_hex(TIME_COLOURS(x)) for x in np.linspace(0.0, 1.0, 5)),
+        "ending": ending,
+        "plotly": Markup(plotly_script()),
+    }
+    path.write_text(fill("space.html", told), "utf-8")
+    return path
+
+
+def plotly_script() -> str:
+    """Plotly's own JavaScript, to be put into a page."""
+    try:
+        from plotly.offline import get_plotlyjs
+    except ImportError:
+        raise MissingExtraError("a page of an arm in space", "plotly", "plots") from None
+    script: str = get_plotlyjs()
+    return script
+
+
+def page_data(situation: SpatialSituation, plan: Plan[SpatialTrajectory]) -> dict[str, Any]:
+    """What the page draws: rigid solids with their poses over time, and ways.
+
+    Returns
+    -------
+    dict
+        ``times`` (k,) [s]; ``solids``, each with corners (n, 3), triangles (m, 3), centre (k, 3)
+        and turn (k, 9), row by row; ``ways``; ``box`` (3, 2), what is shown of the world; ``eye``.
+    """
+    moves = plan.trajectory
+    times = np.linspace(0.0, situation.horizon if moves is None else moves.duration, FRAMES)
+    solids = [*_bodies(situation, times), *_limb(situation, moves, times)]
+    scenery = Scenery(situation, moves)
+    return {
+        "times": _short(times),
+        "solids": solids,
+        "ways": [] if moves is None else list(_ways(situation, moves)),
+        "box": scenery.box.tolist(),
+        "eye": dict(zip("xyz", (EYE * scenery.view.nearer).tolist(), strict=True)),
+        "ending": ": caught" if plan.caught else "",
+    }
+
+
+def _bodies(situation: SpatialSituation, times: np.ndarray) -> list[dict[str, Any]]:
+    centres, turns = body_poses(situation, times)
+    return [
+        _solid(body.shape, body.name, body_colour(body), centres[:, k], turns[:, k])  # type: ignore[arg-type]
+        for k, body in enumerate(situation.bodies)
+    ]
+
+
+def _limb(
+    situation: SpatialSituation, moves: SpatialTrajectory | None, times: np.ndarray
+) -> list[dict[str, Any]]:
+    """The bones and balls of the arm."""
+    arm = situation.arm
+    joints = np.tile(arm.joints, (len(times), 1)) if moves is None else moves.joints_at(times)
+    elbow, hand = forward_in_space(arm, joints)
+    shoulder, radius = np.broadcast_to(arm.base.origin, elbow.shape), bone_radius(arm)
+    out = []
+    for name, a, b in (("upper arm", shoulder, elbow), ("forearm", elbow, hand)):
+        length = float(np.linalg.norm(b[0] - a[0]))
+        turns = np.array([frame_along(way / length) for way in b - a])
+        bone = Capsule(radius, length / 2)
+        out.append(_solid(bone, name, style.ARM, 0.5 * (a + b), turns))
+    upright = np.broadcast_to(np.eye(3), (len(times), 3, 3))
+    for name, centre, size, colour in (
+        ("shoulder", shoulder, BALL, style.INK), ("elbow", elbow, BALL, JOINT),
+        ("hand", hand, HAND, style.ARM),
+    ):  # fmt: skip
+        out.append(_solid(Sphere(size * radius), name, colour, centre, upright))
+    return out
+
+
+def _solid(
+    shape: SolidShape, name: str, colour: str, centres: np.ndarray, turns: np.ndarray
+) -> dict[str, Any]:
+    """A solid with its poses (k, 3) and (k, 3, 3)."""
+    quads = faces(shape, np.inf)
+    flat = isinstance(shape, Box | Cylinder)
+    corners, index = np.unique(np.round(quads.reshape(-1, 3), 9), axis=0, return_inverse=True)
+    four = index.reshape(-1, 4)
+    triangles = np.concatenate([four[:, [0, 1, 2]], four[:, [0, 2, 3]]])
+    sides = np.sort(triangles, axis=1)
+    real = (np.diff(sides, axis=1) > 0).all(axis=1)
+    return {
+        "name": name, "colour": colour, "flat": flat, "opacity": 1.0,
+        "corners": _short(corners), "triangles": triangles[real].tolist(),
+        "centre": _short(centres), "turn": _short(turns.reshape(-1, 9)),
+    }  # fmt: skip
+
+
+def _ways(situation: SpatialSituation, moves: SpatialTrajectory) -> list[dict[str, Any]]:
+    """Where the hand goes, and the targets, coloured by time."""
+    times = np.linspace(0.0, moves.duration, 2 * FRAMES)
+    colours = [to_hex(c) for c in TIME_COLOURS(np.linspace(0.0, 1.0, len(times)))]
+    centres, _ = body_poses(situation, times)
+    paths = [("hand's way", moves.hand_at(times), False)]
+    paths += [
+        (f"way of {body.name}", centres[:, k], True)
+        for k, body in enumerate(situation.bodies)
+        if body.role == "target"
+    ]
+    return [
+        {"name": name, "colours": colours, "dashed": dashed,
+         **{axis: _short(path[:, k]) for k, axis in enumerate("xyz")}}
+        for name, path, dashed in paths
+    ]  # fmt: skip
+
+
+def _short(values: np.ndarray) -> list[Any]:
+    """Numbers with so few digits as a picture needs."""
+    return np.round(values, DIGITS).tolist()  # type: ignore[no-any-return]

@@ -1,0 +1,74 @@
+"""The page of a movement in space: it holds all it needs, and what it draws is the movement."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from gcm_learn.plots import write_space_page
+from gcm_learn.plots.reports.space import page_data
+from gcm_learn.scene import forward_in_space
+from gcm_learn.situation import Box, read_situations
+from tests.plots.test_space import plan_of, turning
+from tests.spatial import EXAMPLES
+
+
+@pytest.fixture(scope="module")
+def case():
+    situation = read_situations(EXAMPLES)[2]
+    return situation, plan_of(situation, turning(situation))
+
+
+def test_the_page_needs_nothing_else(case, tmp_path):
+    pytest.importorskip("plotly")
+    path = write_space_page(*case, tmp_path / "page.html")
+    text = path.read_text("utf-8")
+    own = re.sub(r"<script>.*?</script>", "", text, count=1, flags=re.S)  # without the library
+    assert len(own) < 0.1 * len(text)
+    assert "http:" not in own and "https:" not in own
+    assert not re.search(r'(src|href)\s*=\s*"', text[: text.index("<script>")])
+    found = re.search(r'<script id="data"[^>]*>(.*?)</script>', own, re.S)
+    assert json.loads(found.group(1)) == page_data(*case)
+
+
+def test_without_plotly_it_says_what_to_install(case, tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "plotly.offline", None)
+    with pytest.raises(ImportError, match=r"needs plotly: pip install 'gcm_learn\[plots\]'"):
+        write_space_page(*case, tmp_path / "page.html")
+    assert not (tmp_path / "page.html").exists()
+
+
+def test_solids_are_where_the_arm_and_the_bodies_are(case):
+    situation, plan = case
+    data = page_data(*case)
+    named = {solid["name"]: solid for solid in data["solids"]}
+    for k in (0, -1):
+        elbow, hand = forward_in_space(situation.arm, plan.trajectory.joints_at(data["times"][k]))
+        np.testing.assert_allclose(named["hand"]["centre"][k], hand, atol=2e-3)
+        np.testing.assert_allclose(named["forearm"]["centre"][k], (elbow + hand) / 2, atol=2e-3)
+    for body in situation.bodies:
+        np.testing.assert_allclose(named[body.name]["centre"][0], body.motion.position, atol=1e-4)
+    way = data["ways"][0]
+    assert [way["x"][0], way["y"][0], way["z"][0]] == pytest.approx(named["hand"]["centre"][0])
+
+
+def test_solids_are_closed(case):
+    """Every edge of a solid belongs to two triangles, once in either sense."""
+    for solid in page_data(*case)["solids"]:
+        triangles = np.array(solid["triangles"])
+        edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+        there, count = np.unique(edges, axis=0, return_counts=True)
+        assert (count == 1).all()
+        assert {*map(tuple, there.tolist())} == {(b, a) for a, b in there.tolist()}
+    assert any(isinstance(body.shape, Box) for body in case[0].bodies)
+
+
+def test_a_plan_without_a_catch_shows_an_arm_at_rest(case):
+    situation, _ = case
+    data = page_data(situation, plan_of(situation))
+    assert data["ways"] == [] and data["times"][-1] == pytest.approx(situation.horizon, abs=1e-3)
+    hand = next(solid for solid in data["solids"] if solid["name"] == "hand")
+    assert hand["centre"][0] == hand["centre"][-1]
