@@ -11,9 +11,9 @@ import pyarrow as pa
 
 from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, Interception
-from gcm_learn.motion import Failure, Trajectory
-from gcm_learn.planners import Plan
-from gcm_learn.situation import Situation
+from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
+from gcm_learn.planners import AnyPlan, Plan
+from gcm_learn.situation import JOINTS, AnySituation, Situation, SpatialArm
 from gcm_learn.wave import WaveParams
 
 UNREACHED = 65535  # step count of cells without an arrival
@@ -41,6 +41,18 @@ PLAN = pa.struct(
         "clearance": NUMBER,
         "time": pa.list_(NUMBER),
         "hand": pa.list_(NUMBER),
+    }
+)
+SPATIAL_PLAN = pa.struct(
+    {
+        "status": WORD,
+        "message": WORD,
+        "catch_time": NUMBER,
+        "catch_body": WORD,
+        "clearance": NUMBER,
+        "time": pa.list_(NUMBER),
+        "joints": pa.list_(NUMBER),
+        "rates": pa.list_(NUMBER),
     }
 )
 
@@ -103,9 +115,9 @@ def _bits(packed: bytes, n: int) -> np.ndarray:
     return bits.reshape(n, n).astype(bool)
 
 
-def plan_cell(plan: Plan) -> dict[str, Any]:
-    """The cell of a plan, as PLAN has it."""
-    path, clearance = plan.trajectory, plan.clearance
+def plan_cell(plan: AnyPlan) -> dict[str, Any]:
+    """The cell of a plan, as PLAN has it, or SPATIAL_PLAN in space."""
+    clearance = plan.clearance
     return {
         "status": plan.status,
         "message": plan.message,
@@ -113,18 +125,25 @@ def plan_cell(plan: Plan) -> dict[str, Any]:
         "catch_body": plan.catch_body,
         # without obstacles it has no value
         "clearance": None if clearance is None or math.isinf(clearance) else clearance,
-        "time": None if path is None else path.time,
-        "hand": None if path is None else path.hand.ravel(),
+        **_path_cells(plan.trajectory),
     }
 
 
-def plan_of(situation: Situation, planner: str, cells: Mapping[str, Any]) -> Plan:
+def _path_cells(path: Trajectory | SpatialTrajectory | None) -> dict[str, Any]:
+    """Time and hand, or time, joints and rates; nothing of what there is not."""
+    if path is None:
+        return {}
+    if isinstance(path, Trajectory):
+        return {"time": path.time, "hand": path.hand.ravel()}
+    rates = None if path.rates is None else path.rates.ravel()
+    return {"time": path.time, "joints": path.joints.ravel(), "rates": rates}
+
+
+def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> Plan[Any]:
     """The plan of a planner for a situation."""
-    arm, path, clearance = situation.arm, None, cells["clearance"]
+    path, clearance = None, cells["clearance"]
     if cells["time"] is not None:
-        hand = np.asarray(cells["hand"], dtype=float).reshape(-1, 2)
-        time = np.asarray(cells["time"], dtype=float)
-        path = Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
+        path = _path_of(situation, cells)
         clearance = math.inf if clearance is None else clearance
     return Plan(
         name=situation.name,
@@ -138,3 +157,15 @@ def plan_of(situation: Situation, planner: str, cells: Mapping[str, Any]) -> Pla
         clearance=clearance,
         trajectory=path,
     )
+
+
+def _path_of(situation: AnySituation, cells: Mapping[str, Any]) -> Trajectory | SpatialTrajectory:
+    arm, time = situation.arm, np.asarray(cells["time"], dtype=float)
+    if isinstance(arm, SpatialArm):
+        joints = np.asarray(cells["joints"], dtype=float).reshape(-1, JOINTS)
+        rates = cells["rates"]
+        if rates is not None:
+            rates = np.asarray(rates, dtype=float).reshape(-1, JOINTS)
+        return SpatialTrajectory(arm, time, joints, rates)
+    hand = np.asarray(cells["hand"], dtype=float).reshape(-1, 2)
+    return Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)

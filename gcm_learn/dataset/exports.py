@@ -58,6 +58,8 @@ def export_minari(
         raise DatasetError(
             "episodes need minari and gymnasium: pip install 'gcm_learn[export]'"
         ) from None
+    if records.spec.spatial:
+        raise DatasetError(f"{records.folder.url}: episodes are of planar arms")
     size = ARM + BODIES * PER_BODY
     buffers = [
         EpisodeBuffer(id=k, seed=index, **_columns(observations, actions))

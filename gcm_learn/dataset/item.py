@@ -22,6 +22,7 @@ from gcm_learn.planners import (
     Plan,
     Planner,
     Problem,
+    SpatialProblem,
     bounds,
     gcm,
     get_planner,
@@ -32,7 +33,7 @@ from gcm_learn.planners import (
 )
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.seeding import rng
-from gcm_learn.situation import Frame, Situation, canonical
+from gcm_learn.situation import AnySituation, Frame, SpatialFrame, canonical
 from gcm_learn.wave import MarchingParams, WaveParams
 
 AUDIT = 1  # salt of the lot that decides which items the oracle labels as well
@@ -94,7 +95,9 @@ def _find(spec: DatasetSpec, values: dict[str, Any]) -> bool:
     return False
 
 
-def _known(spec: DatasetSpec, k: int, family: str, case: Case, frame: Frame) -> dict[str, Any]:
+def _known(
+    spec: DatasetSpec, k: int, family: str, case: Case, frame: Frame | SpatialFrame
+) -> dict[str, Any]:
     """The parts of a record of an accepted situation."""
     situation = case.situation
     # A record keeps one map: those of the plans would be most of a shard's memory.
@@ -107,6 +110,7 @@ def _known(spec: DatasetSpec, k: int, family: str, case: Case, frame: Frame) -> 
         "family": family,
         "situation": situation,
         "frame": frame,
+        "base": frame.base if isinstance(frame, SpatialFrame) else None,
         "map": case.map(),
         "plans": plans,
         "oracle": case.oracle() if audited else None,
@@ -121,12 +125,13 @@ def _known(spec: DatasetSpec, k: int, family: str, case: Case, frame: Frame) -> 
 class Case:
     """A situation and what planners say of it, each asked at most once and the cheap ones first."""
 
-    def __init__(self, situation: Situation, spec: DatasetSpec) -> None:
-        self.situation = situation
+    def __init__(self, situation: AnySituation, spec: DatasetSpec) -> None:
+        self.situation: Any = situation
         self.spec = spec
-        self.problem = Problem(situation, "case")
+        kind = SpatialProblem if situation.is_spatial else Problem
+        self.problem: Any = kind(situation, "case")
         self._early = self.problem.early_answer()
-        self._plans: dict[str, Plan] = {}
+        self._plans: dict[str, Plan[Any]] = {}
         self._first_maps: dict[str, CognitiveMap] = {}
         self._bounds: Bounds | None = None
 
@@ -138,8 +143,9 @@ class Case:
     def verdict(self, wanted: str | None = None) -> Verdict:
         """The stratum; "other" as soon as it is known that it is not the wanted one.
 
-        Straight line, first arrival and waiting are tried in this order until one catches. The
-        oracle decides what is left of them if it is to label, and U if no movement can catch.
+        Straight line, a method that never waits and waiting are tried in this order until one
+        catches. The oracle decides what is left of them if it is to label, and U if no movement
+        can catch.
         """
         if self.blocked:
             return "blocked"
@@ -147,7 +153,7 @@ class Case:
             return "L"
         if wanted == "L":
             return "other"
-        if self.plan("marching").caught:
+        if self._caught_without_waiting():
             return "W"
         if self.spec.label == "oracle":
             return stratum(self.situation, self.bounds())
@@ -160,18 +166,27 @@ class Case:
         # A record must not hold a catch and say that there is none.
         return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
 
-    def plan(self, name: str) -> Plan:
+    def _caught_without_waiting(self) -> bool:
+        """Whether first arrivals catch; in space whether `layered` catches without a rest."""
+        if not self.situation.is_spatial:
+            return self.plan("marching").caught
+        path = self.plan("layered").trajectory
+        return path is not None and not path.rests
+
+    def plan(self, name: str) -> Plan[Any]:
         """What a planner answers."""
         if name not in self._plans:
             self._plans[name] = self._planned(name)
         return self._plans[name]
 
-    def _planned(self, name: str) -> Plan:
+    def _planned(self, name: str) -> Plan[Any]:
         """Answer as the planner does, sharing what all of them need."""
         if self._early is not None:
             return replace(self._early, planner=name)
         if name == "oracle":
             return self.bounds().plan
+        if self.situation.is_spatial:
+            return get_planner(name).plan(self.situation)
         problem = Problem(self.situation, name, self.problem.scene)
         if name == "straight":
             return straight_plan(problem)

@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from gcm_learn.dataset.folder import MANIFEST, Folder
-from gcm_learn.dataset.record import VERSION
+from gcm_learn.dataset.record import version_of
 from gcm_learn.dataset.shards import (
     MOST_ERRORS,
     DamagedShardError,
@@ -111,7 +111,7 @@ def manifest_of(
         "records": records,
         "failed": sum(info.failures for info in infos.values()),
         "hash": together,
-        "schema": VERSION,
+        "schema": version_of(spec),
         "code": dict(Counter(info.code for info in infos.values())),
         "spec_digest": spec.digest,
         "bytes": size,

@@ -11,7 +11,11 @@ import math
 
 import numpy as np
 
+from gcm_learn.motion import fastest_hand
+from gcm_learn.scene import pack
 from gcm_learn.situation import (
+    AnySituation,
+    Arm,
     Body,
     Box,
     Capsule,
@@ -20,8 +24,8 @@ from gcm_learn.situation import (
     Pendulum,
     PlanarQuadratic,
     Polygon,
-    Situation,
     SolidQuadratic,
+    SpatialArm,
     Sphere,
     rotation_of,
 )
@@ -29,30 +33,63 @@ from gcm_learn.situation import (
 DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]
 
 
-def structure_of(situation: Situation) -> str:
+def structure_of(situation: AnySituation) -> str:
     """What parameters of a situation mean: arm and kinds of bodies, e.g. ``arm|disc|polygon4``.
 
     Only situations of the same structure can be compared number by number.
     """
-    joints = "" if situation.arm.max_joint_speed is None else "+joints"
-    space = "solid" if situation.is_solid else "planar"
-    return "|".join([space + joints, *map(_kind, _in_order(situation))])
+    return "|".join([_arm_kind(situation), *map(_kind, _in_order(situation))])
 
 
-def parameters_of(situation: Situation) -> np.ndarray:
+def _arm_kind(situation: AnySituation) -> str:
+    arm = situation.arm
+    if isinstance(arm, SpatialArm):
+        hand = "" if arm.max_hand_speed is None else "+hand"
+        return f"space{hand}{'' if arm.max_joint_acceleration is None else '+acceleration'}"
+    joints = "" if arm.max_joint_speed is None else "+joints"
+    return f"{'solid' if situation.is_solid else 'planar'}{joints}"
+
+
+def parameters_of(situation: AnySituation) -> np.ndarray:
     """Numbers (m,) float32 of a canonical situation; what they mean is its structure.
 
     Targets come first; the obstacles' order is that of their distance from the shoulder, so that it
     does not matter in which they were listed.
     """
     arm, horizon = situation.arm, situation.horizon
-    joints = arm.max_joint_speed or ()
-    numbers = [arm.hand[0], arm.upper_arm, arm.max_hand_speed * horizon, arm.thickness, arm.grasp]
-    numbers += [limit * horizon for limit in joints]
+    if isinstance(arm, SpatialArm):
+        numbers = _spatial_arm_numbers(arm, horizon)
+    else:
+        numbers = _arm_numbers(arm, horizon)
     for body in _in_order(situation):
         numbers += _motion_numbers(body, horizon)
         numbers += _shape_numbers(body)
-    return np.array(numbers, dtype=np.float32)
+    unit = forearm_of(arm)
+    return np.array(numbers if unit == 1.0 else [n / unit for n in numbers], dtype=np.float32)
+
+
+def forearm_of(arm: Arm | SpatialArm) -> float:
+    """Length of the forearm in the situation's unit."""
+    return math.hypot(*arm.forearm) if isinstance(arm, SpatialArm) else 1.0
+
+
+def _arm_numbers(arm: Arm, horizon: float) -> list[float]:
+    joints = arm.max_joint_speed or ()
+    numbers = [arm.hand[0], arm.upper_arm, arm.max_hand_speed * horizon, arm.thickness, arm.grasp]
+    return [*numbers, *(limit * horizon for limit in joints)]
+
+
+def _spatial_arm_numbers(arm: SpatialArm, horizon: float) -> list[float]:
+    """Angles count as the way of the hand that they turn about the elbow."""
+    unit = forearm_of(arm)
+    ends = [end for ends in arm.joint_range for end in ends]
+    turns = [*arm.joints, *ends, *(limit * horizon for limit in arm.max_joint_speed)]
+    if arm.max_joint_acceleration is not None:
+        turns += [0.5 * limit * horizon**2 for limit in arm.max_joint_acceleration]
+        turns += [rate * horizon for rate in arm.joint_rates or ()]
+    hand = [] if arm.max_hand_speed is None else [arm.max_hand_speed * horizon]
+    bones = [*arm.upper_arm, *arm.forearm, *hand, arm.thickness, arm.grasp]
+    return bones + [unit * turn for turn in turns]
 
 
 def twin_key(structure: str, parameters: np.ndarray) -> int:
@@ -62,7 +99,7 @@ def twin_key(structure: str, parameters: np.ndarray) -> int:
     return int.from_bytes(digest, "little") >> 1
 
 
-def _in_order(situation: Situation) -> list[Body]:
+def _in_order(situation: AnySituation) -> list[Body]:
     obstacles = sorted(situation.obstacles, key=lambda body: (_kind(body), _distance(body)))
     return [*situation.targets, *obstacles]
 
@@ -117,21 +154,25 @@ def _shape_numbers(body: Body) -> list[float]:
     return [shape.radius]
 
 
-def quantities_of(situation: Situation, top_speed: float) -> dict[str, float]:
-    """What range splits ask about.
+def quantities_of(situation: AnySituation, top_speed: float) -> dict[str, float]:
+    """What range splits ask about; lengths in forearms.
 
     Parameters
     ----------
     situation : Situation
     top_speed : float
-        Largest speed of any body within the horizon [forearm lengths / s].
+        Largest speed of any body within the horizon [lengths / s].
     """
-    obstacles = situation.obstacles
+    obstacles, arm, unit = situation.obstacles, situation.arm, forearm_of(situation.arm)
+    if isinstance(arm, SpatialArm):
+        upper_arm, hand_speed = math.hypot(*arm.upper_arm), float(fastest_hand(pack(situation)))
+    else:
+        upper_arm, hand_speed = arm.upper_arm, arm.max_hand_speed
     return {
-        "upper_arm": situation.arm.upper_arm,
-        "max_hand_speed": situation.arm.max_hand_speed,
+        "upper_arm": upper_arm / unit,
+        "max_hand_speed": hand_speed / unit,
         "horizon": situation.horizon,
         "obstacles": float(len(obstacles)),
-        "top_speed": top_speed / situation.arm.max_hand_speed,
-        "largest": max((body.shape.bounding_radius for body in obstacles), default=0.0),
+        "top_speed": top_speed / hand_speed,
+        "largest": max((body.shape.bounding_radius for body in obstacles), default=0.0) / unit,
     }

@@ -15,7 +15,7 @@ from gcm_learn.dataset import feeding
 from gcm_learn.dataset.feeding import COLUMNS, WINDOW, Example, MapCache
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.manifest import Manifest, read_manifest, spec_of
-from gcm_learn.dataset.record import LABELS, VERSION, Record, Row
+from gcm_learn.dataset.record import LABELS, Record, Row, version_of
 from gcm_learn.dataset.shards import ROW_GROUP, header_of, read_columns
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.errors import DatasetError, UnknownNameError
@@ -181,7 +181,7 @@ class Dataset(Sequence[Record]):
             raise DatasetError(f"{self.folder.url}: is not on this machine; name a folder for it")
         whole = Dataset(self._shelf, self._all)
         indices = whole.column("index")
-        key = content_hash(f"{VERSION} {self.spec.digest}", indices.tobytes())
+        key = content_hash(f"{version_of(self.spec)} {self.spec.digest}", indices.tobytes())
         place = Path(folder or self.folder.caches()) / key[:16]
         if not place.exists():
             blocks = (whole[k : k + BLOCK].table(COLUMNS) for k in range(0, len(whole), BLOCK))

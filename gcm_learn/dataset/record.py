@@ -19,6 +19,7 @@ from gcm_learn.dataset.cells import (
     MAP,
     NUMBER,
     PLAN,
+    SPATIAL_PLAN,
     WORD,
     Types,
     map_cells,
@@ -30,13 +31,26 @@ from gcm_learn.dataset.spec import STRATA, DatasetSpec
 from gcm_learn.dataset.splits import QUANTITIES
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners import Plan
-from gcm_learn.situation import Frame, Situation, situation_from_json, situation_to_json
+from gcm_learn.situation import (
+    AnySituation,
+    Base,
+    Frame,
+    SpatialFrame,
+    situation_from_json,
+    situation_to_json,
+)
 
 VERSION = "gcm-learn/record@1"
+SPATIAL_VERSION = "gcm-learn/record@2"
 REJECTS = (*STRATA, "blocked", "other")
 
 _ORACLE = {"oracle_stratum": WORD, "oracle_lower": NUMBER, "oracle_upper": NUMBER}
 Value = TypeVar("Value")
+
+
+def version_of(spec: DatasetSpec) -> str:
+    """Format of a dataset's records: another one for spatial arms."""
+    return SPATIAL_VERSION if spec.spatial else VERSION
 
 
 def plan_column(planner: str) -> str:
@@ -118,15 +132,27 @@ class OracleLabel:
         return math.isinf(self.lower) or not math.isinf(self.upper)
 
 
-def _situation_cell(situation: Situation) -> tuple[str]:
+def _situation_cell(situation: AnySituation) -> tuple[str]:
     return (json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False),)
+
+
+def _frame_cells(frame: Frame | SpatialFrame) -> tuple[Any, ...]:
+    return (None if isinstance(frame, SpatialFrame) else frame.angle), frame.mirrored
+
+
+def _frame_of(record: Record, angle: float | None, mirrored: bool) -> Frame | SpatialFrame:
+    if angle is None:
+        assert record.base is not None
+        return SpatialFrame(record.base, mirrored)
+    return Frame(angle, mirrored)
 
 
 class Record:
     """One record of a dataset, as it was made or as it is read.
 
     Its parts are the columns of a shard, in their order. The situation is in its canonical form
-    (hand on the positive x axis, elbow on the right); map and plans belong to it.
+    (hand on the positive x axis, elbow on the right; in space the base at the origin and a left
+    arm); map and plans belong to it.
 
     Parameters
     ----------
@@ -157,10 +183,17 @@ class Record:
         lambda _, *cells: dict(zip(QUANTITIES, cells, strict=True)),
     )
     """What range splits ask about."""
-    frame = Part[Frame](
-        {"angle": NUMBER, "mirrored": pa.bool_()}, astuple, lambda _, *cells: Frame(*cells)
+    base = Part[Base | None](
+        lambda spec: (
+            {"origin": pa.list_(NUMBER), "rotation": pa.list_(NUMBER)} if spec.spatial else {}
+        ),
+        lambda base: (list(base.origin), list(base.rotation)),
+        lambda _, *cells: Base(*map(tuple, cells)) if cells else None,
+        label=False,
     )
-    """How the situation lay when it was drawn."""
+    """Where the base of a spatial arm stood, None in the plane."""
+    frame = Part[Any]({"angle": NUMBER, "mirrored": pa.bool_()}, _frame_cells, _frame_of)
+    """How the situation lay when it was drawn: a `Frame`, or a `SpatialFrame` without an angle."""
     attempts = Part[int](COUNT)
     """Situations drawn."""
     rejected = Part[Mapping[str, int]](
@@ -171,13 +204,13 @@ class Record:
     t = 0) and "other" (not the wanted stratum, and not looked into any further)."""
     error = Part[str | None](WORD)
     """Why there is no record: then it has nothing but index, attempts and rejected."""
-    situation = Part[Situation](
+    situation = Part[Any](
         WORD,
         _situation_cell,
         lambda _, text: situation_from_json(json.loads(text)),
         label=False,
     )
-    """The situation, canonical."""
+    """The situation, canonical; what its arm is, all of a dataset's are."""
     parameters = Part[np.ndarray](
         pa.list_(pa.float32()), unpack=lambda _, cell: np.asarray(cell, np.float32), label=False
     )
@@ -191,8 +224,10 @@ class Record:
         label=False,
     )
     """The cognitive map, None if the record has none."""
-    plans = Part[dict[str, Plan]](
-        lambda spec: {plan_column(name): PLAN for name in spec.planners},
+    plans = Part[dict[str, Plan[Any]]](
+        lambda spec: {
+            plan_column(name): SPATIAL_PLAN if spec.spatial else PLAN for name in spec.planners
+        },
         lambda plans: [plan_cell(plan) for plan in plans.values()],
         lambda record, *cells: {
             name: plan_of(record.situation, name, cell)

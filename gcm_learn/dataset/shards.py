@@ -19,7 +19,15 @@ from gcm_learn import __version__, compiled
 from gcm_learn.dataset.cells import PLAN
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.item import make_item
-from gcm_learn.dataset.record import LABELS, VERSION, Record, plan_column, rows_of
+from gcm_learn.dataset.record import (
+    LABELS,
+    SPATIAL_VERSION,
+    VERSION,
+    Record,
+    plan_column,
+    rows_of,
+    version_of,
+)
 from gcm_learn.dataset.spec import DatasetSpec, spec_to_json
 from gcm_learn.errors import DatasetError
 
@@ -109,7 +117,7 @@ def write_shard(spec: DatasetSpec, shard: int, records: Sequence[Record], url: s
     info = _summary(spec, shard, records)
     content = spec_to_json(spec)
     del content["count"]  # a larger dataset has the same shards
-    header = {"format": VERSION, "info": asdict(info), "spec": content}
+    header = {"format": version_of(spec), "info": asdict(info), "spec": content}
     metadata = {KEY: json.dumps(header, sort_keys=True).encode()}
     table = rows_of(spec, records).replace_schema_metadata(metadata)
     sink = io.BytesIO()
@@ -197,9 +205,9 @@ def header_of(folder: Folder, name: str) -> dict[str, Any]:
     except (OSError, pa.ArrowException, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise DamagedShardError(f"{folder.path(name)}: not a shard ({reason})") from None
-    if header.get("format") != VERSION:
-        is_ = header.get("format", "none")
-        raise DatasetError(f"{folder.path(name)}: schema is {is_}, this version reads {VERSION}")
+    if header.get("format") not in (VERSION, SPATIAL_VERSION):
+        is_, known = header.get("format", "none"), f"{VERSION} and {SPATIAL_VERSION}"
+        raise DatasetError(f"{folder.path(name)}: schema is {is_}, this version reads {known}")
     if header["info"]["rows"] != rows:
         raise DatasetError(f"{folder.path(name)}: {rows} rows, not {header['info']['rows']}")
     return header

@@ -21,8 +21,8 @@ from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.errors import FamilyError, FileFormatError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
 from gcm_learn.handspace import LARGEST_LATTICE, SMALLEST_LATTICE
-from gcm_learn.planners import planner_names
-from gcm_learn.situation import Situation, planar
+from gcm_learn.planners import get_planner, planner_names
+from gcm_learn.situation import AnySituation
 from gcm_learn.storage import content_hash
 
 FORMAT = "gcm-learn/dataset-spec@1"
@@ -57,9 +57,9 @@ class FamilyShare:
         """The family with its ranges; ``source.draw(rng, name)`` gives a situation."""
         return family_from_dict({**self.config, "family": self.family})
 
-    def draw(self, rng: np.random.Generator, name: str) -> Situation:
+    def draw(self, rng: np.random.Generator, name: str) -> AnySituation:
         """Draw a situation."""
-        return planar(self.source.draw(rng, name), "a dataset")
+        return self.source.draw(rng, name)
 
 
 @dataclass(frozen=True)
@@ -74,16 +74,17 @@ class DatasetSpec:
     count: int
     families: tuple[FamilyShare, ...]
     planners: tuple[str, ...] = ("gcm", "layered")
-    """Whose plans a record holds."""
+    """Whose plans a record holds; in space those of planners that take spatial arms."""
     rungs: int = 9
     """Of the ladder of ever more careful maps that front planners climb: 2 stay on lattices of n
     cells, the last ones have twice as many. Also how hard the labels' planners try."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
-    """Engine of the map that a record holds."""
+    """Engine of the map that a record holds; none in space, where it has half a million cells."""
     n: int = 80
     """Cells along a side of the map."""
     label: Literal["fast", "oracle"] = "fast"
-    """Who decides the stratum: the planners straight, marching and layered, or the oracle."""
+    """Who decides the stratum: the planners straight, marching (in space `layered` without waits)
+    and layered, or the oracle."""
     audit: float = 0.0
     """Share of the items that the oracle labels as well."""
     strata: Mapping[str, float] | None = None
@@ -111,6 +112,28 @@ class DatasetSpec:
             checks.shares(self.strata, "strata", STRATA)
         checks.integer(self.attempts, "attempts", 1, 10**6)
         checks.integer(self.shard_size, "shard_size", 1, 10**6)
+        self._check_arms()
+
+    def _check_arms(self) -> None:
+        """Refuse arms of two kinds, and in space what is there of the plane only."""
+        kinds = [family.source.kind for family in self.families]
+        for k, kind in enumerate(kinds):
+            if kind != kinds[0]:
+                raise SpecError(
+                    f"families[{k}]", f"is for {kind} arms, and the first one for {kinds[0]} ones"
+                )
+        if not self.spatial:
+            return
+        if self.map != "none":
+            raise SpecError("map", f"must be 'none' for spatial arms (got {self.map!r})")
+        for k, name in enumerate(self.planners):
+            if not getattr(get_planner(name), "takes_space", False):
+                raise SpecError(f"planners[{k}]", f"{name!r} does not take spatial arms")
+
+    @property
+    def spatial(self) -> bool:
+        """Whether its situations have spatial arms."""
+        return self.families[0].source.kind == "spatial"
 
     @property
     def shards(self) -> int:

@@ -57,7 +57,7 @@ def _run(spec: DatasetSpec) -> None:
     for k in range(small.count):
         family = spec.families[k // DRAWS]
         make_item(replace(small, families=(family,)), k)
-    for situation in _scenes():
+    for situation in () if spec.spatial else _scenes():
         case = Case(situation, small)
         for name in ("straight", "marching", "layered", *spec.planners):
             case.plan(name)

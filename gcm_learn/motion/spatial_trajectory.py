@@ -10,6 +10,8 @@ import numpy as np
 from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import JOINTS, SpatialArm
 
+REST = 1e-6  # joints that are slower than this rest [rad/s]
+
 
 @dataclass(frozen=True)
 class SpatialTrajectory:
@@ -57,6 +59,12 @@ class SpatialTrajectory:
     def length(self) -> float:
         """Length of the hand's path, straight between samples."""
         return float(np.sqrt((np.diff(self.hand, axis=0) ** 2).sum(axis=1)).sum())
+
+    @property
+    def rests(self) -> bool:
+        """Whether the arm rests anywhere on its way."""
+        turns = np.abs(np.diff(self.joints, axis=0)).max(axis=1)
+        return bool((turns <= REST * np.diff(self.time)).any())
 
     def joints_at(self, t: float | np.ndarray) -> np.ndarray:
         """Joint angles (..., 4) at time(s) t, held before the first and after the last sample."""

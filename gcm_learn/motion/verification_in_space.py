@@ -37,7 +37,7 @@ def judge(scene, touch, time, joints, rates, body):
         return fault, 0.0, time[last]
     for k in range(last):
         _piece(time, joints, rates, k, desk.curve)
-        fault = _piece_fault(scene, desk.curve, time[k + 1] - time[k], desk.joints)
+        fault = piece_fault(scene, desk.curve, time[k + 1] - time[k], desk.joints)
         if fault != NOTHING:
             return fault, 0.0, time[k]
     best, when = 1e300, 0.0
@@ -87,7 +87,7 @@ def _fault_at_ends(scene, time, joints, rates, body, poses):
 
 
 @njit(_nrt=False)
-def _piece_fault(scene, curve, span, q):
+def piece_fault(scene, curve, span, q):
     """First limit that the move in `curve` breaks in `span` [s]; `q` (4,) is overwritten."""
     limb, limits = scene.limb, scene.limits
     for j in range(4):

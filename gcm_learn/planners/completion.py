@@ -139,10 +139,21 @@ class SpatialProblem(Task[SpatialTrajectory]):
 
     situation: Situation[SpatialArm]
 
-    def early_answer(self) -> Plan[SpatialTrajectory] | None:
-        """What can be said without planning; that accelerations are limited, as well."""
+    @property
+    def accelerates(self) -> bool:
+        """Whether the joints' accelerations are limited."""
+        return self.situation.arm.max_joint_acceleration is not None
+
+    def early_answer(self, keeps_acceleration: bool = False) -> Plan[SpatialTrajectory] | None:
+        """What can be said without planning.
+
+        Parameters
+        ----------
+        keeps_acceleration : bool
+            Whether who asks can keep limits of acceleration; else there is no plan under these.
+        """
         early = super().early_answer()
-        if early is None and self.situation.arm.max_joint_acceleration is not None:
+        if early is None and self.accelerates and not keeps_acceleration:
             early = self.answer(Failure.ACCELERATION_UNTAKEN)
         return early
 

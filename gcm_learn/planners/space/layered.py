@@ -11,6 +11,7 @@ from gcm_learn.handspace import joint_lattice
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.space.accelerated import plan_accelerated
 from gcm_learn.planners.space.goals import Goals, no_goals, straight
 from gcm_learn.planners.space.moves import NEVER, Study, study_of
 from gcm_learn.planners.space.search import new_tree, plant, search
@@ -49,12 +50,16 @@ class LayeredInSpace:
     def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
         """Answer a situation."""
         problem = SpatialProblem(situation, self.name)
-        early = problem.early_answer()
+        early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
         caught = at_once(problem)
         if caught is not None:
             return caught
+        if problem.accelerates:
+            return plan_accelerated(
+                problem, self._goals_and_times(problem), self.swivels, self.plan
+            )
         study = study_of(problem.scene, problem.rules)
         goals = self._room_for_goals(problem)
         way = self._straight(study, goals, problem.situation.horizon)
@@ -63,6 +68,11 @@ class LayeredInSpace:
         if way is None:
             return problem.answer(Failure.NO_INTERCEPTION)
         return finished(problem, study, way)
+
+    def _goals_and_times(self, problem: SpatialProblem) -> tuple[Goals, np.ndarray]:
+        """Room for goals, and when interceptions are tried."""
+        times = problem.situation.horizon * np.arange(1, self.instants + 1) / self.instants
+        return self._room_for_goals(problem), times
 
     def _room_for_goals(self, problem: SpatialProblem) -> Goals:
         targets = int((problem.bodies.rows[:, PART] == HAND).sum())

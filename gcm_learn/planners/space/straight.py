@@ -162,7 +162,9 @@ def at_once(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
     body = met_at(scene, scene.limb.start, 0.0, problem.rules.catch, poses)
     if body < 0:
         return None
-    rest = SpatialTrajectory(problem.situation.arm, np.zeros(1), scene.limb.start[None].copy())
+    rates = scene.limb.rates[None].copy() if problem.accelerates else None
+    start = scene.limb.start[None].copy()
+    rest = SpatialTrajectory(problem.situation.arm, np.zeros(1), start, rates)
     return checked(problem, Attempt(rest, int(body)))[0]
 
 
