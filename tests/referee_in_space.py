@@ -251,7 +251,7 @@ def _catch(situation, solution, geometry):
 def signed_distance(body, t, points):
     """Signed distances of points (..., 3) of the world to a body's solid at t, negative inside."""
     row, table = body_of(body, t, swing_steps([body], t))
-    pose = np.array(_pose(row, table, t))
+    pose = pose_of(row, table, t)
     x, y, z = np.moveaxis(np.abs((np.asarray(points) - pose[:3]) @ pose[3:].reshape(3, 3)), -1, 0)
     shape, across = body["shape"], np.hypot(x, y)
     if shape["kind"] == "sphere":
@@ -285,6 +285,17 @@ def of_quaternion(quaternion):
     w, v = q[0], q[1:]
     columns = [e + 2.0 * np.cross(v, np.cross(v, e) + w * e) for e in np.eye(3)]
     return np.stack(columns, axis=1)
+
+
+def pose_of(row, table, t):
+    """Centre and rotation by rows (12,) of a body of `body_of` at time t."""
+    return np.array(_pose(row, table, t))
+
+
+def limb_room(row, pose, elbow, hand, geometry):
+    """Distance of both bones to a body at its pose; 0 or less where they meet."""
+    place = tuple(map(float, pose)), tuple(map(float, elbow)), tuple(map(float, hand))
+    return _limb_room(row, *place, geometry, (0.0, 0.0, 0.0))[1]
 
 
 def forward(arm, joints):

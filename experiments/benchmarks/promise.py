@@ -2,7 +2,7 @@
 
     python experiments/benchmarks/promise.py plane --catches 50000
     python experiments/benchmarks/promise.py space --catches 10000 --planner layered straight
-    python experiments/benchmarks/promise.py space --file tests/data/spatial.jsonl
+    python experiments/benchmarks/promise.py space --file tests/spatial.jsonl
     python experiments/benchmarks/promise.py plane --again gate 1234 --planner layered
 
 Item k is of family k mod n and goes to one planner, in turn. With `--file` an item is one of the
