@@ -20,11 +20,12 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
@@ -33,16 +34,28 @@ from gcm_learn.motion import (
     HOLE_MARGIN,
     Failure,
     Reason,
+    SpatialTrajectory,
     anywhere,
     first_interception,
     straight_path,
 )
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
-from gcm_learn.planners.baselines.st_rrt_star_moves import Task
-from gcm_learn.planners.completion import Problem, checked, finish
-from gcm_learn.planners.plan import Plan
-from gcm_learn.situation import Situation
+from gcm_learn.planners.baselines.st_rrt_star_moves import HandTask
+from gcm_learn.planners.completion import (
+    Attempt,
+    Problem,
+    SpatialProblem,
+    Task,
+    checked,
+    finish,
+)
+from gcm_learn.planners.plan import AnyPlan, Movement, Plan
+from gcm_learn.planners.space.trees import task_in_space, ways_along
+from gcm_learn.situation import AnySituation, Situation, SpatialArm
+
+if TYPE_CHECKING:
+    from gcm_learn.planners.baselines.st_rrt_star_search import SpaceTime
 
 ITERATIONS = 1000
 LONGEST_MS = 10_000.0
@@ -59,7 +72,8 @@ Improvement = tuple[float, np.ndarray]  # when it was found [ms], and x, y and t
 class STRRTStarPlanner:
     """ST-RRT* of OMPL 1.7, its goals along the predicted interceptions.
 
-    States are hand and time, and the elbow keeps its side.  A goal is an instant and a place where
+    States are hand and time, and the elbow keeps its side; in space they are joints and time, each
+    joint in units of what it turns in a second.  A goal is an instant and a place where
     the hand is then within grasp of a target, drawn evenly from all instants that would improve the
     catch.  A leg is valid if the continuous clearance that verifies plans says so; paths are
     finished and verified like everybody's.  Without a budget the search ends after a number of
@@ -76,21 +90,35 @@ class STRRTStarPlanner:
     """Of the search if there is no budget: of growing the trees, or of looking for a goal."""
     seed: int = 0
 
+    takes_space: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         """Tell at once if OMPL is missing, or a system on which it can be kept apart."""
         if not isolation.POSSIBLE:
             raise PlatformError("st-rrt-star", "a POSIX system, such as Linux or macOS")
         _library()
 
-    def plan(self, situation: Situation) -> Plan:
+    @overload
+    def plan(self, situation: Situation) -> Plan: ...
+    @overload
+    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
+    def plan(self, situation: AnySituation) -> AnyPlan:
         """Answer a situation."""
         if self.budget_ms is not None:
-            return self.plan_anytime(situation, (self.budget_ms,))[0]
+            return self._plans(situation, (self.budget_ms,), NO_END)[0]
         return self._plans(situation, (LONGEST_MS,), self.iterations)[0]
 
+    @overload
     def plan_anytime(
-        self, situation: Situation, budgets_ms: Sequence[float] = (10.0, 100.0, 1000.0)
-    ) -> list[Plan]:
+        self, situation: Situation, budgets_ms: Sequence[float] = ...
+    ) -> list[Plan]: ...
+    @overload
+    def plan_anytime(
+        self, situation: Situation[SpatialArm], budgets_ms: Sequence[float] = ...
+    ) -> list[Plan[SpatialTrajectory]]: ...
+    def plan_anytime(
+        self, situation: AnySituation, budgets_ms: Sequence[float] = (10.0, 100.0, 1000.0)
+    ) -> Any:
         """Answer a situation once for each budget, from one run with the largest.
 
         The planner only ever improves its path, so what it has by some time is what a run that ends
@@ -99,19 +127,22 @@ class STRRTStarPlanner:
         return self._plans(situation, budgets_ms, NO_END)
 
     def _plans(
-        self, situation: Situation, budgets_ms: Sequence[float], iterations: int
-    ) -> list[Plan]:
-        problem = Problem(situation, self.name)
+        self, situation: AnySituation, budgets_ms: Sequence[float], iterations: int
+    ) -> list[Any]:
+        spatial = situation.is_spatial
+        problem: Any = (SpatialProblem if spatial else Problem)(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:
             return [answer] * len(budgets_ms)
-        task = task_of(problem, self.seed, min(max(budgets_ms), LONGEST_MS), iterations)
+        make, finished = (task_in_space, ways_along) if spatial else (task_of, _finished)
+        task = make(problem, self.seed, min(max(budgets_ms), LONGEST_MS), iterations)
         before = problem.elapsed_ms
         found, used = _search(task)
         plans = []
         for budget in budgets_ms:
             began, thought = clock.perf_counter(), min(budget, used)
-            plan = _best(problem, [path for when, path in found if when <= budget])
+            early = [path for when, path in found if when <= budget]
+            plan = _best(problem, finished(problem, early))
             after = 1e3 * (clock.perf_counter() - began)
             plans.append(replace(plan, planning_ms=before + thought + after))
         return plans
@@ -136,7 +167,7 @@ def _warmed() -> ModuleType:
     return library
 
 
-def _search(task: Task) -> tuple[list[Improvement], float]:
+def _search(task: SpaceTime) -> tuple[list[Improvement], float]:
     """All improvements, the best last, and the time used [ms]."""
     library = _warmed()
 
@@ -151,17 +182,21 @@ def _search(task: Task) -> tuple[list[Improvement], float]:
     return found, things[-1][0] if things else 0.0
 
 
-def _best(problem: Problem, paths: list[np.ndarray]) -> Plan:
-    """The last path that holds, as a plan."""
+def _best(problem: Task[Movement], attempts: Iterable[Attempt[Movement] | None]) -> Plan[Movement]:
+    """The first attempt that holds, as a plan."""
     reason: Reason | None = Reason(Failure.NO_TREE)
-    for path in reversed(paths):
-        attempt = finish(problem, *_sampled(path))
+    for attempt in attempts:
         if attempt is None:
             continue
         plan, reason = checked(problem, attempt)
         if plan is not None:
             return plan
     return problem.answer(reason or Failure.NO_TREE)
+
+
+def _finished(problem: Problem, paths: list[np.ndarray]) -> Iterator[Attempt | None]:
+    """Paths between states (n, 3), each on to a target, the last one first."""
+    return (finish(problem, *_sampled(path)) for path in reversed(paths))
 
 
 def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -174,14 +209,14 @@ def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.vstack(hand), np.concatenate(time)
 
 
-def task_of(problem: Problem, seed: int, budget_ms: float, iterations: int) -> Task:
+def task_of(problem: Problem, seed: int, budget_ms: float, iterations: int) -> HandTask:
     """What to search, and for how long."""
     situation, arm, scene = problem.situation, problem.situation.arm, problem.scene
     rules = problem.rules._replace(speed=arm.max_hand_speed)
     t, *_ = first_interception(anywhere(scene), rules, *arm.hand, 0.0, 0.0, situation.horizon)
     nearest = math.hypot(*arm.hand)
     limb = scene.limb._replace(far=max(arm.reach, nearest))
-    return Task(
+    return HandTask(
         scene=scene._replace(limb=limb),
         rules=rules,
         hole=_hole(arm.inner_reach, nearest),

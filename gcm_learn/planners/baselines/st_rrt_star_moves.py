@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,9 +19,11 @@ from gcm_learn.planners.oracle.moves import ANY
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
 
+SLACK = 1e-6  # of the bounds of places, which must not be empty [arm lengths]
+
 
 @dataclass(frozen=True)
-class Task:
+class HandTask:
     """What to search, and for how long."""
 
     scene: Scene
@@ -32,6 +36,37 @@ class Task:
     budget_ms: float
     """Of processor time."""
     iterations: int
+
+    draws: ClassVar[int] = 4
+    """Random numbers that one try of drawing a goal takes."""
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """The hand at t = 0."""
+        return self.scene.limb.x, self.scene.limb.y
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """Lowest and highest x and y that the hand may come to before the horizon."""
+        far, way = self.scene.limb.far, self.speed * self.scene.limits.horizon
+        hair = SLACK * far
+        return tuple((max(c - way, -far) - hair, min(c + way, far) + hair) for c in self.start)
+
+    @property
+    def speed(self) -> float:
+        """No leg is faster."""
+        return self.rules.speed
+
+    def holds(self, p: Sequence[float], since: float, q: Sequence[float], until: float) -> bool:
+        """Whether the leg from p to q holds; see `leg_holds`."""
+        legs = p[0], p[1], since, q[0], q[1], until
+        return bool(leg_holds(self.scene, self.rules, self.hole, *legs))
+
+    def draw(self, until: float, chances: np.ndarray) -> tuple[float, ...]:
+        """An interception before `until` [s]: when (-1 if all tries fail) and where."""
+        since = self.unhindered
+        found = draw_goal(self.scene, self.rules, self.hole, since, until, chances)
+        return tuple(float(v) for v in found)
 
 
 @njit

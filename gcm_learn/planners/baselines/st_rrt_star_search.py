@@ -1,4 +1,4 @@
-"""ST-RRT* of OMPL over (hand, time): this module needs ompl, and is imported only by its planner.
+"""ST-RRT* of OMPL over places and time: it needs ompl, and is imported only by its planner.
 
 OMPL's planner knows goals that stand still: it asks for a goal's place and draws its time itself.
 Ours exist for an instant only, so places and times are drawn together, and the time that OMPL had
@@ -17,7 +17,8 @@ import ompl
 
 from gcm_learn import seeding
 from gcm_learn.motion import Rules
-from gcm_learn.planners.baselines.st_rrt_star_moves import Task, draw_goal, leg_holds
+from gcm_learn.planners.baselines.st_rrt_star_moves import HandTask, leg_holds
+from gcm_learn.planners.space.trees import JointTask
 from gcm_learn.scene import pack
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 
@@ -32,9 +33,12 @@ if not hasattr(geometric, "STRRTstar"):
 
 TRIES = 16  # drawings of a goal at a time
 EARLY = 1e-3  # catches within this share of the unhindered interception are early enough
-SLACK = 1e-6  # of the bounds of places, which must not be empty [arm lengths]
 
-Path = list[tuple[float, float, float]]  # x, y and time of the states
+Path = list[tuple[float, ...]]  # place and time of the states
+
+
+SpaceTime = HandTask | JointTask
+"""What is searched: places, goals, legs, and for how long."""
 
 
 class Search:
@@ -42,12 +46,12 @@ class Search:
 
     Parameters
     ----------
-    task : Task
+    task : SpaceTime
     report : callable
         Gets the time used [ms] and the path whenever a better one is found.
     """
 
-    def __init__(self, task: Task, report: Callable[[float, Path], None]) -> None:
+    def __init__(self, task: SpaceTime, report: Callable[[float, Path], None]) -> None:
         self.started = clock.thread_time()
         self.task, self.report = task, report
         self.best, self.looks = task.scene.limits.horizon, 0
@@ -62,7 +66,7 @@ class Search:
         self.information.setMotionValidator(self.motions)
         self.information.setup()
         start = base.State(self.space)
-        for k, value in enumerate((task.scene.limb.x, task.scene.limb.y, 0.0)):
+        for k, value in enumerate((*task.start, 0.0)):
             start[k] = value
         problem = base.ProblemDefinition(self.information)
         problem.addStartState(start)
@@ -94,8 +98,9 @@ class Search:
         )
 
     def _improved(self, _planner: Any, states: Any, _cost: Any) -> None:
-        path = [(s[0][0], s[0][1], self.space.getStateTime(s)) for s in states]
-        self.best = path[-1][2]
+        axes = range(len(self.task.start))
+        path = [(*(s[0][k] for k in axes), self.space.getStateTime(s)) for s in states]
+        self.best = path[-1][-1]
         self.report(self.used_ms, path)
 
 
@@ -106,16 +111,14 @@ class _Goals(base.GoalSampleableRegion):  # type: ignore[misc]
         super().__init__(information)
         self.search, self.task = search, search.task
         self.rng = seeding.rng(search.task.seed)
-        self.drawn: tuple[float, float, float] | None = None
+        self.drawn: tuple[float, ...] | None = None
 
     def sampleGoal(self, state: Any) -> None:
-        task = self.task
-        chances = self.rng.random((TRIES, 4))
-        t, x, y = draw_goal(
-            task.scene, task.rules, task.hole, task.unhindered, self.search.best, chances
-        )
-        state[0][0], state[0][1] = x, y
-        self.drawn = (x, y, t)
+        chances = self.rng.random((TRIES, self.task.draws))
+        t, *place = self.task.draw(self.search.best, chances)
+        for k, value in enumerate(place):
+            state[0][k] = value
+        self.drawn = (*place, t)
 
     def maxSampleCount(self) -> int:
         return 1_000_000_000
@@ -134,20 +137,20 @@ class _Validity(base.StateValidityChecker):  # type: ignore[misc]
         super().__init__(information)
         self.space, self.goals = search.space, search.goals
         self.numbers = util.vectorDouble()
-        self.numbers.extend([0.0, 0.0, 0.0])
+        self.numbers.extend([0.0] * (len(search.task.start) + 1))
 
     def isValid(self, state: Any) -> bool:
         drawn = self.goals.drawn
         if drawn is None:
             return True
-        hand = state[0]
-        if (hand[0], hand[1]) != drawn[:2]:
+        place = state[0]
+        if any(place[k] != value for k, value in enumerate(drawn[:-1])):
             return True
         self.goals.drawn = None
-        if drawn[2] < 0.0:
+        if drawn[-1] < 0.0:
             return False
-        for k in range(3):
-            self.numbers[k] = drawn[k]
+        for k, value in enumerate(drawn):
+            self.numbers[k] = value
         self.space.copyFromReals(state, self.numbers)
         return True
 
@@ -161,24 +164,20 @@ class _Motions(base.MotionValidator):  # type: ignore[misc]
         self.time_of = search.space.getStateTime
 
     def checkMotion(self, a: Any, b: Any) -> bool:
-        p, q = a[0], b[0]
-        scene, rules, hole = self.task.scene, self.task.rules, self.task.hole
-        before, after = self.time_of(a), self.time_of(b)
-        return leg_holds(scene, rules, hole, p[0], p[1], before, q[0], q[1], after)
+        return self.task.holds(a[0], self.time_of(a), b[0], self.time_of(b))
 
 
-def _space(task: Task) -> Any:
-    """Hand and time, with the speed that OMPL reckons with."""
-    limb, horizon = task.scene.limb, task.scene.limits.horizon
-    far, way = limb.far, task.rules.speed * horizon
-    bounds = base.RealVectorBounds(2)
-    for axis, centre in enumerate((limb.x, limb.y)):
-        bounds.setLow(axis, max(centre - way, -far) - SLACK * far)
-        bounds.setHigh(axis, min(centre + way, far) + SLACK * far)
-    places = base.RealVectorStateSpace(2)
+def _space(task: SpaceTime) -> Any:
+    """Places and time, with the speed that OMPL reckons with."""
+    ends = task.bounds
+    bounds = base.RealVectorBounds(len(ends))
+    for axis, (low, high) in enumerate(ends):
+        bounds.setLow(axis, low)
+        bounds.setHigh(axis, high)
+    places = base.RealVectorStateSpace(len(ends))
     places.setBounds(bounds)
-    space = base.SpaceTimeStateSpace(places, task.rules.speed)
-    space.setTimeBounds(0.0, horizon)
+    space = base.SpaceTimeStateSpace(places, task.speed)
+    space.setTimeBounds(0.0, task.scene.limits.horizon)
     space.setup()
     return space
 
@@ -192,4 +191,4 @@ def warm_up() -> None:
     for joints in (9.0, math.inf):
         scene = scene._replace(limits=scene.limits._replace(shoulder=joints, elbow=joints))
         leg_holds(scene, rules, 0.1, 1.0, 0.0, 0.0, 1.1, 0.0, 0.5)
-    Search(Task(scene, rules, 0.1, 0.5, 0, 1e3, 3), lambda *_: None).run()
+    Search(HandTask(scene, rules, 0.1, 0.5, 0, 1e3, 3), lambda *_: None).run()

@@ -173,21 +173,31 @@ def earliest_straight(problem: SpatialProblem) -> Plan[SpatialTrajectory]:
     plan, study = at_once(problem), study_of(problem.scene, problem.rules)
     if plan is not None:
         return plan
+    goals, reason = _earliest(study), None
+    for k in np.argsort(goals.time[: goals.size[0]], kind="stable"):
+        attempt = _attempt(problem, study, goals, k, 0.0, goals.time[k])
+        plan, why = checked(problem, attempt)
+        if plan is not None:
+            return plan
+        reason = reason or why
+    return problem.answer(reason or Failure.NO_STRAIGHT_LINE)
+
+
+def soonest_straight(study: Study) -> float:
+    """When a straight line that nothing hinders meets a target first; 0 if none does [s]."""
+    goals = _earliest(study)
+    return float(goals.time[: goals.size[0]].min()) if goals.size[0] else 0.0
+
+
+def _earliest(study: Study) -> Goals:
+    """The goals of the first instant that has some, each as early as can be."""
     before = 0.0
     for t, goals in _meetings(study, INSTANTS):
-        count = goals.size[0]
-        if count > 0:
+        if goals.size[0] > 0:
             hasten_straight(study, goals, before)
-            reason = None
-            for k in np.argsort(goals.time[:count], kind="stable"):
-                when = float(goals.time[k])
-                plan, why = checked(problem, _attempt(problem, study, goals, k, 0.0, when))
-                if plan is not None:
-                    return plan
-                reason = reason or why
-            return problem.answer(reason or Failure.NO_STRAIGHT_LINE)
+            break
         before = t
-    return problem.answer(Failure.NO_STRAIGHT_LINE)
+    return goals
 
 
 def any_straight(
@@ -237,18 +247,36 @@ def _meetings(study: Study, instants: int) -> Iterator[tuple[float, Goals]]:
 def _attempt(
     problem: SpatialProblem, study: Study, goals: Goals, k: int, begin: float, end: float
 ) -> Attempt[SpatialTrajectory]:
-    """The move to goal k from `begin` to `end` [s] with waits; it ends where a target is met."""
-    start, goal, last = problem.scene.limb.start, goals.joints[k].copy(), float(goals.time[k])
-    took, pieces = time_of(study, start, goal)
-    shares = np.arange(1, pieces + 1) / pieces
-    pace = study.pace[:pieces] / took if took > 0.0 else shares
-    moving = start + shares[:, None] * (goal - start)
-    time = np.concatenate([[0.0, begin], begin + (end - begin) * pace, [last]])
-    time[-2] = end
-    joints = np.vstack([start, start, moving, goal])
-    joints[-2] = goal
-    keep = np.append(True, time[1:] > time[:-1])
-    return _cut(problem, study, time[keep], joints[keep], int(goals.body[k]))
+    """The move to goal k from `begin` to `end` [s], with waits at both ends."""
+    start, goal = problem.scene.limb.start, goals.joints[k]
+    time = np.array([0.0, begin, end, goals.time[k]])
+    return attempt_along(problem, study, time, np.stack([start, start, goal, goal]), goals.body[k])
+
+
+def attempt_along(
+    problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
+) -> Attempt[SpatialTrajectory]:
+    """Straight legs between postures, up to where a target is met first.
+
+    A leg takes the time it is given, and goes as evenly as the limit of the hand's speed lets it.
+
+    Parameters
+    ----------
+    time : (n,) ndarray
+        When the postures are reached; legs that take no time are left out [s].
+    joints : (n, 4) ndarray
+    body : int
+        What is caught at the end, if nothing is before.
+    """
+    times, rows = [time[:1]], [joints[:1]]
+    for k in np.flatnonzero(np.diff(time) > 0.0):
+        q, p, span = joints[k], joints[k + 1], time[k + 1] - time[k]
+        took, pieces = time_of(study, q, p)
+        shares = np.arange(1, pieces + 1) / pieces
+        pace = study.pace[:pieces] / took if took > 0.0 else shares
+        times += [time[k] + span * pace[:-1], time[k + 1 : k + 2]]
+        rows += [q + shares[:-1, None] * (p - q), p[None]]
+    return _cut(problem, study, np.concatenate(times), np.concatenate(rows), int(body))
 
 
 def _cut(
