@@ -25,8 +25,8 @@ SLACK = 1e-7  # of angles at the ends of their ranges, where they are put back [
 ROUNDING = 1e-9  # share of the reach by which a solution may miss its hand
 CLAMPED = 2e-7  # and its elbow, which at the rims is the root of a rounding error
 STRAIGHT = 1e-7  # share of the upper arm within which elbow, shoulder and hand are in one line
-SAMPLES = 4096  # postures from which a pole keeps away
-NEAREST = 4  # of them may be nearer to it than its distance
+SAMPLES = 1024  # postures from which a pole keeps away
+NEAREST = 3  # of them, less one, may be nearer to it than its distance
 
 
 class SpatialLimb(NamedTuple):
@@ -324,17 +324,44 @@ def _pole(
     farthest from, seen from the shoulder.  The hands of some arms can be in every direction; then
     few of them come near to it.
     """
-    low, high = np.array(ranges).T
-    out = np.empty((SAMPLES, 6))
-    limbs_at(_limb(upper, fore, low, high, 0.0), low + (high - low) * _spread(), out)
-    hands = out[:, 3:] / np.maximum(np.linalg.norm(out[:, 3:], axis=1), 1e-300)[:, None]
-    grid = np.array([d for d in itertools.product((0.0, -1.0, 1.0), repeat=3) if any(d)])
-    towards = grid / np.linalg.norm(grid, axis=1)[:, None]
-    near = np.partition(towards @ hands.T, -NEAREST, axis=1)[:, -NEAREST]
-    pole = towards[int(np.argmin(near))]
+    low, high = np.array(ranges).T.copy()
+    near = _nearest_hands(_limb(upper, fore, low, high, 0.0), _SPREAD, _TOWARDS)
+    pole = _TOWARDS[int(np.argmin(near))]
     across = np.cross(pole, np.eye(3)[int(np.argmin(np.abs(pole)))])
     zero = across / np.linalg.norm(across)
     return tuple(pole.tolist()), tuple(zero.tolist())
+
+
+@njit
+def _nearest_hands(limb, spread, towards):
+    """Cosine between each direction (m, 3) and the NEAREST-th nearest hand to it.
+
+    Parameters
+    ----------
+    spread : (n, 4) ndarray
+        The hands' joints, as shares of their ranges.
+    """
+    found, q = np.full((towards.shape[0], NEAREST), -2.0), np.empty(4)
+    for k in range(spread.shape[0]):
+        for j in range(4):
+            q[j] = limb.low[j] + spread[k, j] * (limb.high[j] - limb.low[j])
+        _, _, _, x, y, z = limb_at(limb, q)
+        far = max(np.sqrt(x * x + y * y + z * z), 1e-300)
+        for m in range(towards.shape[0]):
+            cosine = (x * towards[m, 0] + y * towards[m, 1] + z * towards[m, 2]) / far
+            if cosine > found[m, 0]:
+                i = 0
+                while i + 1 < NEAREST and cosine > found[m, i + 1]:
+                    found[m, i] = found[m, i + 1]
+                    i += 1
+                found[m, i] = cosine
+    return found[:, 0].copy()
+
+
+def _grid() -> np.ndarray:
+    """The 26 directions (26, 3) to the neighbours in a grid."""
+    grid = np.array([d for d in itertools.product((0.0, -1.0, 1.0), repeat=3) if any(d)])
+    return grid / np.linalg.norm(grid, axis=1)[:, None]
 
 
 def _spread() -> np.ndarray:
@@ -342,3 +369,6 @@ def _spread() -> np.ndarray:
     ratio = 1.1673039782614187  # root of x^5 = x + 1, as the golden ratio is of x^2 = x + 1
     steps = ratio ** -np.arange(1.0, JOINTS + 1.0)
     return (0.5 + np.arange(SAMPLES)[:, None] * steps) % 1.0
+
+
+_SPREAD, _TOWARDS = _spread(), _grid()
