@@ -9,11 +9,17 @@ from gcm_learn.handspace.lattice import (
     START_RADIUS,
     Lattice,
     cell_joints,
-    chart_of,
     hand_space,
 )
 from gcm_learn.handspace.occupied import occupied_cells
-from gcm_learn.handspace.space import LARGEST_IN_SPACE, MOST_POSTURES, SpaceLattice, space_of
+from gcm_learn.handspace.space import (
+    LARGEST_IN_SPACE,
+    MOST_POSTURES,
+    SpaceLattice,
+    chart_of,
+    ring_leap,
+    space_of,
+)
 
 __all__ = [
     "Chart",
@@ -33,6 +39,7 @@ __all__ = [
     "hand_space",
     "joint_lattice",
     "occupied_cells",
+    "ring_leap",
     "space_of",
     "steps_of",
     "upper_arm_image",

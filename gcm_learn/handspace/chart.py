@@ -8,11 +8,11 @@ know of it is here; what is particular to one kind of hand-space stays in its ch
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from gcm_learn.scene import Limits, Scene
+from gcm_learn.scene import Scene
 
 
 class Steps(NamedTuple):
@@ -51,8 +51,8 @@ class Chart(Protocol):
     def strides(self) -> np.ndarray:
         """How far (nodes,) points of the limb move at most on half a step to a neighbour."""
 
-    def steps(self, limits: Limits) -> Steps:
-        """Neighbours of every node and the times to get there."""
+    def steps(self, limits: Any) -> Steps:
+        """Neighbours of every node and the times to get there, by a scene's limits."""
 
     def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         """Nodes (k,) that are reached straight from where the arm is at t = 0, and when (k,) [s].
@@ -60,7 +60,7 @@ class Chart(Protocol):
         They are close by: only the nodes themselves are asked for obstacles.
         """
 
-    def lower_bound(self, place: np.ndarray, near: float, limits: Limits) -> np.ndarray:
+    def lower_bound(self, place: np.ndarray, near: float, limits: Any) -> np.ndarray:
         """Least time (nodes,) from every node until the hand is `near` a place (3,) [s]."""
 
 

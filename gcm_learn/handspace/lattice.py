@@ -10,10 +10,9 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
-from gcm_learn.handspace.chart import Chart, Steps, steps_of
+from gcm_learn.handspace.chart import Steps, steps_of
 from gcm_learn.scene import Limits, Scene
 from gcm_learn.scene.limb import SIDE, elbow_of, joints_of
-from gcm_learn.situation import Arm
 
 SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
@@ -130,11 +129,6 @@ class Lattice:
         turn[:, 0] = np.abs((turn[:, 0] + np.pi) % (2.0 * np.pi) - np.pi)
         hand = np.hypot(*(hands[:, 1] - hands[:, 0]).T) / limits.speed
         return np.maximum(hand, (turn / (limits.shoulder, limits.elbow)).max(axis=1))
-
-
-def chart_of(arm: Arm, n: int) -> Chart:
-    """The chart of an arm's hand-space, n cells along a side: what fronts run over by default."""
-    return Lattice(n, arm.upper_arm, arm.elbow)
 
 
 class HandSpace(NamedTuple):

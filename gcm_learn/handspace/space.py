@@ -11,12 +11,12 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
-from gcm_learn.handspace.chart import Steps, steps_of
-from gcm_learn.handspace.lattice import SMALLEST_LATTICE
+from gcm_learn.handspace.chart import Chart, Steps, steps_of
+from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
 from gcm_learn.handspace.postures import Rule, leap_of, posture_of, rule_of
 from gcm_learn.scene import Scene, SpatialLimits
 from gcm_learn.scene.spatial_limb import SpatialLimb, limb_at, limbs_at, spatial_limb
-from gcm_learn.situation import JOINTS, SpatialArm, rotation_of
+from gcm_learn.situation import JOINTS, Arm, SpatialArm, rotation_of
 
 LARGEST_IN_SPACE = 80
 MOST_POSTURES = 16
@@ -142,6 +142,17 @@ class SpaceLattice:
         return cells if self.postures == 1 else np.repeat(cells, self.postures, axis=0)
 
     @property
+    def hand(self) -> tuple[float, float, float]:
+        """Where the hand is at t = 0."""
+        _, _, _, x, y, z = limb_at(self.limb, self.limb.start)
+        return float(x), float(y), float(z)
+
+    def hand_at(self, node: int) -> tuple[float, float, float]:
+        """Centre of one node's cell: x, y, z."""
+        x, y, z = hand_of_node(self.nodes, node)
+        return float(x), float(y), float(z)
+
+    @property
     def inside(self) -> np.ndarray:
         """Nodes (nodes,) bool that have a posture."""
         look_at_all(self.nodes)
@@ -201,8 +212,9 @@ class SpaceLattice:
     def steps(self, limits: SpatialLimits) -> Steps:
         """The 26 neighbours of every cell with the same posture, and two postures beside it.
 
-        A step takes as long as the hand, or the joint that has farthest to turn.  This lists them
-        all; marching in space finds them when it needs them.
+        A step takes as long as the hand, or the joint that has farthest to turn; none is shorter
+        than the hand at its fastest takes to the next cell.  This lists them all; marching in space
+        finds them when it needs them.
         """
         pairs = np.concatenate([self._pairs(), self._ring()])
         return steps_of(pairs, self._times(pairs, limits), self.size)
@@ -210,7 +222,7 @@ class SpaceLattice:
     def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         """First postures of the cells around the hand (k,), and when the arm is there (k,) [s]."""
         limb = scene.limb
-        hand = np.array(limb_at(limb, limb.start)[3:])
+        hand = np.array(self.hand)
         for around in (1.0, 2.0):
             near = [np.flatnonzero(np.abs(self.centres - c) < around * self.spacing) for c in hand]
             index = np.stack(np.meshgrid(*near[::-1], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -227,10 +239,14 @@ class SpaceLattice:
 
     def lower_bound(self, place: np.ndarray, near: float, limits: SpatialLimits) -> np.ndarray:
         """Least time (nodes,) from every node until the hand is `near` a place (3,) [s]."""
+        away = np.linalg.norm(self.hands - place, axis=1)
+        return np.maximum(away - near, 0.0) / self._fastest(limits)
+
+    def _fastest(self, limits: SpatialLimits) -> float:
+        """Speed that the hand nowhere exceeds."""
         rate, limb = limits.joint_speed, self.limb
         turning = np.hypot(*rate[:2]) * self.reach + np.hypot(*rate[2:]) * limb.length
-        away = np.linalg.norm(self.hands - place, axis=1)
-        return np.maximum(away - near, 0.0) / min(turning, limits.speed)
+        return float(min(turning, limits.speed))
 
     def _pairs(self) -> np.ndarray:
         """Pairs (m, 2) of nodes that are a step apart, in cells next to each other."""
@@ -262,7 +278,7 @@ class SpaceLattice:
         joints, hands = self.nodes.joints.astype(float), self.hands
         turn = np.abs(joints[pairs[:, 1]] - joints[pairs[:, 0]]) / limits.joint_speed
         away = np.linalg.norm(hands[pairs[:, 1]] - hands[pairs[:, 0]], axis=1)
-        return np.maximum(turn.max(axis=1), away / limits.speed)
+        return np.maximum(turn.max(axis=1), np.maximum(away, self.spacing) / self._fastest(limits))
 
 
 def ring_leap(postures: int) -> float:
@@ -274,3 +290,10 @@ def ring_leap(postures: int) -> float:
 def space_of(arm: SpatialArm, n: int, postures: int = 1) -> SpaceLattice:
     """The lattice of an arm's hand-space; those of the last two arms keep what they found."""
     return SpaceLattice(arm, n, postures)
+
+
+def chart_of(arm: Arm | SpatialArm, n: int) -> Chart:
+    """The chart of an arm's hand-space, n cells along a side: what fronts run over by default."""
+    if isinstance(arm, SpatialArm):
+        return space_of(arm, n)
+    return Lattice(n, arm.upper_arm, arm.elbow)

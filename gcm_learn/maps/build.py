@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.handspace import Chart, Lattice, chart_of
+from gcm_learn.handspace import Chart, Lattice, SpaceLattice, chart_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import Situation, planar
+from gcm_learn.situation import AnySituation, Arm, planar
 from gcm_learn.wave import (
     Front,
     MarchingParams,
@@ -21,7 +21,7 @@ from gcm_learn.wave import (
 
 
 def build_map(
-    situation: Situation,
+    situation: AnySituation,
     params: WaveParams | MarchingParams | None = None,
     *,
     wait: bool = False,
@@ -54,7 +54,9 @@ def build_map(
         Whether the target was met is its `interception`.
     """
     params = WaveParams() if params is None else params
-    scene = pack(planar(situation, "a map")) if scene is None else scene
+    if isinstance(params, WaveParams):
+        situation = planar(situation, "a wave's map")
+    scene = pack(situation) if scene is None else scene
     chart = chart_of(situation.arm, params.n) if chart is None else chart
     front = explore(scene, chart, params, wait=wait, ignore=ignore, widening=widening)
     return map_of(situation, scene, front, params)
@@ -83,7 +85,7 @@ def explore(
 
 
 def map_of(
-    situation: Situation, scene: Scene, front: Front, params: WaveParams | MarchingParams
+    situation: AnySituation, scene: Scene, front: Front, params: WaveParams | MarchingParams
 ) -> CognitiveMap:
     """The map that a front with some parameters has left behind.
 
@@ -96,14 +98,14 @@ def map_of(
         node = int(front.nodes[front.met_state])
         interception = Interception(
             cell=tuple(int(i) for i in np.unravel_index(node, front.chart.shape)),
-            position=tuple(float(x) for x in front.chart.hands[node]),
+            position=_hand_at(front.chart, node),
             time=front.met_time,
             body=situation.bodies[front.met_body].name,
         )
     timed = params if isinstance(params, WaveParams) and not front.waits else WaveParams()
     return CognitiveMap(
         chart=front.chart,
-        hand=situation.arm.hand,
+        hand=_hand(front.chart, situation),
         arrival=np.ma.MaskedArray(sheets[0], mask=masked[0]),
         effective_obstacles=front.refused,
         effective_target=front.met,
@@ -113,3 +115,18 @@ def map_of(
         later=np.ma.MaskedArray(sheets[1:], mask=masked[1:]) if len(sheets) > 1 else None,
         via=None if front.waits or front.via is None else front.via.reshape(front.chart.shape),
     )
+
+
+def _hand(chart: Chart, situation: AnySituation) -> tuple[float, ...]:
+    """Where the hand is at t = 0, in the chart's frame."""
+    if isinstance(situation.arm, Arm):
+        return situation.arm.hand
+    assert isinstance(chart, SpaceLattice)
+    return chart.hand
+
+
+def _hand_at(chart: Chart, node: int) -> tuple[float, ...]:
+    """Where the hand is at a node."""
+    if isinstance(chart, SpaceLattice):
+        return chart.hand_at(node)
+    return tuple(float(x) for x in chart.hands[node])

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcm_learn.errors import FileFormatError
-from gcm_learn.handspace import Chart, Lattice
+from gcm_learn.handspace import Chart, Lattice, SpaceLattice
+from gcm_learn.situation import Base, SpatialArm
 from gcm_learn.storage import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FORMAT = "gcm-learn/map@1"
+FORMAT, SPATIAL_FORMAT = "gcm-learn/map@1", "gcm-learn/map@2"
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Interception:
     """Where and when the front met a target first."""
 
     cell: tuple[int, ...]
-    """Index of the node in the chart's shape: (iy, ix) of a lattice."""
+    """Index of the node in the chart's shape: (iy, ix) or (iz, iy, ix) of a lattice."""
     position: tuple[float, ...]
     """Hand at that node, the centre of the cell [forearm lengths]."""
     time: float
@@ -41,8 +42,8 @@ class CognitiveMap:
     """
 
     chart: Chart
-    hand: tuple[float, float]
-    """Hand at t = 0 [forearm lengths]."""
+    hand: tuple[float, ...]
+    """Hand at t = 0 in the chart's frame, that of the arm's plane or base."""
     arrival: np.ma.MaskedArray
     """(...) float: when the hand can be in a cell [s]; masked where the front never came and
     inside effective obstacles."""
@@ -61,7 +62,7 @@ class CognitiveMap:
     reached [s]; only layered maps, in which the hand may wait, have such sheets."""
     via: np.ndarray | None = None
     """(...) int: node from which the front came to another, -1 where it set out; None over a
-    lattice, on which the gradient says it."""
+    lattice in the plane, on which the gradient says it."""
 
     def __post_init__(self) -> None:
         shape = self.chart.shape
@@ -99,13 +100,9 @@ class CognitiveMap:
         return plots.plot_map(self, ax=ax)
 
     def save(self, path: str | Path) -> Path:
-        """Write a map of the plane to an .npz file (whole or not at all); returns its path."""
+        """Write a map over a lattice to an .npz file (whole or not at all); returns its path."""
         path = Path(path).with_suffix(".npz")
-        header = {
-            "format": FORMAT,
-            "n": self.lattice.n,
-            "upper_arm": self.lattice.upper_arm,
-            "elbow": self.lattice.elbow,
+        header = _header_of(self.chart) | {
             "hand": self.hand,
             "kappa": self.kappa,
             "engine": self.engine,
@@ -119,6 +116,8 @@ class CognitiveMap:
         }
         if self.later is not None:
             arrays["later"] = self.later.filled(-1.0)
+        if self.via is not None:
+            arrays["via"] = self.via
         with whole_file(path) as place:
             np.savez_compressed(place, allow_pickle=False, **arrays)
         return path
@@ -136,8 +135,6 @@ class CognitiveMap:
 
     @classmethod
     def _from_arrays(cls, header: dict[str, Any], data: Any) -> CognitiveMap:
-        if header["format"] != FORMAT:
-            raise FileFormatError(f"format is {header['format']!r}, expected {FORMAT!r}")
         contact = header["contact"]
         if contact is not None:
             contact = Interception(
@@ -145,7 +142,7 @@ class CognitiveMap:
             )
         arrival = data["arrival"]
         return cls(
-            chart=Lattice(header["n"], header["upper_arm"], header["elbow"]),
+            chart=_chart_of(header),
             hand=tuple(header["hand"]),
             arrival=np.ma.MaskedArray(arrival, mask=arrival < 0.0),
             effective_obstacles=data["effective_obstacles"],
@@ -156,4 +153,27 @@ class CognitiveMap:
             later=np.ma.MaskedArray(data["later"], mask=data["later"] < 0.0)
             if "later" in data
             else None,
+            via=data.get("via"),
         )
+
+
+def _header_of(chart: Chart) -> dict[str, Any]:
+    """What a file says of a lattice."""
+    if isinstance(chart, Lattice):
+        return {"format": FORMAT, "n": chart.n, "upper_arm": chart.upper_arm, "elbow": chart.elbow}
+    if isinstance(chart, SpaceLattice):
+        sizes = {"n": chart.n, "postures": chart.postures}
+        return {"format": SPATIAL_FORMAT, **sizes, "arm": asdict(chart.arm)}
+    raise TypeError(f"maps over a {type(chart).__name__} are not saved")
+
+
+def _chart_of(header: dict[str, Any]) -> Chart:
+    """The lattice that a file speaks of."""
+    if header["format"] == FORMAT:
+        return Lattice(header["n"], header["upper_arm"], header["elbow"])
+    if header["format"] == SPATIAL_FORMAT:
+        arm = header["arm"] | {"base": Base(**header["arm"]["base"])}
+        return SpaceLattice(SpatialArm(**arm), header["n"], header["postures"])
+    raise FileFormatError(
+        f"format is {header['format']!r}, expected {FORMAT!r} or {SPATIAL_FORMAT!r}"
+    )

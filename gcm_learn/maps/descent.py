@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import Lattice
+from gcm_learn.handspace import Chart, Lattice, SpaceLattice
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
 STRIDE = 0.35  # length of a step [cells]
@@ -164,14 +164,24 @@ def _over_nodes(
     cognitive_map: CognitiveMap, start: tuple[float, ...]
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """`descend` over any chart, from the earliest of the nodes whose hand is nearest to `start`."""
-    arrival, hands = cognitive_map.arrival.filled(np.inf).ravel(), cognitive_map.chart.hands
-    away = np.linalg.norm(hands - start, axis=1)
-    nearest = np.flatnonzero(away <= away.min() + 1e-9)
+    arrival, chart = cognitive_map.arrival.filled(np.inf).ravel(), cognitive_map.chart
+    nearest = _nearest(chart, start)
     node = int(nearest[np.argmin(arrival[nearest])])
     if not np.isfinite(arrival[node]):
         return None
     nodes = nodes_to(cognitive_map, node)
-    return hands[nodes], arrival[nodes]
+    if isinstance(chart, SpaceLattice):
+        return np.array([chart.hand_at(n) for n in nodes]), arrival[nodes].astype(float)
+    return chart.hands[nodes], arrival[nodes]
+
+
+def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
+    """Nodes (k,) whose hand is nearest to a place."""
+    if isinstance(chart, SpaceLattice):
+        cell = np.ravel_multi_index(chart.cell_of(np.array(start)), (chart.n,) * 3)
+        return int(cell) * chart.postures + np.arange(chart.postures)
+    away = np.linalg.norm(chart.hands - start, axis=1)
+    return np.flatnonzero(away <= away.min() + 1e-9)
 
 
 def nodes_to(cognitive_map: CognitiveMap, node: int) -> list[int]:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.handspace import Chart, Lattice, hand_space
+from gcm_learn.collision import desk_of
+from gcm_learn.handspace import Chart, Lattice, SpaceLattice, hand_space, ring_leap
 from gcm_learn.scene import Scene
 from gcm_learn.wave import agenda, general, layered, marching
+from gcm_learn.wave import marching_in_space as space
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of, turns_of
 from gcm_learn.wave.params import MarchingParams
 from gcm_learn.wave.plane import Plane, closed_rim
 from gcm_learn.wave.solver import STATES_PER_CELL, first_arrivals
+
+HALF_DIAGONAL = 0.87  # of a cell in space: a small target must not slip between centres
 
 
 def march(
@@ -30,7 +35,8 @@ def march(
     ----------
     scene : Scene
     chart : Chart
-        A lattice must have ``params.n`` cells a side.
+        A lattice must have ``params.n`` cells a side. In space the limb must be free on every step,
+        so that there is no lookback, and the margin counts in halves of what a step moves it.
     params : MarchingParams
     ignore : float
         Contacts before this time do not count [s].
@@ -42,6 +48,8 @@ def march(
     Front
         Of one sheet.
     """
+    if isinstance(chart, SpaceLattice):
+        return _march_in_space(scene, chart, params, ignore, widening)
     if not isinstance(chart, Lattice):
         return general.spread(scene, chart, params, False, ignore, widening)
     crossing = chart.spacing / fastest(scene)
@@ -105,6 +113,61 @@ def march_layers(
         met_time=time * crossing,
         steps=count,
     )
+
+
+def _march_in_space(
+    scene: Scene,
+    chart: SpaceLattice,
+    params: MarchingParams,
+    ignore: float,
+    widening: np.ndarray | None,
+) -> Front:
+    nodes, fast, count = chart.nodes, fastest(scene), chart.size
+    terms = terms_of(scene, chart, params, 1.0, ignore)
+    contact = max(scene.limits.grasp + params.slack * chart.spacing, HALF_DIAGONAL * chart.spacing)
+    ask = space.Ask(
+        scene,
+        nodes,
+        _pace(scene, chart, fast),
+        terms._replace(grasp=contact),
+        desk_of(scene),
+        np.empty(0) if widening is None else widening,
+        params.margin,
+        space.fastest_obstacle(scene),
+        np.empty(4),
+        np.empty(4),
+    )
+    field = space.Field(
+        np.full(count, space.NEVER),
+        np.zeros(count, np.uint8),
+        np.zeros(count, np.uint8),
+        np.empty(count, np.float32),
+    )
+    node, body, time, accepted = space.march(ask, chart.start(scene), field)
+    via = np.empty(count, np.int32)
+    space.finish(ask, field, via)
+    return Front(
+        chart=chart,
+        waits=False,
+        nodes=np.arange(count, dtype=np.int32),
+        via=via,
+        arrival=field.arrival,
+        end=np.broadcast_to(scene.limits.horizon, via.shape),
+        refused=(field.state == space.FROZEN).reshape(chart.shape),
+        met=(field.state == space.MET).reshape(chart.shape),
+        met_state=node,
+        met_body=body,
+        met_time=time,
+        steps=accepted,
+    )
+
+
+def _pace(scene: Scene, chart: SpaceLattice, fast: float) -> space.Pace:
+    """How long steps take, with a hand that is nowhere faster than `fast`."""
+    offsets = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if any(d)])
+    hops = np.linalg.norm(offsets, axis=1) * chart.spacing
+    slowness, shortest = 1.0 / scene.limits.joint_speed, chart.spacing / fast
+    return space.Pace(slowness, offsets, hops, hops / fast, shortest, ring_leap(chart.postures))
 
 
 def _plane(scene: Scene, lattice: Lattice) -> Plane:

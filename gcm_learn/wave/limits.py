@@ -6,7 +6,8 @@ import numpy as np
 
 from gcm_learn.collision import Postures, postures_of
 from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
-from gcm_learn.scene import Scene, joints_of
+from gcm_learn.motion import fastest_hand
+from gcm_learn.scene import Scene, SpatialLimb, joints_of
 from gcm_learn.wave.kernels import Terms
 from gcm_learn.wave.params import MarchingParams, WaveParams
 
@@ -16,6 +17,8 @@ CONTACT_RADIUS = 0.71  # at least half a cell's diagonal, or a small target slip
 def fastest(scene: Scene) -> float:
     """Speed that the hand nowhere exceeds, so that of the front [forearm lengths / s]."""
     limits = scene.limits
+    if isinstance(scene.limb, SpatialLimb):
+        return float(fastest_hand(scene))
     return min(limits.speed, (scene.limb.rho + 1.0) * limits.shoulder + limits.elbow)
 
 

@@ -1,0 +1,317 @@
+"""Marching over the cells and postures of hand-space in space: first arrivals, in order of time.
+
+A front goes from a cell to its 26 neighbours in the same posture, and to the two postures beside it
+in the same cell.  A step takes as long as the hand or the joint that has farthest to turn, so no
+speed is the same in all directions, and arrivals are the shortest ways over such steps.  A node is
+accepted if the limb is clear of obstacles at that moment, and was on the whole step there; if it is
+touched then, the node is frozen.
+
+What surely stays clear is not asked again: the room that the limb had at the node before, less what
+limb and obstacles moved since.  Nodes wait in buckets no wider than the shortest step, so those of
+one bucket may come in any order.  Times are in seconds.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.collision.postures import Desk, distance_at, move_is_free
+from gcm_learn.compiled import njit
+from gcm_learn.handspace.space import Nodes, hand_of_node, is_there
+from gcm_learn.motion.interception_in_space import target_room
+from gcm_learn.scene import Scene
+from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
+from gcm_learn.wave.kernels import Terms
+
+OPEN, ACCEPTED, FROZEN, MET = 0, 1, 2, 3  # what became of a node
+NEIGHBOURS = 26
+RING = NEIGHBOURS  # code of a step to the next posture, and to the one before it
+START = 255  # code of nodes that are reached from the arm's posture at t = 0
+BUCKETS = 1024
+COUNT, SPARE, LEFT, FIRST = 0, 1, 2, 3  # of `counts`: used, first spare entry, spare ones, heads
+NEVER = np.float32(1e30)
+
+
+class Pace(NamedTuple):
+    """How long steps take."""
+
+    slowness: np.ndarray  # (4,) of the joints [s/rad]
+    offsets: np.ndarray  # (26, 3): of neighbours along z, y and x [cells]
+    hops: np.ndarray  # (26,): how far they are
+    hand: np.ndarray  # (26,): how long the hand takes at least [s]
+    shortest: float  # least time of a step [s]
+    leap: float  # angle by which no joint turns in a step within a cell [rad]
+
+
+class Field(NamedTuple):
+    """What is known of the nodes."""
+
+    arrival: np.ndarray  # (nodes,) float32: earliest so far [s]
+    state: np.ndarray  # (nodes,) uint8
+    via: np.ndarray  # (nodes,) uint8: step by which the front comes
+    room: np.ndarray  # (nodes,) float32: distance that obstacles have at least then, bones only
+
+
+class Ask(NamedTuple):
+    """What is asked of a scene, and how."""
+
+    scene: Scene
+    nodes: Nodes
+    pace: Pace
+    terms: Terms
+    desk: Desk
+    widening: np.ndarray  # (nodes,) or none: margin beyond `margin`
+    margin: float  # of the limb, in halves of what it moves on a step
+    quick: float  # top speed of obstacles [lengths/s]
+    near: np.ndarray  # (4,): joints
+    far: np.ndarray  # (4,)
+
+
+@njit(_nrt=False)
+def neighbour(nodes, pace, node, code):
+    """Node that a step with some code leads to, -1 if that is outside the lattice."""
+    n, K = nodes.n, nodes.rule.postures
+    cell = node // K
+    if code >= RING:
+        k = node - cell * K + (1 if code == RING else K - 1)
+        return cell * K + (k if k < K else k - K)
+    row = cell // n
+    z = row // n
+    x, y, z = (
+        cell - row * n + pace.offsets[code, 2], row - z * n + pace.offsets[code, 1],
+        z + pace.offsets[code, 0],
+    )  # fmt: skip
+    if x < 0 or y < 0 or z < 0 or x >= n or y >= n or z >= n:
+        return -1
+    return ((z * n + y) * n + x) * K + node - cell * K
+
+
+@njit(_nrt=False)
+def before(nodes, pace, node, code):
+    """Node that a step with some code comes from; -1 for the arm's posture at t = 0."""
+    if code == START:
+        return -1
+    back = NEIGHBOURS - 1 - code if code < RING else RING + RING + 1 - code
+    return neighbour(nodes, pace, node, back)
+
+
+@njit(_nrt=False)
+def step(nodes, pace, node, other, code):
+    """Time of a step between two nodes, NEVER if it is none, and how far it moves the limb.
+
+    From a straight line the hand's way in the joints bends no farther than its acceleration allows,
+    the sum of the joints' rates squared times the reach.
+    """
+    q = nodes.joints
+    a, b = abs(q[other, 0] - q[node, 0]), abs(q[other, 1] - q[node, 1])
+    c, d = abs(q[other, 2] - q[node, 2]), abs(q[other, 3] - q[node, 3])
+    s = pace.slowness
+    hop, time, leap = 0.0, pace.shortest, pace.leap
+    if code < RING:
+        hop, time, leap = pace.hops[code], pace.hand[code], nodes.leap
+    if max(max(a, b), max(c, d)) > leap:
+        return NEVER, 0.0
+    time = max(max(time, a * s[0]), max(max(b * s[1], c * s[2]), d * s[3]))
+    limb, turn = nodes.rule.limb, a + b + c + d
+    bent = 0.125 * (limb.rho + limb.length) * turn * turn
+    return time, max(hop, limb.rho * np.sqrt(a * a + b * b)) + bent
+
+
+@njit(_nrt=False, forceinline=True)
+def put(node, slot, queue, counts):
+    """Put a node into a bucket."""
+    entry = counts[SPARE]
+    if entry >= 0:
+        counts[SPARE] = queue[entry, 1]
+        counts[LEFT] -= 1
+    else:
+        entry = counts[COUNT]
+        counts[COUNT] = entry + 1
+    queue[entry, 0], queue[entry, 1] = node, counts[FIRST + slot]
+    counts[FIRST + slot] = entry
+
+
+@njit(_nrt=False)
+def offer(ask, field, node, bucket, queue, counts):
+    """Offer the front of an accepted node to its neighbours."""
+    nodes, pace = ask.nodes, ask.pace
+    now, K, n = field.arrival[node], nodes.rule.postures, nodes.n
+    cell = node // K
+    row = cell // n
+    z = row // n
+    x, y = cell - row * n, row - z * n
+    inner = 0 < x < n - 1 and 0 < y < n - 1 and 0 < z < n - 1
+    for code in range(NEIGHBOURS + (2 if K > 1 else 0)):
+        if inner and code < RING:
+            other = pace.offsets[code, 0] * n + pace.offsets[code, 1]
+            other = node + (other * n + pace.offsets[code, 2]) * K
+        else:
+            other = neighbour(nodes, pace, node, code)
+        if other < 0 or field.state[other] != OPEN:
+            continue
+        least = pace.shortest if code >= RING else pace.hand[code]
+        if now + least >= field.arrival[other] or not is_there(nodes, other):
+            continue
+        took, _ = step(nodes, pace, node, other, code)
+        time = np.float32(now + took)
+        if time < field.arrival[other]:
+            slot, old = int(time / pace.shortest), int(field.arrival[other] / pace.shortest)
+            field.arrival[other], field.via[other] = time, code
+            if slot != old:
+                put(other, min(max(slot, bucket), bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+
+
+@njit(_nrt=False)
+def retry(ask, field, node, bucket, queue, counts):
+    """Wait for the next front that may come to a node, the last one having been held up."""
+    late, nodes, pace = field.arrival[node], ask.nodes, ask.pace
+    field.arrival[node] = NEVER
+    for code in range(NEIGHBOURS + (2 if nodes.rule.postures > 1 else 0)):
+        other = before(nodes, pace, node, code)
+        if other >= 0 and field.state[other] == ACCEPTED:
+            time = np.float32(field.arrival[other] + step(nodes, pace, other, node, code)[0])
+            if late < time < field.arrival[node]:
+                field.arrival[node], field.via[node] = time, code
+    if field.arrival[node] < NEVER:
+        slot = max(int(field.arrival[node] / pace.shortest), bucket)
+        put(node, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+
+
+@njit(_nrt=False)
+def judge(ask, field, node):
+    """What becomes of a node to which the front has come: ACCEPTED, FROZEN, or OPEN.
+
+    It stays open if the limb was touched on the step there only.
+    """
+    nodes, scene, now = ask.nodes, ask.scene, field.arrival[node]
+    home = before(nodes, ask.pace, node, field.via[node])
+    touch, moved, room, took = scene.limb.thickness, 0.0, -1.0, 0.0
+    if home >= 0:
+        _, moved = step(nodes, ask.pace, home, node, field.via[node])
+        took = now - field.arrival[home]
+        room = field.room[home] - moved - ask.quick * took
+    wide = ask.margin
+    if ask.widening.size > 0:
+        wide += ask.widening[node]
+    touch += 0.5 * wide * moved
+    if room <= touch:
+        for j in range(4):
+            ask.far[j] = nodes.joints[node, j]
+        room = distance_at(scene, ask.far, now, ask.desk)
+        if room <= touch:
+            return FROZEN
+        if home >= 0 and room - moved - ask.quick * took <= touch:
+            for j in range(4):
+                ask.near[j] = nodes.joints[home, j]
+            since = field.arrival[home]
+            if not move_is_free(scene, ask.near, since, ask.far, now, touch, ask.desk):
+                return OPEN
+    field.room[node] = room
+    return ACCEPTED
+
+
+@njit(_nrt=False)
+def target_at(ask, node, now):
+    """Target that is met at a node at some time, -1 if none."""
+    scene, poses, contact = ask.scene, ask.desk.poses, ask.terms.grasp
+    rows = scene.bodies.rows
+    if now < ask.terms.ignore:
+        return -1
+    x, y, z = hand_of_node(ask.nodes, node)
+    for b in range(rows.shape[0]):
+        if rows[b, PART] != HAND:
+            continue
+        centre_at(scene.bodies, b, now, poses)
+        dx, dy, dz = x - poses[b, 0], y - poses[b, 1], z - poses[b, 2]
+        near = rows[b, REACH] + contact
+        if dx * dx + dy * dy + dz * dz <= near * near:
+            if target_room(scene, b, x, y, z, now, poses) <= contact:
+                return b
+    return -1
+
+
+@njit(_nrt=False)
+def fastest_obstacle(scene):
+    """Top speed of any point of an obstacle [lengths/s]."""
+    fastest, rows = 0.0, scene.bodies.rows
+    for b in range(rows.shape[0]):
+        if rows[b, PART] != HAND:
+            fastest = max(fastest, rows[b, TOP_SPEED])
+    return fastest
+
+
+@njit
+def march(ask, start, field):
+    """March over the nodes.
+
+    Parameters
+    ----------
+    ask : Ask
+    start : tuple of ndarray
+        Nodes (k,) that are reached straight from the arm's posture at t = 0, and when (k,) [s].
+    field : Field
+        Its arrivals are NEVER where the front never came.
+
+    Returns
+    -------
+    node, body : int
+        First contact, -1 if none.
+    time : float
+        When [s].
+    accepted : int
+    """
+    pace, terms, state = ask.pace, ask.terms, field.state
+    queue = np.empty((4096, 2), dtype=np.int32)
+    counts = np.full(FIRST + BUCKETS, -1, dtype=np.int64)
+    counts[COUNT], counts[LEFT] = 0, 0
+    for i in range(start[0].size):
+        field.arrival[start[0][i]], field.via[start[0][i]] = start[1][i], START
+        slot = min(int(start[1][i] / pace.shortest), BUCKETS - 1)
+        if is_there(ask.nodes, start[0][i]):
+            put(start[0][i], slot, queue, counts)
+    met, body, when, accepted, bucket, empty = -1, -1, terms.end, 0, 0, 0
+    while empty <= BUCKETS and bucket * pace.shortest <= terms.end and (met < 0 or terms.explore):
+        slot = FIRST + bucket % BUCKETS
+        empty += 1
+        while counts[slot] >= 0:
+            if counts[LEFT] + queue.shape[0] - counts[COUNT] < NEIGHBOURS + 4:
+                queue = np.concatenate((queue, np.empty_like(queue)))
+            empty, entry = 0, counts[slot]
+            node = queue[entry, 0]
+            counts[slot], queue[entry, 1] = queue[entry, 1], counts[SPARE]
+            counts[SPARE], counts[LEFT] = entry, counts[LEFT] + 1
+            now = field.arrival[node]
+            if state[node] != OPEN or now > terms.end:
+                continue
+            ahead = int(now / pace.shortest)
+            if ahead > bucket:  # it was too far ahead for the buckets, or was held up
+                put(node, min(ahead, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+                continue
+            state[node] = judge(ask, field, node)
+            if state[node] == OPEN:
+                retry(ask, field, node, bucket, queue, counts)
+            if state[node] != ACCEPTED:
+                continue
+            accepted += 1
+            target = target_at(ask, node, now)
+            if target >= 0:
+                state[node] = MET
+                if met < 0 or now < when:
+                    met, body, when = node, target, float(now)
+            else:
+                offer(ask, field, node, bucket, queue, counts)
+        bucket += 1
+    return met, body, when, accepted
+
+
+@njit(_nrt=False)
+def finish(ask, field, via):
+    """Mark nodes where the front never came, and write where it came from into via (nodes,)."""
+    for node in range(via.size):
+        via[node] = -1
+        if field.state[node] == OPEN:
+            field.arrival[node] = -1.0
+        else:
+            via[node] = before(ask.nodes, ask.pace, node, field.via[node])
