@@ -1,1 +1,1 @@
-"""Planning for spatial arms: straight moves, and search over the joints."""
+"""Planning for spatial arms: straight moves, search over the joints, and fronts in space."""

@@ -81,7 +81,7 @@ def show_image(ax: Axes, image: np.ndarray, arm: Arm, zorder: float = 2.0) -> Ax
     return shown
 
 
-def draw_hand(ax: Axes, hand: tuple[float, float] | np.ndarray) -> None:
+def draw_hand(ax: Axes, hand: tuple[float, ...] | np.ndarray) -> None:
     """Draw the arm as hand-space knows it: a point."""
     ax.plot([hand[0]], [hand[1]], "o", color="black", mec="white", mew=1.0, ms=7.5, zorder=12)
 

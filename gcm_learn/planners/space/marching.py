@@ -1,0 +1,156 @@
+"""Marching in space: a front over cells and postures, its map, and the way that it came."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+from gcm_learn.handspace import SpaceLattice, space_of
+from gcm_learn.maps import CognitiveMap, build_map, nodes_to
+from gcm_learn.motion import Failure, Reason, SpatialTrajectory
+from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
+from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.space.accelerated import plan_accelerated
+from gcm_learn.planners.space.goals import box, no_goals, pulled, reach
+from gcm_learn.planners.space.moves import Study, study_of, time_of
+from gcm_learn.planners.space.straight import at_once
+from gcm_learn.planners.space.ways import (
+    MOST,
+    Way,
+    hasten,
+    new_way,
+    samples_of,
+    shorten,
+    write,
+)
+from gcm_learn.scene import HAND, PART, Scene
+from gcm_learn.situation import AnySituation
+from gcm_learn.wave import MarchingParams, fastest
+
+INSTANTS, SWIVELS = 32, 12  # of interceptions that are dashed for under limits of acceleration
+ENDINGS = 24  # moments at which a way's end is tried
+LATER = 0.25  # from one of them to the next [crossings of a cell]
+
+
+@dataclass(frozen=True)
+class MarchingInSpace:
+    """Maps of ever more postures, until the way to an interception holds."""
+
+    name: str = "marching"
+    levels: tuple[tuple[int, int], ...] = ((40, 1), (40, 4), (40, 8))
+    """Cells along a side, and postures in a cell."""
+    trials: int = 3
+    """Interceptions that are tried on each of them."""
+
+    takes_space: ClassVar[bool] = True
+
+    def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+        """Answer a situation."""
+        problem = SpatialProblem(situation, self.name)
+        answer = problem.early_answer(keeps_acceleration=True) or at_once(problem)
+        if answer is None and problem.accelerates:
+            targets = int((problem.bodies.rows[:, PART] == HAND).sum())
+            times = problem.situation.horizon * np.arange(1, INSTANTS + 1) / INSTANTS
+            tried = no_goals(targets, INSTANTS, SWIVELS), times
+            answer = plan_accelerated(problem, tried, SWIVELS, self.plan)
+        return self._search(problem) if answer is None else answer
+
+    def _search(self, problem: SpatialProblem) -> Plan[SpatialTrajectory]:
+        situation = problem.situation
+        study, scene = study_of(problem.scene, problem.rules), kept(problem)
+        reason: Reason | None = None
+        for n, postures in self.levels:
+            chart, ignore = space_of(situation.arm, n, postures), 0.0
+            for trial in range(self.trials):
+                params = MarchingParams(n=n, margin=0.0)
+                found = build_map(situation, params, chart=chart, scene=scene, ignore=ignore)
+                if found.interception is None:
+                    reason = reason or Reason(Failure.NO_INTERCEPTION)
+                    break
+                plan, reason = followed(problem, study, found)
+                if plan is not None:
+                    return plan
+                ignore = found.interception.time + 2**trial * chart.spacing / fastest(scene)
+        return problem.answer(reason or Failure.NO_INTERCEPTION, found)
+
+
+def kept(problem: SpatialProblem) -> Scene:
+    """The scene with a limb so thick that what it keeps is surely verified."""
+    scene = problem.scene
+    return scene._replace(limb=scene.limb._replace(thickness=problem.rules.touch))
+
+
+def followed(
+    problem: SpatialProblem, study: Study, found: CognitiveMap
+) -> tuple[Plan[SpatialTrajectory] | None, Reason | None]:
+    """The way to a map's interception, made shorter and ended on the target, or why it fails.
+
+    Parameters
+    ----------
+    found : CognitiveMap
+        Over a `SpaceLattice`, with an interception; it says where its front came from.
+    """
+    chart = found.chart
+    assert isinstance(chart, SpaceLattice) and found.interception is not None
+    nodes = nodes_to(found, int(np.ravel_multi_index(found.interception.cell, chart.shape)))
+    joints, times = (
+        chart.joints_at(np.array(nodes)),
+        found.arrival.ravel()[nodes].filled(0.0).astype(float),
+    )
+    body = [b.name for b in problem.situation.bodies].index(found.interception.body)
+    way, out = new_way(), new_way()
+    if len(nodes) + 2 > MOST or not lay(study, joints, times, way):
+        return None, Reason(Failure.NO_ENDING)
+    if not end(study, way, body, LATER * chart.spacing / fastest(problem.scene)):
+        return None, Reason(Failure.NO_ENDING)
+    shorten(study, way, out)
+    hasten(study, out)
+    time, path, caught = samples_of(study, out)
+    attempt = Attempt(SpatialTrajectory(problem.situation.arm, time, path), int(caught))
+    plan, verdict = judged(problem, attempt, found)
+    return plan, verdict.reason
+
+
+@njit(_nrt=False)
+def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: Way) -> bool:
+    """Write the way through joints (m, 4), wanted at times (m,), as soon as limits allow.
+
+    Returns whether it comes before the horizon.
+    """
+    limits, now = study.scene.limits, 0.0
+    write(way, 0, study.scene.limb.start, 0.0, 0.0)
+    for k in range(times.size):
+        took, _ = time_of(study, way.joints[k], joints[k])
+        now = max(now + took, times[k])
+        write(way, k + 1, joints[k], now, now)
+    return now < limits.horizon
+
+
+@njit(_nrt=False)
+def end(study: Study, way: Way, body: int, later: float) -> bool:
+    """Let a way end on a body, by a straight move from its last posture; whether there is one.
+
+    Parameters
+    ----------
+    later : float
+        From one moment that is tried to the next [s].
+    """
+    last, horizon = way.size[0] - 1, study.scene.limits.horizon
+    q, since, goal = way.joints[last], way.reached[last], study.posture
+    for k in range(1, ENDINGS + 1):
+        t = min(since + k * later, horizon)
+        box(study, q, t - since)
+        for j in range(4):
+            goal[j] = q[j]
+        if pulled(study, body, t, goal):
+            begin, arrive = reach(study, q, since, t, goal, t)
+            if begin >= 0.0:
+                way.left[last], way.body[0] = begin, body
+                write(way, last + 1, goal, arrive, t)
+                return True
+        if t >= horizon:
+            break
+    return False

@@ -1,0 +1,41 @@
+"""Marching plans for spatial arms: what it claims holds, and its map tells the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from gcm_learn import solve
+from gcm_learn.planners import plan_to_json
+from gcm_learn.planners.space.marching import MarchingInSpace
+from gcm_learn.situation import read_situations, situation_to_json
+from tests.referee_in_space import judge
+from tests.spatial import EXAMPLES
+
+SITUATIONS = read_situations(EXAMPLES)
+
+
+@pytest.mark.parametrize("first", range(0, 50, 10))
+def test_catches_hold_and_are_frequent(first):
+    caught = 0
+    for situation in SITUATIONS[first : first + 10]:
+        plan = solve(situation, "marching")
+        assert plan.status != "start_blocked"
+        if plan.caught:
+            caught += 1
+            made = plan_to_json(plan, situation), situation_to_json(situation)
+            assert judge(made[1], made[0]).complaints == []
+    assert caught >= 5
+
+
+def test_a_plan_shows_the_map_that_it_came_from():
+    plan = solve(SITUATIONS[0], "marching")
+    assert plan.caught and plan.map is not None and plan.map.interception is not None
+    assert plan.map.arrival.shape == (40, 40, 40)
+    assert plan.catch_body == plan.map.interception.body
+    assert plan.catch_time < 2.0 * plan.map.interception.time
+
+
+def test_more_postures_catch_more():
+    one, more = (MarchingInSpace(levels=levels) for levels in (((24, 1),), ((24, 1), (24, 4))))
+    caught = [[p.plan(s).caught for s in SITUATIONS[:16]] for p in (one, more)]
+    assert sum(caught[1]) >= sum(caught[0]) >= 6
