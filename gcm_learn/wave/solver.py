@@ -9,12 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
+from gcm_learn.handspace import Chart, Lattice, SpaceLattice, cell_joints, hand_space
 from gcm_learn.scene import COLUMNS, Bodies, Limb, Limits, Scene
 from gcm_learn.wave import kernels, stencil
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of
 from gcm_learn.wave.params import REST, WaveParams
+from gcm_learn.wave.solver_in_space import kappa_in_space, propagate_in_space
 
 QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
 STATES_PER_CELL = 4  # room for sheets; most cells need one
@@ -28,12 +29,14 @@ def kappa_of(scene: Scene, chart: Chart, params: WaveParams) -> float:
     At the paper's setting (80 cells over 4 forearm lengths, d = 0.2) and 3.4 forearm lengths a
     second this is the paper's kappa = 1/400 s.
     """
+    if isinstance(chart, SpaceLattice):
+        return kappa_in_space(scene, chart, params)
     return front_speed(params).fastest * chart.spacing / fastest(scene)
 
 
 def propagate(
     scene: Scene,
-    lattice: Lattice,
+    lattice: Lattice | SpaceLattice,
     params: WaveParams,
     *,
     ignore: float = 0.0,
@@ -44,12 +47,12 @@ def propagate(
     Parameters
     ----------
     scene : Scene
-    lattice : Lattice
+    lattice : Lattice or SpaceLattice
         Of ``params.n`` cells a side.
     params : WaveParams
     ignore : float
         Contacts before this time do not count [s].
-    widening : (n * n,) ndarray, optional
+    widening : (cells,) ndarray, optional
         Margin of every cell beyond that of the parameters, in the same unit.
 
     Returns
@@ -57,6 +60,8 @@ def propagate(
     Front
         Of one sheet.
     """
+    if isinstance(lattice, SpaceLattice):
+        return propagate_in_space(scene, lattice, params, ignore=ignore, widening=widening)
     kappa = kappa_of(scene, lattice, params)
     return _propagate(scene, lattice, params, kappa, ignore, widening)
 

@@ -1,0 +1,532 @@
+"""The wave of Eq. 10 in space, as numba kernels.
+
+What is quick about it is what is quick in the plane (`wave.kernels`): the stencil vectorises, only
+blocks of cells near the front are stepped, and a cell is asked about once.  In space the front is a
+shell that passes by most cells only once, and the lattice has half a million of them.  So what is
+known of a cell, its posture first of all, is found out when its block wakes: ahead of the front.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.collision.postures import body_distance, desk_of
+from gcm_learn.compiled import njit
+from gcm_learn.handspace.postures import posture_of
+from gcm_learn.handspace.space import NOWHERE, Nodes, hand_of_node, is_there
+from gcm_learn.motion.interception_in_space import target_room
+from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
+from gcm_learn.scene.spatial_limb import limb_at
+from gcm_learn.wave.kernels import CLAMPED, CONTACT, FREE, FROZEN, UP_R, UP_Z
+from gcm_learn.wave.stencil_in_space import BLOCK, FIELD, LEFT, SLAB, WIDTH, two_steps
+
+ASLEEP, SEEN, AWAKE = 0, 1, 2  # what this wave knows of a block: nothing, postures, rates as well
+MOST = 65_536  # cells that are looked at together; what there is more of has its turn next
+FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearms]
+MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
+_A, _Q, _L, _C = FIELD, 3 * FIELD, 4 * FIELD, 5 * FIELD
+_STEPS = np.array([-SLAB, -WIDTH, -1, 1, WIDTH, SLAB])
+
+
+class SpaceGround(NamedTuple):
+    """A lattice in space, what is known of its cells, and how the wave is run on it."""
+
+    B: np.ndarray  # the buffer of `wave.stencil_in_space`
+    n: int
+    nodes: Nodes  # the lattice's
+    joint_speed: np.ndarray  # (4,) [rad/s]
+    speed: float  # of the fastest front [lengths/s]
+    elbows: np.ndarray  # (n^3, 3) float32
+    asked: np.ndarray  # (n + 2, n + 2, blocks + 2) bool: blocks whose elbows are known
+    known: np.ndarray  # the same shape, uint8: ASLEEP, SEEN or AWAKE
+    wake: np.ndarray  # the same shape, bool: blocks that are about to be stepped; False in between
+    slowest: float  # least rate of a cell
+    held: bool  # frozen cells are seen by their neighbours instead of being cut out
+    diffusion: float
+    epsilon: float
+    quiet: float  # change of a potential [1/tau] below which a block counts as settled
+    step: float  # [tau]
+    lag: float  # from look to look [tau]
+    slowness: float  # of the fastest front [tau per cell]
+    threshold: float
+
+
+class Runs(NamedTuple):
+    """The blocks that are stepped, and those in which a cell may soon be reached."""
+
+    start: np.ndarray  # (blocks,) uint64: first entries
+    watch: np.ndarray  # (blocks,) uint64
+    size: np.ndarray  # (2,): how many of each
+
+
+class SpaceBatch(NamedTuple):
+    """Cells that are reached together, in the front's unit of time."""
+
+    cells: np.ndarray  # (MOST,)
+    since: np.ndarray  # (MOST,): when the front was next door
+    when: np.ndarray  # (MOST,): when it comes
+
+
+class Judged(NamedTuple):
+    """What becomes of cells."""
+
+    state: np.ndarray  # (n^3,) uint8: FREE, FROZEN or CONTACT
+    via: np.ndarray  # (n^3,) int32: cell that the front came from, -1 if from the hand
+    widening: np.ndarray  # (n^3,) margin beyond that of the parameters, or (0,)
+    margin: float  # widening of obstacles, in strides of the limb
+
+
+@njit(_nrt=False, forceinline=True)
+def entry_of(m, n):
+    """Place of cell m in a field of the buffer."""
+    return (m // (n * n) + 1) * SLAB + (m // n % n + 1) * WIDTH + m % n + LEFT
+
+
+@njit(_nrt=False, forceinline=True)
+def cell_of(k, n):
+    """Cell at place k of a field."""
+    return ((k // SLAB - 1) * n + k % SLAB // WIDTH - 1) * n + k % WIDTH - LEFT
+
+
+@njit(_nrt=False, forceinline=True)
+def _insulate(B, k):
+    """Cut a cell out of the lattice: it neither changes nor is seen by its neighbours."""
+    B[k] = B[k + _A] = B[k + _Q] = np.float32(0.0)
+    for e in _STEPS:
+        B[k + e + _L] -= np.float32(1.0)
+
+
+@njit(_nrt=False)
+def _ask(iz, iy, b, ground):
+    """Find the postures and elbows of a block's cells."""
+    n, nodes, elbows, q = ground.n, ground.nodes, ground.elbows, ground.nodes.scratch
+    for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
+        m = ((iz - 1) * n + iy - 1) * n + ix
+        if is_there(nodes, m):
+            for j in range(4):
+                q[j] = nodes.joints[m, j]
+            elbows[m, 0], elbows[m, 1], elbows[m, 2], _, _, _ = limb_at(nodes.rule.limb, q)
+    ground.asked[iz, iy, b] = True
+
+
+@njit(_nrt=False)
+def _see(iz, iy, b, ground):
+    """Cut the cells of a block that have no posture out of the lattice."""
+    n = ground.n
+    if not ground.asked[iz, iy, b]:
+        _ask(iz, iy, b, ground)
+    ground.known[iz, iy, b] = SEEN
+    for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
+        m = ((iz - 1) * n + iy - 1) * n + ix
+        if not is_there(ground.nodes, m):
+            _insulate(ground.B, entry_of(m, n))
+
+
+@njit(_nrt=False, forceinline=True)
+def _four(joints, m):
+    return joints[m, 0], joints[m, 1], joints[m, 2], joints[m, 3]
+
+
+@njit(_nrt=False)
+def _turning(speed, q, p):
+    """Time in which joints whose speeds are `speed` (4,) turn from q to p, tuples of four [s]."""
+    return max(
+        max(abs(p[0] - q[0]) / speed[0], abs(p[1] - q[1]) / speed[1]),
+        max(abs(p[2] - q[2]) / speed[2], abs(p[3] - q[3]) / speed[3]),
+    )
+
+
+@njit(_nrt=False)
+def _rate(m, ix, iy, iz, ground):
+    """Rate of a cell: the mean speed of the hand over the steps from it, as a share of the front's.
+
+    The indices begin with 1, as those of blocks do.
+    """
+    n, joints, unit = ground.n, ground.nodes.joints, ground.nodes.spacing / ground.speed
+    total, count = 0.0, 0
+    for d in range(6):
+        axis, way = d // 2, 2 * (d % 2) - 1
+        place = (ix, iy, iz)[axis] + way
+        if place < 1 or place > n:
+            continue
+        p = m + way * (1, n, n * n)[axis]
+        if joints[p, 0] < NOWHERE:
+            turning = _turning(ground.joint_speed, _four(joints, m), _four(joints, p))
+            total += min(unit / turning, 1.0) if turning > 0.0 else 1.0
+            count += 1
+    return max(total / count, ground.slowest) if count > 0 else 1.0
+
+
+@njit(_nrt=False, forceinline=True)
+def _all(q):
+    return q[0], q[1], q[2], q[3]
+
+
+@njit
+def speeds_at(rule, joint_speed, spacing, hands):
+    """Mean speed (k,) of hands (k, 3) over steps of `spacing` along the axes; -1 if there is none.
+
+    Steps at which the rule jumps count as if the hand stood still.
+    """
+    out, q, p = np.full(hands.shape[0], -1.0), np.empty(4), np.empty(4)
+    for k in range(hands.shape[0]):
+        x, y, z = hands[k, 0], hands[k, 1], hands[k, 2]
+        if not posture_of(rule, 0, x, y, z, q):
+            continue
+        total, count = 0.0, 0
+        for d in range(6):
+            axis, way = d // 2, (2 * (d % 2) - 1) * spacing
+            there = (x + way * (axis == 0), y + way * (axis == 1), z + way * (axis == 2))
+            if posture_of(rule, 0, there[0], there[1], there[2], p):
+                total += spacing / max(_turning(joint_speed, _all(q), _all(p)), 1e-12)
+                count += 1
+        if count > 0:
+            out[k] = total / count
+    return out
+
+
+@njit(_nrt=False)
+def _rouse(iz, iy, b, ground):
+    """Get a block ready to be stepped: its own cells' postures, their neighbours', their rates."""
+    n, known, blocks = ground.n, ground.known, ground.known.shape[2] - 2
+    for d in range(-1, 6):
+        axis, way = d // 2, 2 * (d % 2) - 1
+        k, j, i = iz, iy, b
+        if d >= 0:
+            k, j, i = k + (axis == 0) * way, j + (axis == 1) * way, i + (axis == 2) * way
+        if 1 <= k <= n and 1 <= j <= n and 1 <= i <= blocks and known[k, j, i] == ASLEEP:
+            _see(k, j, i, ground)
+    known[iz, iy, b] = AWAKE
+    for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
+        m = ((iz - 1) * n + iy - 1) * n + ix
+        if ground.nodes.joints[m, 0] < NOWHERE:
+            ground.B[entry_of(m, n) + _Q] = ground.step * _rate(m, ix + 1, iy, iz, ground)
+
+
+@njit(_nrt=False, forceinline=True)
+def _crossed(B, start, level):
+    """Whether any cell of a block is above a level and has no arrival yet."""
+    count = np.int32(0)
+    for k in range(start, start + np.uint64(BLOCK)):
+        count += np.int32((B[k] >= level) & (B[k + np.uint64(_C)] < np.float32(0.0)))
+    return count > 0
+
+
+@njit(_nrt=False)
+def _stir(ground, runs):
+    """Mark the blocks in which a potential still changes, and those next to them."""
+    B, wake, quiet = ground.B, ground.wake, np.float32(ground.quiet * ground.step)
+    for r in range(runs.size[0]):
+        start = runs.start[r]
+        moving = np.int32(0)
+        for k in range(start, start + np.uint64(BLOCK)):
+            moving += np.int32(abs(B[k] - B[k + np.uint64(_A)]) > quiet)
+        if moving == 0:
+            continue
+        s = np.int64(start)
+        iz, iy, b = s // SLAB, s % SLAB // WIDTH, (s % WIDTH - LEFT) // BLOCK + 1
+        wake[iz, iy, b] = True
+        wake[iz - 1, iy, b] = wake[iz + 1, iy, b] = True
+        wake[iz, iy - 1, b] = wake[iz, iy + 1, b] = True
+        if abs(B[s] - B[s + _A]) > quiet:
+            wake[iz, iy, b - 1] = True
+        if abs(B[s + BLOCK - 1] - B[s + BLOCK - 1 + _A]) > quiet:
+            wake[iz, iy, b + 1] = True
+
+
+@njit(_nrt=False)
+def _list(ground, runs):
+    """List the blocks that are marked, get the new ones ready, and take the marks away."""
+    n, wake, known = ground.n, ground.wake, ground.known
+    low, count, watched = np.float32(0.1 * ground.threshold), 0, 0
+    for iz in range(1, n + 1):
+        for iy in range(1, n + 1):
+            for b in range(1, wake.shape[2] - 1):
+                if not wake[iz, iy, b]:
+                    continue
+                wake[iz, iy, b] = False
+                if known[iz, iy, b] != AWAKE:
+                    _rouse(iz, iy, b, ground)
+                start = np.uint64(iz * SLAB + iy * WIDTH + (b - 1) * BLOCK + LEFT)
+                runs.start[count] = start
+                count += 1
+                if _crossed(ground.B, start, low):
+                    runs.watch[watched] = start
+                    watched += 1
+    runs.size[0], runs.size[1] = count, watched
+
+
+@njit(_nrt=False)
+def _next_door(B, k):
+    """Arrival of the earliest neighbour that passes the front on, -1 if there is none."""
+    best = np.float32(-1.0)
+    for e in _STEPS:
+        c = B[k + e + _C]
+        if B[k + e] > 0.0 and c >= 0.0 and (best < 0.0 or c < best):
+            best = c
+    return best
+
+
+@njit(_nrt=False)
+def _arrivals(ground, runs, tau, batch):
+    """Find and record the cells that crossed the threshold since the last look: how many."""
+    B, n, threshold, count = ground.B, ground.n, np.float32(ground.threshold), 0
+    for w in range(runs.size[1]):
+        if not _crossed(B, runs.watch[w], threshold):
+            continue
+        first = np.int64(runs.watch[w])
+        for k in range(first, first + BLOCK):
+            if B[k] < threshold or B[k + _C] >= 0.0 or count == MOST:
+                continue
+            before = np.float64(_next_door(B, k))
+            if before < 0.0:
+                continue
+            rise = B[k] - B[k + _A]
+            back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
+            batch.cells[count], batch.since[count] = cell_of(k, n), before
+            batch.when[count] = max(tau - min(back, ground.lag), before)
+            count += 1
+    # Written down only now, so that no cell passes on what has not been judged yet.
+    for i in range(count):
+        B[entry_of(batch.cells[i], n) + _C] = batch.when[i]
+    return count
+
+
+@njit(_nrt=False)
+def _way_back(ground, m, k, when):
+    """Cell from which the front came to cell m at place k: where its arrivals fall off most."""
+    B, n, best, steepest = ground.B, ground.n, -1, 0.0
+    for dz in range(-1, 2):
+        for dy in range(-1, 2):
+            for dx in range(-1, 2):
+                e = k + dz * SLAB + dy * WIDTH + dx
+                arrival = np.float64(B[e + _C])
+                if e == k or B[e] <= 0.0 or arrival < 0.0 or arrival >= when:
+                    continue
+                fall = (when - arrival) ** 2 / (dx * dx + dy * dy + dz * dz)
+                if fall > steepest:
+                    best, steepest = m + (dz * n + dy) * n + dx, fall
+    return best
+
+
+@njit(_nrt=False)
+def _stride(ground, m, k):
+    """How far points of the limb move when the hand goes half a step from cell m at place k."""
+    far, elbows, h = 0.25 * ground.nodes.spacing**2, ground.elbows, ground.nodes.spacing
+    for d in range(6):
+        p = m + (-ground.n * ground.n, -ground.n, -1, 1, ground.n, ground.n * ground.n)[d]
+        e = k + _STEPS[d]
+        # what has been reached has been seen, and what has not been reached lies ahead
+        if ground.B[e] > 0.0 and ground.B[e + _C] >= 0.0:
+            away = (elbows[m, 0] - elbows[p, 0]) ** 2 + (elbows[m, 1] - elbows[p, 1]) ** 2
+            far = max(far, 0.25 * (away + (elbows[m, 2] - elbows[p, 2]) ** 2))
+    return min(np.sqrt(far), 2.0 * h)
+
+
+@njit(_nrt=False)
+def hand_at_start(limb):
+    """Hand (3) at t = 0."""
+    _, _, _, x, y, z = limb_at(limb, limb.start)
+    return x, y, z
+
+
+@njit(_nrt=False)
+def _is_touched(scene, place, since, now, touch, shortest, desk):
+    """Whether an obstacle comes within `touch` of a resting limb (six numbers) in a span [s]."""
+    for k in range(desk.obstacles.size):
+        b = desk.obstacles[k]
+        speed, t = scene.bodies.rows[b, TOP_SPEED], now
+        far = touch + speed * (now - since)
+        found, _ = body_distance(scene.bodies, b, t, place, 0.0, 0.0, far, desk.poses)
+        if found <= touch:
+            return True
+        if found > far or speed == 0.0:
+            continue
+        least = max(min(shortest, FINEST * scene.limb.length / speed), (now - since) / MOST_LOOKS)
+        while t > since:  # backwards from now, when the distance is known
+            t = max(t - max((found - touch) / speed, least), since)
+            found, _ = body_distance(scene.bodies, b, t, place, 0.0, 0.0, far, desk.poses)
+            if found <= touch:
+                return True
+    return False
+
+
+@njit(_nrt=False)
+def _meeting(scene, hand, since, now, near, shortest, poses):
+    """First instant in a span [s] at which a target is near a hand at rest (-1), and which one."""
+    when, body = -1.0, -1
+    for b in range(scene.bodies.rows.shape[0]):
+        if scene.bodies.rows[b, PART] != HAND:
+            continue
+        speed, t = scene.bodies.rows[b, TOP_SPEED], since
+        least = shortest
+        if speed > 0.0:
+            least = min(shortest, FINEST * scene.limb.length / speed)
+            least = max(least, (now - since) / MOST_LOOKS)
+        until = now if body < 0 else when
+        while True:
+            room = target_room(scene, b, hand[0], hand[1], hand[2], t, poses) - near
+            if room <= 0.0:
+                when, body = t, b
+                break
+            if t >= until or speed == 0.0 or room > speed * (until - t):
+                break
+            t = min(t + max(room / speed, least), until)
+    return when, body
+
+
+@njit(_nrt=False)
+def _judge(scene, ground, terms, batch, count, now, judged, desk):
+    """Decide what becomes of the cells that the front has just reached (Eq. 11).
+
+    Returns
+    -------
+    cell, body : int
+        The earliest contact among them, -1 if there is none.
+    time : float
+        [s]
+    """
+    contact, contact_body, first = -1, -1, -1.0
+    n, kappa, elbows = ground.n, terms.kappa, ground.elbows
+    for i in range(count):
+        m, since = batch.cells[i], batch.since[i] * kappa
+        k = entry_of(m, n)
+        hand = hand_of_node(ground.nodes, m)
+        place = (elbows[m, 0], elbows[m, 1], elbows[m, 2], hand[0], hand[1], hand[2])
+        judged.via[m] = _way_back(ground, m, k, batch.when[i])
+        wide = judged.margin + (judged.widening[m] if judged.widening.size > 0 else 0.0)
+        touch = scene.limb.thickness
+        if wide > 0.0:
+            touch += wide * _stride(ground, m, k)
+        if _is_touched(scene, place, since, now * kappa, touch, terms.shortest, desk):
+            judged.state[m] = FROZEN
+            continue
+        t, body = _meeting(scene, hand, since, now * kappa, terms.grasp, terms.shortest, desk.poses)
+        if body >= 0 and t >= terms.ignore * kappa:
+            judged.state[m] = CONTACT
+            t = max(t, batch.when[i] * kappa)
+            if contact < 0 or t < first:
+                contact, contact_body, first = m, body, t
+    return contact, contact_body, first
+
+
+@njit(_nrt=False)
+def _freeze(ground, batch, count, state):
+    """Take the frozen and contacted ones among the cells just reached out of the dynamics."""
+    for i in range(count):
+        m = batch.cells[i]
+        if state[m] != FREE:
+            k = entry_of(m, ground.n)
+            if ground.held:
+                ground.B[k + _A], ground.B[k + _Q] = ground.B[k], np.float32(0.0)
+            else:
+                _insulate(ground.B, k)
+
+
+@njit(_nrt=False)
+def _mark(ground, k):
+    """Mark the block of the cell at place k and those next to it."""
+    wake, iz, iy, b = ground.wake, k // SLAB, k % SLAB // WIDTH, (k % WIDTH - LEFT) // BLOCK + 1
+    wake[iz, iy, b] = True
+    wake[iz - 1, iy, b] = wake[iz + 1, iy, b] = True
+    wake[iz, iy - 1, b] = wake[iz, iy + 1, b] = True
+    wake[iz, iy, b - 1] = wake[iz, iy, b + 1] = True
+
+
+@njit(_nrt=False)
+def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
+    """Excite the cells within a radius of the hand as far as they are free, and wake the others.
+
+    The first of them that has a posture is the hand's own.
+
+    Returns
+    -------
+    cell, body : int
+        First contact, -1 if there is none.
+    time : float
+        When [s].
+    start : float
+        When the wave starts [tau]: as soon as the hand is a cell beyond the ball, because its sharp
+        edge is faster than a front at first.
+    """
+    n, B, home, slowness, start = ground.n, ground.B, -1, 0.0, 0.0
+    contact, contact_body, first = -1, -1, -1.0
+    for i in range(ball.size):
+        m = ball[i]
+        k = entry_of(m, n)
+        iz, iy, b = k // SLAB, k % SLAB // WIDTH, (k % WIDTH - LEFT) // BLOCK + 1
+        if ground.known[iz, iy, b] != AWAKE:
+            _rouse(iz, iy, b, ground)
+        if ground.nodes.joints[m, 0] >= NOWHERE:
+            continue
+        _mark(ground, k)
+        if away[i] > radius and home >= 0:
+            continue
+        if home < 0:
+            home, slowness = m, ground.slowness * ground.step / np.float64(B[k + _Q])
+            B[k], B[k + _A], B[k + _Q], B[k + _C] = CLAMPED, CLAMPED, 0.0, 0.0
+            judged.via[m] = -1
+            continue
+        when, before = away[i] * slowness, np.float64(_next_door(B, k))
+        if before < 0.0 or when > terms.end:
+            continue  # behind cells that are not free
+        start = max(start, when)
+        batch.cells[0], batch.since[0], batch.when[0] = m, before, when
+        B[k], B[k + _A], B[k + 2 * FIELD], B[k + _C] = UP_R, UP_R, UP_Z, when
+        cell, body, t = _judge(scene, ground, terms, batch, 1, when, judged, desk)
+        if cell >= 0 and (contact < 0 or t < first):
+            contact, contact_body, first = cell, body, t
+        _freeze(ground, batch, 1, judged.state)
+    return contact, contact_body, first, start + slowness
+
+
+@njit
+def propagate_in_space(scene, ball, away, radius, ground, terms, judged, runs, batch):
+    """Run the wave until contact, end or horizon; the buffer must be at rest.
+
+    Parameters
+    ----------
+    ball, away : (m,) ndarray
+        Cells that are awake at the start, by their distances from the hand [cells].
+    radius : float
+        Of those that are excited [cells].
+    terms : Terms
+        Times are mental.
+    judged : Judged
+        Filled.
+
+    Returns
+    -------
+    cell, body : int
+        First contact, -1 if there is none.
+    time : float
+        When [s].
+    steps : int
+        Euler steps made.
+    """
+    desk, d, eps = desk_of(scene), np.float32(ground.diffusion), np.float32(ground.epsilon)
+    pairs = int(0.5 * ground.lag / ground.step + 0.5)  # of Euler steps between looks at the front
+    looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the list
+    contact, body, time, start = _set_out(
+        scene, ball, away, radius, ground, terms, batch, judged, desk
+    )
+    _list(ground, runs)
+    look, tau = 0, start
+    while tau < terms.end and runs.size[0] > 0 and (contact < 0 or terms.explore):
+        for _ in range(pairs):
+            two_steps(ground.B, runs.start, runs.size[0], d, eps)
+        look += 1
+        tau = start + look * 2 * pairs * ground.step
+        count = _arrivals(ground, runs, tau, batch)
+        if count > 0:
+            now = min(tau, terms.end)
+            cell, target, t = _judge(scene, ground, terms, batch, count, now, judged, desk)
+            if cell >= 0 and contact < 0:
+                contact, body, time = cell, target, t
+            _freeze(ground, batch, count, judged.state)
+        if look % looks == 0:
+            _stir(ground, runs)
+            _list(ground, runs)
+    return contact, body, time, 2 * pairs * look

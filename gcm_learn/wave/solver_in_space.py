@@ -1,0 +1,251 @@
+"""The wave of Eq. 10 over hand-space in space.
+
+The paper expects no more than larger computations there.  Three things are different:
+
+- One neuron starts no wave.  The hand's, clamped to 5, excites its six neighbours and no others: a
+  ball smaller than 4 cells shrinks, because a front is slower the more it is curved, and in space
+  it is curved twice.  So a ball around the hand is excited at the start, as far as it is free.
+- For the same reason fronts come late: at a radius of 20 cells by about a fifth.
+- A hand in space has four joints, and what limits it is mostly they.  A wave's speed knows no
+  direction, so a cell is as quick as the hand is on average over the six steps from it (q of
+  Eq. 10).  What is lost is the difference: a path is timed by the joints' limits once more.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from functools import lru_cache
+
+import numpy as np
+
+from gcm_learn.errors import LatticeError
+from gcm_learn.handspace import SpaceLattice
+from gcm_learn.scene import Scene
+from gcm_learn.wave import kernels_in_space as kernels
+from gcm_learn.wave import stencil_in_space as stencil
+from gcm_learn.wave.front import Front
+from gcm_learn.wave.kernels import CONTACT, FROZEN, Terms
+from gcm_learn.wave.params import REST, WaveParams
+
+START_BALL = (
+    5.1  # radius of the smallest ball that is excited at the start; no cell is on it [cells]
+)
+SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [cells]
+CONTACT_RADIUS = 0.87  # half a cell's diagonal, or a small target slips between centres [cells]
+QUIET = 1e-3  # potential change [1/tau] below which a block of cells counts as settled
+SLOWEST_RATE = 0.02  # of a cell: the wave should not stop altogether
+QUICK = 0.9  # share of hands that are no faster than the front is where it is fastest
+SAMPLES = 12  # of hands along an axis, from which that is known
+_workspace = threading.local()
+
+
+def kappa_in_space(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> float:
+    """Seconds per unit of mental time, such that the front nowhere outruns the hand."""
+    return front_speed_in_space(params) * lattice.spacing / quickest(scene, lattice)
+
+
+def quickest(scene: Scene, lattice: SpaceLattice) -> float:
+    """Speed of the front where it is fastest [lengths/s].
+
+    It is the hand's limit, or where joints limit it more, what nine tenths of the hands stay below
+    on average over directions; the front is that fast at the others.
+    """
+    return min(scene.limits.speed, _quickest(lattice))
+
+
+@lru_cache(maxsize=64)
+def _quickest(lattice: SpaceLattice) -> float:
+    along = (np.arange(SAMPLES) + 0.5) / SAMPLES * 2.0 - 1.0
+    grid = np.stack(np.meshgrid(along, along, along), axis=-1).reshape(-1, 3)
+    hands = lattice.reach * grid[np.linalg.norm(grid, axis=1) < 1.0]
+    speed = np.array(lattice.arm.max_joint_speed)
+    found = kernels.speeds_at(lattice.nodes.rule, speed, lattice.spacing, hands)
+    return float(np.quantile(found[found > 0.0], QUICK))
+
+
+@lru_cache(maxsize=32)
+def front_speed_in_space(params: WaveParams) -> float:
+    """Largest speed of a plane front in any direction [cells per tau].
+
+    Along an axis, a face's and the cube's diagonal, a plane front is one on a chain of neurons with
+    1, 2 and 3 times the diffusion, whose neighbours are 1, 1 / sqrt 2 and 1 / sqrt 3 cells apart.
+    """
+    if params.step * (5.0 / 7.0 + 12.0 * params.diffusion) > 2.0:
+        raise LatticeError(
+            f"step {params.step} is unstable with diffusion {params.diffusion} in space: "
+            "explicit Euler needs step * (5/7 + 12 diffusion) <= 2"
+        )
+    return max(_chain_speed(params, k) / math.sqrt(k) for k in (1, 2, 3))
+
+
+def _chain_speed(params: WaveParams, times: int) -> float:
+    """Speed on a chain with so many times the diffusion [neurons per tau]."""
+    r, z = np.zeros(48), np.full(48, REST[1])
+    r[:3], z[:3] = 3.0, 1.0 / 7.0
+    passed: dict[int, float] = {}
+    tau = 0.0
+    while 40 not in passed and tau < 48 / 0.01:
+        near = np.concatenate([r[:1], r[:-1]]) + np.concatenate([r[1:], r[-1:]]) - 2.0 * r
+        change = (((4.0 - r) * r - 2.0) * r - 2.0) / 7.0 - z + params.diffusion * times * near
+        before, r, z = (
+            r,
+            r + params.step * change,
+            z + params.step * params.epsilon * (r - 7.0 * z - 2.0),
+        )
+        for k in (15, 40):
+            if before[k] < 1.0 <= r[k]:
+                passed[k] = tau + params.step * (1.0 - before[k]) / (r[k] - before[k])
+        tau += params.step
+    return 25.0 / (passed[40] - passed[15])
+
+
+def propagate_in_space(
+    scene: Scene,
+    lattice: SpaceLattice,
+    params: WaveParams,
+    *,
+    ignore: float = 0.0,
+    widening: np.ndarray | None = None,
+) -> Front:
+    """Run the wave of Eq. 10 from the hand until contact, the end of hand-space or the horizon.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of a spatial arm.
+    lattice : SpaceLattice
+    params : WaveParams
+        The discrete Laplacian has 7 points, whatever they say of the plane's.
+    ignore : float
+        Contacts before this time do not count [s].
+    widening : (n^3,) ndarray, optional
+        Margin of every cell beyond that of the parameters, in the same unit.
+
+    Returns
+    -------
+    Front
+        Of one sheet.
+    """
+    n, kappa = lattice.n, kappa_in_space(scene, lattice, params)
+    terms = _terms(scene, lattice, params, kappa, ignore)
+    ground = _ground(scene, lattice, params)
+    radius = max(params.start_radius, START_BALL)
+    ball, away = _start_ball(scene, lattice, radius + SPREAD)
+    wide = np.zeros(0) if widening is None else widening
+    state, via = np.zeros(n**3, dtype=np.uint8), np.full(n**3, -1, dtype=np.int32)
+    judged = kernels.Judged(state, via, wide, params.margin)
+    cell, body, time, steps = kernels.propagate_in_space(
+        scene, ball, away, radius, ground, terms, judged, *_rooms()
+    )
+    arrival = stencil.field(ground.B, 5, n)
+    arrival = np.where(arrival >= 0.0, arrival * kappa, -1.0).astype(np.float32)
+    return Front(
+        chart=lattice,
+        waits=False,
+        nodes=np.arange(n**3),
+        via=via,
+        arrival=arrival.ravel(),
+        end=np.broadcast_to(scene.limits.horizon, (n**3,)),
+        refused=(state == FROZEN).reshape(lattice.shape),
+        met=(state == CONTACT).reshape(lattice.shape),
+        met_state=cell,
+        met_body=body,
+        met_time=time if cell >= 0 else scene.limits.horizon,
+        steps=steps,
+    )
+
+
+def _start_ball(
+    scene: Scene, lattice: SpaceLattice, radius: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cells (m,) within a radius of the hand, and their distances (m,) from it [cells]."""
+    hand = np.array(kernels.hand_at_start(scene.limb))
+    low = np.maximum(np.floor(hand / lattice.spacing + 0.5 * lattice.n - radius - 0.5), 0)
+    high = np.minimum(low + 2 * math.ceil(radius) + 2, lattice.n).astype(int)
+    x, y, z = (np.arange(a, b) for a, b in zip(low.astype(int), high, strict=True))
+    iz, iy, ix = (i.ravel() for i in np.meshgrid(z, y, x, indexing="ij"))
+    places = (np.stack([ix, iy, iz], axis=-1) + 0.5 - 0.5 * lattice.n) * lattice.spacing
+    away = np.linalg.norm(places - hand, axis=1) / lattice.spacing
+    near = np.flatnonzero(away <= radius)
+    near = near[np.argsort(away[near], kind="stable")]
+    return ((iz * lattice.n + iy) * lattice.n + ix)[near], away[near]
+
+
+def _terms(
+    scene: Scene, lattice: SpaceLattice, params: WaveParams, kappa: float, ignore: float
+) -> Terms:
+    return Terms(
+        kappa=kappa,
+        shortest=params.step * kappa,
+        grasp=max(
+            scene.limits.grasp + params.slack * lattice.spacing, CONTACT_RADIUS * lattice.spacing
+        ),
+        ignore=ignore / kappa,
+        end=scene.limits.horizon / kappa,
+        explore=params.until == "horizon",
+        lookback=1.0,
+        speed=quickest(scene, lattice),
+    )
+
+
+def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> kernels.SpaceGround:
+    """The lattice at rest, in arrays that a thread uses again and again."""
+    n, shape = lattice.n, _blocks(lattice.n)
+    space = _workspace.__dict__
+    if "buffer" not in space:
+        space["buffer"] = stencil.room()
+    buffer, (elbows, asked) = space["buffer"], _elbows(lattice)
+    rest = REST if params.start == "rest" else (0.0, 0.0)
+    buffer[:] = 0.0
+    for k, value in enumerate((rest[0], rest[0], rest[1], 0.0, 6.0, -1.0)):
+        stencil.field(buffer, k, n)[:] = value
+    live = stencil.field(buffer, 4, n)
+    for axis in range(3):
+        for end in (0, n - 1):
+            live[(slice(None),) * axis + (end,)] -= 1.0
+    return kernels.SpaceGround(
+        B=buffer,
+        n=n,
+        nodes=lattice.nodes,
+        joint_speed=scene.limits.joint_speed,
+        speed=quickest(scene, lattice),
+        elbows=elbows,
+        asked=asked,
+        known=np.zeros(shape, np.uint8),
+        wake=np.zeros(shape, np.bool_),
+        slowest=SLOWEST_RATE,
+        held=params.frozen == "held",
+        diffusion=params.diffusion,
+        epsilon=params.epsilon,
+        quiet=QUIET,
+        step=params.step,
+        lag=2 * max(1, int(0.6 / params.step + 1e-9)) * params.step,
+        slowness=1.0 / front_speed_in_space(params),
+        threshold=params.threshold,
+    )
+
+
+def _blocks(n: int) -> tuple[int, int, int]:
+    """Shape of arrays over blocks of cells, with a rim."""
+    return n + 2, n + 2, -(-n // stencil.BLOCK) + 2
+
+
+@lru_cache(maxsize=2)
+def _elbows(lattice: SpaceLattice) -> tuple[np.ndarray, np.ndarray]:
+    """Elbows (n^3, 3) of the cells that waves came to, and whose blocks these are."""
+    return np.empty((lattice.n**3, 3), np.float32), np.zeros(_blocks(lattice.n), np.bool_)
+
+
+def _rooms() -> tuple[kernels.Runs, kernels.SpaceBatch]:
+    """Room for lists of blocks and of cells."""
+    space = _workspace.__dict__
+    if "rooms" not in space:
+        blocks = stencil.LARGEST**2 * (stencil.LARGEST // stencil.BLOCK)
+        start, watch = np.zeros(blocks, np.uint64), np.zeros(blocks, np.uint64)
+        most = kernels.MOST
+        space["rooms"] = (
+            kernels.Runs(start, watch, np.zeros(2, np.int64)),
+            kernels.SpaceBatch(np.empty(most, np.int64), np.empty(most), np.empty(most)),
+        )
+    return space["rooms"]
