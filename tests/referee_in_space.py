@@ -154,7 +154,7 @@ def _limits(arm, knots, curve):
     size = np.abs(curve[:, :, 0]).max(axis=0) + np.abs(np.diff(curve[:, :, 0], axis=0)).sum(axis=0)
     span = np.where(np.diff(knots) > 0.0, np.diff(knots), 1.0)[:, None]
     complaints = []
-    least, most = _extremes(curve, np.diff(knots))
+    least, most = extremes(curve, np.diff(knots))
     low, high = low - LIMIT * np.abs(low) - 1e-12, high + LIMIT * np.abs(high) + 1e-12
     for k in np.flatnonzero((least < low).any(axis=0) | (most > high).any(axis=0)):
         complaints.append(f"joint {k} leaves its range")
@@ -162,19 +162,19 @@ def _limits(arm, knots, curve):
     limit = np.array(arm["max_joint_speed"], dtype=float)
     shift = knots[1:, None] / span
     slack = limit * (LIMIT + 4.0 * ROUNDING * shift) + 8.0 * ROUNDING * (size + 1.0) / span
-    fastest = np.maximum(*map(np.abs, _extremes(rates, np.diff(knots))))
+    fastest = np.maximum(*map(np.abs, extremes(rates, np.diff(knots))))
     for k in np.flatnonzero((fastest > limit + slack).any(axis=0)):
         complaints.append(f"joint {k} is too fast")
     if _accelerates(arm):
         limit = np.array(arm["max_joint_acceleration"], dtype=float)
         slack = limit * LIMIT + 64.0 * ROUNDING * (size + 1.0) / span**2
-        hardest = np.maximum(*map(np.abs, _extremes(bends, np.diff(knots))))
+        hardest = np.maximum(*map(np.abs, extremes(bends, np.diff(knots))))
         for k in np.flatnonzero((hardest > limit + slack).any(axis=0)):
             complaints.append(f"joint {k} accelerates too much")
     return complaints
 
 
-def _extremes(curve, span):
+def extremes(curve, span):
     """Least and largest values (n, 4) of polynomials of up to four powers over [0, span (n,)]."""
     powers = curve.shape[2]
     c = np.concatenate([curve, np.zeros((*curve.shape[:2], 4 - powers))], axis=2)
@@ -296,6 +296,11 @@ def limb_room(row, pose, elbow, hand, geometry):
     """Distance of both bones to a body at its pose; 0 or less where they meet."""
     place = tuple(map(float, pose)), tuple(map(float, elbow)), tuple(map(float, hand))
     return _limb_room(row, *place, geometry, (0.0, 0.0, 0.0))[1]
+
+
+def hand_places(arm, joints):
+    """Hands (n, 3) in the world, of joints (n, 4)."""
+    return _places(np.ascontiguousarray(joints), geometry_of(arm))[:, 3:]
 
 
 def forward(arm, joints):

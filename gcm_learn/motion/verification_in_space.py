@@ -13,6 +13,7 @@ from gcm_learn.scene.spatial_limb import limb_at
 NOTHING, ELSEWHERE, LATE, RANGE, JOINT, FORCED, FAST, MISSED, TOUCHED = range(9)
 TOLERANCE = 1e-7  # relative, of limits; the contract grants 1e-6
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearms]
+_ROUNDING = 1e-13  # of joints, where a range ends at 0 [rad]
 _DEEPEST = 50  # halvings of a piece before its hand counts as too fast
 
 
@@ -92,8 +93,8 @@ def piece_fault(scene, curve, span, q):
     limb, limits = scene.limb, scene.limits
     for j in range(4):
         low, high = _extremes(curve, j)
-        hair = TOLERANCE * max(abs(limb.low[j]), abs(limb.high[j]))
-        if low < limb.low[j] - hair or high > limb.high[j] + hair:
+        below, above = TOLERANCE * abs(limb.low[j]), TOLERANCE * abs(limb.high[j])
+        if low < limb.low[j] - below - _ROUNDING or high > limb.high[j] + above + _ROUNDING:
             return RANGE
         if _top_rate(curve, j) > limits.joint_speed[j] * span * (1.0 + TOLERANCE):
             return JOINT
