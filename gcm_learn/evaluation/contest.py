@@ -14,13 +14,13 @@ from gcm_learn.evaluation.methods import Method, Result, get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
-from gcm_learn.motion import PARTS, Trajectory, clearance, joint_turns
+from gcm_learn.motion import PARTS, SpatialTrajectory, Trajectory, clearance, joint_turns
 from gcm_learn.scene import LIMB, PART, SIDE, elbow_of, pack, poses_at
-from gcm_learn.situation import Situation, planar
+from gcm_learn.situation import AnySituation, Situation, planar
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]
 _CHUNK = 10  # situations that a process takes at once
-_POINTS = 101  # of each part of the limb, among which the nearest one is looked for
+_POINTS = 101  # of each part of the limb, or of a way, among which an extreme one is looked for
 
 
 def compare(
@@ -50,8 +50,8 @@ def compare(
     Results
         Ordered by method and situation.
     """
-    for name in names:
-        get_method(name)  # refused here rather than in a process
+    for name in names:  # refused here rather than in a process
+        check_arms(name, entries)
     marked = zip(entries, _marked(entries, charge), strict=True)
     ordered = sorted(marked, key=lambda pair: (pair[0].suite, pair[0].index))
     calls = [
@@ -60,6 +60,18 @@ def compare(
         for first in range(0, len(ordered), _CHUNK)
     ]
     return Results.of(rows_of(calls, workers, progress))
+
+
+def check_arms(name: str, entries: Sequence[Entry]) -> None:
+    """Refuse a method that there is not, or that does not take the arms of all situations.
+
+    Raises
+    ------
+    UnknownNameError, ArmKindError
+    """
+    if not get_method(name).takes_space:
+        for entry in entries:
+            planar(entry.situation, f"policy {name!r}")
 
 
 def _marked(entries: Sequence[Entry], charge: int) -> list[bool]:
@@ -73,20 +85,20 @@ def _marked(entries: Sequence[Entry], charge: int) -> list[bool]:
 
 
 @lru_cache(maxsize=32)
-def warmed(name: str) -> Method:
+def warmed(name: str, spatial: bool = False) -> Method:
     """A method that has answered once: what is compiled or loaded then is no thinking."""
     from gcm_learn.families import draw
 
     made = get_method(name)
     for k in range(3):
-        made.run(planar(draw("crossing-swarm", 3, k), "a comparison"))
+        made.run(draw("crossing-swarm-space" if spatial else "crossing-swarm", 3, k))
     return made
 
 
 def _answers(name: str, entries: Sequence[tuple[Entry, bool]]) -> Rows:
     """A method's rows for some situations, and whether its thinking is charged there."""
-    made = warmed(name)
-    return [row_of(made, entry, charge) for entry, charge in entries]
+    made = {kind: warmed(name, kind) for kind in {e.situation.is_spatial for e, _ in entries}}
+    return [row_of(made[e.situation.is_spatial], e, charge) for e, charge in entries]
 
 
 def row_of(made: Method, entry: Entry, charge: bool) -> dict[str, Any]:
@@ -115,13 +127,17 @@ def row_of(made: Method, entry: Entry, charge: bool) -> dict[str, Any]:
     return row
 
 
-def _movement(situation: Situation, result: Result) -> dict[str, Any]:
-    """Numbers of the hand's path."""
+def _movement(situation: AnySituation, result: Result) -> dict[str, Any]:
+    """Numbers of the hand's path; lengths in forearms."""
     names = ("end", "length", "clearance", "peak_hand", "peak_shoulder", "peak_elbow", "part")
     out: dict[str, Any] = dict.fromkeys(names)
-    path, arm = result.trajectory, situation.arm
+    path = result.trajectory
     if path is None:
         return out
+    if isinstance(path, SpatialTrajectory):
+        return out | _movement_in_space(path, result.clearance)
+    situation = planar(situation, "a path of the plane")
+    arm = situation.arm
     spans = np.maximum(np.diff(path.time), 1e-12)
     out |= {"end": path.duration, "length": path.length, "clearance": result.clearance}
     if result.clearance is None and result.outcome == "caught":
@@ -134,6 +150,23 @@ def _movement(situation: Situation, result: Result) -> dict[str, Any]:
     if result.outcome == "touched":
         out["part"] = collided_part(situation, path)
     return out
+
+
+def _movement_in_space(path: SpatialTrajectory, clearance: float | None) -> dict[str, Any]:
+    """The same; joints 1 and 2 are the shoulder's, 3 and 4 the elbow's."""
+    unit = float(np.linalg.norm(path.arm.forearm))
+    time = np.linspace(0.0, path.duration, _POINTS)
+    span = max(path.duration / (_POINTS - 1), 1e-12)
+    speeds = np.linalg.norm(np.diff(path.hand_at(time), axis=0), axis=1) / span
+    rates = np.abs(np.diff(path.joints_at(time), axis=0)).max(axis=0) / span
+    return {
+        "end": path.duration,
+        "length": path.length / unit,
+        "clearance": None if clearance is None else clearance / unit,
+        "peak_hand": float(speeds.max()) / unit,
+        "peak_shoulder": float(rates[:2].max()),
+        "peak_elbow": float(rates[2:].max()),
+    }
 
 
 def collided_part(situation: Situation, path: Trajectory) -> str:

@@ -10,10 +10,10 @@ import numpy as np
 
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import OUTCOMES, Pool
-from gcm_learn.motion import Trajectory
-from gcm_learn.planners import Planner, get_planner, planner_names
+from gcm_learn.motion import SpatialTrajectory, Trajectory
+from gcm_learn.planners import Planner, get_planner, plan_with, planner_names
 from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
-from gcm_learn.situation import Situation, canonical
+from gcm_learn.situation import AnySituation, canonical, planar
 
 CLOCKED = ("st-rrt-star",)  # plan for a given time, in a process of their own
 
@@ -26,10 +26,10 @@ class Result:
     """caught, declined (nothing was done), touched, late or start_blocked."""
     latency: float
     """Thinking before the hand moves [ms of processor time]; of actors, that of one step."""
-    trajectory: Trajectory | None
-    """What the hand did, in the situation's own coordinates; None if it did nothing."""
+    trajectory: Trajectory | SpatialTrajectory | None
+    """What the arm did, in the situation's own coordinates; None if it did nothing."""
     clearance: float | None = None
-    """[forearm lengths]"""
+    """[forearm lengths, or the unit of a spatial arm]"""
 
 
 class Method(Protocol):
@@ -39,7 +39,11 @@ class Method(Protocol):
     def name(self) -> str:
         """Under which it was asked for."""
 
-    def run(self, situation: Situation) -> Result:
+    @property
+    def takes_space(self) -> bool:
+        """Whether it takes spatial arms."""
+
+    def run(self, situation: AnySituation) -> Result:
         """Do it."""
 
 
@@ -50,10 +54,15 @@ class PlannerMethod:
     name: str
     planner: Planner
 
-    def run(self, situation: Situation) -> Result:
+    @property
+    def takes_space(self) -> bool:
+        """Whether the planner does."""
+        return getattr(self.planner, "takes_space", False)
+
+    def run(self, situation: AnySituation) -> Result:
         """Plan."""
         since = clock.process_time()
-        plan = self.planner.plan(situation)
+        plan = plan_with(self.planner, situation)
         latency = 1e3 * (clock.process_time() - since)
         if self.name in CLOCKED:
             latency = plan.planning_ms
@@ -67,9 +76,11 @@ class ActorMethod:
 
     name: str
     actor: Actor
+    takes_space: bool = False
 
-    def run(self, situation: Situation) -> Result:
+    def run(self, situation: AnySituation) -> Result:
         """Play an episode."""
+        situation = planar(situation, f"policy {self.name!r}")
         turned, frame = canonical(situation)
         since = clock.process_time()
         episodes = self.actor.play(Pool.of([turned]), np.zeros(1, np.int64))

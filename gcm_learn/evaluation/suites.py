@@ -14,16 +14,17 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from gcm_learn import artifacts
 from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
 from gcm_learn.evaluation import turns
-from gcm_learn.situation import Situation, situation_from_json, situation_to_json
+from gcm_learn.families import family_names
+from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.storage import content_hash, write_whole
 
 if TYPE_CHECKING:
-    from gcm_learn.dataset import DatasetSpec
+    from gcm_learn.dataset import DatasetSpec, Record
 
 LARGEST = 1000  # situations of a suite
 SHARD = 25
@@ -31,6 +32,7 @@ FOLDER = "suites"
 FASTER = {"speed": [1.2, 2.4]}  # of bodies that are drawn anywhere [hand speeds]
 LONG_ARM = {"arm": {"upper_arm": [1.3, 1.5]}}
 _ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in turns.FAMILIES}
+_SPACE: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names("spatial")}
 _ANYWHERE: Mapping[str, Mapping[str, Any]] = {"random-planar": {}}
 
 FROZEN: Mapping[str, Mapping[int, str]] = {
@@ -75,6 +77,9 @@ class Suite:
     families: Mapping[str, Mapping[str, Any]]
     """By name, with the ranges that differ from their own; drawn equally often."""
     strata: Mapping[str, float] | None = None
+    label: Literal["oracle", "fast"] = "oracle"
+    """Who decides the strata: in space straight and layered do, since a yardstick takes seconds.
+    These get better, so such suites are drawn anew and not frozen."""
 
     def spec(self, name: str, count: int) -> DatasetSpec:
         """The dataset that holds the first `count` of them."""
@@ -82,12 +87,16 @@ class Suite:
 
         families = tuple(FamilyShare(f, 1.0, config) for f, config in self.families.items())
         return DatasetSpec(
-            name=name, seed=self.seed, count=count, families=families, planners=("straight",),
-            map="none", label="oracle", strata=self.strata, shard_size=SHARD,
+            name=name, seed=self.seed, count=count, families=families, planners=self._planners,
+            map="none", label=self.label, strata=self.strata, shard_size=SHARD,
         )  # fmt: skip
 
+    @property
+    def _planners(self) -> tuple[str, ...]:
+        return ("straight",) if self.label == "oracle" else ("straight", "layered")
 
-SUITES: Mapping[str, Suite] = {
+
+SUITES: dict[str, Suite] = {
     "natural": Suite("bodies anywhere, as drawn", 9101, _ANYWHERE),
     "families": Suite("all families, as drawn", 9104, _ALL),
     "faster": Suite("bodies anywhere, twice as fast", 9105, {"random-planar": FASTER}),
@@ -102,7 +111,16 @@ SUITES: Mapping[str, Suite] = {
         _ALL,
         {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0},
     ),
+    "space": Suite("all families of spatial arms, as drawn", 9110, _SPACE, label="fast"),
+    "space-demo": Suite(
+        "equal parts of all strata, spatial arms",
+        9111,
+        _SPACE,
+        {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0},
+        label="fast",
+    ),
 } | {name: Suite(f"the family {name}", 9200, {name: {}}) for name in turns.FAMILIES}
+SUITES |= {name: Suite(f"the family {name}", 9200, {name: {}}, label="fast") for name in _SPACE}
 
 
 @dataclass(frozen=True)
@@ -111,13 +129,13 @@ class Entry:
 
     suite: str
     index: int
-    situation: Situation
+    situation: Any
     """In its canonical form."""
     family: str
     stratum: str
-    """By the oracle."""
+    """By the oracle; in space by `straight` and `layered`."""
     earliest: float
-    """When the oracle's plan catches [s]; infinite if it does not."""
+    """When the oracle's plan catches, or the first of these [s]; infinite if none does."""
 
 
 def suite_names() -> list[str]:
@@ -199,12 +217,19 @@ def _drawn(
     entries = []
     for k in range(len(records)):
         record = records[k]
-        upper = record.row["oracle_upper"]
-        earliest = float("inf") if upper is None else float(upper)
+        earliest = _earliest(record)
         entries.append(
             Entry(name, record.index, record.situation, record.family, record.stratum, earliest)
         )
     return entries
+
+
+def _earliest(record: Record) -> float:
+    """When the oracle catches, or the first of the plans if it was not asked [s]."""
+    if record.oracle is not None:
+        return record.oracle.upper
+    times = (plan.catch_time for plan in record.plans.values())
+    return min((t for t in times if t is not None), default=math.inf)
 
 
 def _line(entry: Entry) -> str:

@@ -3,7 +3,7 @@
 from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
-from gcm_learn.motion.interception_in_space import fastest_hand
+from gcm_learn.motion.interception_in_space import fastest_hand, resting_in_space
 from gcm_learn.motion.rules import Opening, Rules, opening, rules_of, start_clearance
 from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 from gcm_learn.motion.timing import (
@@ -39,6 +39,7 @@ __all__ = [
     "keep_limits",
     "opening",
     "refine",
+    "resting_in_space",
     "rules_of",
     "segment_times",
     "spread",

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.collision.postures import desk_of, free_until, line
 from gcm_learn.compiled import njit
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     BOX,
     CAPSULE,
@@ -18,6 +20,7 @@ from gcm_learn.scene.bodies import (
 )
 from gcm_learn.scene.spatial_limb import limb_at
 
+_LOOKS = 20_000  # at a resting limb, at most
 _CLOSE = 1e-5  # share of the horizon too short to be told apart from now
 
 
@@ -133,3 +136,32 @@ def may_be_met(scene, poses):
                 return True
             t += wait
     return False
+
+
+def resting_in_space(scene: Scene, until: float) -> tuple[float, float]:
+    """What comes to a spatial arm that rests from t = 0 on.
+
+    Parameters
+    ----------
+    scene : Scene
+    until : float
+        [s]
+
+    Returns
+    -------
+    touched : float
+        Until when nothing touches the limb [s]; infinite if nothing does before `until`.
+    met : float
+        When a target first comes within grasp [s]; -1 if none does before `until`.
+    """
+    return _resting(scene, until, until / _LOOKS)
+
+
+@njit
+def _resting(scene, until, shortest):
+    desk, start = desk_of(scene), scene.limb.start
+    line(start, start, desk.curve)
+    grasp = scene.limits.grasp
+    met, _ = first_meeting(scene, desk.curve, 0.0, until, grasp, shortest, desk.poses)
+    free = free_until(scene, start, 0.0, until, scene.limb.thickness, shortest, desk)
+    return free if free < until else np.inf, met

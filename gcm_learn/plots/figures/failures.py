@@ -6,6 +6,7 @@ import io
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -61,9 +62,9 @@ def failures_of(results: Results, entries: Sequence[Entry], most: int = MOST) ->
     """Failures in reachable situations, of methods in turns.
 
     Who touches comes first, then who fails seldom, for its failures tell more; of each, touches and
-    families that are not there yet.
+    families that are not there yet.  Only what happens in the plane is drawn.
     """
-    known = {(e.suite, e.index): e for e in entries}
+    known = {(e.suite, e.index): e for e in entries if not e.situation.is_spatial}
     lost = results.where((results["outcome"] != "caught") & (results["stratum"] != "U"))
     left: dict[str, list[tuple[str, str | None, Entry]]] = {}
     for k in range(len(lost)):
@@ -84,7 +85,7 @@ def failures_of(results: Results, entries: Sequence[Entry], most: int = MOST) ->
 
 def _failure(results: Results, name: str, outcome: str, part: str | None, entry: Entry) -> Failure:
     """Play it again, and let a method that caught show how: the one that catches most."""
-    movement = get_method(name).run(entry.situation).trajectory
+    movement = cast("Trajectory | None", get_method(name).run(entry.situation).trajectory)
     here = (results["suite"] == entry.suite) & (results["index"] == entry.index)
     there = results.where(
         here & (results["outcome"] == "caught") & (results["latency_ms"] <= LONGEST_PLAN)
@@ -93,7 +94,8 @@ def _failure(results: Results, name: str, outcome: str, part: str | None, entry:
     for better in sorted(there.methods, key=lambda other: -catches[other]):
         result = get_method(better).run(entry.situation)
         if result.outcome == "caught":
-            return Failure(name, entry, outcome, part, movement, better, result.trajectory)
+            example = cast("Trajectory | None", result.trajectory)
+            return Failure(name, entry, outcome, part, movement, better, example)
     return Failure(name, entry, outcome, part, movement, "", None)
 
 
