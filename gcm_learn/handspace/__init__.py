@@ -20,6 +20,8 @@ from gcm_learn.handspace.space import (
     ring_leap,
     space_of,
 )
+from gcm_learn.handspace.occupied import occupied_cells, room_in_space
+from gcm_learn.handspace.space import LARGEST_IN_SPACE, MOST_POSTURES, SpaceLattice, space_of
 
 __all__ = [
     "Chart",
@@ -40,6 +42,7 @@ __all__ = [
     "joint_lattice",
     "occupied_cells",
     "ring_leap",
+    "room_in_space",
     "space_of",
     "steps_of",
     "upper_arm_image",

@@ -12,10 +12,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+from gcm_learn.handspace import SpaceLattice
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand, extended_image, show_image
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored
 from gcm_learn.plots.figures.space import Scenery
+from gcm_learn.plots.figures.space_maps import HandSpace, ball_window
 from gcm_learn.plots.figures.staging import from_above
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits, waiting_at
 from gcm_learn.situation import AnySituation, Situation, SpatialArm
@@ -28,6 +30,7 @@ Scene = Callable[[Axes, float, float], None]  # draws a time [s], turned by an a
 
 FRAMES = 40
 ROUND = 24  # frames of a look around
+SWAY = 35.0  # [degrees] by which hand-space is turned to and fro
 FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]
 WIDTH, HEIGHT, FILM_DPI = 6.6, 3.6, 80
 COLOURS = 128  # besides those of the style
@@ -125,20 +128,34 @@ def _spatial_scenes(
     situation: Situation[SpatialArm], plan: Plan[SpatialTrajectory], panels: Sequence[Axes]
 ) -> tuple[Scene, Scene]:
     """What the panels of a situation in space show at a time [s], from a camera that turns."""
+    size, last = round(WIDTH / 2 * FILM_DPI), _duration(situation, plan)
     level = Scenery(situation, plan.trajectory, turns=True)
     above = Scenery(situation, plan.trajectory, from_above(level.view))
-    for ax, scenery, name in zip(panels, (level, above), ("work-space", "from above"), strict=True):
-        ax.set_aspect("equal")
-        left, right, bottom, top = scenery.window.extent
-        ax.set(xlim=(left, right), ylim=(bottom, top))
+    charted = plan.map is not None and isinstance(plan.map.chart, SpaceLattice)
+    windows = (level.window, ball_window(situation) if charted else above.window)
+    names = ("work-space", "hand-space" if charted else "from above")
+    for ax, window, name in zip(panels, windows, names, strict=True):
+        left, right, bottom, top = window.extent
+        ax.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
         ax.axis("off")
         style.title(ax, name)
 
     def show(ax: Axes, t: float, turn: float) -> None:
-        level.show(ax, t, turn, round(WIDTH / 2 * FILM_DPI))
+        level.show(ax, t, turn, size)
         note_in_corner(ax, f"t = {t:.2f} s")
 
-    return show, lambda ax, t, _: above.show(ax, t, 0.0, round(WIDTH / 2 * FILM_DPI))
+    if plan.map is None or not charted:
+        return show, lambda ax, t, _: above.show(ax, t, 0.0, size)
+    kappa, hands = plan.map.kappa, HandSpace(situation, plan.map, plan.trajectory, level.view)
+
+    def show_hands(ax: Axes, t: float, turn: float) -> None:
+        if t < last or not plan.caught:
+            hands.show(ax, t, SWAY * np.sin(np.pi * (2.0 * t / last - 1.0)), size)
+        else:
+            hands.show_map(ax, SWAY * np.sin(np.radians(turn)), size)
+        note_in_corner(ax, f"τ = {t / kappa:.0f}")
+
+    return show, show_hands
 
 
 def palette_of(images: Sequence[Image.Image]) -> Image.Image:

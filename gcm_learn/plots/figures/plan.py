@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
+from gcm_learn.handspace import SpaceLattice
 from gcm_learn.motion import Trajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand_space, show_image
@@ -23,6 +24,7 @@ from gcm_learn.plots.figures.space import (
     time_bar,
     view_of,
 )
+from gcm_learn.plots.figures.space_maps import HandSpace
 from gcm_learn.plots.figures.staging import SpatialSituation, from_above
 from gcm_learn.plots.figures.view3d import HEADROOM, draw_scene
 from gcm_learn.plots.figures.workspace import (
@@ -67,7 +69,7 @@ def plan_figure(situation: AnySituation, plan: AnyPlan) -> Figure:
     -------
     Figure
         Two panels, one more when the situation is 3D, and one more for every further sheet of
-        the map.  In space two panels: the movement from the side and from above.
+        the map.  In space two panels: the movement from the side and from above; and the map.
     """
     if situation.is_spatial:
         return _plan_in_space(cast("SpatialSituation", situation), cast("SpatialPlan", plan))
@@ -75,10 +77,14 @@ def plan_figure(situation: AnySituation, plan: AnyPlan) -> Figure:
 
 
 def _plan_in_space(situation: SpatialSituation, plan: SpatialPlan) -> Figure:
-    figure, panels = style.panel_grid(2, 2, (IN_SPACE, IN_SPACE), (0.0, 0.8))
+    charted = plan.map is not None and isinstance(plan.map.chart, SpaceLattice)
+    figure, panels = style.panel_grid(2 + charted, 2 + charted, (IN_SPACE, IN_SPACE), (0.0, 0.8))
     figure.suptitle(_headline(plan), fontsize=style.TITLE, color=style.INK)
     level = view_of(situation, plan.trajectory)
-    for ax, view, name in zip(panels, (level, from_above(level)), SIDES, strict=True):
+    if plan.map is not None and charted:
+        HandSpace(situation, plan.map, plan.trajectory, level).show_map(panels[2])
+        style.title(panels[2], "hand-space: cognitive map, cut open")
+    for ax, view, name in zip(panels[:2], (level, from_above(level)), SIDES, strict=True):
         if plan.trajectory is None:
             draw_space(ax, situation, view=view)
             draw_courses_in_space(ax, situation, situation.horizon, view)

@@ -329,14 +329,14 @@ def path_faces(situation: SpatialSituation, trajectory: SpatialTrajectory,
             )
 
 
-def show_through(ax: Axes, view: Camera, path: np.ndarray) -> None:
-    """Draw a path (k, 3) once more over everything, so faint that what hides it shows."""
+def show_through(ax: Axes, view: Camera, path: np.ndarray, alpha: float = 0.4) -> None:
+    """Draw a path (k, 3) once more over everything; faint, so that what hides it shows."""
     seen = view.see(path)[:, :2]
     shades = TIME_COLOURS(np.linspace(0.0, 1.0, len(seen) - 1))
     ax.add_collection(
         LineCollection(
             list(np.stack([seen[:-1], seen[1:]], axis=1)), colors=shades, linewidths=1.6,
-            alpha=0.4, zorder=3,
+            alpha=alpha, zorder=3,
         )
     )  # fmt: skip
 

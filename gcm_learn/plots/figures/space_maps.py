@@ -1,0 +1,283 @@
+"""Hand-space in space: extended obstacles, the front on its way and maps, as surfaces and as a cut.
+
+The hand is a point in a ball.  A map of arrivals fills the ball; it is shown cut open along a plane
+through the hand and the place of the catch, with effective obstacles as they stand out of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.patches import Circle
+from scipy.ndimage import map_coordinates
+
+from gcm_learn.handspace import SpaceLattice, room_in_space
+from gcm_learn.maps import CognitiveMap
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.rendering import Camera, Faces, Window, render
+from gcm_learn.plots.figures.solids import placed
+from gcm_learn.plots.figures.space import body_faces, path_faces, show_through
+from gcm_learn.plots.figures.staging import PIXELS, SpatialSituation, show_image, turned_view
+from gcm_learn.plots.figures.surfaces import softened, surface
+from gcm_learn.scene import forward_in_space
+from gcm_learn.situation import Sphere, arm_frame
+
+COARSE = 40  # cells a side of the lattice for drawn extended obstacles
+GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off
+POINT = 0.045  # [reaches] radius of the hand's ball
+CUT = 260  # cells a side of a cut
+RINGS = 8  # contours in a cut
+SHELL = 0.2  # level at which softened effective obstacles, one cell thin, are drawn
+
+
+def in_world(situation: SpatialSituation, chart: SpaceLattice, index: np.ndarray) -> np.ndarray:
+    """Places (..., 3) in the world of indices [iz, iy, ix] (..., 3) of a lattice."""
+    axes, origin = arm_frame(situation)
+    base = (index[..., ::-1] + 0.5 - 0.5 * chart.n) * chart.spacing
+    return base @ axes + origin
+
+
+def skin(
+    situation: SpatialSituation, chart: SpaceLattice, field: np.ndarray, level: float,
+    colour: str, alpha: float,
+) -> Faces:  # fmt: skip
+    """The surface on which a field over a lattice has a level."""
+    corners, normal = surface(field, level)
+    axes, _ = arm_frame(situation)
+    # reversing the indices mirrors, so that the order of corners turns round
+    places = in_world(situation, chart, corners)[:, ::-1]
+    turned = (normal[..., ::-1] @ axes)[:, ::-1]
+    return Faces(places, np.array(to_rgb(colour)), alpha, turned, both=True)
+
+
+@lru_cache(maxsize=4)
+def _coarse(arm: object) -> SpaceLattice:
+    return SpaceLattice(arm, COARSE)  # type: ignore[arg-type]
+
+
+def extended_faces(situation: SpatialSituation, t: float, alpha: float = GLASSY) -> Faces:
+    """Extended obstacles at time t [s]: hands whose limb touches an obstacle."""
+    chart = _coarse(situation.arm)
+    room = np.clip(room_in_space(situation, chart, t), -chart.spacing, 2.0 * chart.spacing)
+    return skin(situation, chart, room, 0.0, style.EXTENDED, alpha)
+
+
+def front_faces(situation: SpatialSituation, cognitive_map: CognitiveMap, t: float) -> Faces:
+    """The front at time t [s], and effective obstacles behind it are its rim."""
+    chart = _chart(cognitive_map)
+    arrival = np.ma.filled(cognitive_map.arrival.astype(float), np.inf)
+    step = 2.0 * _pace(cognitive_map)
+    return skin(situation, chart, np.clip(arrival - t, -step, step), 0.0, style.FRONT, CLEAR)
+
+
+def effective_faces(
+    situation: SpatialSituation, cognitive_map: CognitiveMap, t: float = np.inf, alpha: float = 1.0
+) -> Faces:
+    """Effective obstacles that exist at time t [s]."""
+    chart = _chart(cognitive_map)
+    there = cognitive_map.effective_obstacles & (_birth(cognitive_map) <= t)
+    return skin(situation, chart, -softened(softened(there)), -SHELL, style.EFFECTIVE, alpha)
+
+
+def _chart(cognitive_map: CognitiveMap) -> SpaceLattice:
+    chart = cognitive_map.chart
+    if not isinstance(chart, SpaceLattice):
+        raise TypeError(f"this map is over a {type(chart).__name__}, not over a SpaceLattice")
+    return chart
+
+
+def _pace(cognitive_map: CognitiveMap) -> float:
+    """About the time that the front takes from cell to cell [s]."""
+    arrival = np.ma.filled(cognitive_map.arrival.astype(float), np.nan)
+    return float(np.nanmedian(np.abs(np.diff(arrival, axis=0)))) or 1e-3
+
+
+def _birth(cognitive_map: CognitiveMap) -> np.ndarray:
+    """When the front came to every cell or beside it (n, n, n) [s]; infinite where it did not."""
+    when = np.pad(
+        np.ma.filled(cognitive_map.arrival.astype(float), np.inf), 1, constant_values=np.inf
+    )
+    out = when[1:-1, 1:-1, 1:-1].copy()
+    for axis in range(3):
+        for way in (1, -1):
+            np.minimum(out, np.roll(when, way, axis)[1:-1, 1:-1, 1:-1], out=out)
+    return out
+
+
+def hand_ball(situation: SpatialSituation, hand: np.ndarray) -> Faces:
+    """The arm as hand-space knows it: a point."""
+    ball = Sphere(POINT * situation.arm.reach)
+    return placed(ball, hand, np.eye(3), np.array(to_rgb("#1a202c")))
+
+
+def ball_window(situation: SpatialSituation) -> Window:
+    """The part of a picture that the ball within reach fills."""
+    return Window(np.zeros(2), 1.08 * situation.arm.reach)
+
+
+def ball_view(situation: SpatialSituation, view: Camera) -> Camera:
+    """The camera, looking at the shoulder."""
+    return Camera(
+        view.right, view.up, view.nearer, np.asarray(situation.arm.base.origin), view.distance
+    )
+
+
+def draw_ball(ax: Axes, situation: SpatialSituation, view: Camera, things: list[Faces],
+              pixels: int = PIXELS) -> None:  # fmt: skip
+    """Show things in hand-space within the circle of what can be reached."""
+    window = ball_window(situation)
+    show_image(ax, np.clip(render(view, window, things, pixels), 0.0, 1.0), window)
+    ax.add_patch(
+        Circle(
+            (0, 0),
+            situation.arm.reach,
+            fill=False,
+            ec=style.FAINT,
+            lw=1.0,
+            ls=(0, (4, 3)),
+            zorder=5,
+        )
+    )
+
+
+def cut_frame(
+    start: np.ndarray, end: np.ndarray, view: Camera
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Middle and two axes of the plane through two points that faces a camera best."""
+    along = end - start
+    if np.linalg.norm(along) < 1e-9:
+        along = view.right
+    along = along / np.linalg.norm(along)
+    facing = view.nearer - (view.nearer @ along) * along
+    if np.linalg.norm(facing) < 1e-6:
+        facing = view.up
+    v = np.cross(facing / np.linalg.norm(facing), along)
+    return 0.5 * (start + end), along, v
+
+
+def cut_faces(
+    situation: SpatialSituation, cognitive_map: CognitiveMap, middle: np.ndarray,
+    u: np.ndarray, v: np.ndarray,
+) -> Iterator[Faces]:  # fmt: skip
+    """Yield a cut through a map in the colours of arrivals, with rings, and what is frozen."""
+    chart, reach = _chart(cognitive_map), situation.arm.reach
+    axes, origin = arm_frame(situation)
+    marks = np.linspace(-1.7 * reach, 1.7 * reach, CUT + 1)
+    grid = middle + marks[:, None, None] * u + marks[None, :, None] * v
+    base = (grid - origin) @ axes.T
+    index = (base / chart.spacing - 0.5 + 0.5 * chart.n)[..., ::-1]
+    arrival = np.ma.filled(cognitive_map.arrival.astype(float), np.nan)
+    latest = float(np.nanmax(arrival))
+    places = np.moveaxis(index, -1, 0)
+    times = map_coordinates(
+        np.nan_to_num(arrival, nan=2 * latest), places, order=1, cval=2 * latest
+    )
+    frozen = map_coordinates(softened(softened(cognitive_map.effective_obstacles)), places, order=1)
+    share = np.clip(times / latest, 0.0, 1.0)
+    colours = np.asarray(style.MAP_COLOURS(share))[..., :3]
+    off = np.abs((share * RINGS + 0.5) % 1.0 - 0.5)
+    ring = np.clip(1.6 - off / 0.035, 0.0, 1.0) * (share > 0.5 / RINGS)
+    colours += (1.0 - colours) * ring[..., None]
+    colours[frozen > SHELL] = to_rgb(style.EFFECTIVE)
+    seen = (times <= latest * 1.02) | (frozen > SHELL)
+    seen &= np.linalg.norm(base, axis=-1) <= reach
+
+    def quads(values: np.ndarray) -> np.ndarray:
+        parts = [values[:-1, :-1], values[1:, :-1], values[1:, 1:], values[:-1, 1:]]
+        return np.stack(parts, axis=2).reshape(-1, 4, *values.shape[2:])
+
+    keep = quads(seen).all(axis=1)
+    yield Faces(quads(grid)[keep], quads(colours)[keep], both=True, lit=False)
+
+
+def map_faces(
+    situation: SpatialSituation, cognitive_map: CognitiveMap, view: Camera,
+    trajectory: SpatialTrajectory | None = None, facing: Camera | None = None,
+) -> list[Faces]:  # fmt: skip
+    """A map cut open, facing a camera, with effective obstacles; those before the cut are glass."""
+    axes, origin = arm_frame(situation)
+    start = np.asarray(cognitive_map.hand) @ axes + origin
+    met = cognitive_map.interception
+    end = start if met is None else np.asarray(met.position) @ axes + origin
+    middle, u, v = cut_frame(start, end, facing or view)
+    things = list(cut_faces(situation, cognitive_map, middle, u, v))
+    walls = effective_faces(situation, cognitive_map)
+    before = ((walls.corners.mean(axis=1) - middle) @ np.cross(u, v)) * (
+        np.cross(u, v) @ view.nearer
+    ) > 0.0
+    assert walls.normals is not None
+    for side, alpha in ((before, VEILED), (~before, 1.0)):
+        things.append(
+            walls._replace(corners=walls.corners[side], normals=walls.normals[side], alpha=alpha)
+        )
+    if trajectory is not None:
+        things += path_faces(situation, trajectory)
+    things.append(hand_ball(situation, start))
+    return things
+
+
+class HandSpace:
+    """Hand-space in space as a film shows it: extended obstacles, the front, and at last the map.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a spatial arm.
+    cognitive_map : CognitiveMap
+        Over a `SpaceLattice`.
+    trajectory : SpatialTrajectory, optional
+    view : Camera
+        Of the work-space beside it.
+    """
+
+    def __init__(
+        self,
+        situation: SpatialSituation,
+        cognitive_map: CognitiveMap,
+        trajectory: SpatialTrajectory | None,
+        view: Camera,
+    ) -> None:
+        self.situation, self.map, self.trajectory = situation, cognitive_map, trajectory
+        self.view = ball_view(situation, view)
+        self._map: list[Faces] = []
+
+    def at(self, t: float) -> list[Faces]:
+        """Everything at time t [s]."""
+        hand = self._hand(t)
+        things = [
+            extended_faces(self.situation, t),
+            effective_faces(self.situation, self.map, t),
+            front_faces(self.situation, self.map, t),
+            hand_ball(self.situation, hand),
+            *body_faces(self.situation, t, roles=("target",)),
+        ]
+        if self.trajectory is not None and t > 0.0:
+            things += path_faces(self.situation, self.trajectory, t)
+        return things
+
+    def _hand(self, t: float) -> np.ndarray:
+        if self.trajectory is None:
+            return forward_in_space(self.situation.arm, self.situation.arm.joints)[1]
+        return self.trajectory.hand_at(t)
+
+    def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = PIXELS) -> None:
+        """Draw time t [s], from a camera that is turned about the vertical [degrees]."""
+        draw_ball(ax, self.situation, turned_view(self.view, turn), self.at(t), pixels)
+
+    def show_map(self, ax: Axes, turn: float = 0.0, pixels: int = PIXELS) -> None:
+        """Draw the map, cut open, from a camera that is turned about the vertical [degrees]."""
+        if not self._map:
+            self._map = map_faces(self.situation, self.map, self.view, self.trajectory)
+            if self.trajectory is not None:
+                end = self.trajectory.duration
+                self._map += body_faces(self.situation, end, roles=("target",))
+        view = turned_view(self.view, turn)
+        draw_ball(ax, self.situation, view, self._map, pixels)
+        if self.trajectory is not None:
+            times = np.linspace(0.0, self.trajectory.duration, 60)
+            show_through(ax, view, self.trajectory.hand_at(times), 0.9)

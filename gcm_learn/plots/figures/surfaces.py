@@ -1,0 +1,98 @@
+"""Surfaces in arrays over space: where a field crosses a level (naive surface nets).
+
+S. F. Gibson, Constrained elastic surface nets, MICCAI 1998: a corner in every cube of eight
+neighbours that the surface passes, in the middle of where it crosses the cube's edges.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from gcm_learn.plots.figures.rendering import normals
+
+_CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
+_EDGES = [
+    (a, b)
+    for a, b in itertools.combinations(range(8), 2)
+    if np.abs(_CORNERS[a] - _CORNERS[b]).sum() == 1
+]
+
+
+def surface(field: np.ndarray, level: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Where a field crosses a level.
+
+    Parameters
+    ----------
+    field : (l, m, n) ndarray
+        Finite.  Outside the array it is above the level, so that surfaces are closed.
+    level : float
+
+    Returns
+    -------
+    corners : (k, 4, 3) ndarray
+        Of quadrilaterals, as indices of the field (fractions between its points), counter-clockwise
+        when seen from where the field is above the level.
+    normal : (k, 4, 3) ndarray
+        Unit normals at the corners, towards there.
+    """
+    values = np.pad(field - level, 1, constant_values=1.0)
+    inside = values < 0.0
+    points, number = _points(values, inside)
+    quads = np.concatenate([_quads(inside, number, axis) for axis in range(3)])
+    corners = points[quads]
+    flat = np.repeat(normals(corners)[:, None], 4, axis=1)
+    sums = np.zeros_like(points)
+    np.add.at(sums, quads, flat)
+    sums /= np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)
+    return corners - 1.0, sums[quads]
+
+
+def _points(values: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (k, 3) of the surface, and which of them is in a cube; -1 where none is."""
+    shape = tuple(size - 1 for size in values.shape)
+    parts = [
+        inside[i : i + shape[0], j : j + shape[1], k : k + shape[2]]
+        for i, j, k in _CORNERS.tolist()
+    ]
+    passed = np.logical_or.reduce(parts) & ~np.logical_and.reduce(parts)
+    cubes = np.argwhere(passed)
+    at = [values[tuple((cubes + corner).T)] for corner in _CORNERS]
+    total, count = np.zeros((len(cubes), 3)), np.zeros((len(cubes), 1))
+    for a, b in _EDGES:
+        crosses = (at[a] < 0.0) != (at[b] < 0.0)
+        share = at[a] / np.where(crosses, at[a] - at[b], 1.0)
+        place = _CORNERS[a] + share[:, None] * (_CORNERS[b] - _CORNERS[a])
+        total += np.where(crosses[:, None], place, 0.0)
+        count += crosses[:, None]
+    number = np.full(shape, -1)
+    number[passed] = np.arange(len(cubes))
+    return cubes + total / np.maximum(count, 1.0), number
+
+
+def _quads(inside: np.ndarray, number: np.ndarray, axis: int) -> np.ndarray:
+    """Quadrilaterals (m, 4) round the edges along an axis that the surface crosses."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    low = inside.take(range(inside.shape[axis] - 1), axis)
+    high = inside.take(range(1, inside.shape[axis]), axis)
+    start = np.argwhere(low != high)
+    start = start[(start[:, u] > 0) & (start[:, v] > 0)]
+    start = start[(start[:, u] < inside.shape[u] - 1) & (start[:, v] < inside.shape[v] - 1)]
+    step_u, step_v = np.eye(3, dtype=int)[u], np.eye(3, dtype=int)[v]
+    round_it = [number[tuple((start - du * step_u - dv * step_v).T)]
+                for du, dv in ((1, 1), (0, 1), (0, 0), (1, 0))]  # fmt: skip
+    quads = np.stack(round_it, axis=1)
+    outward = low[tuple(start.T)]
+    return np.where(outward[:, None], quads, quads[:, ::-1])
+
+
+def softened(cells: np.ndarray) -> np.ndarray:
+    """A field that is high in marked cells (l, m, n) and falls off smoothly around them."""
+    field = cells.astype(float)
+    for axis in range(3):
+        padded = np.pad(field, [(1, 1) if k == axis else (0, 0) for k in range(3)])
+        size = field.shape[axis]
+        before, here, after = (padded.take(range(k, k + size), axis) for k in range(3))
+        field = 0.25 * before + 0.5 * here + 0.25 * after
+    return field
