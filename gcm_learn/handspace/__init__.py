@@ -12,6 +12,7 @@ from gcm_learn.handspace.lattice import (
     hand_space,
 )
 from gcm_learn.handspace.occupied import occupied_cells
+from gcm_learn.handspace.room import room_in_space
 from gcm_learn.handspace.space import (
     LARGEST_IN_SPACE,
     MOST_POSTURES,
@@ -20,8 +21,6 @@ from gcm_learn.handspace.space import (
     ring_leap,
     space_of,
 )
-from gcm_learn.handspace.occupied import occupied_cells, room_in_space
-from gcm_learn.handspace.space import LARGEST_IN_SPACE, MOST_POSTURES, SpaceLattice, space_of
 
 __all__ = [
     "Chart",

@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.collision import blocked_cells, postures_of
-from gcm_learn.collision.postures import Desk, desk_of, distance_at
-from gcm_learn.compiled import njit
 from gcm_learn.handspace.lattice import Lattice, hand_space
-from gcm_learn.handspace.space import SpaceLattice
-from gcm_learn.scene import Scene, pack, pack_bodies, poses_at
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.scene import pack_bodies, poses_at
+from gcm_learn.situation import Situation
 
 
 def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarray:
@@ -39,34 +36,3 @@ def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarr
     occupied = np.zeros(space.inside.size, dtype=np.bool_)
     occupied[cells] = blocked
     return occupied.reshape(lattice.n, lattice.n)
-
-
-def room_in_space(situation: Situation[SpatialArm], lattice: SpaceLattice, t: float) -> np.ndarray:
-    """How far the limb is from touching an obstacle, in every cell's posture, at time t.
-
-    Parameters
-    ----------
-    situation : Situation
-    lattice : SpaceLattice
-        Of its arm.
-    t : float
-        Time [s].
-
-    Returns
-    -------
-    (n, n, n) ndarray
-        Indexed [iz, iy, ix]: distance of the nearest obstacle less the limb's thickness, negative
-        where they touch; infinite in cells without a posture.
-    """
-    scene, out = pack(situation), np.full(lattice.n**3, np.inf)
-    cells = np.flatnonzero(lattice.inside)
-    _rooms(scene, lattice.joints, cells, t, desk_of(scene), out)
-    return out.reshape(lattice.shape) - situation.arm.thickness
-
-
-@njit(_nrt=False)
-def _rooms(
-    scene: Scene, joints: np.ndarray, cells: np.ndarray, t: float, desk: Desk, out: np.ndarray
-) -> None:
-    for k in range(cells.size):
-        out[cells[k]] = distance_at(scene, joints[cells[k]], t, desk)

@@ -78,7 +78,7 @@ def test_places_of_a_lattice_are_those_of_its_hands(case):
     axes, origin = arm_frame(situation)
     index = np.array([[1, 2, 3], [10, 4, 7]])
     hands = chart.hands.reshape(*chart.shape, 3)[tuple(index.T)]
-    found = space_maps.in_world(situation, chart, index)
+    found = space_maps.places_of(chart, index)
     np.testing.assert_allclose(found, hands @ axes + origin, atol=1e-12)
 
 
@@ -99,18 +99,15 @@ def test_the_front_is_where_its_time_says(case):
     situation, cognitive_map = case
     axes, origin = arm_frame(situation)
     hand = np.asarray(cognitive_map.hand) @ axes + origin
-    faces = space_maps.front_faces(situation, cognitive_map, 0.1)
+    faces = space_maps.front_faces(cognitive_map, 0.1)
     away = np.linalg.norm(faces.corners - hand, axis=-1)
     assert np.median(away) == pytest.approx(0.4, abs=0.3 * cognitive_map.chart.spacing)
-    assert len(space_maps.front_faces(situation, cognitive_map, -1.0).corners) == 0
+    assert len(space_maps.front_faces(cognitive_map, -1.0).corners) == 0
 
 
 def test_effective_obstacles_come_with_the_front(case):
-    situation, cognitive_map = case
-    counts = [
-        len(space_maps.effective_faces(situation, cognitive_map, t).corners)
-        for t in (0.0, 0.35, 9.0)
-    ]
+    _, cognitive_map = case
+    counts = [len(space_maps.effective_faces(cognitive_map, t).corners) for t in (0.0, 0.35, 9.0)]
     assert counts[0] == 0 < counts[1] < counts[2]
 
 

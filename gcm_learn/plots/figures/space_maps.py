@@ -7,7 +7,6 @@ through the hand and the place of the catch, with effective obstacles as they st
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +14,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle
 from scipy.ndimage import map_coordinates
 
-from gcm_learn.handspace import SpaceLattice, room_in_space
+from gcm_learn.handspace import SpaceLattice, room_in_space, space_of
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.plots.figures import style
@@ -25,7 +24,7 @@ from gcm_learn.plots.figures.space import body_faces, path_faces, show_through
 from gcm_learn.plots.figures.staging import PIXELS, SpatialSituation, show_image, turned_view
 from gcm_learn.plots.figures.surfaces import softened, surface
 from gcm_learn.scene import forward_in_space
-from gcm_learn.situation import Sphere, arm_frame
+from gcm_learn.situation import Sphere, rotation_of
 
 COARSE = 40  # cells a side of the lattice for drawn extended obstacles
 GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off
@@ -35,53 +34,39 @@ RINGS = 8  # contours in a cut
 SHELL = 0.2  # level at which softened effective obstacles, one cell thin, are drawn
 
 
-def in_world(situation: SpatialSituation, chart: SpaceLattice, index: np.ndarray) -> np.ndarray:
+def places_of(chart: SpaceLattice, index: np.ndarray) -> np.ndarray:
     """Places (..., 3) in the world of indices [iz, iy, ix] (..., 3) of a lattice."""
-    axes, origin = arm_frame(situation)
-    base = (index[..., ::-1] + 0.5 - 0.5 * chart.n) * chart.spacing
-    return base @ axes + origin
+    return chart.in_world((index[..., ::-1] - 0.5 * (chart.n - 1)) * chart.spacing)
 
 
-def skin(
-    situation: SpatialSituation, chart: SpaceLattice, field: np.ndarray, level: float,
-    colour: str, alpha: float,
-) -> Faces:  # fmt: skip
+def skin(chart: SpaceLattice, field: np.ndarray, level: float, colour: str, alpha: float) -> Faces:
     """The surface on which a field over a lattice has a level."""
     corners, normal = surface(field, level)
-    axes, _ = arm_frame(situation)
     # reversing the indices mirrors, so that the order of corners turns round
-    places = in_world(situation, chart, corners)[:, ::-1]
-    turned = (normal[..., ::-1] @ axes)[:, ::-1]
+    places = places_of(chart, corners)[:, ::-1]
+    turned = (normal[..., ::-1] @ rotation_of(chart.arm.base.rotation).T)[:, ::-1]
     return Faces(places, np.array(to_rgb(colour)), alpha, turned, both=True)
-
-
-@lru_cache(maxsize=4)
-def _coarse(arm: object) -> SpaceLattice:
-    return SpaceLattice(arm, COARSE)  # type: ignore[arg-type]
 
 
 def extended_faces(situation: SpatialSituation, t: float, alpha: float = GLASSY) -> Faces:
     """Extended obstacles at time t [s]: hands whose limb touches an obstacle."""
-    chart = _coarse(situation.arm)
+    chart = space_of(situation.arm, COARSE)
     room = np.clip(room_in_space(situation, chart, t), -chart.spacing, 2.0 * chart.spacing)
-    return skin(situation, chart, room, 0.0, style.EXTENDED, alpha)
+    return skin(chart, room, 0.0, style.EXTENDED, alpha)
 
 
-def front_faces(situation: SpatialSituation, cognitive_map: CognitiveMap, t: float) -> Faces:
-    """The front at time t [s], and effective obstacles behind it are its rim."""
-    chart = _chart(cognitive_map)
-    arrival = np.ma.filled(cognitive_map.arrival.astype(float), np.inf)
-    step = 2.0 * _pace(cognitive_map)
-    return skin(situation, chart, np.clip(arrival - t, -step, step), 0.0, style.FRONT, CLEAR)
+def front_faces(cognitive_map: CognitiveMap, t: float) -> Faces:
+    """The front at time t [s]."""
+    chart, arrival = _chart(cognitive_map), first_arrival(cognitive_map)
+    step = 2.0 * _pace(arrival)
+    return skin(chart, np.clip(arrival - t, -step, step), 0.0, style.FRONT, CLEAR)
 
 
-def effective_faces(
-    situation: SpatialSituation, cognitive_map: CognitiveMap, t: float = np.inf, alpha: float = 1.0
-) -> Faces:
+def effective_faces(cognitive_map: CognitiveMap, t: float = np.inf, alpha: float = 1.0) -> Faces:
     """Effective obstacles that exist at time t [s]."""
-    chart = _chart(cognitive_map)
-    there = cognitive_map.effective_obstacles & (_birth(cognitive_map) <= t)
-    return skin(situation, chart, -softened(softened(there)), -SHELL, style.EFFECTIVE, alpha)
+    there = frozen_cells(cognitive_map) & (_birth(first_arrival(cognitive_map)) <= t)
+    field = softened(softened(there))
+    return skin(_chart(cognitive_map), -field, -SHELL, style.EFFECTIVE, alpha)
 
 
 def _chart(cognitive_map: CognitiveMap) -> SpaceLattice:
@@ -91,18 +76,32 @@ def _chart(cognitive_map: CognitiveMap) -> SpaceLattice:
     return chart
 
 
-def _pace(cognitive_map: CognitiveMap) -> float:
-    """About the time that the front takes from cell to cell [s]."""
-    arrival = np.ma.filled(cognitive_map.arrival.astype(float), np.nan)
-    return float(np.nanmedian(np.abs(np.diff(arrival, axis=0)))) or 1e-3
+def first_arrival(cognitive_map: CognitiveMap) -> np.ndarray:
+    """When the hand can be in a cell (n, n, n), in whatever posture [s]; infinite if never."""
+    arrival = np.ma.filled(cognitive_map.arrival.astype(float), np.inf)
+    return arrival if arrival.ndim == 3 else arrival.min(axis=3)
 
 
-def _birth(cognitive_map: CognitiveMap) -> np.ndarray:
-    """When the front came to every cell or beside it (n, n, n) [s]; infinite where it did not."""
-    when = np.pad(
-        np.ma.filled(cognitive_map.arrival.astype(float), np.inf), 1, constant_values=np.inf
+def frozen_cells(cognitive_map: CognitiveMap) -> np.ndarray:
+    """Cells (n, n, n) in which the front froze and that the hand can be in in no posture."""
+    frozen = cognitive_map.effective_obstacles
+    shut: np.ndarray = (frozen if frozen.ndim == 3 else frozen.any(axis=3)) & np.isinf(
+        first_arrival(cognitive_map)
     )
-    out = when[1:-1, 1:-1, 1:-1].copy()
+    return shut
+
+
+def _pace(arrival: np.ndarray) -> float:
+    """About the time that a front takes from cell to cell [s]."""
+    there = np.where(np.isfinite(arrival), arrival, np.nan)
+    steps = np.abs(np.diff(there, axis=0))
+    return float(np.nanmedian(steps)) if np.isfinite(steps).any() else 1e-3
+
+
+def _birth(arrival: np.ndarray) -> np.ndarray:
+    """When the front came to every cell or beside it (n, n, n) [s]; infinite where it did not."""
+    when = np.pad(arrival, 1, constant_values=np.inf)
+    out = arrival.copy()
     for axis in range(3):
         for way in (1, -1):
             np.minimum(out, np.roll(when, way, axis)[1:-1, 1:-1, 1:-1], out=out)
@@ -161,23 +160,20 @@ def cut_frame(
 
 
 def cut_faces(
-    situation: SpatialSituation, cognitive_map: CognitiveMap, middle: np.ndarray,
+    cognitive_map: CognitiveMap, middle: np.ndarray,
     u: np.ndarray, v: np.ndarray,
 ) -> Iterator[Faces]:  # fmt: skip
     """Yield a cut through a map in the colours of arrivals, with rings, and what is frozen."""
-    chart, reach = _chart(cognitive_map), situation.arm.reach
-    axes, origin = arm_frame(situation)
+    chart, arrival = _chart(cognitive_map), first_arrival(cognitive_map)
+    reach = chart.reach
     marks = np.linspace(-1.7 * reach, 1.7 * reach, CUT + 1)
     grid = middle + marks[:, None, None] * u + marks[None, :, None] * v
-    base = (grid - origin) @ axes.T
-    index = (base / chart.spacing - 0.5 + 0.5 * chart.n)[..., ::-1]
-    arrival = np.ma.filled(cognitive_map.arrival.astype(float), np.nan)
-    latest = float(np.nanmax(arrival))
+    base = chart.in_base(grid)
+    index = (base / chart.spacing + 0.5 * (chart.n - 1))[..., ::-1]
+    latest = float(arrival[np.isfinite(arrival)].max(initial=1e-9))
     places = np.moveaxis(index, -1, 0)
-    times = map_coordinates(
-        np.nan_to_num(arrival, nan=2 * latest), places, order=1, cval=2 * latest
-    )
-    frozen = map_coordinates(softened(softened(cognitive_map.effective_obstacles)), places, order=1)
+    times = map_coordinates(np.minimum(arrival, 2 * latest), places, order=1, cval=2 * latest)
+    frozen = map_coordinates(softened(softened(frozen_cells(cognitive_map))), places, order=1)
     share = np.clip(times / latest, 0.0, 1.0)
     colours = np.asarray(style.MAP_COLOURS(share))[..., :3]
     off = np.abs((share * RINGS + 0.5) % 1.0 - 0.5)
@@ -200,13 +196,12 @@ def map_faces(
     trajectory: SpatialTrajectory | None = None, facing: Camera | None = None,
 ) -> list[Faces]:  # fmt: skip
     """A map cut open, facing a camera, with effective obstacles; those before the cut are glass."""
-    axes, origin = arm_frame(situation)
-    start = np.asarray(cognitive_map.hand) @ axes + origin
-    met = cognitive_map.interception
-    end = start if met is None else np.asarray(met.position) @ axes + origin
+    chart, met = _chart(cognitive_map), cognitive_map.interception
+    start = chart.in_world(np.asarray(cognitive_map.hand))
+    end = start if met is None else chart.in_world(np.asarray(met.position))
     middle, u, v = cut_frame(start, end, facing or view)
-    things = list(cut_faces(situation, cognitive_map, middle, u, v))
-    walls = effective_faces(situation, cognitive_map)
+    things = list(cut_faces(cognitive_map, middle, u, v))
+    walls = effective_faces(cognitive_map)
     before = ((walls.corners.mean(axis=1) - middle) @ np.cross(u, v)) * (
         np.cross(u, v) @ view.nearer
     ) > 0.0
@@ -251,8 +246,8 @@ class HandSpace:
         hand = self._hand(t)
         things = [
             extended_faces(self.situation, t),
-            effective_faces(self.situation, self.map, t),
-            front_faces(self.situation, self.map, t),
+            effective_faces(self.map, t),
+            front_faces(self.map, t),
             hand_ball(self.situation, hand),
             *body_faces(self.situation, t, roles=("target",)),
         ]
