@@ -79,3 +79,22 @@ def neighbour(lattice, node, j, way):
     """Node whose joint j is a step `way` (+1 or -1) from that of a node; -1 at an end."""
     k = node // lattice.strides[j] % lattice.counts[j] + way
     return node + way * lattice.strides[j] if 0 <= k < lattice.counts[j] else -1
+
+
+@njit(_nrt=False)
+def nearest(lattice, q, corner):
+    """One of the 16 nodes about joints q (4,): bit j of `corner` says above or below in joint j.
+
+    -1 where that is the node of another corner.
+    """
+    node = 0
+    for j in range(4):
+        last, k = lattice.counts[j] - 1, 0
+        while k < last and lattice.values[j, k + 1] <= q[j]:
+            k += 1
+        if corner >> j & 1:
+            if k == last:
+                return -1
+            k += 1
+        node += k * lattice.strides[j]
+    return node

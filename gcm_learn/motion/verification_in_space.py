@@ -14,7 +14,7 @@ NOTHING, ELSEWHERE, LATE, RANGE, JOINT, FORCED, FAST, MISSED, TOUCHED = range(9)
 TOLERANCE = 1e-7  # relative, of limits; the contract grants 1e-6
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearms]
 _ROUNDING = 1e-13  # of joints, where a range ends at 0 [rad]
-_DEEPEST = 50  # halvings of a piece before its hand counts as too fast
+_NARROWEST = 1e-12  # share of a piece that is looked at before its hand counts as too fast
 
 
 @njit
@@ -169,31 +169,26 @@ def _rate(curve, j, s):
 def _hand_too_fast(limb, curve, most, q):
     """Whether the hand's way per share of a move exceeds `most` anywhere.
 
-    The hand accelerates by at most (sum of rates)^2 + sum of accelerations times the reach, so the
-    speed in the middle of a span bounds that in all of it.
+    The hand's velocity strays from a straight line between those at the ends of a span by at most
+    an eighth of its width squared times what bounds the second derivative: each turns the arm once
+    more, or is of one joint alone.
     """
-    far, rates, bends = limb.rho + limb.length, 0.0, 0.0
+    far, rates, bends, jolts = limb.rho + limb.length, 0.0, 0.0, 0.0
     for j in range(4):
         rates += _top_rate(curve, j)
         bends += max(abs(2.0 * curve[j, 2]), abs(2.0 * curve[j, 2] + 6.0 * curve[j, 3]))
-    change = far * (rates * rates + bends)
+        jolts += 6.0 * abs(curve[j, 3])
     if far * rates <= most:
         return False
-    s, half, depth = 0.0, 0.5, 1  # spans from left to right, by bisection: 2^depth of the whole
-    while s < 1.0:
-        speed = hand_rate(limb, curve, s + half, q)
-        if speed > most or depth > _DEEPEST:
+    change = 0.125 * far * (rates**3 + 3.0 * rates * bends + jolts)
+    s, width, before = 0.0, 1.0, hand_rate(limb, curve, 0.0, q)
+    while s < 1.0 - _NARROWEST:
+        after = hand_rate(limb, curve, s + width, q)
+        if max(before, after) > most or width < _NARROWEST:
             return True
-        if speed + change * half <= most:
-            s += 2.0 * half
-            while depth > 1 and _is_multiple(s, 4.0 * half):
-                half, depth = 2.0 * half, depth - 1
+        if max(before, after) + change * width * width <= most:
+            s, before, width = s + width, after, 2.0 * width
         else:
-            half, depth = 0.5 * half, depth + 1
+            width *= 0.5
+        width = min(width, 1.0 - s)
     return False
-
-
-@njit(_nrt=False, forceinline=True)
-def _is_multiple(s, span):
-    """Whether s is a whole number of spans; both are exact powers of two and sums of them."""
-    return s / span == np.floor(s / span)

@@ -20,7 +20,7 @@ from gcm_learn.motion.acceleration import dash, tracked
 from gcm_learn.motion.verification_in_space import NOTHING, piece_fault
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import Goals, add_goals
+from gcm_learn.planners.space.goals import CENTRE, Goals, add_goals
 from gcm_learn.planners.space.moves import study_of
 from gcm_learn.scene.bodies import HAND as TARGET
 from gcm_learn.scene.bodies import PART
@@ -161,7 +161,7 @@ def first_dash(study, goals, times, swivels, hurries, found):
         k = goals.size[0]
         for b in range(scene.bodies.rows.shape[0]):
             if scene.bodies.rows[b, PART] == TARGET:
-                add_goals(study, goals, b, times[n], swivels, 0.5 * (n % 2))
+                add_goals(study, goals, b, times[n], swivels, 0.5 * (n % 2), CENTRE)
         while k < goals.size[0]:
             for m in range(1 if moving else hurries.size):
                 took = times[n] * hurries[m]

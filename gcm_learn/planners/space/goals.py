@@ -15,7 +15,7 @@ from gcm_learn.planners.space.moves import (
     timed_move_is_free,
     turning_time,
 )
-from gcm_learn.scene.bodies import HAND, PART, centre_at
+from gcm_learn.scene.bodies import HAND, PART
 from gcm_learn.scene.spatial_limb import hand_jacobian, inverse, limb_at
 
 ROUNDS = 16  # of pulling a hand to a target
@@ -23,6 +23,8 @@ DEPTH = 1e-4  # how far into the catch it is pulled [forearms]
 PROBE = 1e-5  # finite difference for the direction of a target [forearms]
 LONGEST_PULL = 0.5  # of a joint in one round [rad]
 HALVINGS = 10  # of the time by which a catch may become earlier
+CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
+PLACES = 3
 RIM = 1e-6  # share of the reach that is not used
 
 
@@ -37,7 +39,7 @@ class Goals(NamedTuple):
 
 def no_goals(targets: int, instants: int, swivels: int) -> Goals:
     """Room for goals."""
-    most = targets * instants * (2 * swivels + 1)
+    most = targets * instants * (2 * swivels + 1) * PLACES
     return Goals(
         np.empty(most), np.empty((most, 4)), np.empty(most, np.int64), np.zeros(1, np.int64)
     )
@@ -102,26 +104,52 @@ def _keep(study, goals, b, t, q):
 
 
 @njit(_nrt=False)
-def add_goals(study, goals, b, t, swivels, turn):
+def place_on(study, b, t, which, out):
+    """Write a place of body b at t [s] into `out` (3,): its centre, or about its nearest point.
+
+    The nearest point of a solid lies against the slope of the distance to it.
+    """
+    scene, poses, jacobian = study.scene, study.desk.poses, study.jacobian
+    limb, probe = scene.limb, PROBE * scene.limb.length
+    x, y, z = 0.0, 0.0, 0.0
+    if which == FROM_HAND:
+        _, _, _, x, y, z = limb_at(limb, limb.start)
+    room = target_room(scene, b, x, y, z, t, poses)
+    if which == CENTRE or room <= 0.0:
+        out[0], out[1], out[2] = poses[b, 0], poses[b, 1], poses[b, 2]
+        return
+    for a in range(3):
+        dx, dy, dz = probe * (a == 0), probe * (a == 1), probe * (a == 2)
+        there = target_room(scene, b, x + dx, y + dy, z + dz, t, poses)
+        jacobian[0, a] = (there - room) / probe
+    out[0] = x - room * jacobian[0, 0]
+    out[1] = y - room * jacobian[0, 1]
+    out[2] = z - room * jacobian[0, 2]
+
+
+@njit(_nrt=False)
+def add_goals(study, goals, b, t, swivels, turn, which):
     """Add postures that catch body b at t [s]: the next one to the start, and some round a circle.
 
     Parameters
     ----------
     swivels : int
-        How many of the second kind; their hands are at the target's centre.
+        How many of the second kind.
+    which : int
+        Where their hands are: at the target's centre, or at a point nearest to something.
     turn : float
         The first of them is `turn` of the way to the second.
     """
-    scene, q = study.scene, study.goal
+    scene, q, hand, poses = study.scene, study.goal, study.posture, study.desk.poses
     limb = scene.limb
-    box(study, limb.start, t)
-    for j in range(4):
-        q[j] = limb.start[j]
-    if pulled(study, b, t, q):
-        _keep(study, goals, b, t, q)
-    centre_at(scene.bodies, b, t, study.desk.poses)
-    poses = study.desk.poses
-    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    if which == CENTRE:
+        box(study, limb.start, t)
+        for j in range(4):
+            q[j] = limb.start[j]
+        if pulled(study, b, t, q):
+            _keep(study, goals, b, t, q)
+    place_on(study, b, t, which, hand)
+    x, y, z = hand[0], hand[1], hand[2]
     away, far = np.sqrt(x * x + y * y + z * z), (limb.rho + limb.length) * (1.0 - RIM)
     if away > far:
         x, y, z = x * far / away, y * far / away, z * far / away
@@ -157,7 +185,8 @@ def reach(study, q, since, until, p, t):
     if t - since < 1.05 * took:
         return -1.0, -1.0
     if t - took <= until and timed_move_is_free(study, q, t - took, p, t, pieces):
-        return t - took, t
+        if rest_is_free(study, q, since, t - took):
+            return t - took, t
     if timed_move_is_free(study, q, since, p, since + took, pieces):
         if rest_is_free(study, p, since + took, t):
             return since, since + took
@@ -189,12 +218,37 @@ def straight(study, goals, times, swivels, ends):
         k = goals.size[0]
         for b in range(scene.bodies.rows.shape[0]):
             if scene.bodies.rows[b, PART] == HAND:
-                add_goals(study, goals, b, times[n], swivels, 0.5 * (n % 2))
+                add_goals(study, goals, b, times[n], swivels, 0.5 * (n % 2), CENTRE)
         while k < goals.size[0]:
             ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], times[n])
             if ends[0] >= 0.0:
                 return k
             k += 1
+    return -1
+
+
+@njit
+def add_more(study, goals, times, swivels):
+    """Add goals for all places of all targets at some times (n,), increasing [s]."""
+    bodies = study.scene.bodies.rows
+    for n in range(times.size):
+        for b in range(bodies.shape[0]):
+            if bodies[b, PART] == HAND:
+                for which in range(PLACES):
+                    turn = (2 * (n % 2) + 1.0) / 4.0 + which / 6.0
+                    add_goals(study, goals, b, times[n], swivels, turn, which)
+
+
+@njit
+def straight_to(study, goals, ends):
+    """First of the goals to which there is a straight move from the start; see `straight`."""
+    scene, start = study.scene, study.scene.limb.start
+    end = scene.limits.horizon
+    until = free_until(scene, start, 0.0, end, study.touch, study.instant, study.desk)
+    for k in range(goals.size[0]):
+        ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], goals.time[k])
+        if ends[0] >= 0.0:
+            return k
     return -1
 
 

@@ -7,48 +7,51 @@ from typing import ClassVar
 
 import numpy as np
 
-from gcm_learn.handspace import joint_lattice
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.space.accelerated import plan_accelerated
-from gcm_learn.planners.space.goals import Goals, no_goals, straight
-from gcm_learn.planners.space.moves import NEVER, Study, study_of
-from gcm_learn.planners.space.search import new_tree, plant, search
+from gcm_learn.planners.space.goals import Goals, add_more, no_goals, straight, straight_to
+from gcm_learn.planners.space.moves import Study, study_of
+from gcm_learn.planners.space.sides import Effort, two_sided
 from gcm_learn.planners.space.straight import at_once
-from gcm_learn.planners.space.ways import (
-    Way,
-    hasten,
-    new_way,
-    samples_of,
-    shorten,
-    trace,
-    write,
-)
+from gcm_learn.planners.space.ways import Way, hasten, new_way, samples_of, shorten, write
 from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
+
+GAIN = 0.01  # of the horizon, by which a catch must be earlier to be looked for
 
 
 @dataclass(frozen=True)
 class LayeredInSpace:
-    """Straight moves to postures that catch; where none is free, A* over the joints with waits."""
+    """Straight moves to postures that catch; where none is free, A* over the joints with waits.
+
+    It is tried with few goals on a coarse lattice, then with more of them on a finer one. Each
+    search goes from the start to the goals and from the goals to the start in turn.
+    """
 
     name: str = "layered"
-    nodes: int = 16**4
-    """Of the lattice over the joints, about."""
     instants: int = 32
-    """Times at which interceptions are tried."""
+    """Times at which interceptions are tried; twice as many when that is not enough."""
     swivels: int = 12
-    """Of the elbow that are tried at each of them."""
-    tries: int = 20_000
-    """Moves that the search looks at before it gives up."""
-    weight: float = 1.0
-    """Of the motion that is left, beside the time of the catch."""
+    """Of the elbow that are tried at each of them; likewise."""
+    coarse: Effort = Effort(10**4, (600, 2400))
+    fine: Effort = Effort(10**4, (10_000, 20_000))
+    earliest: bool = False
+    """Whether catches before the first one that is found are looked for, until there is none that
+    is earlier by a hundredth of the horizon."""
 
     takes_space: ClassVar[bool] = True
 
-    def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
-        """Answer a situation."""
+    def plan(self, situation: AnySituation, bound: float | None = None) -> Plan[SpatialTrajectory]:
+        """Answer a situation.
+
+        Parameters
+        ----------
+        situation : Situation
+        bound : float, optional
+            Only catches before this time are wanted [s]; e.g. that of a catch that is known.
+        """
         problem = SpatialProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
@@ -56,58 +59,71 @@ class LayeredInSpace:
         caught = at_once(problem)
         if caught is not None:
             return caught
+        end = min(situation.horizon, np.inf if bound is None else bound)
         if problem.accelerates:
             return plan_accelerated(
-                problem, self._goals_and_times(problem), self.swivels, self.plan
+                problem,
+                (self._room_for_goals(problem), self._times(end)),
+                self.swivels,
+                self.plan,
             )
+        return self._planned(problem, end)
+
+    def _planned(self, problem: SpatialProblem, end: float) -> Plan[SpatialTrajectory]:
+        """A catch before `end` [s], or the earliest one."""
         study = study_of(problem.scene, problem.rules)
-        goals = self._room_for_goals(problem)
-        way = self._straight(study, goals, problem.situation.horizon)
-        if way is None:
-            way = self._search(study, goals)
-        if way is None:
-            return problem.answer(Failure.NO_INTERCEPTION)
-        return finished(problem, study, way)
+        best: Plan[SpatialTrajectory] | None = None
+        while True:
+            way = self._way(problem, study, end)
+            if way is None:
+                return best or problem.answer(Failure.NO_INTERCEPTION)
+            plan = finished(problem, study, way)
+            if plan.catch_time is None or not self.earliest:
+                return best or plan
+            best = plan
+            end = plan.catch_time - GAIN * problem.situation.horizon
+            if end <= 0.0:
+                return best
 
-    def _goals_and_times(self, problem: SpatialProblem) -> tuple[Goals, np.ndarray]:
-        """Room for goals, and when interceptions are tried."""
-        times = problem.situation.horizon * np.arange(1, self.instants + 1) / self.instants
-        return self._room_for_goals(problem), times
+    def _times(self, end: float, more: int = 1) -> np.ndarray:
+        """When interceptions are tried [s]."""
+        count = more * self.instants
+        times = end * np.arange(1, count + 1) / count
+        times[-1] = end
+        return times
 
-    def _room_for_goals(self, problem: SpatialProblem) -> Goals:
+    def _room_for_goals(self, problem: SpatialProblem, more: int = 1) -> Goals:
         targets = int((problem.bodies.rows[:, PART] == HAND).sum())
-        return no_goals(targets, self.instants, self.swivels)
+        return no_goals(targets, more * self.instants, more * self.swivels)
 
-    def _straight(self, study: Study, goals: Goals, horizon: float) -> Way | None:
-        """A straight move from the start."""
-        times = horizon * np.arange(1, self.instants + 1) / self.instants
-        times[-1] = horizon
-        ends = np.zeros(2)
-        goal = straight(study, goals, times, self.swivels, ends)
-        if goal < 0:
+    def _way(self, problem: SpatialProblem, study: Study, end: float) -> Way | None:
+        """A way to a catch before `end` [s]."""
+        goals, ends = self._room_for_goals(problem), np.zeros(2)
+        goal = straight(study, goals, self._times(end), self.swivels, ends)
+        if goal >= 0:
+            return _direct(study, goals, goal, ends)
+        way = two_sided(study, goals, self.coarse)
+        if way is None:
+            goals = self._room_for_goals(problem, 2)
+            add_more(study, goals, self._times(end, 2), 2 * self.swivels)
+            goal = straight_to(study, goals, ends)
+            if goal >= 0:
+                return _direct(study, goals, goal, ends)
+            way = two_sided(study, goals, self.fine)
+        if way is None:
             return None
-        way, start = new_way(), study.scene.limb.start
-        write(way, 0, start, 0.0, ends[0])
-        write(way, 1, goals.joints[goal], ends[1], goals.time[goal])
-        way.body[0] = goals.body[goal]
-        return way
+        short = new_way()
+        shorten(study, way, short)
+        return short
 
-    def _search(self, study: Study, goals: Goals) -> Way | None:
-        """What A* finds first."""
-        if goals.size[0] == 0:
-            return None
-        lattice = joint_lattice(study.scene, self.nodes)
-        tree, ends = new_tree(int(lattice.counts.prod()), self.tries), np.zeros(2)
-        if not plant(study, lattice, goals, tree, NEVER, self.weight):
-            return None
-        state, goal, _ = search(study, lattice, goals, tree, self.tries, NEVER, self.weight, ends)
-        if state < 0:
-            return None
-        found, way = new_way(), new_way()
-        if not trace(study, goals, tree, state, goal, ends, found):
-            return None
-        shorten(study, found, way)
-        return way
+
+def _direct(study: Study, goals: Goals, goal: int, ends: np.ndarray) -> Way:
+    """The straight move from the start to a goal that begins and ends (2,) when it should [s]."""
+    way = new_way()
+    write(way, 0, study.scene.limb.start, 0.0, ends[0])
+    write(way, 1, goals.joints[goal], ends[1], goals.time[goal])
+    way.body[0] = goals.body[goal]
+    return way
 
 
 def finished(problem: SpatialProblem, study: Study, way: Way) -> Plan[SpatialTrajectory]:

@@ -19,6 +19,7 @@ from gcm_learn.scene.spatial_limb import motion_bounds
 
 PIECES = 8  # of a move, at most
 LONGEST = 0.3  # turn of a joint in a piece of a move that the hand's speed limits [rad]
+SLOWER = 1e-4  # share of the hand's speed that is not used, so that its check is quick
 HAIR = 2e-9  # share of the speed limits that is not used, against rounding
 NEVER = 1e300
 
@@ -30,6 +31,7 @@ class Study(NamedTuple):
     touch: float  # distance at which an obstacle counts as touching the limb
     catch: float  # signed distance to a target at which the hand surely catches
     instant: float  # resolution in time [s]
+    backward: bool  # whether time runs from the goals to the start
     desk: Desk
     pace: np.ndarray  # (PIECES,): when the pieces of the move timed last end, from its begin [s]
     near: np.ndarray  # (4,): joints
@@ -42,13 +44,13 @@ class Study(NamedTuple):
     branches: np.ndarray  # (4, 4)
 
 
-def study_of(scene: Scene, rules: Rules) -> Study:
+def study_of(scene: Scene, rules: Rules, backward: bool = False) -> Study:
     """Get ready to plan for a scene."""
     near, far, posture, goal, low, high = np.zeros((6, 4))
     desk, pace, jacobian, branches = (
         desk_of(scene), np.zeros(PIECES), np.zeros((3, 4)), np.zeros((4, 4))
     )  # fmt: skip
-    kept = rules.touch, rules.catch, rules.instant
+    kept = rules.touch, rules.catch, rules.instant, backward
     return Study(scene, *kept, desk, pace, near, far, posture, goal, low, high, jacobian, branches)
 
 
@@ -88,7 +90,7 @@ def time_of(study, q, p):
         after = hand_rate(limb, curve, (k + 1.0) / count, work)
         # how far a parabola rises above three of its points, and a half for what is none
         top = max(before, middle, after) + 0.2 * abs(before - 2.0 * middle + after)
-        total += max(turning, top / limits.speed * (1.0 + HAIR)) / count
+        total += max(turning, top / limits.speed * (1.0 + SLOWER)) / count
         pace[k] = total
         before = after
     return total, count

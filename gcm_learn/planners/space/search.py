@@ -20,11 +20,18 @@ from gcm_learn.collision.postures import free_spans
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.joints import neighbour, posture_of
 from gcm_learn.planners.space.goals import reach
-from gcm_learn.planners.space.moves import NEVER, time_of, timed_move_is_free, turning_time
+from gcm_learn.planners.space.moves import (
+    NEVER,
+    rest_is_free,
+    time_of,
+    timed_move_is_free,
+    turning_time,
+)
 
 SPANS = 4  # of a node that are kept
 DELAYS = 2  # with which a blocked move is tried again
 ARITY = 4  # of the heap
+MOMENTS = 400  # of a horizon: a block of a node that is shorter may be missed; waits are asked for
 CLOSE = 1e-9  # of a span, by which it is entered late [s]
 
 
@@ -169,34 +176,44 @@ def prospect(study, goals, q, t, bound, weight):
 
 
 @njit(_nrt=False)
+def spans_at(study, places, k):
+    """Ask when the limb may be at place k, no sooner and no later than a movement can be."""
+    scene, q = study.scene, places.joints[k]
+    end, away = scene.limits.horizon, turning_time(scene.limits.joint_speed, scene.limb.start, q)
+    since, until = (0.0, end - away) if study.backward else (away, end)
+    places.found[k] = 0
+    if since <= until:
+        places.found[k] = free_spans(
+            scene, q, since, until, study.touch, end / MOMENTS, study.desk, places.spans[k]
+        )
+    for i in range(SPANS):
+        places.closed[k, i] = -1
+
+
+@njit(_nrt=False)
+def span_of(places, k, time):
+    """Index of the span of place k that holds a time, or of the next one; -1 if there is none."""
+    for i in range(places.found[k]):
+        if time <= places.spans[k, i, 1]:
+            return i
+    return -1
+
+
+@njit(_nrt=False)
 def _place(study, lattice, places, node):
     """Index of a node among the places; its posture and free spans are asked for at first."""
     k = places.of_node[node]
-    if k >= 0:
-        return k
-    k = np.int32(places.size[0])
-    places.size[0] = k + 1
-    places.of_node[node] = k
-    scene, q = study.scene, places.joints[k]
-    posture_of(lattice, node, q)
-    since = turning_time(scene.limits.joint_speed, scene.limb.start, q)
-    places.found[k] = free_spans(
-        scene,
-        q,
-        since,
-        scene.limits.horizon,
-        study.touch,
-        study.instant,
-        study.desk,
-        places.spans[k],
-    )
-    for i in range(SPANS):
-        places.closed[k, i] = -1
+    if k < 0:
+        k = np.int32(places.size[0])
+        places.size[0] = k + 1
+        places.of_node[node] = k
+        posture_of(lattice, node, places.joints[k])
+        spans_at(study, places, k)
     return k
 
 
 @njit(_nrt=False)
-def _queue(study, lattice, goals, tree, trial, bound, weight):
+def queue(study, lattice, goals, tree, trial, bound, weight):
     """Queue a trial (node, home, via, leave, arrive, delays) if a goal can still be met from it."""
     node, home, via, leave, arrive, delays = trial
     tries, k = tree.tries, tree.tries.size[0]
@@ -221,47 +238,44 @@ def _settle(study, lattice, goals, tree, item, bound, weight):
     k = _place(study, lattice, places, node)
     q, p = places.joints[states.place[home]], places.joints[k]
     took, pieces = time_of(study, q, p)
-    arrive, span = max(tries.arrive[item], leave + took), -1
-    for i in range(places.found[k]):
-        if arrive <= places.spans[k, i, 1]:
-            span = i
-            break
+    arrive = max(tries.arrive[item], leave + took)
+    span = span_of(places, k, arrive)
     if span < 0:
         return -1
-    free = places.closed[k, span] < 0
-    if free and arrive < places.spans[k, span, 0]:  # it has yet to become free
-        free = False
+    open_yet = places.closed[k, span] < 0
+    if open_yet and arrive < places.spans[k, span, 0]:  # it has yet to become free
         opens = places.spans[k, span, 0] + CLOSE
         if opens - took <= states.until[home]:
             trial = (node, home, via, opens - took, opens, delays)
-            _queue(study, lattice, goals, tree, trial, bound, weight)
+            queue(study, lattice, goals, tree, trial, bound, weight)
         elif home != via:
             trial = (node, via, via, states.time[via], states.time[via], delays)
-            _queue(study, lattice, goals, tree, trial, bound, weight)
+            queue(study, lattice, goals, tree, trial, bound, weight)
         return -1
-    if free and not timed_move_is_free(study, q, leave, p, arrive, pieces):
-        free = False
+    free = open_yet and rest_is_free(study, q, states.time[home], leave)
+    free = free and timed_move_is_free(study, q, leave, p, arrive, pieces)
+    if open_yet and not free:
         if home != via:
-            reached = states.time[via]
-            arrive = reached + time_of(study, places.joints[states.place[via]], p)[0]
-            trial = (node, via, via, reached, arrive, delays)
-            _queue(study, lattice, goals, tree, trial, bound, weight)
+            since = states.time[via]
+            arrive = since + time_of(study, places.joints[states.place[via]], p)[0]
+            trial = (node, via, via, since, arrive, delays)
+            queue(study, lattice, goals, tree, trial, bound, weight)
         elif delays < DELAYS:
             later = leave + lattice.step * (delays + 1)
             if later <= states.until[home]:
                 trial = (node, home, via, later, later + took, delays + 1)
-                _queue(study, lattice, goals, tree, trial, bound, weight)
+                queue(study, lattice, goals, tree, trial, bound, weight)
     if span + 1 < places.found[k]:  # the next span as well, after a wait at the neighbour
         took = time_of(study, places.joints[states.place[via]], p)[0]
         opens = places.spans[k, span + 1, 0] + CLOSE
         if states.time[via] <= opens - took <= states.until[via]:
             trial = (node, via, via, opens - took, opens, delays)
-            _queue(study, lattice, goals, tree, trial, bound, weight)
-    return _reached(tree, k, span, home, leave, arrive) if free else -1
+            queue(study, lattice, goals, tree, trial, bound, weight)
+    return note(tree, k, span, home, leave, arrive) if free else -1
 
 
 @njit(_nrt=False)
-def _reached(tree, place, span, via, left, time):
+def note(tree, place, span, via, left, time):
     """Note a state."""
     states, s = tree.states, tree.states.size[0]
     states.size[0] = s + 1
@@ -289,19 +303,12 @@ def _expand(study, lattice, goals, tree, state, node, bound, weight):
                     home, leave = states.via[state], states.left[state]
             q = places.joints[states.place[home]]
             arrive, k = leave + turning_time(rate, q, far), places.of_node[there]
-            if k >= 0 and _is_closed(places, k, arrive):
-                continue
+            if k >= 0:
+                span = span_of(places, k, arrive)
+                if span < 0 or places.closed[k, span] >= 0:
+                    continue
             trial = (there, home, state, leave, arrive, 0)
-            _queue(study, lattice, goals, tree, trial, bound, weight)
-
-
-@njit(_nrt=False)
-def _is_closed(places, k, time):
-    """Whether a place was reached in the span that holds a time, or is not free from it on."""
-    for i in range(places.found[k]):
-        if time <= places.spans[k, i, 1]:
-            return places.closed[k, i] >= 0
-    return True
+            queue(study, lattice, goals, tree, trial, bound, weight)
 
 
 @njit(_nrt=False)
@@ -310,7 +317,7 @@ def plant(study, lattice, goals, tree, bound, weight):
     k = _place(study, lattice, tree.places, lattice.start)
     if tree.places.found[k] == 0 or tree.places.spans[k, 0, 0] > 0.0:
         return False
-    state = _reached(tree, k, 0, -1, 0.0, 0.0)
+    state = note(tree, k, 0, -1, 0.0, 0.0)
     tree.places.tried[lattice.start] = True
     _expand(study, lattice, goals, tree, state, lattice.start, bound, weight)
     return True

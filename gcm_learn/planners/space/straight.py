@@ -17,7 +17,7 @@ from gcm_learn.motion.interception_in_space import (
 )
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import Goals, box, pulled
+from gcm_learn.planners.space.goals import Goals, box, place_on, pulled
 from gcm_learn.planners.space.moves import (
     HAIR,
     Study,
@@ -31,35 +31,9 @@ from gcm_learn.scene.spatial_limb import BRANCHES, inverse, limb_at
 
 SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for
-CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
 _PLACES = 3
 _HALVINGS = 12  # of an instant, by which the earliest interception is told
 _RIM = 1e-6  # share of the reach that is not used
-_PROBE = 1e-5  # finite difference of a distance [forearms]
-
-
-@njit(_nrt=False)
-def place_on(study, b, t, which, out):
-    """Write a place of body b at t [s] into `out` (3,): its centre, or about its nearest point.
-
-    The nearest point of a solid lies against the slope of the distance to it.
-    """
-    scene, poses, jacobian = study.scene, study.desk.poses, study.jacobian
-    limb, probe = scene.limb, _PROBE * scene.limb.length
-    x, y, z = 0.0, 0.0, 0.0
-    if which == FROM_HAND:
-        _, _, _, x, y, z = limb_at(limb, limb.start)
-    room = target_room(scene, b, x, y, z, t, poses)
-    if which == CENTRE or room <= 0.0:
-        out[0], out[1], out[2] = poses[b, 0], poses[b, 1], poses[b, 2]
-        return
-    for a in range(3):
-        dx, dy, dz = probe * (a == 0), probe * (a == 1), probe * (a == 2)
-        there = target_room(scene, b, x + dx, y + dy, z + dz, t, poses)
-        jacobian[0, a] = (there - room) / probe
-    out[0] = x - room * jacobian[0, 0]
-    out[1] = y - room * jacobian[0, 1]
-    out[2] = z - room * jacobian[0, 2]
 
 
 @njit(_nrt=False)
