@@ -19,6 +19,8 @@ from gcm_learn.planners.space.ways import Way, hasten, new_way, samples_of, shor
 from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
 
+COARSE = Effort(10**4, (600, 2400))
+FINE = Effort(10**4, (10_000, 20_000))
 GAIN = 0.01  # of the horizon, by which a catch must be earlier to be looked for
 
 
@@ -35,8 +37,8 @@ class LayeredInSpace:
     """Times at which interceptions are tried; twice as many when that is not enough."""
     swivels: int = 12
     """Of the elbow that are tried at each of them; likewise."""
-    coarse: Effort = Effort(10**4, (600, 2400))
-    fine: Effort = Effort(10**4, (10_000, 20_000))
+    coarse: Effort = COARSE
+    fine: Effort = FINE
     earliest: bool = False
     """Whether catches before the first one that is found are looked for, until there is none that
     is earlier by a hundredth of the horizon."""
