@@ -184,6 +184,15 @@ def test_thrown_balls_come_from_afar_and_are_not_within_reach_at_first(name):
         assert np.linalg.norm(place) > situation.arm.reach + situation.arm.grasp
 
 
+def test_a_ball_thrown_over_a_shelf_is_gone_when_it_lands():
+    for k in range(20):
+        situation = draw("over-shelf-space", 9, k)
+        (shelf,) = parts(situation, "shelf")
+        height = pose(situation, shelf, 0.0)[0][2]
+        ball = pose(situation, 0, situation.horizon)[0][2]
+        assert ball >= height - 1e-9
+
+
 def test_the_ball_of_a_pendulum_hangs_at_the_end_of_its_cord():
     for k in range(20):
         situation = draw("pendulum-space", 9, k)

@@ -87,7 +87,7 @@ class SpatialArmRanges(Ranges):
     """What these are: 0 the human-like arm, 1 NAO's in its forearms."""
     around: float = number(0.15, most=0.3)
     """How far each of their numbers may be from that, as a share of it."""
-    horizon: Range = span(0.8, 1.6, 1e-3)
+    horizon: Range = span(1.0, 2.0, 1e-3)
     """Last moment at which a catch counts [s]."""
     ramp: Range = span(0.0, 0.0)
     """Times in which joints come to their full speed [s]; at 0 nothing limits accelerations."""

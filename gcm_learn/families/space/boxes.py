@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, span
-from gcm_learn.families.space.family import SpatialFamily, Story
+from gcm_learn.families.space.family import SpatialFamily, Story, through
 from gcm_learn.families.space.solids import STILL, UP, axes_along, flight, moved, solid
 from gcm_learn.families.space.stage import Stage, Way
 from gcm_learn.situation import Body, Box, Cylinder
@@ -29,27 +29,30 @@ class CrateSpace(SpatialFamily):
     name = "crate-space"
     summary = "a ball in a crate, open to one side, or shut by a lid that slides off"
 
-    lids: float = number(0.5)
+    takes: Range = span(0.1, 0.3, most=0.9)
+    """How long the straight way of the joints takes [horizons]."""
+    lids: float = number(0.75)
     """Share of crates with a lid."""
-    waiting: Range = span(0.25, 0.6, 0.0, 0.95)
-    """When a lid has gone, as shares of the time from when the hand could be there until the
-    horizon."""
-    slack: Range = span(0.1, 0.35, 0.01)
+    left: Range = span(0.6, 1.4, 0.1)
+    """How long it is open until the horizon, in times that the straight way takes."""
+    slack: Range = span(0.2, 0.5, 0.01)
     """Between a forearm in the middle and the walls [forearms]."""
-    depth: Range = span(0.35, 0.8, 0.05)
+    depth: Range = span(0.25, 0.55, 0.05)
     """From the lid to the ball [forearms]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball in a crate."""
         way = stage.way(rng, self.takes, None, reaching(stage))
         axes = entrance(stage, way)
-        wide, high = (stage.thickness + pick(rng, self.slack) for _ in range(2))
-        depth, behind = pick(rng, self.depth), max(self.target[1], stage.thickness) + 0.05
+        radius = pick(rng, self.target)
+        apart = through(stage, radius)
+        wide, high = (max(stage.thickness + pick(rng, self.slack), apart) for _ in range(2))
+        depth, behind = max(pick(rng, self.depth), apart), max(stage.thickness + THICK, apart)
         crate = crate_of(way.meet, axes, (wide, high, depth), behind)
-        target = self.ball(rng, way.meet)
+        target = self.ball(rng, way.meet, radius=radius)
         if rng.random() >= self.lids:
             return Story(way, way.takes, (target, *crate))
-        gone = way.takes + pick(rng, self.waiting) * (stage.horizon - way.takes)
+        gone = way.opens(stage.horizon, pick(rng, self.left))
         k, side = SIDES[int(rng.integers(4))]
         size = (wide + 2.0 * THICK, high + 2.0 * THICK, THICK)
         lid = solid("lid", Box(size), way.meet + (depth + 3.0 * THICK) * axes[:, 2], axes)
@@ -68,14 +71,14 @@ class TraySpace(SpatialFamily):
     name = "tray-space"
     summary = "a ball on a moving tray, under a cover that is lifted late, or under a roof"
 
-    takes: Range = span(0.1, 0.45, most=0.9)
+    takes: Range = span(0.1, 0.3, most=0.9)
     """How long the straight way of the joints takes [horizons]."""
-    covers: float = number(0.55)
+    covers: float = number(0.75)
     """Share of trays with a cover; the others have a roof."""
     speed: Range = span(0.3, 1.5)
     """Of the tray [forearms/s]."""
-    lifted: Range = span(0.35, 0.7, 0.05, 0.95)
-    """When the cover is off [horizons]."""
+    left: Range = span(0.6, 1.4, 0.1)
+    """How long it is uncovered until the horizon, in times that the straight way takes."""
     radius: Range = span(0.25, 0.45, 1e-3)
     """Of covers beyond the limb's thickness, and half the width of trays [forearms]."""
     headroom: Range = span(0.15, 0.4, 0.01)
@@ -85,7 +88,7 @@ class TraySpace(SpatialFamily):
         """A tray with a ball, and what is over it."""
         way = stage.way(rng, self.takes, None, reaching(stage))
         covered = rng.random() < self.covers
-        when = pick(rng, self.lifted) * stage.horizon if covered else 1.5 * way.takes
+        when = way.opens(stage.horizon, pick(rng, self.left)) if covered else 1.5 * way.takes
         angle, radius = pick_angle(rng), stage.thickness + pick(rng, self.radius)
         course = pick(rng, self.speed) * np.array([math.cos(angle), math.sin(angle), 0.0])
         ball = self.ball(rng, way.meet, when, course)

@@ -114,10 +114,13 @@ class BehindPostSpace(SpatialFamily):
     name = "behind-post-space"
     summary = "a ball behind a tall post that moves with it, or on past it"
 
-    passing: float = number(0.6)
+    takes: Range = span(0.1, 0.3, most=0.9)
+    """How long the straight way of the joints takes [horizons]."""
+    passing: float = number(0.8)
     """Share of posts that go on past the ball."""
-    leaves: Range = span(0.35, 0.8, 0.05, 1.0)
-    """When such a post has left the place of the arm that catches [horizons]."""
+    left: Range = span(0.6, 1.4, 0.1)
+    """How long the arm that catches is free of it until the horizon, in times that the straight way
+    takes."""
     near: Range = span(0.3, 0.7, 0.05)
     """Distance of the post's inner side from the shoulder [forearms]."""
     slabs: float = number(0.7)
@@ -139,7 +142,7 @@ class BehindPostSpace(SpatialFamily):
         way = stage.way(rng, self.takes)
         _, start = stage.limb(way.start)
         passes = rng.random() < self.passing
-        when = pick(rng, self.leaves) * stage.horizon if passes else way.takes
+        when = way.opens(stage.horizon, pick(rng, self.left)) if passes else way.takes
         drift = pick(rng, self.drift) * unit_vector(rng.normal(size=3) * (1.0, 1.0, 0.3))
         target = self.ball(rng, way.meet, when, drift)
         post = self._post(rng, start, way.meet)

@@ -14,7 +14,7 @@ from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
 from gcm_learn.families.space.arms import SpatialArmRanges
 from gcm_learn.families.space.solids import STILL, axes_along, moved, solid, unit_vector
-from gcm_learn.families.space.stage import Stage, Way, stage_of
+from gcm_learn.families.space.stage import CHECKS, Stage, Way, stage_of
 from gcm_learn.situation import (
     Body,
     Box,
@@ -26,6 +26,10 @@ from gcm_learn.situation import (
     Sphere,
 )
 
+STORIES = 20  # that are told at most; the last one is taken then
+BETWEEN = 40  # random postures, and as many beside the end, by which a way may lead
+BESIDE = 0.15  # of a joint's range: how far beside it
+BEYOND = 0.05  # how far a wall keeps the hand, at least, from catching through it [forearms]
 STEP = 0.02  # of a way, over which its direction is taken
 INNER, OUTER = 3, 10  # places on the limb at which bodies are aimed: past the half of the upper arm
 FARTHEST, SEARCHED = 5.0, 0.1  # how far a body goes to leave a place, in steps [forearms]
@@ -39,6 +43,8 @@ class Story(NamedTuple):
     """From when on the end of the way is free [s]."""
     bodies: tuple[Body, ...]
     """The target and the obstacles [forearms]."""
+    until: float | None = None
+    """When it is over, if that is before the horizon [s]."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +85,10 @@ class SpatialFamily(Family):
     kind: ClassVar[str] = "spatial"
 
     arm: SpatialArmRanges = field(default_factory=SpatialArmRanges)
-    takes: Range = span(0.12, 0.5, most=0.9)
+    takes: Range = span(0.12, 0.45, most=0.9)
     """How long the straight way of the joints takes [horizons]."""
+    easy: float = number(0.25)
+    """Share of situations in which the straight way may be free from the start."""
     target: Range = span(0.1, 0.28, TINY)
     """Radius of the target [forearms]."""
 
@@ -89,10 +97,12 @@ class SpatialFamily(Family):
         build, horizon = self.arm.build(rng), pick(rng, self.arm.horizon)
         limits = self.arm.limits(rng, build)
         stage = stage_of(rng, build, horizon, rng.random() < self.arm.torso)
-        for _ in range(TRIES):
+        easy = rng.random() < self.easy
+        for _ in range(STORIES):
             story = self.story(rng, stage)
-            if fits(stage, story.way, story.when, story.bodies):
+            if worth_planning(rng, stage, story, easy):
                 break
+        stage = stage._replace(horizon=min(story.until or horizon, horizon))
         return stage.situation(rng, name, story.way.start, story.bodies, limits)
 
     @abstractmethod
@@ -106,10 +116,36 @@ class SpatialFamily(Family):
         when: float = 0.0,
         velocity: np.ndarray = STILL,
         pull: np.ndarray = STILL,
+        radius: float | None = None,
     ) -> Body:
         """The target: a ball that is at `meet` (3,) at a time; its velocity is that at t = 0."""
-        shape = Sphere(pick(rng, self.target))
-        return solid("target", shape, meet, when=when, velocity=velocity, pull=pull)
+        size = pick(rng, self.target) if radius is None else radius
+        return solid("target", Sphere(size), meet, when=when, velocity=velocity, pull=pull)
+
+
+def through(stage: Stage, radius: float) -> float:
+    """How far a ball has to be behind a wall so that no hand before it catches it [forearms]."""
+    return max(radius + stage.grasp - stage.thickness, 0.0) + BEYOND
+
+
+def worth_planning(rng: np.random.Generator, stage: Stage, story: Story, easy: bool) -> bool:
+    """Whether there is a way by one posture between, and not at once the straight one.
+
+    A good guess: bodies are where they are at the start for the first half of the way, and where
+    they are at the end for the second.
+    """
+    way, when, bodies, _ = story
+    if not fits(stage, way, when, bodies):
+        return False
+    shares = np.linspace(0.0, 1.0, CHECKS)
+    if not easy and all(stage.room(way.at(s), bodies, s * way.takes) > 0.0 for s in shares):
+        return False
+    low, high = np.array(stage.build.joint_range).T
+    near = way.end + BESIDE * (high - low) * rng.normal(size=(BETWEEN, len(low)))
+    vias = np.concatenate([stage.joints[:BETWEEN], np.clip(near, low, high)])
+    vias = vias[stage.room(vias, bodies, when) > 0.0]
+    vias = vias[stage.lines(vias, way.end, bodies, when)]
+    return bool(stage.lines(way.start, vias, bodies, 0.0).any())
 
 
 def fits(stage: Stage, way: Way, when: float, bodies: Sequence[Body]) -> bool:
@@ -200,14 +236,13 @@ def leaving(
     return moving
 
 
-def sentry(rng: np.random.Generator, stage: Stage, way: Way, things: Things, when: float) -> Body:
-    """A body that is where the limb ends its way, and leaves that place at a time."""
+def sentry(rng: np.random.Generator, stage: Stage, way: Way, radius: Range, when: float) -> Body:
+    """A ball or a block where the hand ends its way, which leaves that place at a time."""
     for _ in range(TRIES):
-        kind, shape = things.shape(rng)
-        place, axes = across(rng, stage, way, 1.0 - STEP)
-        body = solid(f"leaving {kind}", shape, place, leaning(rng, axes, pick(rng, things.lean)))
+        size = pick(rng, radius)
+        shape = Sphere(size) if rng.random() < 0.5 else Box((size, size, size))
+        place = way.meet + 0.3 * size * unit_vector(rng.normal(size=3))
+        body = solid("block", shape, place, axes_along(rng.normal(size=3)))
         if stage.room(way.start, (body,)) > 0.0:
             break
-    side = pick_angle(rng)
-    course = np.cos(side) * axes[:, 0] + np.sin(side) * axes[:, 1]
-    return leaving(stage, way, body, course, when)
+    return leaving(stage, way, body, unit_vector(rng.normal(size=3)), when)

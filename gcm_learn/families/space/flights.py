@@ -39,7 +39,7 @@ SEEN = 0.15  # of a flight before the meeting, in which balls keep off a shelf [
 class ThrownFamily(SpatialFamily):
     """Base of families with a ball that is thrown from afar, and caught on its way down."""
 
-    when: Range = span(0.4, 0.85, 0.1, 0.95)
+    when: Range = span(0.5, 0.9, 0.1, 0.95)
     """When the ball is where it may be met [horizons]."""
     thrown: Range = span(4.0, 12.0)
     """From how far, level [forearms]."""
@@ -62,7 +62,7 @@ class ThrownFamily(SpatialFamily):
 
 @dataclass(frozen=True)
 class OverShelfSpace(ThrownFamily):
-    """A ball is thrown over a shelf that the arm is under; it has to be caught above the shelf.
+    """A ball is thrown over a shelf that the arm is under; it has to be caught before it lands.
 
     It asks for a way round the shelf: past its end at the arm's side, or drawn in before its edge.
     """
@@ -72,13 +72,13 @@ class OverShelfSpace(ThrownFamily):
 
     height: Range = span(-0.6, 0.5, -2.0, 2.0)
     """Of the shelf over the shoulder [forearms]."""
-    edge: Range = span(0.2, 0.7, 0.01)
+    edge: Range = span(0.15, 0.5, 0.01)
     """From the shoulder to the shelf's near edge [forearms]."""
-    depth: Range = span(0.8, 1.8, 0.01)
+    depth: Range = span(1.2, 2.2, 0.01)
     """Of the shelf [forearms]."""
-    side: Range = span(0.3, 1.8, -1.0)
+    side: Range = span(0.6, 2.0, -1.0)
     """How far it reaches to the arm's side [forearms]."""
-    posts: float = number(0.4)
+    posts: float = number(0.6)
     """Share of shelves on a wall at that side, round which there is no way."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
@@ -97,7 +97,7 @@ class OverShelfSpace(ThrownFamily):
             ball = self.thrown_ball(rng, stage, way.meet, when)
             if _keeps_off(ball, shelf, when):
                 break
-        return Story(way, when, (ball, *shelf))
+        return Story(way, when, (ball, *shelf), _lands(ball, height, when))
 
     def _shelf(
         self, rng: np.random.Generator, stage: Stage, height: float, edge: float
@@ -122,13 +122,12 @@ class LateTargetSpace(ThrownFamily):
     name = "late-target-space"
     summary = "a thrown ball within reach for a moment, where something has just left"
 
-    sentries: float = number(0.6)
+    sentries: float = number(0.75)
     """Share of balls whose place is taken at first."""
-    leaves: Range = span(0.6, 0.95, 0.05, 1.0)
+    leaves: Range = span(0.8, 0.98, 0.05, 1.0)
     """When it is free, as shares of the time until the ball is there."""
-    things: Things = field(
-        default_factory=lambda: Things(boards=0.7, length=(0.7, 1.5), width=(0.5, 1.0))
-    )
+    sentry: Range = span(0.4, 0.9, 1e-3)
+    """Radius of what takes it [forearms]."""
     obstacles: Counts = counts(1, 3)
     """Number of other obstacles, which rest across the way."""
     share: Range = span(0.25, 0.8, most=1.0)
@@ -140,7 +139,7 @@ class LateTargetSpace(ThrownFamily):
         bodies = [self.thrown_ball(rng, stage, way.meet, when)]
         if rng.random() < self.sentries:
             gone = pick(rng, self.leaves) * when
-            bodies.append(sentry(rng, stage, way, self.things, gone))
+            bodies.append(sentry(rng, stage, way, self.sentry, gone))
         for k in range(pick_count(rng, self.obstacles)):
             bodies.append(aimed(rng, stage, way, Things(), self.share, f"{k + 1}", when))
         return Story(way, when, tuple(bodies))
@@ -156,7 +155,7 @@ class FallingSpace(SpatialFamily):
     name = "falling-space"
     summary = "a falling ball among falling bodies, and shelves at rest"
 
-    obstacles: Counts = counts(2, 5)
+    obstacles: Counts = counts(2, 4)
     """Number of obstacles."""
     shelves: float = number(0.6)
     """Share of obstacles that are shelves at rest."""
@@ -211,6 +210,15 @@ class FallingSpace(SpatialFamily):
         at = share * way.takes + rng.random() * (when - share * way.takes)
         velocity, pull = self._toss(rng, stage, at)
         return solid(f"{kind} {name}", shape, place, axes, when=at, velocity=velocity, pull=pull)
+
+
+def _lands(ball: Body, height: float, when: float) -> float:
+    """When a ball that is over a height at a time, and comes down, is down there [s]."""
+    motion, radius = flight(ball), ball.shape.bounding_radius
+    pull, rate = motion.acceleration[2], motion.velocity[2]
+    above = max(motion.position[2] + when * (rate + 0.5 * pull * when) - height - radius, 0.0)
+    falls = rate + pull * when
+    return when + (falls + math.sqrt(falls * falls - 2.0 * pull * above)) / -pull
 
 
 def _keeps_off(ball: Body, bodies: tuple[Body, ...], when: float) -> bool:

@@ -42,17 +42,19 @@ class PendulumSpace(SpatialFamily):
     """Largest angle of swings [rad]."""
     phase: Range = span(-0.9, 0.9, -0.99, 0.99)
     """Angle in the place where a ball is met [amplitudes]."""
-    when: Range = span(0.4, 0.85, 0.05, 0.95)
+    when: Range = span(0.5, 0.9, 0.05, 0.95)
     """When the ball is where it may be met [horizons]."""
     cord: Range = span(0.01, 0.03, 1e-3)
     """Radius of cords [forearms]."""
-    heavy: Counts = counts(0, 2)
+    heavy: Counts = counts(0, 1)
     """Number of other pendulums."""
     bob: Range = span(0.2, 0.45, 1e-3)
     """Radius of their balls [forearms]."""
-    sentries: float = number(0.4)
+    sentries: float = number(0.6)
     """Share of balls whose place is taken by something until shortly before."""
-    leaves: Range = span(0.6, 0.95, 0.05, 1.0)
+    sentry: Range = span(0.3, 0.7, 1e-3)
+    """Radius of what takes it [forearms]."""
+    leaves: Range = span(0.8, 0.98, 0.05, 1.0)
     """When it is free, as shares of the time until the ball is there."""
     boards: Counts = counts(0, 2)
     """Number of bodies at rest across the way."""
@@ -70,7 +72,7 @@ class PendulumSpace(SpatialFamily):
             bodies += self._pair(rng, stage, place, share * when, radius, "bob", f" {k + 1}")
         if rng.random() < self.sentries:
             gone = pick(rng, self.leaves) * when
-            bodies.append(sentry(rng, stage, way, self.things, gone))
+            bodies.append(sentry(rng, stage, way, self.sentry, gone))
         for k in range(pick_count(rng, self.boards)):
             bodies.append(aimed(rng, stage, way, self.things, self.share, f"{k + 1}", when))
         return Story(way, when, tuple(bodies))

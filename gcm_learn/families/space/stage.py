@@ -17,6 +17,7 @@ from gcm_learn.situation import Base, Body, Capsule, Situation, SpatialArm, rota
 
 POSTURES = 160  # that a draw chooses its start and its end from
 ALONG = np.linspace(0.0, 1.0, 6)  # places on a bone that are asked for their distance
+CHECKS = 8  # postures of a line that are asked for their distance
 NECK, HIP = 0.1, -1.7  # heights of the ends of a torso, from the shoulder [forearms]
 TIGHT = (0.04, 0.12)  # between torso and shoulder, beyond the limb's thickness [forearms]
 
@@ -31,6 +32,10 @@ class Way(NamedTuple):
     """At full speed [s]."""
     meet: np.ndarray
     """The hand (3,) at its end [forearms]."""
+
+    def opens(self, horizon: float, left: float) -> float:
+        """When something opens that leaves some times the straight way's until the horizon [s]."""
+        return max(horizon - left * self.takes, self.takes)
 
     def at(self, share: float) -> np.ndarray:
         """Joints (4,) at a share of the way."""
@@ -79,6 +84,13 @@ class Stage(NamedTuple):
         points = self.points(joints)
         gaps = [gap(points, body, t).min(axis=-1) for body in bodies if body.role == "obstacle"]
         return np.min([np.full(points.shape[:-2], np.inf), *gaps], axis=0) - self.thickness
+
+    def lines(
+        self, first: np.ndarray, last: np.ndarray, bodies: Sequence[Body], t: float
+    ) -> np.ndarray:
+        """Which straight lines of joints (m, 4) are free of bodies as they are at time t (m,)."""
+        shares = np.linspace(0.0, 1.0, CHECKS)[:, None, None]
+        return np.all(self.room(first + shares * (last - first), bodies, t) > 0.0, axis=0)
 
     def way(
         self,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
-from gcm_learn.families.space.family import SpatialFamily, Story
+from gcm_learn.families.space.family import SpatialFamily, Story, through
 from gcm_learn.families.space.solids import (
     STILL,
     UP,
@@ -26,8 +26,8 @@ from gcm_learn.situation import Body, Box, Pendulum
 EXTENT = 2.5  # how far a wall goes on beyond its opening [forearms]
 THICK = 0.03  # half the thickness of walls and what shuts them [forearms]
 THROUGH = 0.5  # cosine between a wall's normal and forearms that may reach through it
-PAST = 0.15  # how far hands are beyond the wall [forearms]
 WIDE_OPEN = 1.4  # angle at which a door counts as open [rad]
+CREEPS = 4.0  # by how many times e its angle grows until then
 
 
 class Wall(NamedTuple):
@@ -63,9 +63,11 @@ class Wall(NamedTuple):
 class WallFamily(SpatialFamily):
     """Base of families with a wall: the forearm has to go through its opening."""
 
+    takes: Range = span(0.1, 0.3, most=0.9)
+    """How long the straight way of the joints takes [horizons]."""
     distance: Range = span(0.45, 1.1, 0.05)
     """From the shoulder to the wall [forearms]."""
-    slack: Range = span(0.1, 0.3, 0.01)
+    slack: Range = span(0.15, 0.4, 0.01)
     """Between a forearm in the middle of the opening and its rim [forearms]."""
     heading: Range = span(-0.7, 1.2, -3.15)
     """Of the wall's normal, from ahead to the arm's side [rad]."""
@@ -73,17 +75,17 @@ class WallFamily(SpatialFamily):
     """Of the normal against the horizontal [rad]."""
     drift: Range = span(0.0, 0.3)
     """Speed of the target along the wall [forearms/s]."""
-    waiting: Range = span(0.25, 0.6, 0.0, 0.95)
-    """When what has to open is open, as shares of the time from when the hand could be there until
-    the horizon."""
+    left: Range = span(0.6, 1.4, 0.1)
+    """How long it is open until the horizon, in times that the straight way takes."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball behind a wall."""
-        way, wall = self._wall(rng, stage)
-        opens = way.takes + pick(rng, self.waiting) * (stage.horizon - way.takes)
+        radius = pick(rng, self.target)
+        way, wall = self._wall(rng, stage, through(stage, radius))
+        opens = way.opens(stage.horizon, pick(rng, self.left))
         shut, when = self.shut(rng, wall, way, opens)
         drift = pick(rng, self.drift) * pick_sign(rng) * wall.axes[:, 0]
-        target = self.ball(rng, way.meet, when, drift)
+        target = self.ball(rng, way.meet, when, drift, radius=radius)
         return Story(way, when, (target, *wall.boards(), *shut))
 
     @abstractmethod
@@ -92,8 +94,8 @@ class WallFamily(SpatialFamily):
     ) -> tuple[tuple[Body, ...], float]:
         """What shuts the opening, and when the limb can be in it [s]."""
 
-    def _wall(self, rng: np.random.Generator, stage: Stage) -> tuple[Way, Wall]:
-        """A wall, a start before it and an end whose forearm is in the opening."""
+    def _wall(self, rng: np.random.Generator, stage: Stage, past: float) -> tuple[Way, Wall]:
+        """A wall, a start before it and an end `past` it, whose forearm is in the opening."""
         heading, slope = pick(rng, self.heading), pick(rng, self.slope)
         level = np.array([math.cos(heading), math.sin(heading), 0.0])
         normal = math.cos(slope) * level + math.sin(slope) * UP
@@ -101,7 +103,7 @@ class WallFamily(SpatialFamily):
         heights = stage.points(stage.joints) @ normal - distance
         elbow, hand = stage.limb(stage.joints)
         before = heights.max(axis=1) < -stage.thickness - 2.0 * THICK
-        behind = (hand @ normal > distance + PAST) & (elbow @ normal < distance - stage.thickness)
+        behind = (hand @ normal > distance + past) & (elbow @ normal < distance - stage.thickness)
         behind &= (hand - elbow) @ normal > THROUGH
         way = stage.way(rng, self.takes, before, behind)
         elbow, _ = stage.limb(way.end)
@@ -126,9 +128,9 @@ class WindowSpace(WallFamily):
     name = "window-space"
     summary = "a ball behind a wall with one window, which a shutter closes or opens"
 
-    opening: float = number(0.5)
+    opening: float = number(0.65)
     """Share of shutters that open."""
-    closing: float = number(0.3)
+    closing: float = number(0.25)
     """Share of those that close; the other windows have none."""
     closes: Range = span(2.0, 5.0, 0.1)
     """When a window is closed, in times that the straight way takes."""
@@ -164,20 +166,27 @@ class DoorSpace(WallFamily):
     def shut(
         self, rng: np.random.Generator, wall: Wall, way: Way, opens: float
     ) -> tuple[tuple[Body, ...], float]:
-        """A board on a hinge at one side of the doorway, which turns steadily."""
+        """A board on a hinge at one side of the doorway, slow at first, as damped springs are.
+
+        Its angle a follows a' = k sin(a), which is what a strongly damped pendulum does that hangs
+        upside down; it stops at half a turn.
+        """
         k, side = int(rng.integers(2)), pick_sign(rng)
         sizes = (wall.wide + THICK, wall.high + THICK)
         across = side * wall.axes[:, k]
         # Turned about `axis` the door's free edge goes along the normal, away from the arm.
         axis = unit_vector(np.cross(across, wall.axes[:, 2]))
+        rate, first = CREEPS / opens, math.tan(0.5 * WIDE_OPEN) * math.exp(-CREEPS)
+        damping = 6.0 * rate
         motion = Pendulum(
             pivot=triple(wall.middle + 3.0 * THICK * wall.axes[:, 2] - sizes[k] * across),
             axis=triple(axis),
-            down=triple(across - axis * (axis @ across)),
+            down=triple(axis * (axis @ across) - across),
             length=sizes[k],
-            gravity=0.0,
-            angle=0.0,
-            rate=WIDE_OPEN / opens,
+            gravity=rate * damping * sizes[k],
+            angle=2.0 * math.atan(first) - math.pi,
+            rate=rate * math.sin(2.0 * math.atan(first)),
+            damping=damping,
         )
         door = Body("obstacle", "door", Box((THICK, sizes[1 - k], sizes[k])), motion)
         return (door,), opens
