@@ -16,6 +16,7 @@ from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
+from gcm_learn.planners.oracle.in_space import Yardstick, yardstick
 from gcm_learn.planners.plan import AnyPlan, Plan, Planner, plan_to_json, taken
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, register, solve
@@ -37,6 +38,7 @@ __all__ = [
     "STRRTStarPlanner",
     "SpatialProblem",
     "StraightPlanner",
+    "Yardstick",
     "attempt_of",
     "bounds",
     "broken_promise",
@@ -55,4 +57,5 @@ __all__ = [
     "straight_plan",
     "stratum",
     "taken",
+    "yardstick",
 ]

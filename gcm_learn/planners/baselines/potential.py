@@ -11,20 +11,21 @@ what comes fast, which the verification then finds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple, overload
 
 import numpy as np
 
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Failure
+from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception import first_interception, target_distance
 from gcm_learn.motion.verification import HOLE_MARGIN
-from gcm_learn.planners.completion import Problem, checked, finish
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
+from gcm_learn.planners.plan import AnyPlan, Plan
+from gcm_learn.planners.space.potential import potential_plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
 from gcm_learn.scene.limb import elbow_of
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 STEP = 0.02  # how far the hand goes in a step at most [forearm lengths]
 MOST_STEPS = 20_000  # against absurdly long horizons
@@ -114,13 +115,26 @@ class PotentialPlanner:
     gain: float = 3e-4
     """eta of the repulsive potential, for an attractive force of 1; chosen on 300 situations."""
 
-    def plan(self, situation: Situation) -> Plan:
+    takes_space: ClassVar[bool] = True
+
+    @overload
+    def plan(self, situation: Situation) -> Plan: ...
+    @overload
+    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
+    def plan(self, situation: AnySituation) -> AnyPlan:
         """Answer a situation."""
+        return self._in_space(situation) if situation.is_spatial else self._in_plane(situation)
+
+    def _in_space(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+        problem = SpatialProblem(situation, self.name)
+        return problem.early_answer() or potential_plan(problem, self.influence, self.gain)
+
+    def _in_plane(self, situation: AnySituation) -> Plan:
         problem = Problem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:
             return answer
-        arm, horizon = situation.arm, situation.horizon
+        arm, horizon = problem.situation.arm, problem.situation.horizon
         steps = max(int(np.ceil(arm.max_hand_speed * horizon / STEP)), 1)
         hand = np.empty((min(steps, MOST_STEPS) + 1, 2))
         rules = problem.rules._replace(speed=arm.max_hand_speed * (1.0 - 1e-8))

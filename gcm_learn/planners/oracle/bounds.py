@@ -13,18 +13,26 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple, cast, overload
 
 import numpy as np
 
-from gcm_learn.motion import Failure, Reason, anywhere, first_interception, straight_path
+from gcm_learn.motion import (
+    Failure,
+    Reason,
+    SpatialTrajectory,
+    anywhere,
+    first_interception,
+    straight_path,
+)
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.fronts import marching
+from gcm_learn.planners.oracle.in_space import Yardstick, oracle_in_space, yardstick
 from gcm_learn.planners.oracle.moves import leg_from, pull
 from gcm_learn.planners.oracle.reachable_set import Meeting, ReachableSet
-from gcm_learn.planners.plan import Plan
-from gcm_learn.situation import Situation
+from gcm_learn.planners.plan import AnyPlan, Plan
+from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 SIZES = (60, 120)  # cells along a side, one lattice after the other until the bounds are tight
 LAST_SIZE = 240  # for situations in which these neither find a catch nor rule it out
@@ -67,10 +75,20 @@ class OraclePlanner:
     name: str = "oracle"
     sizes: tuple[int, ...] = SIZES
     last_size: int | None = LAST_SIZE
+    trees_ms: float = 1000.0
+    """In space, for ST-RRT* [ms], of which `yardstick` grants more; lattices are of the plane."""
 
-    def plan(self, situation: Situation) -> Plan:
+    takes_space: ClassVar[bool] = True
+
+    @overload
+    def plan(self, situation: Situation) -> Plan: ...
+    @overload
+    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
+    def plan(self, situation: AnySituation) -> AnyPlan:
         """Answer a situation."""
-        return bounds(situation, self.sizes, self.last_size).plan
+        if situation.is_spatial:
+            return oracle_in_space(cast(Situation[SpatialArm], situation), self.trees_ms)
+        return bounds(cast(Situation, situation), self.sizes, self.last_size).plan
 
 
 def bounds(
@@ -110,8 +128,8 @@ def bounds(
     return replace(known, plan=problem.answer(_why(known)))
 
 
-def stratum(situation: Situation, known: Bounds | None = None) -> Stratum:
-    """What a situation takes.
+def stratum(situation: AnySituation, known: Bounds | Yardstick | None = None) -> Stratum:
+    """What a situation takes; in space, see `yardstick`.
 
     - **L**, straight line: the planner `straight` catches.
     - **W**, way round: not L, but a first arrival catches: the planner `marching` does, or the
@@ -123,9 +141,17 @@ def stratum(situation: Situation, known: Bounds | None = None) -> Stratum:
     Parameters
     ----------
     situation : Situation
-    known : Bounds, optional
-        The situation's bounds, if the caller has them at hand.
+    known : Bounds or Yardstick, optional
+        The situation's bounds, if the caller has them at hand; of a spatial arm, its yardstick.
     """
+    if situation.is_spatial:
+        if not isinstance(known, Yardstick):
+            known = yardstick(cast(Situation[SpatialArm], situation), earliest=False)
+        return known.stratum
+    return _stratum(cast(Situation, situation), cast(Bounds | None, known))
+
+
+def _stratum(situation: Situation, known: Bounds | None) -> Stratum:
     if StraightPlanner().plan(situation).caught:
         return "L"
     known = bounds(situation) if known is None else known

@@ -1,0 +1,186 @@
+"""Which planner catches what in space, at what cost, and what a plane misses; writes table.md.
+
+python experiments/13_space/run.py               13 situations of each family: half an hour
+python experiments/13_space/run.py --count 2     a quick look
+python experiments/13_space/run.py --minutes 10  what can be done in ten minutes
+
+What is done is kept in out/ and not done again; Ctrl-C is safe.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+
+from report import write_table  # noqa: E402
+
+from gcm_learn import seeding  # noqa: E402
+from gcm_learn.families import draw, family_names  # noqa: E402
+from gcm_learn.planners import (  # noqa: E402
+    STRRTStarPlanner,
+    get_planner,
+    plan_to_json,
+    planner_names,
+    yardstick,
+)
+from gcm_learn.planners.space.layered import LayeredInSpace  # noqa: E402
+from gcm_learn.situation import (  # noqa: E402
+    Body,
+    Situation,
+    SolidQuadratic,
+    SpatialArm,
+    Sphere,
+    situation_to_json,
+)
+from tests.referee_in_space import judge  # noqa: E402
+
+SEED = 1300
+COUNT = 13  # situations of each family
+BUDGETS_MS = (100.0, 1000.0)  # of ST-RRT*
+TREES_MS = 10_000.0  # of the yardstick's
+LATTICES = (6, 10, 16, 24)  # nodes along a joint, on average
+BYSTANDERS = (0, 8, 32)  # bodies that are added
+COSTLY = 3  # of the situations of each family, the first for which cost is measured
+
+Spatial = Situation[SpatialArm]
+
+
+def families() -> list[str]:
+    """Names of the families with a spatial arm."""
+    return [name for name in family_names() if name.endswith("-space")]
+
+
+def drawn(family: str, index: int) -> Spatial:
+    """A situation without limits of acceleration, which only `layered` and `marching` keep."""
+    situation: Any = draw(family, SEED, index)
+    return replace(
+        situation,
+        arm=replace(situation.arm, max_joint_acceleration=None, joint_rates=None),
+    )
+
+
+def held(situation: Spatial) -> Spatial:
+    """The same scene with shoulder pitch and elbow yaw held: what is left moves in a plane.
+
+    Where the yaw is not 0 at the start the hand's surface is a cone's or a torus' instead; it has
+    two dimensions all the same.
+    """
+    arm = situation.arm
+    ranges = list(arm.joint_range)
+    for j in (0, 2):
+        ranges[j] = (arm.joints[j], arm.joints[j])
+    return replace(situation, arm=replace(arm, joint_range=tuple(ranges)))
+
+
+def crowded(situation: Spatial, count: int) -> Spatial:
+    """The same with small balls that drift about 1 to 2.5 reaches away from the shoulder."""
+    arm, rng = situation.arm, seeding.rng(SEED, count)
+    bodies = list(situation.bodies)
+    for k in range(count):
+        away = rng.normal(size=3)
+        place = arm.base.origin + away / np.linalg.norm(away) * arm.reach * rng.uniform(1.0, 2.5)
+        drift = rng.normal(size=3) * 0.2 * arm.reach
+        flight = SolidQuadratic(tuple(place), tuple(drift), (0.0, 0.0, 0.0))
+        bodies.append(Body("obstacle", f"bystander {k}", Sphere(0.03 * arm.reach), flight))
+    return replace(situation, bodies=tuple(bodies))
+
+
+def judged(situation: Spatial, plan: Any, ms: float) -> list[Any]:
+    """Catch time [s] or null, time for planning [ms], and what the referee complains of."""
+    if not plan.caught:
+        return [None, ms, []]
+    solution = plan_to_json(plan, situation)
+    return [plan.catch_time, ms, judge(situation_to_json(situation), solution).complaints]
+
+
+def timed(situation: Spatial, planner: Any) -> list[Any]:
+    """The same for a planner, by processor time."""
+    before = process_time()
+    plan = planner.plan(situation)
+    return judged(situation, plan, 1e3 * (process_time() - before))
+
+
+def answered(situation: Spatial) -> dict[str, list[Any]]:
+    """What every planner answers."""
+    taking = [
+        get_planner(name) for name in planner_names() if name not in ("oracle", "st-rrt-star")
+    ]
+    out = {p.name: timed(situation, p) for p in taking if getattr(p, "takes_space", False)}
+    plans = STRRTStarPlanner().plan_anytime(situation, BUDGETS_MS)
+    for budget, plan in zip(BUDGETS_MS, plans, strict=True):
+        out[f"st-rrt-star {budget:.0f} ms"] = judged(situation, plan, plan.planning_ms)
+    return out
+
+
+def costs(situation: Spatial) -> dict[str, list[Any]]:
+    """What `layered` takes on lattices of other sizes, and among more bodies."""
+    layered = LayeredInSpace()
+    sizes = {}
+    for n in LATTICES:
+        coarse, fine = (e._replace(nodes=n**4) for e in (layered.coarse, layered.fine))
+        sizes[f"{n}^4"] = timed(situation, LayeredInSpace(coarse=coarse, fine=fine))
+    crowds = {f"+{k}": timed(crowded(situation, k), layered) for k in BYSTANDERS}
+    return sizes | crowds
+
+
+def measured(family: str, index: int) -> dict[str, Any]:
+    """Everything about one situation."""
+    situation = drawn(family, index)
+    known = yardstick(situation, TREES_MS, earliest=False)
+    plane = held(situation)
+    return {
+        "family": family,
+        "index": index,
+        "stratum": known.stratum,
+        "lower": None if np.isinf(known.lower) else known.lower,
+        "yardstick": {name: plan.catch_time for name, plan in known.plans.items()},
+        "answers": answered(situation),
+        "plane": {p: timed(plane, get_planner(p)) for p in ("straight-wait", "layered")},
+        "plane, yardstick": yardstick(plane, BUDGETS_MS[-1], earliest=False).stratum,
+        "costs": costs(situation) if index < COSTLY else {},
+    }
+
+
+def main() -> None:
+    """Run what is missing and write table.md."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=COUNT, help="situations of each family")
+    parser.add_argument("--minutes", type=float, default=np.inf, help="no new one after that")
+    arguments = parser.parse_args()
+    file, started = HERE / "out" / "answers.jsonl", perf_counter()
+    file.parent.mkdir(exist_ok=True)
+    lines = file.read_text().splitlines() if file.exists() else []
+    rows = [json.loads(line) for line in lines]
+    done = {(row["family"], row["index"]) for row in rows}
+    _warm_up()
+    with file.open("a") as stream:
+        for index, family in ((k, f) for k in range(arguments.count) for f in families()):
+            if (family, index) in done or perf_counter() - started > 60.0 * arguments.minutes:
+                continue
+            rows.append(measured(family, index))
+            stream.write(json.dumps(rows[-1]) + "\n")
+            stream.flush()
+    write_table(HERE / "table.md", rows)
+
+
+def _warm_up() -> None:
+    """Load all kernels, so that nobody is charged for that."""
+    situation = drawn(families()[0], 10_000)
+    work: list[Callable[[], object]] = [lambda: answered(situation), lambda: costs(situation)]
+    for each in work:
+        each()
+
+
+if __name__ == "__main__":
+    main()
