@@ -61,7 +61,10 @@ def _quickest(lattice: SpaceLattice) -> float:
     hands = lattice.reach * grid[np.linalg.norm(grid, axis=1) < 1.0]
     speed = np.array(lattice.arm.max_joint_speed)
     found = kernels.speeds_at(lattice.nodes.rule, speed, lattice.spacing, hands)
-    return float(np.quantile(found[found > 0.0], QUICK))
+    found = found[found > 0.0]
+    if found.size == 0:  # joints with hardly any range: no sample is a hand
+        return float(lattice.reach * speed.max())
+    return float(np.quantile(found, QUICK))
 
 
 @lru_cache(maxsize=32)
