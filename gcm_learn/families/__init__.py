@@ -23,7 +23,8 @@ from gcm_learn.families.registry import (
     item_name,
     read_family,
 )
-from gcm_learn.situation import Situation
+from gcm_learn.families.space.paper import SPATIAL_SCENES
+from gcm_learn.situation import AnySituation
 
 __all__ = [
     "ArmRanges",
@@ -31,6 +32,7 @@ __all__ = [
     "Family",
     "KAPPA",
     "PAPER_SCENES",
+    "SPATIAL_SCENES",
     "Sizes",
     "SpaceRanges",
     "WayRanges",
@@ -49,8 +51,10 @@ __all__ = [
 ]
 
 
-def paper_scene(name: str) -> Situation:
-    """The scene of one of the paper's figures, e.g. ``paper_scene("fig4")``."""
-    if name not in PAPER_SCENES:
-        raise UnknownNameError(f"scene: {name!r} is not one of {', '.join(PAPER_SCENES)}")
-    return PAPER_SCENES[name]()
+def paper_scene(name: str) -> AnySituation:
+    """The scene of one of the paper's figures, e.g. ``paper_scene("fig4")`` or ``"fig8-space"``."""
+    scene = SPATIAL_SCENES.get(name) or PAPER_SCENES.get(name)
+    if scene is None:
+        known = ", ".join([*PAPER_SCENES, *SPATIAL_SCENES])
+        raise UnknownNameError(f"scene: {name!r} is not one of {known}")
+    return scene()

@@ -34,7 +34,8 @@ HAND_SPEED = FRONT_SPEED * LATTICE_SPACING / KAPPA  # [forearms/s] the hand ride
 POINT = 0.02  # [forearms] radius standing in for the paper's points
 
 FOREARM = 0.135  # [m] half of the robot's 27 cm arm: the paper gives no rho, here rho = 1
-EARTH_GRAVITY = 9.81 / FOREARM  # [forearms/s^2] at the robot's scale
+EARTH = 9.81  # [m/s^2]
+EARTH_GRAVITY = EARTH / FOREARM  # [forearms/s^2] at the robot's scale
 
 # Fig. 5 cannot be at the robot's scale: in 220 tau = 0.55 s a ball released at rest would fall
 # 11 forearms. This value lets it fall 1.3, as drawn; it is Earth's for a forearm of 1.15 m.
@@ -176,7 +177,7 @@ def fig8() -> Situation:
     The arm moves in a vertical plane (x forward, y up). A ball on a cord swings across it and
     passes at about 0.70 s = 280 tau; until then only the box is in the plane.
     """
-    swing = _pendulum()
+    swing = pendulum_of(FOREARM, SHOULDER_HEIGHT)
     length = CORD_LENGTH / FOREARM
     depth, width, height = (size / FOREARM for size in BOX_SIZE)
     floor = -SHOULDER_HEIGHT / FOREARM
@@ -198,15 +199,23 @@ def fig8() -> Situation:
     )
 
 
-def _pendulum() -> Callable[[float], Pendulum]:
-    """Return the swing of something whose centre hangs at a given distance from the pivot."""
+def pendulum_of(unit: float, shoulder: float) -> Callable[[float], Pendulum]:
+    """Return the swing of something whose centre hangs at a given distance from the pivot.
+
+    Parameters
+    ----------
+    unit : float
+        In which lengths count [m].
+    shoulder : float
+        Its height above the floor [m].
+    """
     c, s = math.cos(SWING_HEADING), math.sin(SWING_HEADING)
     heading = (-s, c)  # from the robot's right to its left, and towards it
-    back = CROSSING_DEFLECTION / FOREARM
+    back = CROSSING_DEFLECTION / unit
     pivot = (
-        CROSSING_DISTANCE / FOREARM - back * heading[0],
+        CROSSING_DISTANCE / unit - back * heading[0],
         -back * heading[1],
-        (CORD_HEIGHT - SHOULDER_HEIGHT) / FOREARM,
+        (CORD_HEIGHT - shoulder) / unit,
     )
 
     def swing(hang: float) -> Pendulum:
@@ -214,8 +223,8 @@ def _pendulum() -> Callable[[float], Pendulum]:
             pivot=pivot,
             axis=(c, s, 0.0),
             down=(0.0, 0.0, -1.0),
-            length=CORD_LENGTH / FOREARM,
-            gravity=EARTH_GRAVITY,
+            length=CORD_LENGTH / unit,
+            gravity=EARTH / unit,
             angle=-BALL_START,
             rate=0.0,
             hang=hang,

@@ -10,11 +10,23 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.families import draw, family_from_dict, family_names, family_to_dict, get_family
+from gcm_learn.families import (
+    CAPTION_INSTANTS,
+    KAPPA,
+    SPATIAL_SCENES,
+    draw,
+    family_from_dict,
+    family_names,
+    family_to_dict,
+    get_family,
+    paper_scene,
+)
+from gcm_learn.families.paper import FOREARM
 from gcm_learn.families.space.arms import HUMAN, NAO
 from gcm_learn.families.space.solids import axes_along, gap, placed, solid, unit_vector
 from gcm_learn.motion import opening
-from gcm_learn.scene import pack, pose
+from gcm_learn.planners import solve
+from gcm_learn.scene import forward_in_space, pack, pose
 from gcm_learn.situation import (
     Box,
     Capsule,
@@ -191,6 +203,42 @@ def test_a_ball_thrown_over_a_shelf_is_gone_when_it_lands():
         height = pose(situation, shelf, 0.0)[0][2]
         ball = pose(situation, 0, situation.horizon)[0][2]
         assert ball >= height - 1e-9
+
+
+@pytest.mark.parametrize("name", SPATIAL_SCENES)
+def test_the_papers_scenes_are_caught_in_space_where_no_straight_line_is_free(name):
+    situation = paper_scene(name)
+    values = json.loads(json.dumps(situation_to_json(situation)))
+    assert situation_from_json(values) == situation and situation.name == name
+    statuses = [solve(situation, planner).status for planner in ("straight", "straight-wait")]
+    assert statuses == ["unreachable", "unreachable"]
+    plan = solve(situation, "layered")
+    assert plan.caught
+    contact = CAPTION_INSTANTS[name.removesuffix("-space")][-1] * KAPPA
+    assert plan.catch_time == pytest.approx(contact, rel=0.2)
+
+
+def test_the_pendulum_in_space_has_the_papers_size():
+    situation, planar = paper_scene("fig8-space"), paper_scene("fig8")
+    ball, cord, box = situation.bodies
+    assert sorted(2 * half for half in box.shape.half_extents) == pytest.approx([0.26, 0.38, 0.6])
+    assert 2 * ball.shape.radius == pytest.approx(0.067) and situation.arm.reach < 0.23
+    floor = box.motion.position[2] - box.shape.half_extents[2]
+    assert floor == pytest.approx(-0.43) and cord.motion.pivot[2] - floor == pytest.approx(1.5)
+    swing = planar.bodies[0].motion
+    assert ball.motion.length == pytest.approx(swing.length * FOREARM)
+    assert ball.motion.gravity == pytest.approx(9.81) and ball.motion.angle == swing.angle
+    elbow, hand = forward_in_space(situation.arm, situation.arm.joints)
+    assert max(elbow[0], hand[0]) < box.motion.position[0] - box.shape.half_extents[0]
+    assert hand[2] < floor + 0.26  # the hand is lower than the box
+
+
+def test_the_falling_ball_in_space_is_that_of_the_plane():
+    situation, planar = paper_scene("fig5-space"), paper_scene("fig5")
+    assert situation.bodies == planar.bodies
+    _, hand = forward_in_space(situation.arm, situation.arm.joints)
+    np.testing.assert_allclose(hand[[0, 2]], planar.arm.hand, atol=0.02)
+    assert abs(hand[1]) < 0.02
 
 
 def test_the_ball_of_a_pendulum_hangs_at_the_end_of_its_cord():

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gcm_learn.families.paper import EARTH
 from gcm_learn.families.ranges import Range, Ranges, number, pick, span
 from gcm_learn.situation import SpatialArm
 
-EARTH = 9.81  # [m/s^2]
 Matrix = tuple[tuple[float, float], ...]
 
 

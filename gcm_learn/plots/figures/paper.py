@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES
+from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, SPATIAL_SCENES
 from gcm_learn.handspace import extended_obstacle
 from gcm_learn.maps import build_map
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_extended, draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_plan
+from gcm_learn.plots.figures.plan import plan_figure
 from gcm_learn.plots.figures.view3d import (
     HEADROOM,
     align_views,
@@ -189,8 +191,15 @@ def fig8() -> Figure:
     return figure
 
 
+def _in_space(name: str) -> Figure:
+    """Draw a scene without the arm's plane, and the catch that marching finds."""
+    situation = SPATIAL_SCENES[name]()
+    return plan_figure(situation, solve(situation, "marching"))
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
-    draw.__name__: draw for draw in (fig1, fig2, fig3, fig4, fig5, fig6, fig7, fig8)
+    **{draw.__name__: draw for draw in (fig1, fig2, fig3, fig4, fig5, fig6, fig7, fig8)},
+    **{name: partial(_in_space, name) for name in SPATIAL_SCENES},
 }
 
 
