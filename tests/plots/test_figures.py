@@ -9,7 +9,10 @@ import pytest
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.plots import FIGURES, draw_figure, plan_figure
 
-PANELS = {"fig1": 2, "fig2": 2, "fig3": 4, "fig4": 8, "fig5": 6, "fig6": 8, "fig7": 2, "fig8": 6}
+PANELS = {
+    **{"fig1": 2, "fig2": 2, "fig3": 4, "fig4": 8, "fig5": 6, "fig6": 8, "fig7": 2, "fig8": 6},
+    **{"fig5-space": 3, "fig8-space": 3},
+}
 
 
 @pytest.mark.parametrize("name", FIGURES)
