@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, chart_of
@@ -54,8 +56,8 @@ def build_map(
         Whether the target was met is its `interception`.
     """
     params = WaveParams() if params is None else params
-    if isinstance(params, WaveParams):
-        situation = planar(situation, "a wave's map")
+    if isinstance(params, WaveParams) and wait:
+        situation = planar(situation, "a wave that may wait")
     scene = pack(situation) if scene is None else scene
     chart = chart_of(situation.arm, params.n) if chart is None else chart
     front = explore(scene, chart, params, wait=wait, ignore=ignore, widening=widening)
@@ -73,14 +75,14 @@ def explore(
 ) -> Front:
     """Let a front spread over a chart; the arguments are those of `build_map`.
 
-    The wave runs over lattices in the plane only.
+    The wave runs over lattices only, in space over those of one posture and without waits.
     """
     if isinstance(params, MarchingParams):
         marching = march_layers if wait else march
         return marching(scene, chart, params, ignore=ignore, widening=widening)
-    if not isinstance(chart, Lattice):
+    if not isinstance(chart, Lattice if wait else Lattice | SpaceLattice):
         raise TypeError(f"the wave needs a Lattice, got {type(chart).__name__}")
-    wave = propagate_layers if wait else propagate
+    wave: Any = propagate_layers if wait else propagate
     return wave(scene, chart, params, ignore=ignore, widening=widening)
 
 

@@ -19,14 +19,14 @@ from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import AnyPlan, Plan, Planner, taken
 from gcm_learn.planners.space.layered import LayeredInSpace
-from gcm_learn.planners.space.marching import MarchingInSpace
+from gcm_learn.planners.space.marching import gcm_in_space, marching_in_space
 from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
-    "gcm": gcm,
+    "gcm": lambda: ByArm(gcm(), gcm_in_space()),
     "layered": lambda: ByArm(layered(), LayeredInSpace()),
     "layered-wave": layered_wave,
-    "marching": lambda: ByArm(marching(), MarchingInSpace()),
+    "marching": lambda: ByArm(marching(), marching_in_space()),
     "oracle": OraclePlanner,
     "potential": PotentialPlanner,
     "st-rrt-star": STRRTStarPlanner,

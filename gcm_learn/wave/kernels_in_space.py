@@ -130,6 +130,15 @@ def _four(joints, m):
 
 
 @njit(_nrt=False)
+def _is_step(nodes, m, p):
+    """Whether the rule is continuous between cells m and p, which have postures."""
+    far, joints = 0.0, nodes.joints
+    for j in range(4):
+        far = max(far, abs(joints[m, j] - joints[p, j]))
+    return far <= nodes.leap
+
+
+@njit(_nrt=False)
 def _turning(speed, q, p):
     """Time in which joints whose speeds are `speed` (4,) turn from q to p, tuples of four [s]."""
     return max(
@@ -152,7 +161,7 @@ def _rate(m, ix, iy, iz, ground):
         if place < 1 or place > n:
             continue
         p = m + way * (1, n, n * n)[axis]
-        if joints[p, 0] < NOWHERE:
+        if joints[p, 0] < NOWHERE and _is_step(ground.nodes, m, p):
             turning = _turning(ground.joint_speed, _four(joints, m), _four(joints, p))
             total += min(unit / turning, 1.0) if turning > 0.0 else 1.0
             count += 1
@@ -259,14 +268,21 @@ def _list(ground, runs):
 
 
 @njit(_nrt=False)
-def _next_door(B, k):
-    """Arrival of the earliest neighbour that passes the front on, -1 if there is none."""
-    best = np.float32(-1.0)
-    for e in _STEPS:
-        c = B[k + e + _C]
-        if B[k + e] > 0.0 and c >= 0.0 and (best < 0.0 or c < best):
-            best = c
-    return best
+def _next_door(ground, m, k):
+    """Arrival of the earliest neighbour of cell m at place k that passes the front on.
+
+    -1 if there is none, -2 if there are some, but the rule jumps between all of them and the cell.
+    """
+    B, n, best = ground.B, ground.n, np.float32(-1.0)
+    for d in range(6):
+        e = k + _STEPS[d]
+        c = B[e + _C]
+        if B[e] > 0.0 and c >= 0.0 and (best < 0.0 or c < best):
+            if _is_step(ground.nodes, m, m + (-n * n, -n, -1, 1, n, n * n)[d]):
+                best = c
+            elif best < 0.0:
+                best = np.float32(-2.0)
+    return np.float64(best)
 
 
 @njit(_nrt=False)
@@ -280,12 +296,15 @@ def _arrivals(ground, runs, tau, batch):
         for k in range(first, first + BLOCK):
             if B[k] < threshold or B[k + _C] >= 0.0 or count == MOST:
                 continue
-            before = np.float64(_next_door(B, k))
+            m = cell_of(k, n)
+            before = _next_door(ground, m, k)
             if before < 0.0:
+                if before == -2.0:  # it was stirred by cells from which no step leads to it
+                    _insulate(B, k)
                 continue
             rise = B[k] - B[k + _A]
             back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
-            batch.cells[count], batch.since[count] = cell_of(k, n), before
+            batch.cells[count], batch.since[count] = m, before
             batch.when[count] = max(tau - min(back, ground.lag), before)
             count += 1
     # Written down only now, so that no cell passes on what has not been judged yet.
@@ -306,8 +325,9 @@ def _way_back(ground, m, k, when):
                 if e == k or B[e] <= 0.0 or arrival < 0.0 or arrival >= when:
                     continue
                 fall = (when - arrival) ** 2 / (dx * dx + dy * dy + dz * dz)
-                if fall > steepest:
-                    best, steepest = m + (dz * n + dy) * n + dx, fall
+                p = m + (dz * n + dy) * n + dx
+                if fall > steepest and _is_step(ground.nodes, m, p):
+                    best, steepest = p, fall
     return best
 
 
@@ -469,7 +489,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
             B[k], B[k + _A], B[k + _Q], B[k + _C] = CLAMPED, CLAMPED, 0.0, 0.0
             judged.via[m] = -1
             continue
-        when, before = away[i] * slowness, np.float64(_next_door(B, k))
+        when, before = away[i] * slowness, _next_door(ground, m, k)
         if before < 0.0 or when > terms.end:
             continue  # behind cells that are not free
         start = max(start, when)

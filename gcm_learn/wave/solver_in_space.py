@@ -41,8 +41,28 @@ _workspace = threading.local()
 
 
 def kappa_in_space(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> float:
-    """Seconds per unit of mental time, such that the front nowhere outruns the hand."""
-    return front_speed_in_space(params) * lattice.spacing / quickest(scene, lattice)
+    """Seconds per unit of mental time, such that a free front does not outrun the hand.
+
+    Fronts come late while they are small.  So this holds for the whole way from the hand to what is
+    half a lattice away: the front is late before, and may be early by a tenth beyond.
+    """
+    speed = mean_speed(params, 0.5 * lattice.n)
+    return speed * lattice.spacing / quickest(scene, lattice)
+
+
+def mean_speed(params: WaveParams, radius: float) -> float:
+    """Speed with which a free front gets to a radius [cells], its start included [cells per tau].
+
+    A sphere's surface moves at c - 2 d / R, c being the speed of a plane front: this is the time
+    that it takes to grow from the ball at the start.
+    """
+    c = front_speed_in_space(params)
+    lag = 2.0 * params.diffusion / c
+    ball = max(params.start_radius, START_BALL, lag + 1.0)
+    if radius <= ball + 1.0:
+        return c
+    growth = radius - ball + lag * math.log((radius - lag) / (ball - lag))
+    return radius / ((ball + 1.0 + growth) / c)
 
 
 def quickest(scene: Scene, lattice: SpaceLattice) -> float:
@@ -130,6 +150,8 @@ def propagate_in_space(
     Front
         Of one sheet.
     """
+    if lattice.postures != 1:
+        raise LatticeError(f"a wave in space needs one posture in a cell, not {lattice.postures}")
     n, kappa = lattice.n, kappa_in_space(scene, lattice, params)
     terms = _terms(scene, lattice, params, kappa, ignore)
     ground = _ground(scene, lattice, params)
@@ -224,7 +246,7 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> kernels.
         quiet=QUIET,
         step=params.step,
         lag=2 * max(1, int(0.6 / params.step + 1e-9)) * params.step,
-        slowness=1.0 / front_speed_in_space(params),
+        slowness=1.0 / mean_speed(params, 0.5 * n),
         threshold=params.threshold,
     )
 

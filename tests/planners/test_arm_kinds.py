@@ -30,7 +30,9 @@ def test_every_planner_of_the_plane_refuses(name):
         get_planner(name).plan(SPATIAL)
 
 
-@pytest.mark.parametrize("refuses", [build_map, lambda s: Pool.of([s])])
+@pytest.mark.parametrize(
+    "refuses", [lambda s: build_map(s, wait=True), lambda s: Pool.of([s])], ids=["waits", "pool"]
+)
 def test_maps_and_the_arena_refuse(refuses):
     with pytest.raises(ArmKindError, match="does not take spatial arms"):
         refuses(SPATIAL)

@@ -6,8 +6,9 @@ import pytest
 
 from gcm_learn import solve
 from gcm_learn.planners import plan_to_json
-from gcm_learn.planners.space.marching import MarchingInSpace
+from gcm_learn.planners.space.marching import FrontInSpace
 from gcm_learn.situation import read_situations, situation_to_json
+from gcm_learn.wave import MarchingParams
 from tests.referee_in_space import judge
 from tests.spatial import EXAMPLES
 
@@ -36,6 +37,20 @@ def test_a_plan_shows_the_map_that_it_came_from():
 
 
 def test_more_postures_catch_more():
-    one, more = (MarchingInSpace(levels=levels) for levels in (((24, 1),), ((24, 1), (24, 4))))
+    levels = [(MarchingParams(n=24, margin=0.0), postures) for postures in (1, 4)]
+    one, more = FrontInSpace("one", (levels[0],)), FrontInSpace("more", tuple(levels))
     caught = [[p.plan(s).caught for s in SITUATIONS[:16]] for p in (one, more)]
     assert sum(caught[1]) >= sum(caught[0]) >= 6
+
+
+def test_the_papers_planner_catches_in_space_what_its_wave_meets():
+    caught = 0
+    for situation in SITUATIONS[:12]:
+        plan = solve(situation, "gcm")
+        caught += plan.caught
+        if plan.caught:
+            made = plan_to_json(plan, situation), situation_to_json(situation)
+            assert judge(made[1], made[0]).complaints == []
+            assert plan.map is not None and plan.map.engine == "wave"
+            assert plan.map.arrival.shape == (80, 80, 80)
+    assert caught >= 6

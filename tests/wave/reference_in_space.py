@@ -18,8 +18,8 @@ from gcm_learn.wave.solver_in_space import (
     CONTACT_RADIUS,
     SLOWEST_RATE,
     START_BALL,
-    front_speed_in_space,
     kappa_in_space,
+    mean_speed,
     quickest,
 )
 
@@ -53,6 +53,7 @@ class Reference:
         for d in SIX:
             there = shifted(self.inside, d) & self.inside
             far = np.stack([shifted(joints[..., j], d) for j in range(4)], axis=-1)
+            there = there & (np.abs(far - joints).max(axis=-1) <= self.lattice.nodes.leap)
             turning = (np.abs(far - joints) / self.scene.limits.joint_speed).max(axis=-1)
             total = total + there * np.minimum(unit / np.maximum(turning, 1e-300), 1.0)
             count = count + there
@@ -70,7 +71,7 @@ class Reference:
                 continue
             if home is None:
                 home = cell
-                slowness = 1.0 / front_speed_in_space(self.params) / self.q[cell]
+                slowness = 1.0 / mean_speed(self.params, 0.5 * self.lattice.n) / self.q[cell]
                 self.r[cell], self.q[cell], self.arrival[cell] = HAND_POTENTIAL, 0.0, 0.0
                 continue
             before, when = self.next_door(cell), away[m] * slowness
@@ -102,15 +103,26 @@ class Reference:
         up = (r < p.threshold) & (self.r >= p.threshold)
         self.crossing[up] = tau + p.step * (p.threshold - r[up]) / (self.r[up] - r[up])
 
-    def next_door(self, cell):
+    def around(self, cell):
+        """Neighbours of a cell that pass the front on, and whether a step leads from them."""
+        n, joints, leap = self.r.shape[0], self.lattice.joints, self.lattice.nodes.leap
         near = [tuple(np.add(cell, d)) for d in SIX]
-        near = [c for c in near if min(c) >= 0 and max(c) < self.r.shape[0]]
-        times = [self.arrival[c] for c in near if self.live[c] and self.arrival[c] >= 0.0]
-        return min(times, default=-1.0)
+        near = [c for c in near if min(c) >= 0 and max(c) < n and self.live[c]]
+        m = np.ravel_multi_index(cell, self.r.shape)
+        for c in near:
+            if self.arrival[c] >= 0.0:
+                turn = np.abs(joints[m] - joints[np.ravel_multi_index(c, self.r.shape)])
+                yield c, turn.max() <= leap
+
+    def next_door(self, cell):
+        return min((self.arrival[c] for c, step in self.around(cell) if step), default=-1.0)
 
     def look(self, now):
         new = self.live & (self.arrival < 0.0) & (self.r >= self.params.threshold)
         found = [(tuple(c), self.next_door(tuple(c))) for c in np.argwhere(new).tolist()]
+        for cell, before in found:
+            if before < 0.0 and any(True for _ in self.around(cell)):
+                self.take_out(cell, FREE)  # it was stirred by cells from which no step leads to it
         found = [(cell, before) for cell, before in found if before >= 0.0]
         for cell, before in found:
             self.arrival[cell] = max(self.crossing[cell], before)
@@ -138,11 +150,9 @@ class Reference:
     def stride(self, cell):
         """Half the elbow's way from neighbours that have been reached, at least half a step."""
         m, ways = np.ravel_multi_index(cell, self.r.shape), [0.5 * self.lattice.spacing]
-        for d in SIX:
-            c = tuple(np.add(cell, d))
-            if min(c) >= 0 and max(c) < self.r.shape[0] and self.live[c] and self.arrival[c] >= 0:
-                other = self.limbs[np.ravel_multi_index(c, self.r.shape), 1]
-                ways.append(0.5 * np.linalg.norm(self.limbs[m, 1] - other))
+        for c, _ in self.around(cell):
+            other = self.limbs[np.ravel_multi_index(c, self.r.shape), 1]
+            ways.append(0.5 * np.linalg.norm(self.limbs[m, 1] - other))
         return min(max(ways), 2.0 * self.lattice.spacing)
 
     def take_out(self, cell, state):

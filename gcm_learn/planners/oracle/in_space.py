@@ -26,7 +26,7 @@ from gcm_learn.planners.completion import SpatialProblem, checked
 from gcm_learn.planners.oracle.posture_boxes import earliest_possible
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.space.layered import LayeredInSpace
-from gcm_learn.planners.space.marching import MarchingInSpace
+from gcm_learn.planners.space.marching import marching_in_space
 from gcm_learn.planners.space.moves import Study, study_of, time_of
 from gcm_learn.planners.space.sides import Effort
 from gcm_learn.planners.space.straight import any_straight, attempt_along
@@ -141,7 +141,7 @@ def _methods(
     effort = Effort(20**4, (60_000, 100_000))
     fine = LayeredInSpace(instants=64, swivels=16, fine=effort, earliest=earliest)
     yield "layered, fine", lambda: fine.plan(situation)
-    many = MarchingInSpace(levels=((40, 1), (40, 8), (40, 16)))
+    many = marching_in_space((1, 8, 16))
     yield "marching", lambda: many.plan(situation)
     try:
         trees = STRRTStarPlanner(budget_ms=trees_ms)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -28,7 +28,7 @@ from gcm_learn.planners.space.ways import (
 )
 from gcm_learn.scene import HAND, PART, Scene
 from gcm_learn.situation import AnySituation
-from gcm_learn.wave import MarchingParams, fastest
+from gcm_learn.wave import MarchingParams, WaveParams, fastest
 
 INSTANTS, SWIVELS = 32, 12  # of interceptions that are dashed for under limits of acceleration
 ENDINGS = 24  # moments at which a way's end is tried
@@ -36,12 +36,12 @@ LATER = 0.25  # from one of them to the next [crossings of a cell]
 
 
 @dataclass(frozen=True)
-class MarchingInSpace:
-    """Maps of ever more postures, until the way to an interception holds."""
+class FrontInSpace:
+    """Maps, until the way to an interception holds."""
 
-    name: str = "marching"
-    levels: tuple[tuple[int, int], ...] = ((40, 1), (40, 4), (40, 8))
-    """Cells along a side, and postures in a cell."""
+    name: str
+    levels: tuple[tuple[WaveParams | MarchingParams, int], ...]
+    """How fronts spread, and postures in a cell."""
     trials: int = 3
     """Interceptions that are tried on each of them."""
 
@@ -62,10 +62,9 @@ class MarchingInSpace:
         situation = problem.situation
         study, scene = study_of(problem.scene, problem.rules), kept(problem)
         reason: Reason | None = None
-        for n, postures in self.levels:
-            chart, ignore = space_of(situation.arm, n, postures), 0.0
+        for params, postures in self.levels:
+            chart, ignore = space_of(situation.arm, params.n, postures), 0.0
             for trial in range(self.trials):
-                params = MarchingParams(n=n, margin=0.0)
                 found = build_map(situation, params, chart=chart, scene=scene, ignore=ignore)
                 if found.interception is None:
                     reason = reason or Reason(Failure.NO_INTERCEPTION)
@@ -75,6 +74,21 @@ class MarchingInSpace:
                     return plan
                 ignore = found.interception.time + 2**trial * chart.spacing / fastest(scene)
         return problem.answer(reason or Failure.NO_INTERCEPTION, found)
+
+
+def marching_in_space(postures: tuple[int, ...] = (1, 4, 8)) -> FrontInSpace:
+    """Marching over cells of ever more postures."""
+    params = MarchingParams(n=40, margin=0.0)
+    return FrontInSpace("marching", tuple((params, count) for count in postures))
+
+
+def gcm_in_space(params: WaveParams | None = None) -> FrontInSpace:
+    """The paper's planner in space: the wave of Eq. 10 over cells of one posture.
+
+    With a margin first, as in the plane, then without one: moves are judged for what they are.
+    """
+    params = WaveParams(step=0.4) if params is None else params
+    return FrontInSpace("gcm", ((params, 1), (replace(params, margin=0.0), 1)))
 
 
 def kept(problem: SpatialProblem) -> Scene:
