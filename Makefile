@@ -43,6 +43,7 @@ bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their pee
 	$(BIN)/python experiments/benchmarks/run.py
 	$(BIN)/python experiments/benchmarks/dataset.py
 	$(BIN)/python experiments/benchmarks/arena.py
+	$(BIN)/python experiments/benchmarks/first_catch.py
 
 clean:  ## remove what was built, except .venv
 	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
