@@ -17,7 +17,7 @@ from gcm_learn.motion.verification_in_space import hand_rate
 from gcm_learn.scene import Scene
 from gcm_learn.scene.spatial_limb import motion_bounds
 
-PIECES = 8  # of a move, at most
+PIECES = 24  # of a move, at most
 LONGEST = 0.3  # turn of a joint in a piece of a move that the hand's speed limits [rad]
 SLOWER = 1e-4  # share of the hand's speed that is not used, so that its check is quick
 HAIR = 2e-9  # share of the speed limits that is not used, against rounding

@@ -31,7 +31,7 @@ from gcm_learn.planners.space.moves import (
 SPANS = 4  # of a node that are kept
 DELAYS = 2  # with which a blocked move is tried again
 ARITY = 4  # of the heap
-MOMENTS = 400  # of a horizon: a block of a node that is shorter may be missed; waits are asked for
+MOMENTS = 200  # of a horizon: a block of a node that is shorter may be missed; waits are asked for
 CLOSE = 1e-9  # of a span, by which it is entered late [s]
 
 
