@@ -91,7 +91,7 @@ def _plan_in_space(situation: SpatialSituation, plan: SpatialPlan) -> Figure:
         else:
             draw_movement_in_space(ax, situation, plan.trajectory, view)
             time_bar(ax, plan.trajectory.duration)
-        style.title(ax, name)
+        style.title(ax, name if plan.trajectory is not None else f"{name}: start")
     key_in_space(figure)
     return figure
 

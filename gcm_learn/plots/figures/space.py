@@ -19,7 +19,7 @@ from matplotlib.patches import Patch
 from numpy.typing import ArrayLike
 
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from
+from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from, render
 from gcm_learn.plots.figures.solids import placed, tube
 from gcm_learn.plots.figures.staging import (
     PIXELS,
@@ -48,6 +48,7 @@ LINE = 0.007  # of the reach: radius of a path
 SAMPLES = 60  # points of a path
 GHOSTS = 4  # instants at which the arm is drawn, the last one being the catch
 PALEST = 0.15  # alpha of the earliest
+SIGHT = 28  # pixels a side of pictures that are tried for what they hide
 EYE = 7.0  # [reaches] distance of the eye
 ELEVATION = 24.0  # [degrees] of the eye
 JOINT = "#f3dfe3"
@@ -155,26 +156,36 @@ def view_of(
     times = np.linspace(0.0, end, 12)
     joints = np.tile(arm.joints, (12, 1)) if trajectory is None else trajectory.joints_at(times)
     elbow, hand = forward_in_space(arm, joints)
-    centres, _ = body_poses(situation, times)
+    centres, _ = body_poses(situation, times[-3:])
     target = [body.role == "target" for body in situation.bodies]
     shoulder = np.asarray(arm.base.origin)
-    seen = np.concatenate([shoulder[None], elbow, hand, hand, centres[-3:, target].reshape(-1, 3)])
+    seen = np.concatenate([shoulder[None], elbow, hand, hand, centres[:, target].reshape(-1, 3)])
     centre = 0.5 * (shoulder + hand.mean(axis=0))
-    radii = np.array([body.shape.bounding_radius for body in situation.bodies])[~np.array(target)]
-    others = centres[:, ~np.array(target)]
+    wanted = [*arm_faces(arm, joints[-1]), *body_faces(situation, end, roles=("target",))]
+    wanted += [] if trajectory is None else path_faces(situation, trajectory)
+    others = list(body_faces(situation, end, roles=("obstacle",)))
 
     def merit(azimuth: float) -> float:
-        view = camera_from(azimuth, elevation)
-        flat, places = view.turned(seen - centre), view.turned(others - centre)
-        spread = np.sqrt(np.linalg.det(np.cov(flat[:, :2].T)) + 1e-12) / arm.reach**2
-        limb = view.turned(np.stack([elbow, hand, 0.5 * (elbow + hand)], axis=1) - centre)
-        gap = np.linalg.norm(places[:, :, None, :2] - limb[:, None, :, :2], axis=-1)
-        before = places[:, :, None, 2] > limb[:, None, :, 2]
-        hidden = (before & (gap < radii[:, None])).any(axis=1).mean() if len(radii) else 0.0
-        return float(spread * (1.0 - 0.8 * hidden))
+        view = camera_from(azimuth, elevation, centre, EYE * arm.reach)
+        flat = view.turned(seen - centre)[:, :2]
+        spread = np.sqrt(np.linalg.det(np.cov(flat.T)) + 1e-12) / arm.reach**2
+        return float(spread * _share_in_sight(view, arm.reach, wanted, others) ** 2)
 
-    best = max(np.arange(0.0, 360.0, 15.0), key=merit)
+    best = max(np.arange(0.0, 360.0, 20.0), key=merit)
     return camera_from(best + turn, elevation, centre, EYE * arm.reach)
+
+
+def _share_in_sight(
+    view: Camera, reach: float, wanted: Sequence[Faces], others: Sequence[Faces]
+) -> float:
+    """Share of what is wanted in a picture that others leave in sight."""
+    red, blue = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    marked = [thing._replace(colours=red, lit=False) for thing in wanted]
+    hiding = [thing._replace(colours=blue, lit=False) for thing in others]
+    window = Window(np.zeros(2), reach)
+    images = [render(view, window, things, SIGHT) for things in (marked, marked + hiding)]
+    whole, rest = ((image[..., 0] > 1.2 * image[..., 2]).sum() for image in images)
+    return float(rest / max(whole, 1))
 
 
 def draw_space(

@@ -18,6 +18,7 @@ from gcm_learn.handspace import SpaceLattice, room_in_space, space_of
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.maps import CONTOUR_STEP
 from gcm_learn.plots.figures.rendering import Camera, Faces, Window, render
 from gcm_learn.plots.figures.solids import placed
 from gcm_learn.plots.figures.space import body_faces, path_faces, show_through
@@ -27,10 +28,10 @@ from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Sphere, rotation_of
 
 COARSE = 40  # cells a side of the lattice for drawn extended obstacles
-GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off
+GLASSY, CLEAR, VEILED = 0.5, 0.4, 0.35  # alphas of extended obstacles, front, what is cut off
 POINT = 0.045  # [reaches] radius of the hand's ball
 CUT = 260  # cells a side of a cut
-RINGS = 8  # contours in a cut
+RING = 1.4  # of these cells: half the width of a contour
 SHELL = 0.2  # level at which softened effective obstacles, one cell thin, are drawn
 
 
@@ -52,7 +53,7 @@ def extended_faces(situation: SpatialSituation, t: float, alpha: float = GLASSY)
     """Extended obstacles at time t [s]: hands whose limb touches an obstacle."""
     chart = space_of(situation.arm, COARSE)
     room = np.clip(room_in_space(situation, chart, t), -chart.spacing, 2.0 * chart.spacing)
-    return skin(chart, room, 0.0, style.EXTENDED, alpha)
+    return skin(chart, softened(room), 0.0, style.EXTENDED, alpha)
 
 
 def front_faces(cognitive_map: CognitiveMap, t: float) -> Faces:
@@ -176,8 +177,9 @@ def cut_faces(
     frozen = map_coordinates(softened(softened(frozen_cells(cognitive_map))), places, order=1)
     share = np.clip(times / latest, 0.0, 1.0)
     colours = np.asarray(style.MAP_COLOURS(share))[..., :3]
-    off = np.abs((share * RINGS + 0.5) % 1.0 - 0.5)
-    ring = np.clip(1.6 - off / 0.035, 0.0, 1.0) * (share > 0.5 / RINGS)
+    rings = times / (CONTOUR_STEP * cognitive_map.kappa)
+    off = np.abs((rings + 0.5) % 1.0 - 0.5) / np.maximum(np.hypot(*np.gradient(rings)), 1e-9)
+    ring = np.clip(RING - off, 0.0, 1.0) * (rings > 0.5)
     colours += (1.0 - colours) * ring[..., None]
     colours[frozen > SHELL] = to_rgb(style.EFFECTIVE)
     seen = (times <= latest * 1.02) | (frozen > SHELL)

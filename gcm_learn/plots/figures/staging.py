@@ -79,6 +79,8 @@ def show_image(ax: Axes, image: np.ndarray, window: Window) -> None:
     ax.imshow(
         image, origin="lower", extent=window.extent, zorder=1, interpolation="antialiased"
     )  # fmt: skip
+    left, right, bottom, top = window.extent
+    ax.set(xlim=(left, right), ylim=(bottom, top))
     ax.axis("off")
 
 

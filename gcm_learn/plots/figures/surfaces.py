@@ -87,11 +87,11 @@ def _quads(inside: np.ndarray, number: np.ndarray, axis: int) -> np.ndarray:
     return np.where(outward[:, None], quads, quads[:, ::-1])
 
 
-def softened(cells: np.ndarray) -> np.ndarray:
-    """A field that is high in marked cells (l, m, n) and falls off smoothly around them."""
-    field = cells.astype(float)
+def softened(values: np.ndarray) -> np.ndarray:
+    """A field (l, m, n), or marked cells, with a quarter of every step taken to either side."""
+    field = values.astype(float)
     for axis in range(3):
-        padded = np.pad(field, [(1, 1) if k == axis else (0, 0) for k in range(3)])
+        padded = np.pad(field, [(1, 1) if k == axis else (0, 0) for k in range(3)], "edge")
         size = field.shape[axis]
         before, here, after = (padded.take(range(k, k + size), axis) for k in range(3))
         field = 0.25 * before + 0.5 * here + 0.25 * after
