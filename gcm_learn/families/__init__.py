@@ -6,7 +6,7 @@
 """
 
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.families.examples import gate_scene
+from gcm_learn.families.examples import gate_scene, thrown_scene
 from gcm_learn.families.family import ArmRanges, Family
 from gcm_learn.families.layout import WayRanges
 from gcm_learn.families.paper import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, fig3
@@ -48,6 +48,7 @@ __all__ = [
     "random_planar",
     "random_solid",
     "read_family",
+    "thrown_scene",
 ]
 
 

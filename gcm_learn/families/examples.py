@@ -5,7 +5,18 @@ from __future__ import annotations
 import math
 
 from gcm_learn.families.paper import HAND_SPEED
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
+from gcm_learn.situation import (
+    Arm,
+    Body,
+    Capsule,
+    Disc,
+    PlanarQuadratic,
+    Polygon,
+    Situation,
+    SolidQuadratic,
+    SpatialArm,
+    Sphere,
+)
 
 GATE = (1.6, 0.05)  # half length and half width [forearms]
 GATE_SPEED = 3.3  # [forearms/s] about the hand's
@@ -32,4 +43,34 @@ def gate_scene() -> Situation:
         SOON,
         Arm((0.1, -1.3), HAND_SPEED),
         (Body("target", "ball", Disc(0.08), flight), Body("obstacle", "gate", bar, slide)),
+    )
+
+
+def thrown_scene() -> Situation[SpatialArm]:
+    """A ball is thrown to an arm in space, and a post comes between.
+
+    The arm is like a human's, its shoulder at the origin and z upwards. On the straight
+    line in the joints the forearm would run into the post. All numbers are chosen.
+    """
+    arm = SpatialArm(
+        upper_arm=(1.0, 0.0, 0.0),
+        forearm=(1.0, 0.0, 0.0),
+        joints=(1.0, -0.3, 0.2, -0.5),
+        joint_range=((-2.8, 2.0), (-0.6, 2.2), (-2.4, 2.4), (-2.6, 0.0)),
+        max_joint_speed=(5.0, 5.0, 7.0, 7.0),
+        max_hand_speed=5.0,
+        thickness=0.09,
+        grasp=0.1,
+    )
+    still = (0.0, 0.0, 0.0)
+    flight = SolidQuadratic((1.6, 2.1, 0.3), (-0.7, -0.7, 1.7), (0.0, 0.0, -3.0))
+    post = SolidQuadratic((1.1, -0.1, -0.4), (-0.8, 0.8, 0.0), still)
+    return Situation(
+        "thrown-ball",
+        1.0,
+        arm,
+        (
+            Body("target", "ball", Sphere(0.12), flight),
+            Body("obstacle", "post", Capsule(0.13, 0.75), post),
+        ),
     )

@@ -44,8 +44,13 @@ def test_gallery_writes_readable_pictures(tmp_path):
         "catch.gif",
         "waiting.png",
         "families.png",
+        "space-situation.png",
+        "space-hand-space.png",
+        "space-wave.png",
+        "space-map.png",
+        "space-catch.gif",
     ]
     for file in files:
         with Image.open(file) as picture:
             assert min(picture.size) >= 280
-        assert file.stat().st_size < 400_000
+        assert file.stat().st_size < (1_200_000 if file.name == "space-catch.gif" else 400_000)

@@ -229,7 +229,10 @@ def draw_courses_in_space(ax: Axes, situation: SpatialSituation, end: float, vie
         if np.ptp(centres[:, k], axis=0).max() < 0.05 * situation.arm.reach:
             continue
         path = view.see(centres[:, k])
-        ax.plot(*path[:, :2].T, color=body_colour(body), lw=1.2, ls=(0, (2, 1.5)), zorder=4)
+        ax.plot(
+            *path[:, :2].T, color=body_colour(body), lw=1.2, ls=(0, (2, 1.5)), zorder=4,
+            path_effects=[style.HALO],
+        )  # fmt: skip
         style.arrow(ax, path[-2, :2], path[-1, :2], body_colour(body))
 
 
@@ -278,6 +281,12 @@ class Scenery:
         if t > 0.0:
             things += path_faces(self.situation, self.trajectory, t)
         return things
+
+    def show_world(self, ax: Axes, t: float) -> None:
+        """Draw the bodies at time t [s], and the arm as it was at t = 0."""
+        arm = self.situation.arm
+        things = [*body_faces(self.situation, t), *arm_faces(arm, arm.joints)]
+        show_image(ax, staged(self.view, self.window, self.floor, things), self.window)
 
     def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = PIXELS) -> None:
         """Draw time t [s], from a camera that is turned about the vertical [degrees]."""

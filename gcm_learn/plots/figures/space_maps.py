@@ -11,7 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.patches import Circle
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Patch
 from scipy.ndimage import map_coordinates
 
 from gcm_learn.handspace import SpaceLattice, room_in_space, space_of
@@ -28,9 +29,10 @@ from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Sphere, rotation_of
 
 COARSE = 40  # cells a side of the lattice for drawn extended obstacles
-GLASSY, CLEAR, VEILED = 0.5, 0.4, 0.35  # alphas of extended obstacles, front, what is cut off
+GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off
 POINT = 0.045  # [reaches] radius of the hand's ball
 CUT = 260  # cells a side of a cut
+WHOLE = 0.99  # share of arrivals around a point of a cut that has contours
 RING = 1.4  # of these cells: half the width of a contour
 SHELL = 0.2  # level at which softened effective obstacles, one cell thin, are drawn
 
@@ -179,7 +181,8 @@ def cut_faces(
     colours = np.asarray(style.MAP_COLOURS(share))[..., :3]
     rings = times / (CONTOUR_STEP * cognitive_map.kappa)
     off = np.abs((rings + 0.5) % 1.0 - 0.5) / np.maximum(np.hypot(*np.gradient(rings)), 1e-9)
-    ring = np.clip(RING - off, 0.0, 1.0) * (rings > 0.5)
+    whole = map_coordinates(np.isfinite(arrival).astype(float), places, order=1) > WHOLE
+    ring = np.clip(RING - off, 0.0, 1.0) * (rings > 0.5) * whole
     colours += (1.0 - colours) * ring[..., None]
     colours[frozen > SHELL] = to_rgb(style.EFFECTIVE)
     seen = (times <= latest * 1.02) | (frozen > SHELL)
@@ -243,28 +246,40 @@ class HandSpace:
         self.view = ball_view(situation, view)
         self._map: list[Faces] = []
 
-    def at(self, t: float) -> list[Faces]:
-        """Everything at time t [s]."""
-        hand = self._hand(t)
+    def at(self, t: float, *, moving: bool = True) -> list[Faces]:
+        """Everything at time t [s], the hand with its way, or where it was at t = 0."""
         things = [
-            extended_faces(self.situation, t),
+            *self.world_at(t, t if moving else 0.0),
             effective_faces(self.map, t),
             front_faces(self.map, t),
-            hand_ball(self.situation, hand),
-            *body_faces(self.situation, t, roles=("target",)),
         ]
-        if self.trajectory is not None and t > 0.0:
+        if moving and self.trajectory is not None and t > 0.0:
             things += path_faces(self.situation, self.trajectory, t)
         return things
+
+    def world_at(self, t: float, moved: float = 0.0) -> list[Faces]:
+        """Extended obstacles and targets at time t [s], and the hand at another."""
+        return [
+            extended_faces(self.situation, t),
+            hand_ball(self.situation, self._hand(moved)),
+            *body_faces(self.situation, t, roles=("target",)),
+        ]
 
     def _hand(self, t: float) -> np.ndarray:
         if self.trajectory is None:
             return forward_in_space(self.situation.arm, self.situation.arm.joints)[1]
         return self.trajectory.hand_at(t)
 
-    def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = PIXELS) -> None:
+    def show_world(self, ax: Axes, t: float) -> None:
+        """Draw extended obstacles, targets and the hand's start at time t [s]."""
+        draw_ball(ax, self.situation, self.view, self.world_at(t))
+
+    def show(
+        self, ax: Axes, t: float, turn: float = 0.0, pixels: int = PIXELS, *, moving: bool = True
+    ) -> None:
         """Draw time t [s], from a camera that is turned about the vertical [degrees]."""
-        draw_ball(ax, self.situation, turned_view(self.view, turn), self.at(t), pixels)
+        view = turned_view(self.view, turn)
+        draw_ball(ax, self.situation, view, self.at(t, moving=moving), pixels)
 
     def show_map(self, ax: Axes, turn: float = 0.0, pixels: int = PIXELS) -> None:
         """Draw the map, cut open, from a camera that is turned about the vertical [degrees]."""
@@ -278,3 +293,20 @@ class HandSpace:
         if self.trajectory is not None:
             times = np.linspace(0.0, self.trajectory.duration, 60)
             show_through(ax, view, self.trajectory.hand_at(times), 0.9)
+
+
+HAND_SPACE_KEY = (
+    (style.EXTENDED, "extended obstacle"),
+    (style.FRONT, "explored by the front"),
+    (style.EFFECTIVE, "frozen: effective obstacle"),
+    (style.TARGET, "target"),
+)
+
+
+def key_of_hand_space(figure: Figure) -> None:
+    """Say below pictures of hand-space what is what."""
+    handles = [Patch(color=colour, label=name) for colour, name in HAND_SPACE_KEY]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,
+        frameon=False, labelcolor=style.INK, handlelength=1.2, columnspacing=1.4,
+    )  # fmt: skip

@@ -14,7 +14,7 @@ from gcm_learn.situation import Situation, SpatialArm
 
 SpatialSituation = Situation[SpatialArm]
 
-AWAY = 1.15  # [reaches] from the shoulder: nothing farther widens the picture
+AWAY = 1.35  # [reaches] from the shoulder: nothing farther widens the picture
 PIXELS = 720  # of a side of a picture
 ABOVE = 75.0  # [degrees] elevation of an eye that looks down
 FLOOR, SHADOW, GRID = "#f4f6f9", "#d9e0e9", "#ffffff"

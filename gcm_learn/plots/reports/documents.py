@@ -22,6 +22,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_targets,
     draw_workspace,
 )
+from gcm_learn.plots.reports.space_documents import write_space_gallery
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation, planar
 
@@ -37,7 +38,9 @@ KEY = ("arm", "obstacle", "target", "path of the hand")
 
 
 def write_gallery(folder: Path) -> list[Path]:
-    """Draw the README's pictures and that of the families; all but the last two show one situation.
+    """Draw the README's pictures and that of the families.
+
+    The first five show one situation, those of an arm in space another one.
 
     Parameters
     ----------
@@ -68,7 +71,7 @@ def write_gallery(folder: Path) -> list[Path]:
     sheets_figure(gate, solve(gate, "layered")).savefig(out[-1], dpi=DPI)
     out.append(folder / "families.png")
     families_figure().savefig(out[-1], dpi=DPI_FAMILIES)
-    return out
+    return out + write_space_gallery(folder)
 
 
 def _situation(situation: Situation) -> Figure:

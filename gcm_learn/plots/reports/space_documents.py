@@ -1,0 +1,122 @@
+"""The README's pictures of an arm in space: those of the plane, once more."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from gcm_learn.families import thrown_scene
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.planners import Plan, solve
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.film import animate
+from gcm_learn.plots.figures.rendering import Camera
+from gcm_learn.plots.figures.space import (
+    Scenery,
+    body_poses,
+    draw_courses_in_space,
+    draw_movement_in_space,
+    time_bar,
+    view_of,
+)
+from gcm_learn.plots.figures.space_maps import HandSpace, key_of_hand_space
+from gcm_learn.plots.figures.staging import SpatialSituation
+from gcm_learn.scene import forward_in_space
+
+ENGINE = "marching"
+SHOWN = 0.6  # of the time to the catch: when hand-space is shown
+INSTANTS = (0.2, 0.45, 0.7)  # of it: the wave's snapshots; the contact follows
+BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
+FRAMES = 30
+WORD = "#b7791f"  # darker than what it names, to be readable
+DPI = 150
+
+
+def write_space_gallery(folder: Path) -> list[Path]:
+    """Draw the five pictures of one situation in space into a folder that exists.
+
+    Returns
+    -------
+    list of Path
+        The files, in the order in which they tell the story.
+    """
+    situation = thrown_scene()
+    plan: Plan[SpatialTrajectory] = solve(situation, ENGINE)
+    if plan.map is None or plan.trajectory is None:
+        raise RuntimeError(f"no catch to show: {plan.message}")
+    view = view_of(situation, plan.trajectory)
+    scenery = Scenery(situation, plan.trajectory, view)
+    hands = HandSpace(situation, plan.map, plan.trajectory, view)
+    out = []
+    for name, figure in (
+        ("space-situation", _situation(scenery)),
+        ("space-hand-space", _hand_space(scenery, hands)),
+        ("space-wave", _wave(plan, hands)),
+        ("space-map", _map(situation, plan.trajectory, hands, view)),
+    ):
+        out.append(folder / f"{name}.png")
+        figure.savefig(out[-1], dpi=DPI)
+    out.append(folder / "space-catch.gif")
+    animate(situation, plan, out[-1], frames=FRAMES)
+    return out
+
+
+def _situation(scenery: Scenery) -> Figure:
+    figure = style.new_figure(4.2, 4.2)
+    ax = figure.subplots()
+    scenery.show(ax, 0.0)
+    draw_courses_in_space(ax, scenery.situation, scenery.end, scenery.view)
+    joints = np.asarray(scenery.situation.arm.joints)
+    elbow, hand = forward_in_space(scenery.situation.arm, joints)
+    centres, _ = body_poses(scenery.situation, [0.0])
+    for place, word, colour, side in (
+        ((0.0, 0.0, 0.0), "shoulder", style.INK, -1.3),
+        (0.5 * (elbow + hand), "arm", style.ARM, -0.8),
+        (centres[0, 0], "ball", style.TARGET, -0.9),
+        (centres[0, 1], "post", style.OBSTACLE, 1.2),
+    ):
+        at = scenery.view.see(np.asarray(place))[:2]
+        style.label(ax, at + side * BESIDE, word, colour)
+    return figure
+
+
+def _hand_space(scenery: Scenery, hands: HandSpace) -> Figure:
+    figure = style.new_figure(8.0, 4.2)
+    left, right = figure.subplots(1, 2)
+    t = SHOWN * scenery.end
+    scenery.show_world(left, t)
+    style.title(left, "work-space: an arm among bodies")
+    hands.show_world(right, t)
+    style.title(right, "hand-space: a point in a ball")
+    hand = forward_in_space(scenery.situation.arm, scenery.situation.arm.joints)[1]
+    style.label(right, hands.view.see(hand)[:2] + BESIDE, "arm")
+    style.label(right, (0.55, -0.3), "extended obstacle", WORD)
+    return figure
+
+
+def _wave(plan: Plan[SpatialTrajectory], hands: HandSpace) -> Figure:
+    assert plan.map is not None and plan.map.interception is not None
+    contact = plan.map.interception.time
+    figure = style.new_figure(9.6, 3.0)
+    panels = figure.subplots(1, len(INSTANTS) + 1)
+    for ax, share in zip(panels, (*INSTANTS, 1.0), strict=True):
+        hands.show(ax, share * contact, moving=False)
+        style.title(ax, f"τ = {share * contact / plan.map.kappa:.0f}")
+    style.title(panels[-1], f"τ = {contact / plan.map.kappa:.0f}: contact")
+    key_of_hand_space(figure)
+    return figure
+
+
+def _map(
+    situation: SpatialSituation, moves: SpatialTrajectory, hands: HandSpace, view: Camera
+) -> Figure:
+    figure = style.new_figure(8.0, 4.2)
+    left, right = figure.subplots(1, 2)
+    hands.show_map(left)
+    style.title(left, "the map, cut open")
+    draw_movement_in_space(right, situation, moves, view)
+    time_bar(right, moves.duration)
+    style.title(right, "the movement (later is darker)")
+    return figure
