@@ -53,4 +53,4 @@ def test_gallery_writes_readable_pictures(tmp_path):
     for file in files:
         with Image.open(file) as picture:
             assert min(picture.size) >= 280
-        assert file.stat().st_size < (1_200_000 if file.name == "space-catch.gif" else 400_000)
+        assert file.stat().st_size < (800_000 if file.name == "space-catch.gif" else 400_000)

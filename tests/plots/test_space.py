@@ -14,6 +14,7 @@ from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan
 from gcm_learn.plots import animate, plan_figure, style
 from gcm_learn.plots.figures import rendering, solids, space, staging
+from gcm_learn.plots.figures.film import ROUND
 from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Box, Capsule, Cylinder, Sphere, read_situations
 from tests.spatial import EXAMPLES
@@ -199,7 +200,7 @@ def test_film_in_space_moves_and_looks_around_a_catch(case, tmp_path, caught):
     path = tmp_path / "film.gif"
     animate(situation, plan_of(situation, trajectory if caught else None), path, frames=3)
     with Image.open(path) as film:
-        assert film.n_frames == (3 + 24 if caught else 3)
+        assert film.n_frames == (3 + ROUND if caught else 3)
         frames = []
         for k in range(film.n_frames):
             film.seek(k)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Scene = Callable[[Axes, float, float], None]  # draws a time [s], turned by an angle [degrees]
 
 FRAMES = 40
-ROUND = 24  # frames of a look around
+ROUND = 16  # frames of a look around
 SWAY = 35.0  # [degrees] by which hand-space is turned to and fro
 FRAME_TIME, HOLD_TIME = 90, 2500  # [ms]
 WIDTH, HEIGHT, FILM_DPI = 6.6, 3.6, 80

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
 from gcm_learn.families import thrown_scene
 from gcm_learn.motion import SpatialTrajectory
@@ -29,9 +31,10 @@ ENGINE = "marching"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
 INSTANTS = (0.2, 0.45, 0.7)  # of it: the wave's snapshots; the contact follows
 BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
-FRAMES = 30
+FRAMES = 24
 WORD = "#b7791f"  # darker than what it names, to be readable
-DPI = 150
+DPI = 140
+COLOURS = 160
 
 
 def write_space_gallery(folder: Path) -> list[Path]:
@@ -57,10 +60,18 @@ def write_space_gallery(folder: Path) -> list[Path]:
         ("space-map", _map(situation, plan.trajectory, hands, view)),
     ):
         out.append(folder / f"{name}.png")
-        figure.savefig(out[-1], dpi=DPI)
+        save_light(figure, out[-1])
     out.append(folder / "space-catch.gif")
     animate(situation, plan, out[-1], frames=FRAMES)
     return out
+
+
+def save_light(figure: Figure, path: Path) -> None:
+    """Save a picture with shades in few colours, which takes a third of the room."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, dpi=DPI, format="png")
+    picture = Image.open(buffer).convert("RGB")
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def _situation(scenery: Scenery) -> Figure:
