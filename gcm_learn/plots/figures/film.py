@@ -9,14 +9,14 @@ from typing import IO, TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand, extended_image, show_image
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored
-from gcm_learn.plots.figures.space import Scenery
+from gcm_learn.plots.figures.space import TIME_COLOURS, Scenery
 from gcm_learn.plots.figures.space_maps import HandSpace, ball_window
 from gcm_learn.plots.figures.staging import from_above
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits, waiting_at
@@ -45,6 +45,7 @@ PALETTE = (
     style.PATH,
     style.INK,
     "black",
+    *(to_hex(TIME_COLOURS(share)) for share in (0.0, 0.25, 0.5, 0.75)),
 )
 NEARLY_WHITE = 247  # of 255
 COARSE = 240  # cells a side of the drawn extended obstacles

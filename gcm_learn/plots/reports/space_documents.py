@@ -13,7 +13,7 @@ from gcm_learn.families import thrown_scene
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.film import animate
+from gcm_learn.plots.figures.film import animate, palette_of
 from gcm_learn.plots.figures.rendering import Camera
 from gcm_learn.plots.figures.space import (
     Scenery,
@@ -34,7 +34,6 @@ BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
 FRAMES = 24
 WORD = "#b7791f"  # darker than what it names, to be readable
 DPI = 140
-COLOURS = 160
 
 
 def write_space_gallery(folder: Path) -> list[Path]:
@@ -71,7 +70,8 @@ def save_light(figure: Figure, path: Path) -> None:
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=DPI, format="png")
     picture = Image.open(buffer).convert("RGB")
-    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    light = picture.quantize(palette=palette_of([picture]), dither=Image.Dither.NONE)
+    light.save(path, optimize=True)
 
 
 def _situation(scenery: Scenery) -> Figure:
