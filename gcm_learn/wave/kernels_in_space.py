@@ -23,6 +23,7 @@ from gcm_learn.wave.kernels import CLAMPED, CONTACT, FREE, FROZEN, UP_R, UP_Z
 from gcm_learn.wave.stencil_in_space import BLOCK, FIELD, LEFT, SLAB, WIDTH, two_steps
 
 ASLEEP, SEEN, AWAKE = 0, 1, 2  # what this wave knows of a block: nothing, postures, rates as well
+SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [cells]
 MOST = 65_536  # cells that are looked at together; what there is more of has its turn next
 FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearms]
 MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
@@ -43,6 +44,7 @@ class SpaceGround(NamedTuple):
     known: np.ndarray  # the same shape, uint8: ASLEEP, SEEN or AWAKE
     wake: np.ndarray  # the same shape, bool: blocks that are about to be stepped; False in between
     slowest: float  # least rate of a cell
+    fewest: int  # excited cells that start a wave
     held: bool  # frozen cells are seen by their neighbours instead of being cut out
     diffusion: float
     epsilon: float
@@ -457,9 +459,10 @@ def _mark(ground, k):
 
 @njit(_nrt=False)
 def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
-    """Excite the cells within a radius of the hand as far as they are free, and wake the others.
+    """Excite the cells within a radius of the hand as far as they are free, and wake those around.
 
-    The first of them that has a posture is the hand's own.
+    The first of them that has a posture is the hand's own.  Where few cells are free, as next to
+    the ends of the joints' ranges, those beyond the radius are taken as well.
 
     Returns
     -------
@@ -472,7 +475,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
         edge is faster than a front at first.
     """
     n, B, home, slowness, start = ground.n, ground.B, -1, 0.0, 0.0
-    contact, contact_body, first = -1, -1, -1.0
+    contact, contact_body, first, excited, edge = -1, -1, -1.0, 0, 1e300
     for i in range(ball.size):
         m = ball[i]
         k = entry_of(m, n)
@@ -482,7 +485,10 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
         if ground.nodes.joints[m, 0] >= NOWHERE:
             continue
         _mark(ground, k)
-        if away[i] > radius and home >= 0:
+        if away[i] > radius and excited >= ground.fewest:
+            edge = min(edge, away[i])
+            if away[i] > edge + SPREAD:
+                break
             continue
         if home < 0:
             home, slowness = m, ground.slowness * ground.step / np.float64(B[k + _Q])
@@ -499,6 +505,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
         if cell >= 0 and (contact < 0 or t < first):
             contact, contact_body, first = cell, body, t
         _freeze(ground, batch, 1, judged.state)
+        excited += judged.state[m] == FREE
     return contact, contact_body, first, start + slowness
 
 
@@ -509,9 +516,9 @@ def propagate_in_space(scene, ball, away, radius, ground, terms, judged, runs, b
     Parameters
     ----------
     ball, away : (m,) ndarray
-        Cells that are awake at the start, by their distances from the hand [cells].
+        Cells that are excited or awake at the start, by their distances from the hand [cells].
     radius : float
-        Of those that are excited [cells].
+        Of those that are excited, if there are enough [cells].
     terms : Terms
         Times are mental.
     judged : Judged

@@ -31,7 +31,7 @@ from gcm_learn.wave.params import REST, WaveParams
 START_BALL = (
     5.1  # radius of the smallest ball that is excited at the start; no cell is on it [cells]
 )
-SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [cells]
+FEWEST = 300  # cells that are excited at the start, if so many are free within two such radii
 CONTACT_RADIUS = 0.87  # half a cell's diagonal, or a small target slips between centres [cells]
 QUIET = 1e-3  # potential change [1/tau] below which a block of cells counts as settled
 SLOWEST_RATE = 0.02  # of a cell: the wave should not stop altogether
@@ -156,7 +156,7 @@ def propagate_in_space(
     terms = _terms(scene, lattice, params, kappa, ignore)
     ground = _ground(scene, lattice, params)
     radius = max(params.start_radius, START_BALL)
-    ball, away = _start_ball(scene, lattice, radius + SPREAD)
+    ball, away = _start_ball(scene, lattice, 2.0 * radius + kernels.SPREAD)
     wide = np.zeros(0) if widening is None else widening
     state, via = np.zeros(n**3, dtype=np.uint8), np.full(n**3, -1, dtype=np.int32)
     judged = kernels.Judged(state, via, wide, params.margin)
@@ -240,6 +240,7 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> kernels.
         known=np.zeros(shape, np.uint8),
         wake=np.zeros(shape, np.bool_),
         slowest=SLOWEST_RATE,
+        fewest=FEWEST,
         held=params.frozen == "held",
         diffusion=params.diffusion,
         epsilon=params.epsilon,

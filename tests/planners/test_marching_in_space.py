@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gcm_learn import solve
+from gcm_learn.families import paper_scene
 from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.space.marching import FrontInSpace
 from gcm_learn.situation import read_situations, situation_to_json
@@ -54,3 +55,14 @@ def test_the_papers_planner_catches_in_space_what_its_wave_meets():
             assert plan.map is not None and plan.map.engine == "wave"
             assert plan.map.arrival.shape == (80, 80, 80)
     assert caught >= 6
+
+
+@pytest.mark.parametrize("name", ["fig5-space", "fig8-space"])
+def test_the_papers_scenes_without_their_plane_are_solved_by_the_papers_planner(name):
+    situation = paper_scene(name)
+    plan = solve(situation, "gcm")
+    assert plan.caught
+    made = plan_to_json(plan, situation), situation_to_json(situation)
+    assert judge(made[1], made[0]).complaints == []
+    # the obstacle has bent the wave
+    assert plan.map is not None and plan.map.effective_obstacles.sum() > 100

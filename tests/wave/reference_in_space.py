@@ -13,9 +13,11 @@ import numpy as np
 from gcm_learn.scene.bodies import ACCELERATION, HAND, PART, POSITION, SIZE, TOP_SPEED, VELOCITY
 from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
+from gcm_learn.wave.kernels_in_space import SPREAD
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST
 from gcm_learn.wave.solver_in_space import (
     CONTACT_RADIUS,
+    FEWEST,
     SLOWEST_RATE,
     START_BALL,
     kappa_in_space,
@@ -64,10 +66,11 @@ class Reference:
         limb, last, home = self.scene.limb, 0.0, None
         hand = np.array(limb_at(limb, limb.start)[3:])
         away = np.linalg.norm(self.lattice.hands - hand, axis=1) / self.lattice.spacing
-        radius = max(self.params.start_radius, START_BALL)
+        radius, excited = max(self.params.start_radius, START_BALL), 0
         for m in np.argsort(away, kind="stable"):
             cell = tuple(int(i) for i in np.unravel_index(m, self.inside.shape))
-            if away[m] > radius or not self.inside[cell]:
+            enough = away[m] > radius and excited >= FEWEST
+            if enough or away[m] > 2.0 * radius + SPREAD or not self.inside[cell]:
                 continue
             if home is None:
                 home = cell
@@ -78,6 +81,7 @@ class Reference:
             if before >= 0.0:
                 (self.r[cell], self.z[cell]), self.arrival[cell] = EXCITED, when
                 self.judge([(cell, before)], when)
+                excited += self.state[cell] == FREE
                 last = max(last, when)
         return last + slowness
 

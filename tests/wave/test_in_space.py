@@ -60,7 +60,7 @@ def test_it_does_what_the_slow_reference_does():
     tau = front.first / kappa_in_space(scene, lattice, EXPLORE)
     both = (tau >= 0.0) & (slow.arrival >= 0.0)
     assert both.sum() > 1000
-    assert ((tau >= 0.0) != (slow.arrival >= 0.0)).sum() <= 0.01 * both.sum()
+    assert ((tau >= 0.0) != (slow.arrival >= 0.0)).sum() <= 0.02 * both.sum()
     # at the sharp edge of the ball cells are up and down again within a look: it is 1.2 tau late
     off = np.abs(tau - slow.arrival)[both]
     assert np.median(off) < 0.1 and np.quantile(off, 0.95) < 1.2
@@ -134,6 +134,7 @@ def test_plane_fronts_are_quickest_along_the_cubes_diagonal():
 @pytest.mark.parametrize("radius, spreads", [(0.1, False), (3.2, False), (4.3, True)])
 def test_one_neuron_starts_no_wave_in_space(radius, spreads, monkeypatch):
     monkeypatch.setattr(solver_in_space, "START_BALL", radius)
+    monkeypatch.setattr(solver_in_space, "FEWEST", 0)
     scene, lattice = setting(40, arm=centred(40, (24, 22, 28)), horizon=100.0)
     front = propagate_in_space(scene, lattice, EXPLORE)
     grown = np.linalg.norm(lattice.hands - lattice.hands[front.arrival.argmax()], axis=1)
