@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gcm_learn.families import paper_scene
     from gcm_learn.handspace import Lattice
     from gcm_learn.maps import CognitiveMap, build_map
-    from gcm_learn.motion import Trajectory
+    from gcm_learn.motion import SpatialTrajectory, Trajectory
     from gcm_learn.planners import Plan, get_planner, planner_names, solve
     from gcm_learn.seeding import rng
     from gcm_learn.situation import (
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
         PlanarQuadratic,
         Polygon,
         Situation,
+        SolidQuadratic,
+        SpatialArm,
+        Sphere,
         read_situations,
         write_situations,
     )
@@ -42,12 +45,12 @@ _PLACES = {
     "families": ("paper_scene",),
     "handspace": ("Lattice",),
     "maps": ("CognitiveMap", "build_map"),
-    "motion": ("Trajectory",),
+    "motion": ("SpatialTrajectory", "Trajectory"),
     "planners": ("Plan", "get_planner", "planner_names", "solve"),
     "seeding": ("rng",),
     "situation": (
-        "Arm", "Body", "Disc", "PlanarQuadratic", "Polygon", "Situation", "read_situations",
-        "write_situations",
+        "Arm", "Body", "Disc", "PlanarQuadratic", "Polygon", "Situation", "SolidQuadratic",
+        "SpatialArm", "Sphere", "read_situations", "write_situations",
     ),
     "wave": ("MarchingParams", "WaveParams"),
 }  # fmt: skip
@@ -82,6 +85,10 @@ __all__ = [
     "Polygon",
     "Situation",
     "SituationError",
+    "SolidQuadratic",
+    "SpatialArm",
+    "SpatialTrajectory",
+    "Sphere",
     "Trajectory",
     "WaveParams",
     "build_map",
