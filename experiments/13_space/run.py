@@ -43,10 +43,12 @@ from gcm_learn.situation import (  # noqa: E402
     Sphere,
     situation_to_json,
 )
+from gcm_learn.storage import write_whole  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
 
 SEED = 1300
 COUNT = 13  # situations of each family
+TREES = "st-rrt-star"
 BUDGETS_MS = (100.0, 1000.0)  # of ST-RRT*
 TREES_MS = 10_000.0  # of the yardstick's
 LATTICES = (6, 10, 16, 24)  # nodes along a joint, on average
@@ -111,15 +113,20 @@ def timed(situation: Spatial, planner: Any) -> list[Any]:
     return judged(situation, plan, 1e3 * (process_time() - before))
 
 
-def answered(situation: Spatial) -> dict[str, list[Any]]:
-    """What every planner answers."""
-    taking = [
-        get_planner(name) for name in planner_names() if name not in ("oracle", "st-rrt-star")
-    ]
-    out = {p.name: timed(situation, p) for p in taking if getattr(p, "takes_space", False)}
-    plans = STRRTStarPlanner().plan_anytime(situation, BUDGETS_MS)
-    for budget, plan in zip(BUDGETS_MS, plans, strict=True):
-        out[f"st-rrt-star {budget:.0f} ms"] = judged(situation, plan, plan.planning_ms)
+def answered(situation: Spatial, before: dict[str, list[Any]]) -> dict[str, list[Any]]:
+    """What every planner answers, if it has not before."""
+    out = dict(before)
+    taking = [get_planner(name) for name in planner_names() if name not in ("oracle", TREES)]
+    asked = {p.name: p for p in taking if getattr(p, "takes_space", False)}
+    asked["layered, earliest"] = LayeredInSpace(earliest=True)
+    for name, planner in asked.items():
+        if name not in out:
+            out[name] = timed(situation, planner)
+    names = [f"{TREES} {budget:.0f} ms" for budget in BUDGETS_MS]
+    if names[0] not in out:
+        plans = STRRTStarPlanner().plan_anytime(situation, BUDGETS_MS)
+        for name, plan in zip(names, plans, strict=True):
+            out[name] = judged(situation, plan, plan.planning_ms)
     return out
 
 
@@ -145,7 +152,7 @@ def measured(family: str, index: int) -> dict[str, Any]:
         "stratum": known.stratum,
         "lower": None if np.isinf(known.lower) else known.lower,
         "yardstick": {name: plan.catch_time for name, plan in known.plans.items()},
-        "answers": answered(situation),
+        "answers": answered(situation, {}),
         "plane": {p: timed(plane, get_planner(p)) for p in ("straight-wait", "layered")},
         "plane, yardstick": yardstick(plane, BUDGETS_MS[-1], earliest=False).stratum,
         "costs": costs(situation) if index < COSTLY else {},
@@ -164,6 +171,9 @@ def main() -> None:
     rows = [json.loads(line) for line in lines]
     done = {(row["family"], row["index"]) for row in rows}
     _warm_up()
+    for row in rows:  # planners may have come since
+        row["answers"] = answered(drawn(row["family"], row["index"]), row["answers"])
+    write_whole(file, "".join(json.dumps(row) + "\n" for row in rows))
     with file.open("a") as stream:
         for index, family in ((k, f) for k in range(arguments.count) for f in families()):
             if (family, index) in done or perf_counter() - started > 60.0 * arguments.minutes:
@@ -177,7 +187,7 @@ def main() -> None:
 def _warm_up() -> None:
     """Load all kernels, so that nobody is charged for that."""
     situation = drawn(families()[0], 10_000)
-    work: list[Callable[[], object]] = [lambda: answered(situation), lambda: costs(situation)]
+    work: list[Callable[[], object]] = [lambda: answered(situation, {}), lambda: costs(situation)]
     for each in work:
         each()
 
