@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gcm_learn.families import paper_scene
     from gcm_learn.handspace import Lattice
     from gcm_learn.maps import CognitiveMap, build_map
-    from gcm_learn.motion import SpatialTrajectory, Trajectory
+    from gcm_learn.motion import Trajectory
     from gcm_learn.planners import Plan, get_planner, planner_names, solve
     from gcm_learn.seeding import rng
     from gcm_learn.situation import (
@@ -45,7 +45,7 @@ _PLACES = {
     "families": ("paper_scene",),
     "handspace": ("Lattice",),
     "maps": ("CognitiveMap", "build_map"),
-    "motion": ("SpatialTrajectory", "Trajectory"),
+    "motion": ("Trajectory",),
     "planners": ("Plan", "get_planner", "planner_names", "solve"),
     "seeding": ("rng",),
     "situation": (
@@ -87,7 +87,6 @@ __all__ = [
     "SituationError",
     "SolidQuadratic",
     "SpatialArm",
-    "SpatialTrajectory",
     "Sphere",
     "Trajectory",
     "WaveParams",
