@@ -165,9 +165,18 @@ def _march_in_space(
 def _pace(scene: Scene, chart: SpaceLattice, fast: float) -> space.Pace:
     """How long steps take, with a hand that is nowhere faster than `fast`."""
     offsets = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if any(d)])
-    hops = np.linalg.norm(offsets, axis=1) * chart.spacing
-    slowness, shortest = 1.0 / scene.limits.joint_speed, chart.spacing / fast
-    return space.Pace(slowness, offsets, hops, hops / fast, shortest, ring_leap(chart.postures))
+    hops = np.append(np.linalg.norm(offsets, axis=1), [0.0, 0.0]) * chart.spacing
+    ahead = offsets @ np.array([chart.n**2, chart.n, 1]) * chart.postures
+    hand = np.maximum(hops, chart.spacing) / fast
+    return space.Pace(
+        np.float32(1.0 / scene.limits.joint_speed),
+        offsets,
+        ahead,
+        hops,
+        np.float32(hand),
+        np.float32(fast / chart.spacing),
+        np.float32(ring_leap(chart.postures)),
+    )
 
 
 def _plane(scene: Scene, lattice: Lattice) -> Plane:

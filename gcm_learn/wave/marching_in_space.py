@@ -19,7 +19,7 @@ import numpy as np
 
 from gcm_learn.collision.postures import Desk, distance_at, move_is_free
 from gcm_learn.compiled import njit
-from gcm_learn.handspace.space import Nodes, hand_of_node, is_there
+from gcm_learn.handspace.space import THERE, Nodes, hand_of_node, is_there
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
@@ -31,18 +31,19 @@ RING = NEIGHBOURS  # code of a step to the next posture, and to the one before i
 START = 255  # code of nodes that are reached from the arm's posture at t = 0
 BUCKETS = 1024
 COUNT, SPARE, LEFT, FIRST = 0, 1, 2, 3  # of `counts`: used, first spare entry, spare ones, heads
-NEVER = np.float32(1e30)
+NEVER, LOST = np.float32(1e30), np.float32(-1.0)
 
 
 class Pace(NamedTuple):
     """How long steps take."""
 
-    slowness: np.ndarray  # (4,) of the joints [s/rad]
+    slowness: np.ndarray  # (4,) float32 of the joints [s/rad]
     offsets: np.ndarray  # (26, 3): of neighbours along z, y and x [cells]
-    hops: np.ndarray  # (26,): how far they are
-    hand: np.ndarray  # (26,): how long the hand takes at least [s]
-    shortest: float  # least time of a step [s]
-    leap: float  # angle by which no joint turns in a step within a cell [rad]
+    ahead: np.ndarray  # (26,): of their nodes
+    hops: np.ndarray  # (28,): how far they are
+    hand: np.ndarray  # (28,) float32: how long the hand takes at least [s]
+    buckets: np.float32  # in a second; a step takes at least as long as a bucket
+    leap: np.float32  # angle by which no joint turns in a step within a cell [rad]
 
 
 class Field(NamedTuple):
@@ -101,22 +102,27 @@ def before(nodes, pace, node, code):
 def step(nodes, pace, node, other, code):
     """Time of a step between two nodes, NEVER if it is none, and how far it moves the limb.
 
-    From a straight line the hand's way in the joints bends no farther than its acceleration allows,
-    the sum of the joints' rates squared times the reach.
+    Returns
+    -------
+    time : float32
+        [s]
+    moved : float
+        How far no point of the limb is from where it was before.
+    bent : float
+        How far none is from its straight way, at most: the acceleration allows no more, which is
+        at most the sum of the joints' rates squared times the reach.
     """
     q = nodes.joints
     a, b = abs(q[other, 0] - q[node, 0]), abs(q[other, 1] - q[node, 1])
     c, d = abs(q[other, 2] - q[node, 2]), abs(q[other, 3] - q[node, 3])
     s = pace.slowness
-    hop, time, leap = 0.0, pace.shortest, pace.leap
-    if code < RING:
-        hop, time, leap = pace.hops[code], pace.hand[code], nodes.leap
-    if max(max(a, b), max(c, d)) > leap:
-        return NEVER, 0.0
-    time = max(max(time, a * s[0]), max(max(b * s[1], c * s[2]), d * s[3]))
+    if max(max(a, b), max(c, d)) > (np.float32(nodes.leap) if code < RING else pace.leap):
+        return NEVER, 0.0, 0.0
+    time = max(max(a * s[0], b * s[1]), max(c * s[2], d * s[3]))
     limb, turn = nodes.rule.limb, a + b + c + d
     bent = 0.125 * (limb.rho + limb.length) * turn * turn
-    return time, max(hop, limb.rho * np.sqrt(a * a + b * b)) + bent
+    moved = max(pace.hops[code], limb.rho * np.sqrt(a * a + b * b))
+    return max(time, pace.hand[code]), moved, bent
 
 
 @njit(_nrt=False, forceinline=True)
@@ -135,31 +141,43 @@ def put(node, slot, queue, counts):
 
 @njit(_nrt=False)
 def offer(ask, field, node, bucket, queue, counts):
-    """Offer the front of an accepted node to its neighbours."""
-    nodes, pace = ask.nodes, ask.pace
-    now, K, n = field.arrival[node], nodes.rule.postures, nodes.n
-    cell = node // K
-    row = cell // n
-    z = row // n
-    x, y = cell - row * n, row - z * n
+    """Offer the front of an accepted node to its neighbours.
+
+    What it does is `step`, spelled out: nearly all of the time that marching takes is spent here.
+    Nodes without a posture get an arrival that none is earlier than, and are passed over.
+    """
+    nodes, pace, arrival = ask.nodes, ask.pace, field.arrival
+    q, known, s, hand = nodes.joints, nodes.known, pace.slowness, pace.hand
+    now, K, n, leap = arrival[node], nodes.rule.postures, nodes.n, np.float32(nodes.leap)
+    q0, q1, q2, q3 = q[node, 0], q[node, 1], q[node, 2], q[node, 3]
+    row = node // K // n
+    x, y, z = node // K - row * n, row % n, row // n
     inner = 0 < x < n - 1 and 0 < y < n - 1 and 0 < z < n - 1
     for code in range(NEIGHBOURS + (2 if K > 1 else 0)):
         if inner and code < RING:
-            other = pace.offsets[code, 0] * n + pace.offsets[code, 1]
-            other = node + (other * n + pace.offsets[code, 2]) * K
+            other = node + pace.ahead[code]
         else:
             other = neighbour(nodes, pace, node, code)
-        if other < 0 or field.state[other] != OPEN:
+            if other < 0:
+                continue
+            if code >= RING:
+                leap = pace.leap
+        old = arrival[other]
+        if now + hand[code] >= old:
             continue
-        least = pace.shortest if code >= RING else pace.hand[code]
-        if now + least >= field.arrival[other] or not is_there(nodes, other):
+        if known[other] != THERE and not is_there(nodes, other):
+            arrival[other] = LOST
             continue
-        took, _ = step(nodes, pace, node, other, code)
-        time = np.float32(now + took)
-        if time < field.arrival[other]:
-            slot, old = int(time / pace.shortest), int(field.arrival[other] / pace.shortest)
-            field.arrival[other], field.via[other] = time, code
-            if slot != old:
+        a, b = abs(q[other, 0] - q0), abs(q[other, 1] - q1)
+        c, d = abs(q[other, 2] - q2), abs(q[other, 3] - q3)
+        if max(max(a, b), max(c, d)) > leap:
+            continue
+        took = max(max(a * s[0], b * s[1]), max(c * s[2], d * s[3]))
+        time = now + max(took, hand[code])
+        if time < old:
+            slot = int(time * pace.buckets)
+            arrival[other], field.via[other] = time, code
+            if old == NEVER or slot != int(old * pace.buckets):
                 put(other, min(max(slot, bucket), bucket + BUCKETS - 1) % BUCKETS, queue, counts)
 
 
@@ -175,7 +193,7 @@ def retry(ask, field, node, bucket, queue, counts):
             if late < time < field.arrival[node]:
                 field.arrival[node], field.via[node] = time, code
     if field.arrival[node] < NEVER:
-        slot = max(int(field.arrival[node] / pace.shortest), bucket)
+        slot = max(int(field.arrival[node] * pace.buckets), bucket)
         put(node, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
 
 
@@ -187,26 +205,30 @@ def judge(ask, field, node):
     """
     nodes, scene, now = ask.nodes, ask.scene, field.arrival[node]
     home = before(nodes, ask.pace, node, field.via[node])
-    touch, moved, room, took = scene.limb.thickness, 0.0, -1.0, 0.0
+    touch, moved, bent, room = scene.limb.thickness, 0.0, 0.0, -1.0
     if home >= 0:
-        _, moved = step(nodes, ask.pace, home, node, field.via[node])
-        took = now - field.arrival[home]
-        room = field.room[home] - moved - ask.quick * took
+        _, moved, bent = step(nodes, ask.pace, home, node, field.via[node])
+        ways = moved + ask.quick * (now - field.arrival[home])
+        room = field.room[home] - ways
     wide = ask.margin
     if ask.widening.size > 0:
         wide += ask.widening[node]
     touch += 0.5 * wide * moved
-    if room <= touch:
+    if room - bent <= touch:
         for j in range(4):
             ask.far[j] = nodes.joints[node, j]
         room = distance_at(scene, ask.far, now, ask.desk)
         if room <= touch:
             return FROZEN
-        if home >= 0 and room - moved - ask.quick * took <= touch:
+        if home >= 0:
+            # half way the limb is half a step away from either end
+            left = max(min(room, field.room[home]) - 0.5 * ways, room - ways) - bent
             for j in range(4):
                 ask.near[j] = nodes.joints[home, j]
             since = field.arrival[home]
-            if not move_is_free(scene, ask.near, since, ask.far, now, touch, ask.desk):
+            if left <= touch and not move_is_free(
+                scene, ask.near, since, ask.far, now, touch, ask.desk
+            ):
                 return OPEN
     field.room[node] = room
     return ACCEPTED
@@ -268,11 +290,11 @@ def march(ask, start, field):
     counts[COUNT], counts[LEFT] = 0, 0
     for i in range(start[0].size):
         field.arrival[start[0][i]], field.via[start[0][i]] = start[1][i], START
-        slot = min(int(start[1][i] / pace.shortest), BUCKETS - 1)
+        slot = min(int(start[1][i] * pace.buckets), BUCKETS - 1)
         if is_there(ask.nodes, start[0][i]):
             put(start[0][i], slot, queue, counts)
     met, body, when, accepted, bucket, empty = -1, -1, terms.end, 0, 0, 0
-    while empty <= BUCKETS and bucket * pace.shortest <= terms.end and (met < 0 or terms.explore):
+    while empty <= BUCKETS and bucket <= terms.end * pace.buckets and (met < 0 or terms.explore):
         slot = FIRST + bucket % BUCKETS
         empty += 1
         while counts[slot] >= 0:
@@ -285,7 +307,7 @@ def march(ask, start, field):
             now = field.arrival[node]
             if state[node] != OPEN or now > terms.end:
                 continue
-            ahead = int(now / pace.shortest)
+            ahead = int(now * pace.buckets)
             if ahead > bucket:  # it was too far ahead for the buckets, or was held up
                 put(node, min(ahead, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
                 continue
