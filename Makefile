@@ -41,6 +41,7 @@ format: $(VENV)/.dev  ## rewrite the sources in the house style
 
 bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets and the arena
 	$(BIN)/python experiments/benchmarks/run.py
+	$(BIN)/python experiments/benchmarks/space.py
 	$(BIN)/python experiments/benchmarks/dataset.py
 	$(BIN)/python experiments/benchmarks/arena.py
 	$(BIN)/python experiments/benchmarks/first_catch.py

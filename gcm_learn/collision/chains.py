@@ -38,13 +38,6 @@ class Chains(NamedTuple):
     shortest: float  # resolution [s]
 
 
-class Spans(NamedTuple):
-    """Spans of time for each of many limbs."""
-
-    first: np.ndarray  # (m + 1,): those of limb k are first[k] : first[k + 1]
-    times: np.ndarray  # (s, 2): begin and end [s]
-
-
 @njit(_nrt=False)
 def to_body(poses, b, x, y, z):
     """Coordinates of a point in body b's frame."""
@@ -106,33 +99,35 @@ def advance(chains, m, t):
 
 
 @njit
-def spans_of(chains, end, wanted):
-    """Spans of [0, end] in which a body is near (wanted) or none is (not wanted), for every limb.
+def add_spans(chains, m, end, wanted, times, total):
+    """Add the spans of [0, end] in which a body is near limb m (wanted) or none is (not wanted).
 
     By conservative advancement: what is shorter than the resolution may be missed.
 
+    Parameters
+    ----------
+    times : (k, 2) ndarray
+        Begin and end of spans, of which `total` are known [s].
+
     Returns
     -------
-    Spans
+    total : int
+    times : (k, 2) ndarray
+        The same or, where there was no room for them, a longer one.
     """
-    count = chains.joints.shape[0]
-    first, times = np.zeros(count + 1, dtype=np.int64), np.empty((2 * count + 16, 2))
-    total = 0
-    for m in range(count):
-        t, since = 0.0, -1.0
-        while t < end:
-            near, stays = advance(chains, m, t)
-            if (near == wanted) != (since >= 0.0):
-                if near == wanted:
-                    since = t
-                else:
-                    total, times = _noted(times, total, since, t)
-                    since = -1.0
-            t += stays
-        if since >= 0.0:
-            total, times = _noted(times, total, since, end)
-        first[m + 1] = total
-    return Spans(first, times[:total].copy())
+    t, since = 0.0, -1.0
+    while t < end:
+        near, stays = advance(chains, m, t)
+        if (near == wanted) != (since >= 0.0):
+            if near == wanted:
+                since = t
+            else:
+                total, times = _noted(times, total, since, t)
+                since = -1.0
+        t += stays
+    if since >= 0.0:
+        total, times = _noted(times, total, since, end)
+    return total, times
 
 
 @njit

@@ -169,13 +169,13 @@ def _pace(scene: Scene, chart: SpaceLattice, fast: float) -> space.Pace:
     ahead = offsets @ np.array([chart.n**2, chart.n, 1]) * chart.postures
     hand = np.maximum(hops, chart.spacing) / fast
     return space.Pace(
-        np.float32(1.0 / scene.limits.joint_speed),
+        (1.0 / scene.limits.joint_speed).astype(np.float32),
         offsets,
         ahead,
         hops,
-        np.float32(hand),
-        np.float32(fast / chart.spacing),
-        np.float32(ring_leap(chart.postures)),
+        hand.astype(np.float32),
+        np.float32(fast / chart.spacing),  # type: ignore[arg-type]
+        np.float32(ring_leap(chart.postures)),  # type: ignore[arg-type]
     )
 
 

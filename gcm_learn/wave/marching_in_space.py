@@ -42,8 +42,8 @@ class Pace(NamedTuple):
     ahead: np.ndarray  # (26,): of their nodes
     hops: np.ndarray  # (28,): how far they are
     hand: np.ndarray  # (28,) float32: how long the hand takes at least [s]
-    buckets: np.float32  # in a second; a step takes at least as long as a bucket
-    leap: np.float32  # angle by which no joint turns in a step within a cell [rad]
+    buckets: float  # float32: in a second; a step takes at least as long as a bucket
+    leap: float  # float32: angle by which no joint turns in a step within a cell [rad]
 
 
 class Field(NamedTuple):

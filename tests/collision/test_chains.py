@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.collision.chains import Chains, bone_distance, spans_of
+from gcm_learn.collision.chains import Chains, add_spans, bone_distance
 from gcm_learn.collision.distance import segment_distance
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
@@ -46,6 +46,13 @@ def test_in_space_they_are_as_near_as_their_nearest_point(k):
         assert found == pytest.approx(sampled, abs=2e-3) and found <= sampled + 1e-9
 
 
+def spans_of(chains, m, end, wanted):
+    """Spans (k, 2) of a limb, after one that is known already."""
+    total, times = add_spans(chains, m, end, wanted, np.full((1, 2), -1.0), 1)
+    assert (times[0] == -1.0).all()
+    return times[1:total]
+
+
 @pytest.mark.parametrize("k", range(8))
 def test_spans_are_those_of_dense_samples(k):
     rng = seeding.rng(83, k)
@@ -57,9 +64,8 @@ def test_spans_are_those_of_dense_samples(k):
     gap, poses = np.full(30, 0.05), np.zeros((len(bodies.rows), 12))
     shortest = 1e-3
     chains = Chains(bodies, which, joints, gap, poses.copy(), shortest)
-    free, near = spans_of(chains, end, False), spans_of(chains, end, True)
     for m in range(30):
-        own, other = (s.times[s.first[m] : s.first[m + 1]] for s in (free, near))
+        own, other = (spans_of(chains, m, end, wanted) for wanted in (False, True))
         assert np.ptp(np.vstack([own, other]), axis=1).sum() == pytest.approx(end)  # no gaps
         for t in rng.uniform(0.0, end, 40):
             rooms = []
