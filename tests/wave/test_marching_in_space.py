@@ -162,3 +162,17 @@ def test_maps_are_kept_in_files(tmp_path, postures):
     np.testing.assert_array_equal(read.effective_obstacles, made.effective_obstacles)
     for ours, theirs in zip(descend(read), descend(made), strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("postures", [1, 2])
+def test_a_hand_that_may_wait_has_sheets_over_the_same_cells(postures):
+    situation = SITUATIONS[6]
+    chart = SpaceLattice(situation.arm, N, postures)
+    patient, plain = (
+        build_map(situation, TO_CONTACT, chart=chart, wait=wait) for wait in (True, False)
+    )
+    assert patient.engine == "layered" and patient.sheets.shape[1:] == chart.shape
+    assert patient.interception.time <= plain.interception.time + 0.05
+    both = ~patient.arrival.mask & ~plain.arrival.mask & (plain.arrival > 0.0)
+    assert both.sum() > 20
+    assert np.mean(patient.arrival[both] <= plain.arrival[both] + 1e-5) > 0.9
