@@ -4,7 +4,8 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-PIP    := $(BIN)/python -m pip --disable-pip-version-check install -qq --progress-bar off --constraint constraints.txt
+# Not everything that is installed is imported: what is, is compiled to bytecode then.
+PIP    := $(BIN)/python -m pip --disable-pip-version-check install -qq --progress-bar off --no-compile --constraint constraints.txt
 
 # One thread each: the kernels are single-threaded, and small machines stay usable.
 export NUMBA_NUM_THREADS    ?= 1

@@ -7,7 +7,10 @@ import re
 import pytest
 
 from gcm_learn.families.paper import PAPER_SCENES
+from gcm_learn.motion import rules_of, verify
 from gcm_learn.plots import FIGURES, build_demo
+from gcm_learn.plots.reports.catches import NAMES, kept_catches, scene_of
+from gcm_learn.scene import pack
 from gcm_learn.situation import read_situations
 
 
@@ -23,14 +26,28 @@ def test_demo_end_to_end(tmp_path):
         "fig4.gif",
         "gate.gif",
         "gate.png",
+        "fig5-space.gif",
+        "fig8-space.gif",
+        "thrown-ball.gif",
         "random.png",
     ):
         assert name in images
     for image in images:
         assert (page.parent / image).stat().st_size > 1000
     assert {s.name for s in read_situations(page.parent / "paper.jsonl")} == set(PAPER_SCENES)
+    assert len(list(read_situations(page.parent / "space.jsonl"))) == 3
     assert len(steps) >= len(PAPER_SCENES)
     assert not re.search(r'(src|href)="(/|http)', text)
+
+
+def test_kept_catches_are_those_of_the_scenes_and_hold():
+    kept = kept_catches()
+    assert [plan.name for _, plan in kept] == list(NAMES)
+    for situation, plan in kept:
+        assert situation == scene_of(plan.name)
+        scene, names = pack(situation), [body.name for body in situation.bodies]
+        verdict = verify(scene, rules_of(scene), plan.trajectory, names.index(plan.catch_body))
+        assert verdict.reason is None
 
 
 @pytest.mark.slow

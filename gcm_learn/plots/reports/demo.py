@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, an
 from gcm_learn.plots.figures.paper import draw_figure
 from gcm_learn.plots.figures.plan import engines_figure, sheets_figure
 from gcm_learn.plots.figures.summary import STATUSES, Tally, summary_figure, tally
+from gcm_learn.plots.reports.catches import kept_catches
 from gcm_learn.plots.reports.page import (
     Picture,
     Section,
@@ -26,6 +28,7 @@ from gcm_learn.plots.reports.page import (
     section,
     words,
 )
+from gcm_learn.plots.reports.space import write_space_page
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation, write_situations
 
@@ -33,6 +36,7 @@ ENGINES = ("gcm", "marching")
 PLANNERS = ("gcm", "marching", "layered", "straight")
 EXTRA_FIGURES = {"fig8": ("fig7",)}  # shown in the section of another figure's scene
 OPENING = "fig3"  # the scene whose film opens the page
+IN_SPACE = 20  # frames of a film of an arm in space, before the look around
 WARM_UP = ("fig2", "fig5", "fig8")  # between them they use all compiled code
 
 WORDS = words("demo")
@@ -84,6 +88,8 @@ def build_demo(
     sections.append(_overview(scenes))
     progress("Drawing a gate that opens")
     sections.append(_waiting_section(out))
+    progress("Drawing arms in space")
+    sections.append(_space_section(out))
     if n_random > 0:
         progress(f"Solving {n_random} random situations")
         sections.append(_random_section(out, seed, n_random))
@@ -178,6 +184,31 @@ def _waiting_section(out: Path) -> Section:
     rows = [[name, number(p.catch_time, ".3f"), p.message] for name, p in scene.plans.items()]
     table = Table(("planner", "catch [s]", "answer"), rows)
     return section(WORDS, "waiting", [table], pictures)
+
+
+def _space_section(out: Path) -> Section:
+    """Show catches of arms in space: a film and the movement of each, and pages to turn them on."""
+    pictures, rows = [], []
+    for situation, plan in kept_catches():
+        name, lasts = situation.name, plan.catch_time or situation.horizon
+        slower = IN_SPACE * FRAME_TIME / 1000 / lasts
+        caption = WORDS["captions"]["space-film"].format(name=name, slower=slower)
+        animate(situation, plan, out / f"{name}.gif", frames=IN_SPACE)
+        pictures.append(Picture(f"{name}.gif", caption, round(WIDTH * FILM_DPI)))
+        rows.append([name, number(plan.catch_time, ".3f"), number(plan.clearance, ".3f")])
+        if find_spec("plotly") is not None:
+            write_space_page(situation, plan, out / f"{name}.html")
+    write_situations(out / "space.jsonl", [situation for situation, _ in kept_catches()])
+    found = WORDS["sections"]["space"]["text"]
+    text = [*found, *_pages_of(out, [row[0] for row in rows])]
+    table = Table(("scene", "catch [s]", "clearance [the arm's unit]"), rows)
+    return section(WORDS, "space", [table], pictures, text=text)
+
+
+def _pages_of(out: Path, names: Sequence[str]) -> list[str]:
+    """A sentence that leads to the pages that were written."""
+    links = [f"[{name}]({name}.html)" for name in names if (out / f"{name}.html").exists()]
+    return [WORDS["captions"]["space-pages"].format(links=", ".join(links))] if links else []
 
 
 def _random_section(out: Path, seed: int, count: int) -> Section:
