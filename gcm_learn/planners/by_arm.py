@@ -33,8 +33,7 @@ class ByArm:
         """Name under which both are registered."""
         return self.plane.name
 
-    def plan(self, situation: Any) -> Plan[Any]:
-        """Answer a situation."""
-        if situation.is_spatial:
-            return self.space.plan(situation)
-        return self.plane.plan(situation)
+    def plan(self, situation: Any, bound: float | None = None) -> Plan[Any]:
+        """Answer a situation; catches after a bound [s] do not count, if the planner takes one."""
+        chosen: Any = self.space if situation.is_spatial else self.plane
+        return chosen.plan(situation) if bound is None else chosen.plan(situation, bound=bound)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn import seeding, solve
+from gcm_learn import get_planner, seeding, solve
 from gcm_learn.handspace import joint_lattice
 from gcm_learn.handspace.joints import nearest, neighbour, posture_of
 from gcm_learn.planners import plan_to_json
@@ -114,8 +114,13 @@ def test_the_earliest_catch_is_no_later_and_a_bound_is_kept():
         if not first.caught or first.catch_time == 0.0:
             continue
         assert earliest.catch_time <= first.catch_time
-        bounded = LayeredInSpace().plan(situation, bound=first.catch_time)
+        bounded = get_planner("layered").plan(situation, bound=first.catch_time)
         assert not bounded.caught or bounded.catch_time <= first.catch_time
+
+
+def test_a_bound_is_a_time():
+    with pytest.raises(ValueError, match="bound: must be positive"):
+        LayeredInSpace().plan(SPATIAL, bound=0.0)
 
 
 def test_time_runs_backwards():

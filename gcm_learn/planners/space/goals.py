@@ -22,6 +22,7 @@ ROUNDS = 16  # of pulling a hand to a target
 DEPTH = 1e-4  # how far into the catch it is pulled [forearms]
 PROBE = 1e-5  # finite difference for the direction of a target [forearms]
 LONGEST_PULL = 0.5  # of a joint in one round [rad]
+ALIKE = 0.12  # postures no farther apart than this are one goal [rad]
 HALVINGS = 10  # of the time by which a catch may become earlier
 CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
 PLACES = 3
@@ -94,8 +95,16 @@ def box(study, q, span):
 
 @njit(_nrt=False)
 def _keep(study, goals, b, t, q):
-    """Note a posture that catches body b at t [s] if it is free then."""
+    """Note a posture that catches body b at t [s] if it is free then, and not next to another."""
     k = goals.size[0]
+    i = k - 1
+    while i >= 0 and goals.time[i] == t and goals.body[i] == b:
+        away = 0.0
+        for j in range(4):
+            away = max(away, abs(goals.joints[i, j] - q[j]))
+        if away < ALIKE:
+            return
+        i -= 1
     if k < goals.time.size and distance_at(study.scene, q, t, study.desk) > study.touch:
         for j in range(4):
             goals.joints[k, j] = q[j]

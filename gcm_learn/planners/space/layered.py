@@ -20,7 +20,7 @@ from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
 
 COARSE = Effort(10**4, (600, 2400))
-FINE = Effort(10**4, (10_000, 20_000))
+FINE = Effort(10**4, (2000, 8000, 20_000))
 GAIN = 0.01  # of the horizon, by which a catch must be earlier to be looked for
 
 
@@ -54,6 +54,8 @@ class LayeredInSpace:
         bound : float, optional
             Only catches before this time are wanted [s]; e.g. that of a catch that is known.
         """
+        if bound is not None and not bound > 0.0:
+            raise ValueError(f"bound: must be positive (got {bound:g})")
         problem = SpatialProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
