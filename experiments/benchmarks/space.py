@@ -30,6 +30,7 @@ sys.path.insert(0, str(ROOT))
 
 from gcm_learn import MarchingParams, rng  # noqa: E402
 from gcm_learn.handspace import SpaceLattice  # noqa: E402
+from gcm_learn.motion import start_clearance  # noqa: E402
 from gcm_learn.scene import Scene, pack  # noqa: E402
 from gcm_learn.situation import (  # noqa: E402
     Base,
@@ -65,6 +66,8 @@ def wide(arm: SpatialArm) -> Iterator[Scene]:
     """Yield scenes in which the front gets nearly everywhere: blocked ones would flatter us."""
     explore, chart = MarchingParams(n=16, margin=0.0, until="horizon"), SpaceLattice(arm, 16)
     for packed in (pack(scene(arm, seed)) for seed in itertools.count()):
+        if start_clearance(packed) <= 0.0:
+            continue
         if march(packed, chart, explore).steps > 0.85 * chart.inside.sum():
             yield packed
 
