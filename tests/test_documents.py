@@ -121,10 +121,11 @@ def test_families_are_told_and_their_example_runs():
     assert eval(last, scope) is True and scope["situation"].name == "gate-0000042"
 
 
-def test_measured_families_are_those_of_the_experiment():
-    table = (ROOT / "experiments" / "03_families" / "table.md").read_text("utf-8")
+@pytest.mark.parametrize(("kind", "file"), [("planar", "table.md"), ("spatial", "table-space.md")])
+def test_measured_families_are_those_of_the_experiment(kind, file):
+    table = (ROOT / "experiments" / "03_families" / file).read_text("utf-8")
     assert table in (ROOT / "docs" / "families.md").read_text("utf-8")
-    assert re.findall(r"^\| ([a-z]+-[a-z-]+|[a-z]+) \| \d", table, re.M) == family_names("planar")
+    assert re.findall(r"^\| ([a-z]+-[a-z-]+|[a-z]+) \| \d", table, re.M) == family_names(kind)
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda p: str(p.relative_to(ROOT)))

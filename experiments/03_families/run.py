@@ -1,7 +1,8 @@
-"""What the families hold: strata, thrown-away draws and cost; writes table.md.
+"""What the families hold: strata, thrown-away draws and cost; writes table.md or table-space.md.
 
 python experiments/03_families/run.py              300 situations a family: half an hour on one core
 python experiments/03_families/run.py --count 30   a quick look
+python experiments/03_families/run.py --spatial    those for arms in space, with the planners there
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from gcm_learn.families import draw, family_names, get_family  # noqa: E402
 from gcm_learn.motion.rules import start_clearance  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
 from gcm_learn.scene.packing import pack  # noqa: E402
-from gcm_learn.situation import Situation  # noqa: E402
+from gcm_learn.situation import AnySituation  # noqa: E402
 
 SEED = 20
 PLANNERS = {"straight": "L", "marching": "W", "layered": "Q"}
@@ -31,7 +32,7 @@ HEAD = (
 )
 
 
-def blocked(situation: Situation) -> bool:
+def blocked(situation: AnySituation) -> bool:
     """Whether the limb touches something at t = 0."""
     return start_clearance(pack(situation)) <= 0.0
 
@@ -48,7 +49,7 @@ def row(name: str, count: int) -> str:
     family = get_family(name)
     sketches = (family.sketch(seeding.rng(SEED + 1, k), "x") for k in range(count))
     thrown = sum(map(blocked, sketches)) / count
-    situations: list[Situation] = []
+    situations: list[AnySituation] = []
     batches = []
     for first in range(0, count, BATCH):
         last = min(first + BATCH, count)
@@ -77,18 +78,20 @@ def main() -> None:
     """Measure all families and write table.md."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=300, help="situations of each family")
-    count = parser.parse_args().count
+    parser.add_argument("--spatial", action="store_true", help="families for arms in space")
+    given = parser.parse_args()
+    count, names = given.count, family_names("spatial" if given.spatial else "planar")
     for planner in PLANNERS:  # compiled code is loaded before anything is timed
-        for name in ("gate", "pendulum"):
+        for name in names if given.spatial else ("gate", "pendulum"):
             get_planner(planner).plan(draw(name, SEED, count))
     text = HEAD
-    for name in family_names("planar"):
+    for name in names:
         text += row(name, count)
         print(text.splitlines()[-1], flush=True)
     note = (
         f"\n{count} situations each, seed {SEED}. Shares in %, planners in ms of processor time.\n"
     )
-    (HERE / "table.md").write_text(text + note, "utf-8")
+    (HERE / ("table-space.md" if given.spatial else "table.md")).write_text(text + note, "utf-8")
 
 
 if __name__ == "__main__":

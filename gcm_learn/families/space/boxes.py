@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, span
-from gcm_learn.families.space.family import SpatialFamily, Story, through
-from gcm_learn.families.space.solids import STILL, UP, axes_along, flight, moved, solid
+from gcm_learn.families.space.family import SpatialFamily, Story, leaving, through
+from gcm_learn.families.space.solids import UP, axes_along, moved, solid
 from gcm_learn.families.space.stage import Stage, Way
 from gcm_learn.situation import Body, Box, Cylinder
 
@@ -33,7 +33,7 @@ class CrateSpace(SpatialFamily):
     """How long the straight way of the joints takes [horizons]."""
     lids: float = number(0.75)
     """Share of crates with a lid."""
-    left: Range = span(0.6, 1.4, 0.1)
+    left: Range = span(0.7, 1.5, 0.1)
     """How long it is open until the horizon, in times that the straight way takes."""
     slack: Range = span(0.2, 0.5, 0.01)
     """Between a forearm in the middle and the walls [forearms]."""
@@ -56,8 +56,8 @@ class CrateSpace(SpatialFamily):
         k, side = SIDES[int(rng.integers(4))]
         size = (wide + 2.0 * THICK, high + 2.0 * THICK, THICK)
         lid = solid("lid", Box(size), way.meet + (depth + 3.0 * THICK) * axes[:, 2], axes)
-        pull = 2.0 * 2.0 * size[k] / gone**2 * side * axes[:, k]
-        return Story(way, gone, (target, *crate, moved(lid, 0.0, STILL, pull)))
+        lid = leaving(stage, way, lid, side * axes[:, k], gone)
+        return Story(way, gone, (target, *crate, lid))
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class TraySpace(SpatialFamily):
     """Share of trays with a cover; the others have a roof."""
     speed: Range = span(0.3, 1.5)
     """Of the tray [forearms/s]."""
-    left: Range = span(0.6, 1.4, 0.1)
+    left: Range = span(0.7, 1.5, 0.1)
     """How long it is uncovered until the horizon, in times that the straight way takes."""
     radius: Range = span(0.25, 0.45, 1e-3)
     """Of covers beyond the limb's thickness, and half the width of trays [forearms]."""
@@ -98,7 +98,7 @@ class TraySpace(SpatialFamily):
         carried = (moved(body, when, course) for body in (tray, *over))
         bodies = [ball, *carried]
         if covered:
-            bodies[-1] = self._lifted(bodies[-1], course, when)
+            bodies[-1] = leaving(stage, way, bodies[-1], UP, when)
         return Story(way, when, tuple(bodies))
 
     @staticmethod
@@ -128,12 +128,6 @@ class TraySpace(SpatialFamily):
         half = 0.5 * (low + high)
         middle = way.meet + radius * axes[:, 0] + (half - low) * UP
         return roof, solid("back", Box((THICK, radius, half)), middle, axes)
-
-    @staticmethod
-    def _lifted(cover: Body, course: np.ndarray, when: float) -> Body:
-        """A cover that leaves the tray, from rest, by its own height at a time."""
-        motion, height = flight(cover), 2.0 * cover.shape.bounding_radius
-        return moved(cover, 0.0, motion.velocity, 2.0 * height / when**2 * UP)
 
 
 def reaching(stage: Stage) -> np.ndarray:

@@ -13,7 +13,15 @@ from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
 from gcm_learn.families.space.arms import SpatialArmRanges
-from gcm_learn.families.space.solids import STILL, axes_along, moved, solid, unit_vector
+from gcm_learn.families.space.solids import (
+    STILL,
+    axes_along,
+    crossed,
+    flight,
+    moved,
+    solid,
+    unit_vector,
+)
 from gcm_learn.families.space.stage import CHECKS, Stage, Way, stage_of
 from gcm_learn.situation import (
     Body,
@@ -179,7 +187,7 @@ def across(
     k = int(rng.integers(INNER, OUTER + 1))
     place, motion = limbs[0, k], limbs[1, k] - limbs[0, k]
     along = unit_vector(place)
-    return place, axes_along(np.cross(along, motion), along)
+    return place, axes_along(crossed(along, motion), along)
 
 
 def leaning(rng: np.random.Generator, axes: np.ndarray, angle: float) -> np.ndarray:
@@ -212,25 +220,30 @@ def aimed(
 
 
 def leaving(
-    stage: Stage, way: Way, body: Body, course: np.ndarray, when: float, least: float = 0.0
+    stage: Stage,
+    way: Way,
+    body: Body,
+    course: np.ndarray,
+    when: float,
+    least: float = 0.0,
 ) -> Body:
-    """A body that sets out from rest, just so fast that the end of a way is free of it at a time.
+    """A body that sets out, just so fast that the end of a way is free of it at a time.
 
     Parameters
     ----------
     stage : Stage
     way : Way
     body : Body
-        At rest.
+        Of constant velocity; it is drawn off this course.
     course : (3,) ndarray
-        Unit vector.
+        Unit vector: where to.
     when : float
         [s]
     least : float
         How far it goes at least until then [forearms].
     """
     for far in np.arange(least + SEARCHED, least + FARTHEST, SEARCHED):
-        moving = moved(body, 0.0, STILL, 2.0 * far / when**2 * course)
+        moving = moved(body, 0.0, flight(body).velocity, 2.0 * far / when**2 * course)
         if stage.room(way.end, (moving,), when) > 0.0:
             break
     return moving

@@ -99,7 +99,13 @@ def axes_along(z: ArrayLike, x: ArrayLike = UP) -> np.ndarray:
     if np.linalg.norm(first) < 1e-6:
         first = np.cross(third, np.eye(3)[int(np.argmin(np.abs(third)))])
     first = unit_vector(first)
-    return np.column_stack([first, np.cross(third, first), third])
+    return np.column_stack([first, crossed(third, first), third])
+
+
+def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The vector product of two vectors (3,); `np.cross` takes ten times as long for two."""
+    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 def gap(points: np.ndarray, body: Body, t: float) -> np.ndarray:

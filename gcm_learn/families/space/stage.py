@@ -46,6 +46,8 @@ class Stage(NamedTuple):
     """An arm with its horizon, in forearms about its shoulder."""
 
     build: Build
+    arm: SpatialArm
+    """In any posture, its shoulder at the origin."""
     horizon: float
     """[s]"""
     torso: tuple[Body, ...]
@@ -70,7 +72,7 @@ class Stage(NamedTuple):
 
     def limb(self, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Elbows and hands (..., 3) of joints (..., 4) [forearms]."""
-        elbow, hand = forward_in_space(arm_of(self.build, self.joints[0]), joints)
+        elbow, hand = forward_in_space(self.arm, joints)
         return elbow / self.build.unit, hand / self.build.unit
 
     def points(self, joints: np.ndarray) -> np.ndarray:
@@ -133,7 +135,8 @@ class Stage(NamedTuple):
         turn = rotation_of(rotation)
         origin = turn @ (0.0, build.aside, build.height)
         base = Base(triple(origin), rotation)
-        arm = replace(arm_of(build, start), base=base, **limits)
+        joints: Any = tuple(start.tolist())
+        arm = replace(self.arm, joints=joints, base=base, **limits)
         there = (placed(body, build.unit, turn, origin) for body in (*bodies, *self.torso))
         return Situation(name, self.horizon, arm, tuple(there))
 
@@ -143,7 +146,7 @@ def stage_of(rng: np.random.Generator, build: Build, horizon: float, torso: bool
     low, high = np.array(build.joint_range).T
     joints = low + (high - low) * rng.random((2 * POSTURES, len(low)))
     trunk = (_torso(rng, build),) if torso else ()
-    bare = Stage(build, horizon, trunk, joints)
+    bare = Stage(build, arm_of(build, joints[0]), horizon, trunk, joints)
     free = joints[bare.room(joints, trunk) > 0.0] if torso else joints
     return bare._replace(joints=free[:POSTURES])
 

@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
-from gcm_learn.families.space.family import SpatialFamily, Story, through
+from gcm_learn.families.space.family import SpatialFamily, Story, leaving, through
 from gcm_learn.families.space.solids import (
-    STILL,
     UP,
     axes_along,
     moved,
@@ -83,14 +82,14 @@ class WallFamily(SpatialFamily):
         radius = pick(rng, self.target)
         way, wall = self._wall(rng, stage, through(stage, radius))
         opens = way.opens(stage.horizon, pick(rng, self.left))
-        shut, when = self.shut(rng, wall, way, opens)
+        shut, when = self.shut(rng, stage, wall, way, opens)
         drift = pick(rng, self.drift) * pick_sign(rng) * wall.axes[:, 0]
         target = self.ball(rng, way.meet, when, drift, radius=radius)
         return Story(way, when, (target, *wall.boards(), *shut))
 
     @abstractmethod
     def shut(
-        self, rng: np.random.Generator, wall: Wall, way: Way, opens: float
+        self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float
     ) -> tuple[tuple[Body, ...], float]:
         """What shuts the opening, and when the limb can be in it [s]."""
 
@@ -136,7 +135,7 @@ class WindowSpace(WallFamily):
     """When a window is closed, in times that the straight way takes."""
 
     def shut(
-        self, rng: np.random.Generator, wall: Wall, way: Way, opens: float
+        self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float
     ) -> tuple[tuple[Body, ...], float]:
         """A board that slides sideways, or up and down, on the far side of the wall."""
         kind = rng.random()
@@ -145,11 +144,9 @@ class WindowSpace(WallFamily):
         k = int(rng.integers(2))
         slide, size = pick_sign(rng) * wall.axes[:, k], (wall.wide, wall.high)[k]
         shutter = wall.board("shutter", 0, 0, 3 * THICK, wall.wide + THICK, wall.high + THICK)
-        way_off = 2.0 * (size + THICK)
         if kind < self.opening:
-            pull = 2.0 * way_off / opens**2 * slide
-            return (moved(shutter, 0.0, STILL, pull),), opens
-        closed = pick(rng, self.closes) * way.takes
+            return (leaving(stage, way, shutter, slide, opens),), opens
+        closed, way_off = pick(rng, self.closes) * way.takes, 2.0 * (size + THICK)
         return (moved(shutter, closed, velocity=way_off / closed * slide),), way.takes
 
 
@@ -164,7 +161,7 @@ class DoorSpace(WallFamily):
     summary = "a ball behind a door that swings open, away from the arm"
 
     def shut(
-        self, rng: np.random.Generator, wall: Wall, way: Way, opens: float
+        self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float
     ) -> tuple[tuple[Body, ...], float]:
         """A board on a hinge at one side of the doorway, slow at first, as damped springs are.
 
