@@ -14,6 +14,7 @@ from tests.spatial import EXAMPLES
 
 SCRIPT = Path(__file__).parents[1] / "experiments" / "benchmarks" / "promise.py"
 PLANE = ["plane", "--family", "static-clutter", "late-target", "--planner", "straight"]
+FORCED = ["space", "--family", "bench-space", "--acceleration", "--planner", "layered"]
 SPACE = ["space", "--file", str(EXAMPLES), "--planner", "straight"]
 
 
@@ -72,6 +73,16 @@ def test_what_is_broken_is_told_with_what_draws_it_again(promise, monkeypatch, c
     assert f"broken: {' '.join(again)} --planner straight: is late" in capsys.readouterr().out
     assert promise(*PLANE, *again, out="other.json") == (1, None)
     assert capsys.readouterr().out == "is late\n"
+
+
+def test_limits_of_acceleration_are_drawn_too(promise):
+    module = promise.module
+    for k in range(4):
+        arm = module.forced(module.families.draw("bench-space", 1, k), 1, k).arm
+        share = arm.max_joint_acceleration[2] / arm.max_joint_speed[2]
+        assert 1 / 0.3 <= share <= 1 / 0.05
+    code, account = promise(*FORCED, "--catches", 1)
+    assert code == 0 and account["asked"]["acceleration"]
 
 
 def test_an_account_of_something_else_is_left_alone(promise):

@@ -2,6 +2,7 @@
 
     python experiments/benchmarks/promise.py plane --catches 50000
     python experiments/benchmarks/promise.py space --catches 10000 --planner layered straight
+    python experiments/benchmarks/promise.py space --acceleration --out accelerated.json
     python experiments/benchmarks/promise.py space --file tests/spatial.jsonl
     python experiments/benchmarks/promise.py plane --again gate 1234 --planner layered
 
@@ -88,10 +89,23 @@ def nearby(situation: Situation[SpatialArm], seed: int, index: int) -> Situation
     return replace(situation, arm=replace(arm, joints=tuple(joints)), bodies=tuple(bodies))
 
 
+def forced(situation: Situation[SpatialArm], seed: int, index: int) -> Situation[SpatialArm]:
+    """A situation whose joints need a while to their top speeds, and move already, or do not."""
+    r, arm = rng(seed, index, 1), situation.arm
+    speeds = np.array(arm.max_joint_speed)
+    limits = tuple(speeds / r.uniform(0.05, 0.3))
+    rates = tuple(0.5 * speeds * r.uniform(-1.0, 1.0, 4)) if r.random() < 0.5 else None
+    return replace(situation, arm=replace(arm, max_joint_acceleration=limits, joint_rates=rates))
+
+
 def source_of(args: argparse.Namespace) -> tuple[list[str], Callable[[str, int], AnySituation]]:
     """Names of what is drawn from, and what draws an item of it."""
     if args.file is None:
         names = args.family or names_of(args.arm)
+        if args.acceleration:
+            return names, lambda name, index: forced(
+                families.draw(name, args.seed, index), args.seed, index
+            )
         return names, lambda name, index: families.draw(name, args.seed, index)
     situations: dict[str, Any] = {s.name: s for s in read_situations(args.file)}
     names = [n for n, s in situations.items() if s.is_spatial]
@@ -176,6 +190,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--planner", nargs="+", default=["layered"])
     parser.add_argument("--family", nargs="+", help="default: all of the arm's kind")
     parser.add_argument("--file", type=Path, help="situations in space, drawn from instead")
+    parser.add_argument("--acceleration", action="store_true", help="limit it, in space")
     parser.add_argument("--seed", type=int, default=14)
     parser.add_argument("--out", type=Path, help="default: out/promise-ARM.json beside this file")
     parser.add_argument("--again", nargs=2, metavar=("FAMILY", "INDEX"), help="only this item")
@@ -191,6 +206,7 @@ def main() -> int:
         print("not claimed" if found is None else "\n".join(found) or "kept")
         return 1 if found else 0
     asked = {"arm": args.arm, "seed": args.seed, "planners": args.planner, "names": names}
+    asked |= {"acceleration": True} if args.acceleration else {}
     path = args.out or OUT / f"promise-{args.arm}.json"
     account = account_of(path, asked)
     try:
