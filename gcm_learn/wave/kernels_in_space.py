@@ -15,7 +15,7 @@ import numpy as np
 from gcm_learn.collision.postures import body_distance, desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.postures import posture_of
-from gcm_learn.handspace.space import NOWHERE, Nodes, hand_of_node, is_there
+from gcm_learn.handspace.space import NOWHERE, Nodes, is_there
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 from gcm_learn.scene.spatial_limb import limb_at
@@ -132,12 +132,15 @@ def _four(joints, m):
 
 
 @njit(_nrt=False)
-def _is_step(nodes, m, p):
-    """Whether the rule is continuous between cells m and p, which have postures."""
-    far, joints = 0.0, nodes.joints
+def _is_step(joints, leap, m, p):
+    """Whether the rule is continuous between cells m and p, which have postures.
+
+    What is called for every cell takes arrays: handing the whole ground on costs as much again.
+    """
+    far = 0.0
     for j in range(4):
         far = max(far, abs(joints[m, j] - joints[p, j]))
-    return far <= nodes.leap
+    return far <= leap
 
 
 @njit(_nrt=False)
@@ -163,7 +166,7 @@ def _rate(m, ix, iy, iz, ground):
         if place < 1 or place > n:
             continue
         p = m + way * (1, n, n * n)[axis]
-        if joints[p, 0] < NOWHERE and _is_step(ground.nodes, m, p):
+        if joints[p, 0] < NOWHERE and _is_step(joints, ground.nodes.leap, m, p):
             turning = _turning(ground.joint_speed, _four(joints, m), _four(joints, p))
             total += min(unit / turning, 1.0) if turning > 0.0 else 1.0
             count += 1
@@ -270,17 +273,17 @@ def _list(ground, runs):
 
 
 @njit(_nrt=False)
-def _next_door(ground, m, k):
+def _next_door(B, joints, leap, n, m, k):
     """Arrival of the earliest neighbour of cell m at place k that passes the front on.
 
     -1 if there is none, -2 if there are some, but the rule jumps between all of them and the cell.
     """
-    B, n, best = ground.B, ground.n, np.float32(-1.0)
+    best = np.float32(-1.0)
     for d in range(6):
         e = k + _STEPS[d]
         c = B[e + _C]
         if B[e] > 0.0 and c >= 0.0 and (best < 0.0 or c < best):
-            if _is_step(ground.nodes, m, m + (-n * n, -n, -1, 1, n, n * n)[d]):
+            if _is_step(joints, leap, m, m + (-n * n, -n, -1, 1, n, n * n)[d]):
                 best = c
             elif best < 0.0:
                 best = np.float32(-2.0)
@@ -291,6 +294,7 @@ def _next_door(ground, m, k):
 def _arrivals(ground, runs, tau, batch):
     """Find and record the cells that crossed the threshold since the last look: how many."""
     B, n, threshold, count = ground.B, ground.n, np.float32(ground.threshold), 0
+    joints, leap = ground.nodes.joints, ground.nodes.leap
     for w in range(runs.size[1]):
         if not _crossed(B, runs.watch[w], threshold):
             continue
@@ -299,7 +303,7 @@ def _arrivals(ground, runs, tau, batch):
             if B[k] < threshold or B[k + _C] >= 0.0 or count == MOST:
                 continue
             m = cell_of(k, n)
-            before = _next_door(ground, m, k)
+            before = _next_door(B, joints, leap, n, m, k)
             if before < 0.0:
                 if before == -2.0:  # it was stirred by cells from which no step leads to it
                     _insulate(B, k)
@@ -316,9 +320,9 @@ def _arrivals(ground, runs, tau, batch):
 
 
 @njit(_nrt=False)
-def _way_back(ground, m, k, when):
+def _way_back(B, joints, leap, n, m, k, when):
     """Cell from which the front came to cell m at place k: where its arrivals fall off most."""
-    B, n, best, steepest = ground.B, ground.n, -1, 0.0
+    best, steepest = -1, 0.0
     for dz in range(-1, 2):
         for dy in range(-1, 2):
             for dx in range(-1, 2):
@@ -328,20 +332,20 @@ def _way_back(ground, m, k, when):
                     continue
                 fall = (when - arrival) ** 2 / (dx * dx + dy * dy + dz * dz)
                 p = m + (dz * n + dy) * n + dx
-                if fall > steepest and _is_step(ground.nodes, m, p):
+                if fall > steepest and _is_step(joints, leap, m, p):
                     best, steepest = p, fall
     return best
 
 
 @njit(_nrt=False)
-def _stride(ground, m, k):
+def _stride(B, elbows, n, h, m, k):
     """How far points of the limb move when the hand goes half a step from cell m at place k."""
-    far, elbows, h = 0.25 * ground.nodes.spacing**2, ground.elbows, ground.nodes.spacing
+    far = 0.25 * h * h
     for d in range(6):
-        p = m + (-ground.n * ground.n, -ground.n, -1, 1, ground.n, ground.n * ground.n)[d]
+        p = m + (-n * n, -n, -1, 1, n, n * n)[d]
         e = k + _STEPS[d]
         # what has been reached has been seen, and what has not been reached lies ahead
-        if ground.B[e] > 0.0 and ground.B[e + _C] >= 0.0:
+        if B[e] > 0.0 and B[e + _C] >= 0.0:
             away = (elbows[m, 0] - elbows[p, 0]) ** 2 + (elbows[m, 1] - elbows[p, 1]) ** 2
             far = max(far, 0.25 * (away + (elbows[m, 2] - elbows[p, 2]) ** 2))
     return min(np.sqrt(far), 2.0 * h)
@@ -411,17 +415,19 @@ def _judge(scene, ground, terms, batch, count, now, judged, desk):
         [s]
     """
     contact, contact_body, first = -1, -1, -1.0
-    n, kappa, elbows = ground.n, terms.kappa, ground.elbows
+    n, kappa, elbows, B = ground.n, terms.kappa, ground.elbows, ground.B
+    joints, leap, h = ground.nodes.joints, ground.nodes.leap, ground.nodes.spacing
+    middle = 0.5 * (n - 1)
     for i in range(count):
         m, since = batch.cells[i], batch.since[i] * kappa
         k = entry_of(m, n)
-        hand = hand_of_node(ground.nodes, m)
+        hand = (m % n - middle) * h, (m // n % n - middle) * h, (m // (n * n) - middle) * h
         place = (elbows[m, 0], elbows[m, 1], elbows[m, 2], hand[0], hand[1], hand[2])
-        judged.via[m] = _way_back(ground, m, k, batch.when[i])
+        judged.via[m] = _way_back(B, joints, leap, n, m, k, batch.when[i])
         wide = judged.margin + (judged.widening[m] if judged.widening.size > 0 else 0.0)
         touch = scene.limb.thickness
         if wide > 0.0:
-            touch += wide * _stride(ground, m, k)
+            touch += wide * _stride(B, elbows, n, h, m, k)
         if _is_touched(scene, place, since, now * kappa, touch, terms.shortest, desk):
             judged.state[m] = FROZEN
             continue
@@ -475,6 +481,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
         edge is faster than a front at first.
     """
     n, B, home, slowness, start = ground.n, ground.B, -1, 0.0, 0.0
+    joints, leap = ground.nodes.joints, ground.nodes.leap
     contact, contact_body, first, excited, edge = -1, -1, -1.0, 0, 1e300
     for i in range(ball.size):
         m = ball[i]
@@ -495,7 +502,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
             B[k], B[k + _A], B[k + _Q], B[k + _C] = CLAMPED, CLAMPED, 0.0, 0.0
             judged.via[m] = -1
             continue
-        when, before = away[i] * slowness, _next_door(ground, m, k)
+        when, before = away[i] * slowness, _next_door(B, joints, leap, n, m, k)
         if before < 0.0 or when > terms.end:
             continue  # behind cells that are not free
         start = max(start, when)

@@ -33,7 +33,7 @@ START_BALL = (
 )
 FEWEST = 300  # cells that are excited at the start, if so many are free within two such radii
 CONTACT_RADIUS = 0.87  # half a cell's diagonal, or a small target slips between centres [cells]
-QUIET = 1e-3  # potential change [1/tau] below which a block of cells counts as settled
+QUIET = 3e-3  # potential change [1/tau] below which a block of cells counts as settled
 SLOWEST_RATE = 0.02  # of a cell: the wave should not stop altogether
 QUICK = 0.9  # share of hands that are no faster than the front is where it is fastest
 SAMPLES = 12  # of hands along an axis, from which that is known
