@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from gcm_learn.planners import Plan
 from gcm_learn.plots import animate, plan_figure, style
 from gcm_learn.plots.figures import rendering, solids, space, staging
 from gcm_learn.plots.figures.film import ROUND
+from gcm_learn.plots.reports.dataset import draw_record
 from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Box, Capsule, Cylinder, Sphere, read_situations
 from tests.spatial import EXAMPLES
@@ -192,6 +194,21 @@ def test_plan_figure_in_space_without_a_catch_shows_the_courses(case, drawn):
     drawn(figure)
     assert figure.get_suptitle().endswith("told")
     assert all(ax.lines for ax in figure.axes)
+
+
+@pytest.mark.parametrize("caught", [True, False])
+def test_gallery_shows_records_in_space(case, drawn, caught):
+    situation, trajectory = case
+    plan = plan_of(situation, trajectory if caught else None)
+    record = SimpleNamespace(
+        situation=situation, plans={"straight": plan}, map=None, family="swarm-space", index=7
+    )
+    figure, (above, below) = style.panel_grid(2, 2, (2.0, 2.0))
+    draw_record(above, below, record)
+    drawn(figure)
+    assert above.images and bool(below.images) == caught
+    assert above.get_title() == "swarm-space 7"
+    assert below.get_title().startswith("straight" if caught else "no catch")
 
 
 @pytest.mark.parametrize("caught", [True, False])

@@ -195,6 +195,7 @@ def draw_space(
     *,
     joints: ArrayLike | None = None,
     view: Camera | None = None,
+    pixels: int = PIXELS,
 ) -> Axes:
     """Draw the arm and the bodies at one instant.
 
@@ -213,12 +214,14 @@ def draw_space(
         By default those at t = 0 [rad].
     view : Camera, optional
         By default `view_of` the situation.
+    pixels : int
+        Of a side.
     """
     posture = situation.arm.joints if joints is None else joints
     view = view or view_of(situation)
     things = [*body_faces(situation, t), *arm_faces(situation.arm, posture)]
     window = window_of(situation, view, things)
-    show_image(ax, staged(view, window, floor_of(situation, things), things), window)
+    show_image(ax, staged(view, window, floor_of(situation, things), things, pixels), window)
     return ax
 
 
@@ -304,6 +307,7 @@ def draw_movement_in_space(
     view: Camera | None = None,
     *,
     count: int = GHOSTS,
+    pixels: int = PIXELS,
 ) -> Axes:
     """Draw a movement: the arm at several instants, later ones darker, with the hand's way.
 
@@ -317,7 +321,7 @@ def draw_movement_in_space(
         things += body_faces(situation, t, alpha)
         things += arm_faces(situation.arm, trajectory.joints_at(t), alpha)
     window = window_of(situation, view, things)
-    show_image(ax, staged(view, window, floor_of(situation, things), things), window)
+    show_image(ax, staged(view, window, floor_of(situation, things), things, pixels), window)
     show_through(ax, view, trajectory.hand_at(np.linspace(0.0, end, SAMPLES)))
     return ax
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +12,12 @@ from matplotlib.axes import Axes
 from gcm_learn.planners import Plan
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import plot_map, plot_plan
+from gcm_learn.plots.figures.space import (
+    draw_courses_in_space,
+    draw_movement_in_space,
+    draw_space,
+    view_of,
+)
 from gcm_learn.plots.figures.workspace import draw_bodies, draw_courses, draw_workspace
 from gcm_learn.plots.reports.page import (
     Picture,
@@ -28,6 +34,7 @@ if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
 
 COLUMNS = 4  # records side by side
 EACH = 8  # records of a stratum
+SMALL = 360  # pixels a side of a panel in space
 LATER = 0.3  # strength of bodies as they are at the catch
 WORDS = words("dataset")
 KEY = tuple(entry for entry in style.KEY if entry[1] != "explored by the wave")
@@ -92,6 +99,9 @@ def _picture(records: Sequence[Record], path: Path, caption: str) -> Picture:
 def draw_record(above: Axes, below: Axes, record: Record) -> None:
     """Draw the situation of a record, and its map with a path."""
     situation, plan = record.situation, _shown_plan(record)
+    if situation.is_spatial:
+        _draw_in_space(above, below, record, plan)
+        return
     end = situation.horizon if plan is None or plan.catch_time is None else plan.catch_time
     above.axis("on")
     draw_workspace(above, situation)
@@ -107,6 +117,24 @@ def draw_record(above: Axes, below: Axes, record: Record) -> None:
         return
     plot_plan(below, situation, plan, record.map, waits=False)
     style.title(below, f"{plan.planner}: {plan.trajectory.duration:.2f} s")
+
+
+def _draw_in_space(above: Axes, below: Axes, record: Record, plan: Any) -> None:
+    """Draw a situation in space with the courses, and below it the movement."""
+    situation: Any = record.situation
+    moves = None if plan is None else plan.trajectory
+    view = view_of(situation, moves)
+    end = situation.horizon if moves is None else moves.duration
+    draw_space(above, situation, view=view, pixels=SMALL)
+    draw_courses_in_space(
+        above, situation, situation.horizon if moves is None else moves.duration, view
+    )
+    style.title(above, f"{record.family} {record.index}")
+    if moves is None:
+        style.title(below, "no catch")
+        return
+    draw_movement_in_space(below, situation, moves, view, pixels=SMALL)
+    style.title(below, f"{plan.planner}: {moves.duration:.2f} s")
 
 
 def _shown_plan(record: Record) -> Plan | None:
