@@ -126,9 +126,7 @@ def _draw_in_space(above: Axes, below: Axes, record: Record, plan: Any) -> None:
     view = view_of(situation, moves)
     end = situation.horizon if moves is None else moves.duration
     draw_space(above, situation, view=view, pixels=SMALL)
-    draw_courses_in_space(
-        above, situation, situation.horizon if moves is None else moves.duration, view
-    )
+    draw_courses_in_space(above, situation, end, view)
     style.title(above, f"{record.family} {record.index}")
     if moves is None:
         style.title(below, "no catch")
