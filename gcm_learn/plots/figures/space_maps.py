@@ -34,7 +34,8 @@ POINT = 0.045  # [reaches] radius of the hand's ball
 CUT = 260  # cells a side of a cut
 WHOLE = 0.99  # share of arrivals around a point of a cut that has contours
 RING = 1.4  # of these cells: half the width of a contour
-SHELL = 0.2  # level at which softened effective obstacles, one cell thin, are drawn
+MOST_RINGS = 10
+SHELL = 0.15  # level at which softened effective obstacles, one cell thin, are drawn
 
 
 def places_of(chart: SpaceLattice, index: np.ndarray) -> np.ndarray:
@@ -179,7 +180,8 @@ def cut_faces(
     frozen = map_coordinates(softened(softened(frozen_cells(cognitive_map))), places, order=1)
     share = np.clip(times / latest, 0.0, 1.0)
     colours = np.asarray(style.MAP_COLOURS(share))[..., :3]
-    rings = times / (CONTOUR_STEP * cognitive_map.kappa)
+    step = CONTOUR_STEP * cognitive_map.kappa
+    rings = times / (step * max(1.0, np.ceil(latest / (MOST_RINGS * step))))
     off = np.abs((rings + 0.5) % 1.0 - 0.5) / np.maximum(np.hypot(*np.gradient(rings)), 1e-9)
     whole = map_coordinates(np.isfinite(arrival).astype(float), places, order=1) > WHOLE
     ring = np.clip(RING - off, 0.0, 1.0) * (rings > 0.5) * whole
