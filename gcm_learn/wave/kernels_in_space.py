@@ -8,96 +8,31 @@ known of a cell, its posture first of all, is found out when its block wakes: ah
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from gcm_learn.collision.postures import body_distance, desk_of
+from gcm_learn.collision.postures import desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.postures import posture_of
-from gcm_learn.handspace.space import NOWHERE, Nodes, is_there
-from gcm_learn.motion.interception_in_space import target_room
-from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
+from gcm_learn.handspace.space import NOWHERE, is_there
 from gcm_learn.scene.spatial_limb import limb_at
-from gcm_learn.wave.kernels import CLAMPED, CONTACT, FREE, FROZEN, UP_R, UP_Z
+from gcm_learn.wave.ground_in_space import (
+    ADAPTED,
+    ARRIVED,
+    DOORS,
+    MOST,
+    SHARE,
+    cell_of,
+    entry_of,
+    four_joints,
+    insulate,
+    is_step,
+)
+from gcm_learn.wave.judging_in_space import freeze, judge_cells
+from gcm_learn.wave.kernels import CLAMPED, FREE, UP_R, UP_Z
 from gcm_learn.wave.stencil_in_space import BLOCK, FIELD, LEFT, SLAB, WIDTH, two_steps
 
 ASLEEP, SEEN, AWAKE = 0, 1, 2  # what this wave knows of a block: nothing, postures, rates as well
 SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [cells]
-MOST = 65_536  # cells that are looked at together; what there is more of has its turn next
-FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearms]
-MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
-_A, _Q, _L, _C = FIELD, 3 * FIELD, 4 * FIELD, 5 * FIELD
-_STEPS = np.array([-SLAB, -WIDTH, -1, 1, WIDTH, SLAB])
-
-
-class SpaceGround(NamedTuple):
-    """A lattice in space, what is known of its cells, and how the wave is run on it."""
-
-    B: np.ndarray  # the buffer of `wave.stencil_in_space`
-    n: int
-    nodes: Nodes  # the lattice's
-    joint_speed: np.ndarray  # (4,) [rad/s]
-    speed: float  # of the fastest front [lengths/s]
-    elbows: np.ndarray  # (n^3, 3) float32
-    asked: np.ndarray  # (n + 2, n + 2, blocks + 2) bool: blocks whose elbows are known
-    known: np.ndarray  # the same shape, uint8: ASLEEP, SEEN or AWAKE
-    wake: np.ndarray  # the same shape, bool: blocks that are about to be stepped; False in between
-    slowest: float  # least rate of a cell
-    fewest: int  # excited cells that start a wave
-    held: bool  # frozen cells are seen by their neighbours instead of being cut out
-    diffusion: float
-    epsilon: float
-    quiet: float  # change of a potential [1/tau] below which a block counts as settled
-    step: float  # [tau]
-    lag: float  # from look to look [tau]
-    slowness: float  # of the fastest front [tau per cell]
-    threshold: float
-
-
-class Runs(NamedTuple):
-    """The blocks that are stepped, and those in which a cell may soon be reached."""
-
-    start: np.ndarray  # (blocks,) uint64: first entries
-    watch: np.ndarray  # (blocks,) uint64
-    size: np.ndarray  # (2,): how many of each
-
-
-class SpaceBatch(NamedTuple):
-    """Cells that are reached together, in the front's unit of time."""
-
-    cells: np.ndarray  # (MOST,)
-    since: np.ndarray  # (MOST,): when the front was next door
-    when: np.ndarray  # (MOST,): when it comes
-
-
-class Judged(NamedTuple):
-    """What becomes of cells."""
-
-    state: np.ndarray  # (n^3,) uint8: FREE, FROZEN or CONTACT
-    via: np.ndarray  # (n^3,) int32: cell that the front came from, -1 if from the hand
-    widening: np.ndarray  # (n^3,) margin beyond that of the parameters, or (0,)
-    margin: float  # widening of obstacles, in strides of the limb
-
-
-@njit(_nrt=False, forceinline=True)
-def entry_of(m, n):
-    """Place of cell m in a field of the buffer."""
-    return (m // (n * n) + 1) * SLAB + (m // n % n + 1) * WIDTH + m % n + LEFT
-
-
-@njit(_nrt=False, forceinline=True)
-def cell_of(k, n):
-    """Cell at place k of a field."""
-    return ((k // SLAB - 1) * n + k % SLAB // WIDTH - 1) * n + k % WIDTH - LEFT
-
-
-@njit(_nrt=False, forceinline=True)
-def _insulate(B, k):
-    """Cut a cell out of the lattice: it neither changes nor is seen by its neighbours."""
-    B[k] = B[k + _A] = B[k + _Q] = np.float32(0.0)
-    for e in _STEPS:
-        B[k + e + _L] -= np.float32(1.0)
 
 
 @njit(_nrt=False)
@@ -123,24 +58,7 @@ def _see(iz, iy, b, ground):
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         m = ((iz - 1) * n + iy - 1) * n + ix
         if not is_there(ground.nodes, m):
-            _insulate(ground.B, entry_of(m, n))
-
-
-@njit(_nrt=False, forceinline=True)
-def _four(joints, m):
-    return joints[m, 0], joints[m, 1], joints[m, 2], joints[m, 3]
-
-
-@njit(_nrt=False)
-def _is_step(joints, leap, m, p):
-    """Whether the rule is continuous between cells m and p, which have postures.
-
-    What is called for every cell takes arrays: handing the whole ground on costs as much again.
-    """
-    far = 0.0
-    for j in range(4):
-        far = max(far, abs(joints[m, j] - joints[p, j]))
-    return far <= leap
+            insulate(ground.B, entry_of(m, n))
 
 
 @njit(_nrt=False)
@@ -166,8 +84,8 @@ def _rate(m, ix, iy, iz, ground):
         if place < 1 or place > n:
             continue
         p = m + way * (1, n, n * n)[axis]
-        if joints[p, 0] < NOWHERE and _is_step(joints, ground.nodes.leap, m, p):
-            turning = _turning(ground.joint_speed, _four(joints, m), _four(joints, p))
+        if joints[p, 0] < NOWHERE and is_step(joints, ground.nodes.leap, m, p):
+            turning = _turning(ground.joint_speed, four_joints(joints, m), four_joints(joints, p))
             total += min(unit / turning, 1.0) if turning > 0.0 else 1.0
             count += 1
     return max(total / count, ground.slowest) if count > 0 else 1.0
@@ -216,7 +134,7 @@ def _rouse(iz, iy, b, ground):
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         m = ((iz - 1) * n + iy - 1) * n + ix
         if ground.nodes.joints[m, 0] < NOWHERE:
-            ground.B[entry_of(m, n) + _Q] = ground.step * _rate(m, ix + 1, iy, iz, ground)
+            ground.B[entry_of(m, n) + SHARE] = ground.step * _rate(m, ix + 1, iy, iz, ground)
 
 
 @njit(_nrt=False, forceinline=True)
@@ -224,7 +142,7 @@ def _crossed(B, start, level):
     """Whether any cell of a block is above a level and has no arrival yet."""
     count = np.int32(0)
     for k in range(start, start + np.uint64(BLOCK)):
-        count += np.int32((B[k] >= level) & (B[k + np.uint64(_C)] < np.float32(0.0)))
+        count += np.int32((B[k] >= level) & (B[k + np.uint64(ARRIVED)] < np.float32(0.0)))
     return count > 0
 
 
@@ -236,7 +154,7 @@ def _stir(ground, runs):
         start = runs.start[r]
         moving = np.int32(0)
         for k in range(start, start + np.uint64(BLOCK)):
-            moving += np.int32(abs(B[k] - B[k + np.uint64(_A)]) > quiet)
+            moving += np.int32(abs(B[k] - B[k + np.uint64(ADAPTED)]) > quiet)
         if moving == 0:
             continue
         s = np.int64(start)
@@ -244,9 +162,9 @@ def _stir(ground, runs):
         wake[iz, iy, b] = True
         wake[iz - 1, iy, b] = wake[iz + 1, iy, b] = True
         wake[iz, iy - 1, b] = wake[iz, iy + 1, b] = True
-        if abs(B[s] - B[s + _A]) > quiet:
+        if abs(B[s] - B[s + ADAPTED]) > quiet:
             wake[iz, iy, b - 1] = True
-        if abs(B[s + BLOCK - 1] - B[s + BLOCK - 1 + _A]) > quiet:
+        if abs(B[s + BLOCK - 1] - B[s + BLOCK - 1 + ADAPTED]) > quiet:
             wake[iz, iy, b + 1] = True
 
 
@@ -280,10 +198,10 @@ def _next_door(B, joints, leap, n, m, k):
     """
     best = np.float32(-1.0)
     for d in range(6):
-        e = k + _STEPS[d]
-        c = B[e + _C]
+        e = k + DOORS[d]
+        c = B[e + ARRIVED]
         if B[e] > 0.0 and c >= 0.0 and (best < 0.0 or c < best):
-            if _is_step(joints, leap, m, m + (-n * n, -n, -1, 1, n, n * n)[d]):
+            if is_step(joints, leap, m, m + (-n * n, -n, -1, 1, n, n * n)[d]):
                 best = c
             elif best < 0.0:
                 best = np.float32(-2.0)
@@ -300,157 +218,23 @@ def _arrivals(ground, runs, tau, batch):
             continue
         first = np.int64(runs.watch[w])
         for k in range(first, first + BLOCK):
-            if B[k] < threshold or B[k + _C] >= 0.0 or count == MOST:
+            if B[k] < threshold or B[k + ARRIVED] >= 0.0 or count == MOST:
                 continue
             m = cell_of(k, n)
             before = _next_door(B, joints, leap, n, m, k)
             if before < 0.0:
                 if before == -2.0:  # it was stirred by cells from which no step leads to it
-                    _insulate(B, k)
+                    insulate(B, k)
                 continue
-            rise = B[k] - B[k + _A]
+            rise = B[k] - B[k + ADAPTED]
             back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
             batch.cells[count], batch.since[count] = m, before
             batch.when[count] = max(tau - min(back, ground.lag), before)
             count += 1
     # Written down only now, so that no cell passes on what has not been judged yet.
     for i in range(count):
-        B[entry_of(batch.cells[i], n) + _C] = batch.when[i]
+        B[entry_of(batch.cells[i], n) + ARRIVED] = batch.when[i]
     return count
-
-
-@njit(_nrt=False)
-def _way_back(B, joints, leap, n, m, k, when):
-    """Cell from which the front came to cell m at place k: where its arrivals fall off most."""
-    best, steepest = -1, 0.0
-    for dz in range(-1, 2):
-        for dy in range(-1, 2):
-            for dx in range(-1, 2):
-                e = k + dz * SLAB + dy * WIDTH + dx
-                arrival = np.float64(B[e + _C])
-                if e == k or B[e] <= 0.0 or arrival < 0.0 or arrival >= when:
-                    continue
-                fall = (when - arrival) ** 2 / (dx * dx + dy * dy + dz * dz)
-                p = m + (dz * n + dy) * n + dx
-                if fall > steepest and _is_step(joints, leap, m, p):
-                    best, steepest = p, fall
-    return best
-
-
-@njit(_nrt=False)
-def _stride(B, elbows, n, h, m, k):
-    """How far points of the limb move when the hand goes half a step from cell m at place k."""
-    far = 0.25 * h * h
-    for d in range(6):
-        p = m + (-n * n, -n, -1, 1, n, n * n)[d]
-        e = k + _STEPS[d]
-        # what has been reached has been seen, and what has not been reached lies ahead
-        if B[e] > 0.0 and B[e + _C] >= 0.0:
-            away = (elbows[m, 0] - elbows[p, 0]) ** 2 + (elbows[m, 1] - elbows[p, 1]) ** 2
-            far = max(far, 0.25 * (away + (elbows[m, 2] - elbows[p, 2]) ** 2))
-    return min(np.sqrt(far), 2.0 * h)
-
-
-@njit(_nrt=False)
-def hand_at_start(limb):
-    """Hand (3) at t = 0."""
-    _, _, _, x, y, z = limb_at(limb, limb.start)
-    return x, y, z
-
-
-@njit(_nrt=False)
-def _is_touched(scene, place, since, now, touch, shortest, desk):
-    """Whether an obstacle comes within `touch` of a resting limb (six numbers) in a span [s]."""
-    for k in range(desk.obstacles.size):
-        b = desk.obstacles[k]
-        speed, t = scene.bodies.rows[b, TOP_SPEED], now
-        far = touch + speed * (now - since)
-        found, _ = body_distance(scene.bodies, b, t, place, 0.0, 0.0, far, desk.poses)
-        if found <= touch:
-            return True
-        if found > far or speed == 0.0:
-            continue
-        least = max(min(shortest, FINEST * scene.limb.length / speed), (now - since) / MOST_LOOKS)
-        while t > since:  # backwards from now, when the distance is known
-            t = max(t - max((found - touch) / speed, least), since)
-            found, _ = body_distance(scene.bodies, b, t, place, 0.0, 0.0, far, desk.poses)
-            if found <= touch:
-                return True
-    return False
-
-
-@njit(_nrt=False)
-def _meeting(scene, hand, since, now, near, shortest, poses):
-    """First instant in a span [s] at which a target is near a hand at rest (-1), and which one."""
-    when, body = -1.0, -1
-    for b in range(scene.bodies.rows.shape[0]):
-        if scene.bodies.rows[b, PART] != HAND:
-            continue
-        speed, t = scene.bodies.rows[b, TOP_SPEED], since
-        least = shortest
-        if speed > 0.0:
-            least = min(shortest, FINEST * scene.limb.length / speed)
-            least = max(least, (now - since) / MOST_LOOKS)
-        until = now if body < 0 else when
-        while True:
-            room = target_room(scene, b, hand[0], hand[1], hand[2], t, poses) - near
-            if room <= 0.0:
-                when, body = t, b
-                break
-            if t >= until or speed == 0.0 or room > speed * (until - t):
-                break
-            t = min(t + max(room / speed, least), until)
-    return when, body
-
-
-@njit(_nrt=False)
-def _judge(scene, ground, terms, batch, count, now, judged, desk):
-    """Decide what becomes of the cells that the front has just reached (Eq. 11).
-
-    Returns
-    -------
-    cell, body : int
-        The earliest contact among them, -1 if there is none.
-    time : float
-        [s]
-    """
-    contact, contact_body, first = -1, -1, -1.0
-    n, kappa, elbows, B = ground.n, terms.kappa, ground.elbows, ground.B
-    joints, leap, h = ground.nodes.joints, ground.nodes.leap, ground.nodes.spacing
-    middle = 0.5 * (n - 1)
-    for i in range(count):
-        m, since = batch.cells[i], batch.since[i] * kappa
-        k = entry_of(m, n)
-        hand = (m % n - middle) * h, (m // n % n - middle) * h, (m // (n * n) - middle) * h
-        place = (elbows[m, 0], elbows[m, 1], elbows[m, 2], hand[0], hand[1], hand[2])
-        judged.via[m] = _way_back(B, joints, leap, n, m, k, batch.when[i])
-        wide = judged.margin + (judged.widening[m] if judged.widening.size > 0 else 0.0)
-        touch = scene.limb.thickness
-        if wide > 0.0:
-            touch += wide * _stride(B, elbows, n, h, m, k)
-        if _is_touched(scene, place, since, now * kappa, touch, terms.shortest, desk):
-            judged.state[m] = FROZEN
-            continue
-        t, body = _meeting(scene, hand, since, now * kappa, terms.grasp, terms.shortest, desk.poses)
-        if body >= 0 and t >= terms.ignore * kappa:
-            judged.state[m] = CONTACT
-            t = max(t, batch.when[i] * kappa)
-            if contact < 0 or t < first:
-                contact, contact_body, first = m, body, t
-    return contact, contact_body, first
-
-
-@njit(_nrt=False)
-def _freeze(ground, batch, count, state):
-    """Take the frozen and contacted ones among the cells just reached out of the dynamics."""
-    for i in range(count):
-        m = batch.cells[i]
-        if state[m] != FREE:
-            k = entry_of(m, ground.n)
-            if ground.held:
-                ground.B[k + _A], ground.B[k + _Q] = ground.B[k], np.float32(0.0)
-            else:
-                _insulate(ground.B, k)
 
 
 @njit(_nrt=False)
@@ -498,8 +282,8 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
                 break
             continue
         if home < 0:
-            home, slowness = m, ground.slowness * ground.step / np.float64(B[k + _Q])
-            B[k], B[k + _A], B[k + _Q], B[k + _C] = CLAMPED, CLAMPED, 0.0, 0.0
+            home, slowness = m, ground.slowness * ground.step / np.float64(B[k + SHARE])
+            B[k], B[k + ADAPTED], B[k + SHARE], B[k + ARRIVED] = CLAMPED, CLAMPED, 0.0, 0.0
             judged.via[m] = -1
             continue
         when, before = away[i] * slowness, _next_door(B, joints, leap, n, m, k)
@@ -507,11 +291,11 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
             continue  # behind cells that are not free
         start = max(start, when)
         batch.cells[0], batch.since[0], batch.when[0] = m, before, when
-        B[k], B[k + _A], B[k + 2 * FIELD], B[k + _C] = UP_R, UP_R, UP_Z, when
-        cell, body, t = _judge(scene, ground, terms, batch, 1, when, judged, desk)
+        B[k], B[k + ADAPTED], B[k + 2 * FIELD], B[k + ARRIVED] = UP_R, UP_R, UP_Z, when
+        cell, body, t = judge_cells(scene, ground, terms, batch, 1, when, judged, desk)
         if cell >= 0 and (contact < 0 or t < first):
             contact, contact_body, first = cell, body, t
-        _freeze(ground, batch, 1, judged.state)
+        freeze(ground, batch, 1, judged.state)
         excited += judged.state[m] == FREE
     return contact, contact_body, first, start + slowness
 
@@ -556,10 +340,10 @@ def propagate_in_space(scene, ball, away, radius, ground, terms, judged, runs, b
         count = _arrivals(ground, runs, tau, batch)
         if count > 0:
             now = min(tau, terms.end)
-            cell, target, t = _judge(scene, ground, terms, batch, count, now, judged, desk)
+            cell, target, t = judge_cells(scene, ground, terms, batch, count, now, judged, desk)
             if cell >= 0 and contact < 0:
                 contact, body, time = cell, target, t
-            _freeze(ground, batch, count, judged.state)
+            freeze(ground, batch, count, judged.state)
         if look % looks == 0:
             _stir(ground, runs)
             _list(ground, runs)

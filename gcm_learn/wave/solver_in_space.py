@@ -22,6 +22,7 @@ import numpy as np
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.scene import Scene
+from gcm_learn.wave import ground_in_space, judging_in_space
 from gcm_learn.wave import kernels_in_space as kernels
 from gcm_learn.wave import stencil_in_space as stencil
 from gcm_learn.wave.front import Front
@@ -159,7 +160,7 @@ def propagate_in_space(
     ball, away = _start_ball(scene, lattice, 2.0 * radius + kernels.SPREAD)
     wide = np.zeros(0) if widening is None else widening
     state, via = np.zeros(n**3, dtype=np.uint8), np.full(n**3, -1, dtype=np.int32)
-    judged = kernels.Judged(state, via, wide, params.margin)
+    judged = ground_in_space.Judged(state, via, wide, params.margin)
     cell, body, time, steps = kernels.propagate_in_space(
         scene, ball, away, radius, ground, terms, judged, *_rooms()
     )
@@ -185,7 +186,7 @@ def _start_ball(
     scene: Scene, lattice: SpaceLattice, radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Cells (m,) within a radius of the hand, and their distances (m,) from it [cells]."""
-    hand = np.array(kernels.hand_at_start(scene.limb))
+    hand = np.array(judging_in_space.hand_at_start(scene.limb))
     low = np.maximum(np.floor(hand / lattice.spacing + 0.5 * lattice.n - radius - 0.5), 0)
     high = np.minimum(low + 2 * math.ceil(radius) + 2, lattice.n).astype(int)
     x, y, z = (np.arange(a, b) for a, b in zip(low.astype(int), high, strict=True))
@@ -214,7 +215,7 @@ def _terms(
     )
 
 
-def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> kernels.SpaceGround:
+def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> ground_in_space.SpaceGround:
     """The lattice at rest, in arrays that a thread uses again and again."""
     n, shape = lattice.n, _blocks(lattice.n)
     space = _workspace.__dict__
@@ -229,7 +230,7 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> kernels.
     for axis in range(3):
         for end in (0, n - 1):
             live[(slice(None),) * axis + (end,)] -= 1.0
-    return kernels.SpaceGround(
+    return ground_in_space.SpaceGround(
         B=buffer,
         n=n,
         nodes=lattice.nodes,
@@ -263,15 +264,15 @@ def _elbows(lattice: SpaceLattice) -> tuple[np.ndarray, np.ndarray]:
     return np.empty((lattice.n**3, 3), np.float32), np.zeros(_blocks(lattice.n), np.bool_)
 
 
-def _rooms() -> tuple[kernels.Runs, kernels.SpaceBatch]:
+def _rooms() -> tuple[ground_in_space.Runs, ground_in_space.SpaceBatch]:
     """Room for lists of blocks and of cells."""
     space = _workspace.__dict__
     if "rooms" not in space:
         blocks = stencil.LARGEST**2 * (stencil.LARGEST // stencil.BLOCK)
         start, watch = np.zeros(blocks, np.uint64), np.zeros(blocks, np.uint64)
-        most = kernels.MOST
+        most = ground_in_space.MOST
         space["rooms"] = (
-            kernels.Runs(start, watch, np.zeros(2, np.int64)),
-            kernels.SpaceBatch(np.empty(most, np.int64), np.empty(most), np.empty(most)),
+            ground_in_space.Runs(start, watch, np.zeros(2, np.int64)),
+            ground_in_space.SpaceBatch(np.empty(most, np.int64), np.empty(most), np.empty(most)),
         )
     return space["rooms"]
