@@ -28,13 +28,16 @@ PLANNERS = (
     "gcm", "marching", "layered", "layered-wave", "straight", "straight-wait", "potential",
     "recall", "hybrid",
 )  # fmt: skip
+given: list[Path] = []  # the file of --file, if any
 STEPS = 1500  # of one arm; of many it is this many in all, ten times
 
 
 def situations() -> list:
-    """Situations of several families, some of them in space."""
-    from gcm_learn import families
+    """Those of the file that was given, or of several families, some of them in space."""
+    from gcm_learn import families, read_situations
 
+    if given:
+        return read_situations(given[0])
     return [families.draw(name, SEED, k) for name, count in DRAWN.items() for k in range(count)]
 
 
@@ -135,9 +138,10 @@ class Side:
     """One of the two processes."""
 
     def __init__(self, python: str, checkout: Path) -> None:
+        options = ["--serve", *(f"--file={path}" for path in given)]
         one = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         self.process = subprocess.Popen(
-            [python, str(Path(__file__).resolve()), "--serve"], cwd=checkout,
+            [python, str(Path(__file__).resolve()), *options], cwd=checkout,
             env={**os.environ, **one, "PYTHONPATH": str(checkout)},
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
@@ -178,8 +182,10 @@ def main() -> None:
     parser.add_argument("--checkout", type=Path, help="its folder; by default that of its .venv")
     parser.add_argument("--pairs", type=int, default=PAIRS)
     parser.add_argument("--only", default="", help="workloads whose name contains this")
+    parser.add_argument("--file", type=Path, help="situations of a file instead of drawn ones")
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    given.extend([] if arguments.file is None else [arguments.file.resolve()])
     if arguments.serve:
         serve()
         return

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.distance import room_at, segment_point2, segments_distance2
-from gcm_learn.collision.occupancy import first_touch
+from gcm_learn.collision.distance import room_at
+from gcm_learn.collision.occupancy import first_touch, passes_by
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import ACCELERATION, HAND, PART, REACH, SWING, TOP_SPEED, drift, pose_at
+from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, drift, pose_at
 
 NEVER = 1e300
 INSTANTS = 24  # at which targets are looked at to tell how long a place is of use
@@ -42,23 +42,6 @@ def next_free(postures, m, t, end, step):
         clear += 1
         b = b + 1 if b + 1 < count else 0
     return t
-
-
-@njit
-def way_of(bodies, b, t0, t1, scratch, chord):
-    """Bound where body b goes in [t0, t1]: chord (4,) of its centre and how far it gets from it.
-
-    A quadratic motion departs from its chord by at most |a| (t1 - t0)^2 / 8.  The body's reach is
-    included; a pendulum is not bounded (NEVER).
-    """
-    if bodies.rows[b, SWING] >= 0.0:
-        return NEVER
-    pose_at(bodies, b, t0, scratch)
-    chord[0], chord[1] = scratch[b, 0], scratch[b, 1]
-    pose_at(bodies, b, t1, scratch)
-    chord[2], chord[3] = scratch[b, 0], scratch[b, 1]
-    a2 = bodies.rows[b, ACCELERATION] ** 2 + bodies.rows[b, ACCELERATION + 1] ** 2
-    return bodies.rows[b, REACH] + np.sqrt(a2) * (t1 - t0) ** 2 / 8.0
 
 
 @njit
@@ -115,39 +98,24 @@ def safe_until(postures, cells, since, until, count, end, shortest):
         Filled [s].
     """
     until[:count] = end
-    shorten(postures, cells, since, until, count, end, shortest)
+    shorten(postures, cells, since, until, count, shortest)
 
 
 @njit
-def shorten(postures, cells, since, until, count, end, shortest):
-    """Lower `until` where one of the cells that are free at `since` is touched before; see above.
-
-    No `until` is later than `end`.
-    """
+def shorten(postures, cells, since, until, count, shortest):
+    """Lower `until` where a cell that is free at `since` is touched before; see above."""
     bodies, limb, gap, _, scratch = postures
-    if count == 0:
-        return
-    chord = np.empty(4)
-    early = since[:count].min()
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND or bodies.rows[b, TOP_SPEED] == 0.0:
             continue
-        width = way_of(bodies, b, early, end, scratch, chord)
         for i in range(count):
             m = cells[i]
-            if width < NEVER:
-                hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
-                far = (width + gap[m]) ** 2
-                if (
-                    segments_distance2(hx, hy, ex, ey, chord[0], chord[1], chord[2], chord[3]) > far
-                    and segments_distance2(0.0, 0.0, ex, ey, chord[0], chord[1], chord[2], chord[3])
-                    > far
-                ):
-                    continue
+            hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
+            if passes_by(bodies, b, hx, hy, ex, ey, gap[m], since[i], until[i], scratch):
+                continue
             t = first_touch(
-                bodies, b, limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3], gap[m],
-                since[i], until[i], shortest, scratch,
-            )  # fmt: skip
+                bodies, b, hx, hy, ex, ey, gap[m], since[i], until[i], shortest, scratch
+            )
             if t >= 0.0:
                 until[i] = t
 
@@ -161,25 +129,15 @@ def meet(postures, gap, cells, since, until, count, shortest, best):
     """
     bodies, limb, _, _, scratch = postures
     index, body = -1, -1
-    if count == 0:
-        return index, body, best
-    chord = np.empty(4)
-    early = since[:count].min()
     for b in range(bodies.rows.shape[0]):
-        if bodies.rows[b, PART] != HAND or early > best:
+        if bodies.rows[b, PART] != HAND:
             continue
-        width = way_of(bodies, b, early, best, scratch, chord)
         for i in range(count):
             end = min(until[i], best)
             if since[i] > end:
                 continue
-            m = cells[i]
-            hx, hy = limb[m, 0], limb[m, 1]
-            if (
-                width < NEVER
-                and segment_point2(hx, hy, chord[0], chord[1], chord[2], chord[3])
-                > (width + gap) ** 2
-            ):
+            hx, hy = limb[cells[i], 0], limb[cells[i], 1]
+            if passes_by(bodies, b, hx, hy, hx, hy, gap, since[i], end, scratch):
                 continue
             t = first_touch(bodies, b, hx, hy, hx, hy, gap, since[i], end, shortest, scratch)
             if t >= 0.0 and t < best:

@@ -6,9 +6,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, limb_point2, room_at
+from gcm_learn.collision.distance import (
+    arm_distance,
+    limb_point2,
+    limb_segment2,
+    room_at,
+    segment_point2,
+)
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, SIZE, TOP_SPEED, Bodies
+from gcm_learn.scene.bodies import (
+    ACCELERATION,
+    DISC,
+    HAND,
+    KIND,
+    PART,
+    REACH,
+    SIZE,
+    SWING,
+    TOP_SPEED,
+    Bodies,
+    glide,
+)
 
 FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearm lengths]
 MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
@@ -30,15 +48,34 @@ def postures_of(bodies: Bodies, limb: np.ndarray, gap: np.ndarray) -> Postures:
     return Postures(bodies, limb, gap, poses, np.zeros_like(poses))
 
 
+@njit(_nrt=False)
+def passes_by(bodies, b, hx, hy, ex, ey, gap, t0, t1, scratch):
+    """Tell whether body b surely stays more than `gap` from a limb at rest during [t0, t1].
+
+    Its ball stays near the chord of its centre's way: a quadratic motion departs from that by at
+    most |a| (t1 - t0)^2 / 8.  Nothing is known of a pendulum, so False is not certain.
+    """
+    rows = bodies.rows
+    if rows[b, SWING] >= 0.0:
+        return False
+    ax, ay, _ = glide(bodies, b, t0, scratch)
+    bx, by, _ = glide(bodies, b, t1, scratch)
+    bulge = np.sqrt(rows[b, ACCELERATION] ** 2 + rows[b, ACCELERATION + 1] ** 2) / 8.0
+    far = gap + rows[b, REACH] + bulge * (t1 - t0) ** 2 + 1e-12
+    if rows[b, PART] == HAND:
+        return segment_point2(hx, hy, ax, ay, bx, by) > far * far
+    return limb_segment2(hx, hy, ex, ey, ax, ay, bx, by) > far * far
+
+
 @njit
 def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
     """First instant in [t0, t1] at which body b is within `gap` of a limb at rest, or -1.
 
     Conservative advancement: from a distance d above the gap, nothing can happen before the
     body has travelled d - gap.  It stops refining below `shortest` [s], or what a faster body
-    needs for FINEST, within MOST_LOOKS.
+    needs for FINEST, within MOST_LOOKS.  Now and then it asks whether the body passes by.
     """
-    t = t0
+    t, looks, check = t0, 0, 2
     speed = bodies.rows[b, TOP_SPEED]
     if speed > 0.0:
         shortest = min(shortest, max(FINEST / speed, (t1 - t0) / MOST_LOOKS))
@@ -48,6 +85,11 @@ def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
             return t
         if t >= t1 or speed == 0.0:
             return -1.0
+        looks += 1
+        if looks == check:
+            if passes_by(bodies, b, hx, hy, ex, ey, gap, t, t1, scratch):
+                return -1.0
+            check *= 2
         t = min(t + max(room / speed, shortest), t1)
 
 

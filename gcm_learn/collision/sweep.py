@@ -15,6 +15,7 @@ _SHOULDER = 1e-9  # hands this near to the shoulder have no direction [forearm l
 DEEPEST = 48  # bisections of one segment before it counts as touching
 _PARTS = 10  # of the upper arm, each half as long as the one before, that have bounds of their own
 _SHALLOW = 2  # bisections of a segment before they are asked for
+HAIR = 1e-4  # legs that come nearer to touching may count as touching [forearm lengths]
 _MOST = 1_000_000  # looks at one path before it counts as touching: bodies may spin absurdly fast
 
 
@@ -278,3 +279,94 @@ def least_in_segment(scene, work, b, k, d0, d1, best, when, looks):
         stack[top, 0], stack[top, 1], stack[top, 2] = m, d, depth + 1.0
         top += 1
     return best, when, looks
+
+
+@njit(_nrt=False)
+def _steady_sweep(x0, y0, x1, y1, rho):
+    """`limb_sweep`, larger: it bounds the sweep of every part of the segment by the part's share.
+
+    With b the angle of `_bend` at radius r, |db/dr| = |r^2 - rho^2 + 1| / (2 rho r^2 sin b), and
+    sin b is least at an end of the radii on the way or where b is stationary.
+    """
+    dx, dy = x1 - x0, y1 - y0
+    far = np.sqrt(max(x0 * x0 + y0 * y0, x1 * x1 + y1 * y1))
+    s = min(max(-(x0 * dx + y0 * dy) / max(dx * dx + dy * dy, 1e-300), 0.0), 1.0)
+    near = np.sqrt((x0 + s * dx) ** 2 + (y0 + s * dy) ** 2)
+    least = 1.0
+    for r in (near, far):
+        c = (r * r + rho * rho - 1.0) / max(2.0 * rho * r, 1e-300)
+        least = min(least, 1.0 - c * c)
+    if near < _SHOULDER or least <= 0.0:
+        return 1e300
+    slope = max(abs(near * near - rho * rho + 1.0), abs(far * far - rho * rho + 1.0))
+    slope /= 2.0 * rho * near * near * np.sqrt(least)
+    return np.sqrt(dx * dx + dy * dy) * max(1.0, rho * (slope + 1.0 / near))
+
+
+@njit(_nrt=False)
+def leg_is_free(scene, work):
+    """Tell whether the limb stays farther than `work.floor` from all obstacles on one segment.
+
+    What comes within HAIR of the floor may count as touching.
+
+    Parameters
+    ----------
+    scene : Scene
+    work : Sweep
+        Of a path of two samples, with a resolution that does not count.
+    """
+    bodies, limb, time, hand, poses = scene.bodies, scene.limb, work.time, work.hand, work.poses
+    x0, y0 = hand[0, 0], hand[0, 1]
+    sweep = limb_sweep(x0, y0, hand[1, 0], hand[1, 1], limb.rho)
+    steady = _steady_sweep(x0, y0, hand[1, 0], hand[1, 1], limb.rho)
+    ex, ey = elbow_of(x0, y0, limb.rho, limb.side)
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] == HAND:
+            continue
+        slip = drift(bodies, b, time[0], time[1])
+        pose_at(bodies, b, time[0], poses)
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+        ball = limb_point2(x, y, x0, y0, ex, ey) + z * z
+        if ball > (bodies.rows[b, REACH] + work.floor + slip + sweep) ** 2:
+            continue
+        d = arm_distance(bodies, poses, b, x0, y0, ex, ey)
+        if d - slip - sweep > work.floor:
+            continue
+        if steady > 2.0 * sweep:  # the limb turns much faster somewhere than elsewhere
+            d1 = limb_distance(scene, b, time[1], hand[1, 0], hand[1, 1], poses)
+            if min(d, d1) <= work.floor:
+                return False
+            if least_in_segment(scene, work, b, 0, d, d1, d, 0.0, 0)[0] <= work.floor:
+                return False
+            continue
+        if not _keeps_away(scene, b, work, d, slip + steady):
+            return False
+    return True
+
+
+@njit(_nrt=False)
+def _keeps_away(scene, b, work, d0, way):
+    """`leg_is_free` of body b, at d0 when the leg begins, by bisection.
+
+    No part of the leg brings limb and body nearer by more than its share of `way`.
+    """
+    time, hand, poses, stack = work.time, work.hand, work.poses, work.stack
+    x0, y0, dx, dy = hand[0, 0], hand[0, 1], hand[1, 0] - hand[0, 0], hand[1, 1] - hand[0, 1]
+    s0, top = 0.0, 1
+    stack[0, 0], stack[0, 1] = 1.0, -1.0
+    while top > 0:
+        s1, d1 = stack[top - 1, 0], stack[top - 1, 1]
+        if d1 < 0.0:
+            t = time[0] + s1 * (time[1] - time[0])
+            d1 = stack[top - 1, 1] = limb_distance(scene, b, t, x0 + s1 * dx, y0 + s1 * dy, poses)
+            if d1 <= work.floor + HAIR:
+                return False
+        if 0.5 * (d0 + d1 - way * (s1 - s0)) > work.floor:
+            s0, d0 = s1, d1
+            top -= 1
+        elif way * (s1 - s0) < HAIR or top > DEEPEST:
+            return False
+        else:
+            stack[top, 0], stack[top, 1] = 0.5 * (s0 + s1), -1.0
+            top += 1
+    return True

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Generic
 
@@ -158,6 +159,15 @@ class SpatialProblem(Task[SpatialTrajectory]):
         return early
 
 
+def until(situation: Situation, bound: float | None) -> Situation:
+    """The situation in which only catches until a bound count [s]; None is no bound."""
+    if bound is None or bound >= situation.horizon:
+        return situation
+    if not bound > 0.0:
+        raise ValueError(f"bound: must be positive (got {bound:g})")
+    return replace(situation, horizon=bound)
+
+
 def straight_catch(
     problem: Problem,
     start: np.ndarray,
@@ -210,6 +220,35 @@ def straight_catch(
     return None
 
 
+def path_through(
+    arm: Arm, places: np.ndarray, arrival: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Way from the hand straight from place to place, with waits.
+
+    Parameters
+    ----------
+    places, arrival : (k, 2), (k,) ndarray
+        Where the hand turns or waits, and when it comes there [s].
+
+    Returns
+    -------
+    hand : (m, 2) ndarray
+        Straight pieces, sampled.
+    wanted : (m,) ndarray
+        When the hand should be there [s]; it waits at the end of each piece.
+    """
+    hand, wanted = [np.array([arm.hand])], [np.zeros(1)]
+    for place, come in zip(places, arrival, strict=True):
+        piece = straight_path(hand[-1][-1], place)
+        under_way = np.concatenate([[0.0], np.cumsum(segment_times(arm, piece))])
+        leave = max(come - under_way[-1], wanted[-1][-1])
+        share = under_way / max(under_way[-1], 1e-300)
+        times = leave + share * (come - leave)
+        hand += [piece[:1], piece[1:]]
+        wanted += [np.array([leave]), times[1:]]
+    return np.vstack(hand), np.concatenate(wanted)
+
+
 def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt | None:
     """Time a path through hand-space by the front's arrival and end it on a target.
 
@@ -255,6 +294,17 @@ def go_on(
         return None
     time = np.concatenate([time, ending[0][1:]])
     return attempt_of(problem, time, np.vstack([hand, ending[1][1:]]), ending[2])
+
+
+def hole_of(arm: Arm) -> float:
+    """Distance that moves keep from the shoulder: of the hole's rim, or of the singular point.
+
+    A hand that starts nearer may go on from there.
+    """
+    nearest = math.hypot(*arm.hand)
+    if arm.inner_reach > 0.0:
+        return min(arm.inner_reach + HOLE_MARGIN, nearest * (1.0 - 1e-8))
+    return min(HOLE_MARGIN, 0.5 * nearest)
 
 
 def out_of_hole(arm: Arm, hand: np.ndarray) -> np.ndarray:

@@ -9,7 +9,14 @@ from typing import Any, Generic, TypeAlias, TypeVar
 from gcm_learn.handspace import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion import Failure, Reason, Verdict
-from gcm_learn.planners.completion import Attempt, Problem, finish, judged, straight_plan
+from gcm_learn.planners.completion import (
+    Attempt,
+    Problem,
+    finish,
+    judged,
+    straight_plan,
+    until,
+)
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
@@ -51,14 +58,26 @@ class FrontPlanner:
     """The maps to try, in order."""
     direct: bool = False
     """Try the straight line first: where it holds, no path is faster, and no map is needed."""
+    find: Callable[[Problem], Plan | None] | None = None
+    """A search without a map, whose answer is final; where it has none, maps are made."""
 
-    def plan(self, situation: Situation) -> Plan:
-        """Answer a situation."""
-        problem = Problem(situation, self.name)
+    def plan(self, situation: Situation, bound: float | None = None) -> Plan:
+        """Answer a situation.
+
+        Parameters
+        ----------
+        situation : Situation
+        bound : float, optional
+            Only catches until then count [s], as where the caller has one already.  What cannot
+            meet a target by then is not explored.
+        """
+        problem = Problem(until(situation, bound), self.name)
         answer = problem.early_answer()
         if answer is None and self.direct:
             straight = straight_plan(problem)
             answer = straight if straight.caught else None
+        if answer is None and self.find is not None:
+            answer = self.find(problem)
         return self.search(problem) if answer is None else answer
 
     def search(self, problem: Problem) -> Plan:

@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from gcm_learn.handspace import chart_of
 from gcm_learn.maps import explore, map_of
-from gcm_learn.motion import segment_times, straight_path
-from gcm_learn.planners.completion import Attempt, Problem, finish, go_on, straight_catch, timed
+from gcm_learn.planners.completion import (
+    Attempt,
+    Problem,
+    finish,
+    go_on,
+    path_through,
+    straight_catch,
+    timed,
+)
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import FrontPlanner, Level, finer, first_arrival, without_margin
+from gcm_learn.planners.goal_directed import found
 from gcm_learn.situation import Arm
 from gcm_learn.wave import Front, MarchingParams, WaveParams, fastest
 
@@ -22,10 +31,12 @@ BEYOND = 4.0  # what a path through cells' centres loses at most to the best one
 DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
-def layered(params: MarchingParams | None = None) -> FrontPlanner:
+def layered(params: MarchingParams | None = None, *, search: bool = False) -> FrontPlanner:
     """The planner of first choice: marching in which the hand may wait.
 
     Where the straight line to the earliest interception holds, that is the answer, without a map.
+    With `search` a search straight for the target comes next (`goal_directed`), without a map, too;
+    maps are then for arms with limits of joints and for what the search leaves open.
     The map without margin sees every gap that is as wide as a cell, so where it has no interception
     none is looked for any more.  Descents on first-arrival maps cut corners in another way than
     chains of cells do, and now and then hold where those fail.
@@ -46,7 +57,8 @@ def layered(params: MarchingParams | None = None) -> FrontPlanner:
         Level(finer(bare), waiting, 8, BEYOND),
         Level(finer(bare), first_arrival),
     )
-    return FrontPlanner("layered", levels, direct=True)
+    find = partial(found, n=params.n) if search else None
+    return FrontPlanner("layered", levels, direct=True, find=find)
 
 
 def waiting(problem: Problem, params: MarchingParams, feedback: Feedback) -> Exploration:
@@ -84,26 +96,8 @@ def explored(problem: Problem, front: Front, params: WaveParams | MarchingParams
 
 
 def path_to(front: Front, arm: Arm, chain: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Way from the hand through states, with waits.
-
-    Returns
-    -------
-    hand : (m, 2) ndarray
-        Straight pieces between the states, sampled.
-    wanted : (m,) ndarray
-        When the hand should be there [s]; it waits at the end of each piece.
-    """
-    places = front.chart.hands[front.nodes[chain]]
-    hand, wanted = [np.array([arm.hand])], [np.zeros(1)]
-    for state, place in zip(chain, places, strict=True):
-        piece = straight_path(hand[-1][-1], place)
-        under_way = np.concatenate([[0.0], np.cumsum(segment_times(arm, piece))])
-        leave = max(front.arrival[state] - under_way[-1], wanted[-1][-1])
-        share = under_way / max(under_way[-1], 1e-300)
-        times = leave + share * (front.arrival[state] - leave)
-        hand += [piece[:1], piece[1:]]
-        wanted += [np.array([leave]), times[1:]]
-    return np.vstack(hand), np.concatenate(wanted)
+    """Way (m, 2) from the hand through states, with waits, and when it should be there (m,) [s]."""
+    return path_through(arm, front.chart.hands[front.nodes[chain]], front.arrival[chain])
 
 
 def _attempts(problem: Problem, front: Front, chain: list[int], wait: int) -> Iterator[Attempt]:

@@ -222,7 +222,7 @@ def batch_of(n):
 
 @njit
 def march_layers(plane, terms, postures, sheets, refused):
-    """March over cells and sheets until a target is met.
+    """March over cells and sheets until a target is met, or with `explore` to the horizon.
 
     Parameters
     ----------
@@ -249,7 +249,10 @@ def march_layers(plane, terms, postures, sheets, refused):
     ways = target_ways(postures.bodies, terms.grasp, end * kappa)
     seed(plane, agenda)
     total, met, body, when, bucket, idle = 0, -1, -1, end * kappa, 0, 0
-    while idle < BUCKETS and bucket <= end * PER_CELL and bucket <= when / kappa * PER_CELL:
+    last = end * PER_CELL
+    while (
+        idle < BUCKETS and bucket <= last and (terms.explore or bucket <= when / kappa * PER_CELL)
+    ):
         idle += 1
         now = min((bucket + 1.0) / PER_CELL, end)
         posed = False
@@ -269,7 +272,7 @@ def march_layers(plane, terms, postures, sheets, refused):
             free = keep_free(count, sheets.states.shape[0] - total, batch)
             for i in range(free):
                 since[i], until[i] = batch.start[i] * kappa, batch.limits[i]
-            shorten(postures, cells, since, until, free, end * kappa, coarse)
+            shorten(postures, cells, since, until, free, coarse)
             for i in range(free):
                 since[i] = max(since[i], terms.ignore * kappa)
             index, target, t = meet(postures, terms.grasp, cells, since, until, free, coarse, when)

@@ -43,8 +43,10 @@ def test_among_things_at_rest_waiting_gains_nothing():
     compared = 0
     for k in range(20):
         setting = setting_of(three_discs(seeding.rng(62, k), moving=False, horizon=2.0), N)
-        plain, layered = march(*setting, GUARDED), earliest(march_layers(*setting, GUARDED))
-        both = (plain.first >= 0.0) & (state_of(plain) == 0) & np.isfinite(layered)
+        plain, front = march(*setting, GUARDED), march_layers(*setting, GUARDED)
+        layered = earliest(front)
+        # Plain marching goes round the cells of a target, as round what is frozen.
+        both = (plain.first >= 0.0) & (state_of(plain) == 0) & (layered < front.met_time)
         if not both.any():
             continue  # the limb is blocked at the start
         compared += 1
@@ -122,3 +124,13 @@ def test_a_cell_is_entered_again_when_it_is_free():
     assert again.sum() > 0.8 * frozen.sum()
     for iy, ix in np.argwhere(again):
         assert not occupied_cells(crossing, setting.lattice, first[iy, ix] + 1e-9)[iy, ix]
+
+
+def test_to_the_horizon_it_goes_on_after_the_meeting():
+    near = scene(disc("target", "near", (1.2, 0.3)), hand=(1.0, 0.0), horizon=1.5)
+    setting = setting_of(near, N)
+    stopped = march_layers(*setting, MarchingParams(n=N))
+    explored = march_layers(*setting, GUARDED)
+    assert stopped.met_time == explored.met_time < 0.5
+    assert len(explored.nodes) > 2 * len(stopped.nodes)
+    assert explored.arrival.max() > 0.9

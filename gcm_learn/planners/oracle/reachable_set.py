@@ -11,8 +11,7 @@ import numpy as np
 
 from gcm_learn.collision import first_touch
 from gcm_learn.handspace import SMALLEST_LATTICE, Lattice
-from gcm_learn.motion import HOLE_MARGIN
-from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.completion import Problem, hole_of
 from gcm_learn.planners.oracle import kernels
 from gcm_learn.planners.oracle.kernels import Front, Grid, Regime, Workspace
 from gcm_learn.planners.oracle.moves import MOVES, PAST, RIM, STRETCH
@@ -192,23 +191,12 @@ def _regime(problem: Problem, h: float, exact: bool, waiting: bool, after: float
         rules=rules,
         exact=exact,
         waiting=waiting,
-        hole=_hole(arm),
+        hole=hole_of(arm),
         meet=meet,
         after=after,
         start_until=_start_until(problem, rules.touch),
         margin=4.0 * h / arm.max_hand_speed,
     )
-
-
-def _hole(arm: Arm) -> float:
-    """Distance that moves keep from the shoulder: of the hole's rim, or of the singular point.
-
-    A hand that starts nearer may go on from there.
-    """
-    nearest = math.hypot(*arm.hand)
-    if arm.inner_reach > 0.0:
-        return min(arm.inner_reach + HOLE_MARGIN, nearest * TIDY)
-    return min(HOLE_MARGIN, 0.5 * nearest)
 
 
 def _start_until(problem: Problem, touch: float) -> float:

@@ -1,0 +1,99 @@
+"""From a situation to a catch by the goal-directed search (`planners.sipp`), verified."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.collision import postures_of
+from gcm_learn.handspace import LARGEST_LATTICE, Lattice, hand_space
+from gcm_learn.motion import Failure, straight_path
+from gcm_learn.planners.completion import (
+    Attempt,
+    Problem,
+    go_on,
+    hole_of,
+    judged,
+    path_through,
+    timed,
+)
+from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.sipp import search
+from gcm_learn.planners.sipp_labels import Catch, Ground, Labels, leg_room, room_for, unasked
+from gcm_learn.scene import elbow_of
+
+MOST = 40_000  # labels that are taken up at most
+BRIEF = 1_200  # of them on the finer lattice
+FINER = 3  # its cells a side, for two of the other
+GAIN = 0.01  # share of the horizon by which a catch must be earlier to be looked for
+INSTANT = 0.1  # resolution of interceptions [crossings of a cell]
+LABELS = 3  # for which there is room, for every cell
+
+
+def found(problem: Problem, n: int) -> Plan | None:
+    """What the search says of a problem: a verified catch, or that there is none.
+
+    None where it cannot tell: legs know no limits of joints, and a rest between two of them is
+    looked at only so often that a plan may, rarely, turn out to touch.
+
+    Parameters
+    ----------
+    problem : Problem
+    n : int
+        Cells a side of the lattice.  A finer one, which sees narrower gaps, is looked at briefly.
+    """
+    if problem.situation.arm.max_joint_speed is not None:
+        return None
+    for size, most in ((n, MOST), (min(FINER * n // 2, LARGEST_LATTICE), BRIEF)):
+        ground, labels, caught = searched(problem, size, most)
+        if caught.label >= 0:
+            attempt = _attempt(problem, ground, labels, caught)
+            return None if attempt is None else judged(problem, attempt)[0]
+    return problem.answer(Failure.NO_INTERCEPTION)
+
+
+def searched(problem: Problem, n: int, most: int = MOST) -> tuple[Ground, Labels, Catch]:
+    """Search over n cells a side; the labels that were reached, and the earliest catch."""
+    arm, horizon = problem.situation.arm, problem.situation.horizon
+    ground = ground_of(problem, Lattice(n, arm.upper_arm, arm.elbow))
+    labels = room_for(LABELS * n * n)
+    caught, _ = search(ground, labels, horizon, GAIN * horizon, most)
+    return ground, labels, caught
+
+
+def ground_of(problem: Problem, lattice: Lattice) -> Ground:
+    """The lattice and the start as the search reads them."""
+    scene, space = problem.scene, hand_space(lattice)
+    elbow = elbow_of(scene.limb.x, scene.limb.y, scene.limb.rho, scene.limb.side)
+    limb = np.vstack([space.limb, [(scene.limb.x, scene.limb.y, *elbow)]])
+    nodes, bodies = len(limb), len(scene.bodies.rows)
+    rules, crossing = problem.rules, lattice.spacing / scene.limits.speed
+    touch, (first, size, soonest) = rules.touch, unasked(nodes)
+    return Ground(
+        scene=scene,
+        rules=rules._replace(instant=max(rules.instant, INSTANT * crossing)),
+        postures=postures_of(scene.bodies, limb, np.full(nodes, touch)),
+        n=lattice.n,
+        inside=space.inside,
+        spacing=lattice.spacing,
+        hole=hole_of(problem.situation.arm),
+        sweep=leg_room(bodies, touch),
+        first=first,
+        size=size,
+        soonest=soonest,
+    )
+
+
+def _attempt(problem: Problem, ground: Ground, labels: Labels, caught: Catch) -> Attempt | None:
+    """The movement that ends in a catch."""
+    arm, chain = problem.situation.arm, [caught.label]
+    while labels.via[chain[0]] >= 0:
+        chain.insert(0, int(labels.via[chain[0]]))
+    places = ground.postures.limb[labels.node[chain[1:]], :2]
+    hand, wanted = path_through(arm, places, labels.arrival[chain[1:]])
+    time, hand = timed(arm, wanted, hand)
+    leave = max(caught.leave, float(time[-1]))
+    if leave > time[-1]:
+        time, hand = np.append(time, leave), np.vstack([hand, hand[-1:]])
+    last = straight_path(hand[-1], np.array([caught.x, caught.y]))
+    times = np.linspace(leave, max(caught.time, leave), len(last))
+    return go_on(problem, time, hand, (times, last, caught.body))

@@ -1,0 +1,326 @@
+"""Kernels of the goal-directed search: safe intervals of cells, straight legs that are verified.
+
+It is safe interval path planning (Phillips and Likhachev, ICRA 2011) with any-angle legs whose
+clearance is asked for only when a label is expanded (Lazy Theta*: Nash, Koenig and Tovey, AAAI
+2010).  A label is a cell in one of its safe intervals; the limb rests there for as long as it
+lasts.  Its leg has been swept without sampling, so what a label says can be done.
+
+Labels are expanded in order of F plus the time that the hand still has to move, where F is when a
+target can be met at the soonest: A*, with a preference for being near among the many labels that
+can be at the same meeting.  What cannot meet a target before the bound is never queued.  A catch
+lowers the bound, and the search goes on until nothing is left.  Times in seconds.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.collision.distance import segment_point2
+from gcm_learn.collision.intervals import INSTANTS, NEVER, last_use, next_free, target_ways
+from gcm_learn.collision.occupancy import first_touch, passes_by
+from gcm_learn.collision.sweep import leg_is_free
+from gcm_learn.compiled import njit
+from gcm_learn.handspace import START_RADIUS
+from gcm_learn.motion.interception import first_interception
+from gcm_learn.planners.sipp_labels import Aim, Catch, pop, push, queue_of
+from gcm_learn.scene.bodies import HAND, PART
+from gcm_learn.wave.plane import STEP_I, STEP_J
+
+MOST_SPANS = 6  # safe intervals of one cell
+TRIES = 6  # of entering an interval: another way, then ever later
+ENDINGS = 4  # interceptions tried from one label, ever later
+NEAR = 1.0  # cells from a target: interceptions are tried from there
+GAIN = 0.1  # crossings that an arrival must be sooner to open a label again
+FINE = 0.2  # resolution of the end of a safe interval [crossings]
+LATE = 0.5  # and of its beginning, which is late by that much
+
+
+@njit(_nrt=False)
+def outlook(aim, speed, x, y, t):
+    """When a hand at (x, y) at time t can meet a target before the bound: F and the time to move.
+
+    Both NEVER if it cannot; F is not late by more than the instants are apart.
+    """
+    ways, end, step = aim.ways, aim.bound, aim.bound / INSTANTS
+    for i in range(max(int(t / step) - 1, 0), ways.shape[0]):
+        late, best = min(step * (i + 1), end), NEVER
+        for b in range(ways.shape[1]):
+            dx, dy, dz = x - ways[i, b, 0], y - ways[i, b, 1], ways[i, b, 2]
+            away = np.sqrt(dx * dx + dy * dy + dz * dz) - ways[i, b, 3]
+            best = min(best, max(away, 0.0) / speed)
+        if t + best <= late:
+            return max(step * i, t + best), best
+    return NEVER, NEVER
+
+
+@njit(_nrt=False)
+def free_until(postures, m, t, end, shortest):
+    """Until when the limb of node m, which is free at t, stays so; `end` at most."""
+    bodies, limb, gap, _, scratch = postures
+    for b in range(bodies.rows.shape[0]):
+        hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
+        if bodies.rows[b, PART] == HAND or passes_by(
+            bodies, b, hx, hy, ex, ey, gap[m], t, end, scratch
+        ):
+            continue
+        touch = first_touch(bodies, b, hx, hy, ex, ey, gap[m], t, end, shortest, scratch)
+        end = touch if touch >= 0.0 else end
+    return end
+
+
+@njit(_nrt=False)
+def ask(m, total, aim, ground, labels):
+    """Find the safe intervals of node m in which it is of use; returns the number of labels."""
+    postures, speed, start = ground.postures, ground.rules.speed, ground.n * ground.n
+    limb, resolution = postures.limb, FINE * ground.spacing / speed
+    x, y = limb[m, 0], limb[m, 1]
+    t = np.sqrt((x - limb[start, 0]) ** 2 + (y - limb[start, 1]) ** 2) / speed
+    last = last_use(aim.ways, aim.bound, speed, x, y)
+    ground.first[m] = total
+    while t <= last and total < labels.node.size and ground.size[m] < MOST_SPANS:
+        t = next_free(postures, m, t, last, LATE * ground.spacing / speed)
+        if t > last:
+            break
+        labels.node[total], labels.since[total] = m, t
+        t = labels.until[total] = free_until(postures, m, t, last, resolution)
+        ground.size[m] += 1
+        total += 1
+        if t >= last:
+            break
+    return total
+
+
+@njit(_nrt=False)
+def entry(p, j, after, ground, labels):
+    """When, not before `after`, the hand can come straight from label p to j; NEVER if not."""
+    limb, a, b = ground.postures.limb, labels.node[p], labels.node[j]
+    step = np.sqrt((limb[a, 0] - limb[b, 0]) ** 2 + (limb[a, 1] - limb[b, 1]) ** 2)
+    step /= ground.rules.speed
+    t = max(labels.arrival[p] + step, labels.since[j], after)
+    if t > labels.until[j] or t - step > labels.until[p]:
+        return NEVER
+    return t
+
+
+@njit(_nrt=False)
+def leg(ground, t0, x0, y0, t1, x1, y1):
+    """Tell whether the hand can go straight from 0 to 1."""
+    time, hand, hole = ground.sweep.time, ground.sweep.hand, ground.hole
+    if segment_point2(0.0, 0.0, x0, y0, x1, y1) < hole * hole:
+        return False
+    time[0], time[1] = t0, t1
+    hand[0, 0], hand[0, 1], hand[1, 0], hand[1, 1] = x0, y0, x1, y1
+    return leg_is_free(ground.scene, ground.sweep)
+
+
+@njit(_nrt=False)
+def comes(j, ground, labels):
+    """Tell whether the leg that `tent` of label j stands for is free."""
+    limb, a, b = ground.postures.limb, labels.node[labels.by[j]], labels.node[j]
+    away = np.sqrt((limb[a, 0] - limb[b, 0]) ** 2 + (limb[a, 1] - limb[b, 1]) ** 2)
+    t = labels.tent[j]
+    leave = t - away / ground.rules.speed
+    return leg(ground, leave, limb[a, 0], limb[a, 1], t, limb[b, 0], limb[b, 1])
+
+
+@njit(_nrt=False)
+def beside_start(m, ground):
+    """Tell whether a node is next to where the hand starts."""
+    limb, start = ground.postures.limb, ground.n * ground.n
+    away2 = (limb[m, 0] - limb[start, 0]) ** 2 + (limb[m, 1] - limb[start, 1]) ** 2
+    return away2 <= (START_RADIUS * ground.spacing) ** 2
+
+
+@njit(_nrt=False)
+def neighbour(m, d, ground):
+    """Neighbour d of 9 of node m that has been asked for, the start being the last; -1 if none."""
+    n, q = ground.n, ground.n * ground.n
+    if d == 8:
+        return q if beside_start(m, ground) else -1
+    i, j = m // n + STEP_I[d], m % n + STEP_J[d]
+    q = i * n + j
+    return q if 0 <= i < n and 0 <= j < n and ground.first[q] >= 0 else -1
+
+
+@njit(_nrt=False)
+def another_way(j, ground, labels):
+    """After a leg to label j has failed: the next best, from a neighbour or later; NEVER if none.
+
+    Returns when it comes and from which label.
+    """
+    m, tries = labels.node[j], labels.tries[j]
+    after, best, by = labels.tent[j], NEVER, -1
+    if tries > 0:
+        after += 0.25 * 2.0**tries * ground.spacing / ground.rules.speed
+    for e in range(9):
+        q = neighbour(m, (e + 3 * tries) % 9, ground)
+        for p in range(ground.first[q], ground.first[q] + ground.size[q]) if q >= 0 else range(0):
+            if labels.arrival[p] < NEVER:
+                t = entry(p, j, after, ground, labels)
+                if t < best:
+                    best, by = t, p
+    return best, by
+
+
+@njit(_nrt=False)
+def comes_near(s, i, aim, ground, labels):
+    """From instant i on, the first at which a target comes near label s; -1 if none does."""
+    limb, m, ways, near = ground.postures.limb, labels.node[s], aim.ways, NEAR * ground.spacing
+    for k in range(i, INSTANTS):
+        for b in range(ways.shape[1]):
+            dx, dy, dz = limb[m, 0] - ways[k, b, 0], limb[m, 1] - ways[k, b, 1], ways[k, b, 2]
+            if dx * dx + dy * dy + dz * dz <= (ways[k, b, 3] + near) ** 2:
+                return k
+    return -1
+
+
+@njit
+def ending(s, aim, ground, labels):
+    """Go straight from label s to a target that comes near it before the bound."""
+    step, arrival = aim.bound / INSTANTS, labels.arrival[s]
+    i = comes_near(s, int(arrival / step), aim, ground, labels)
+    while i >= 0:
+        found = dash(s, max(arrival, step * i), step * (i + 1), ground, labels)
+        if found.time < NEVER:
+            return found
+        i = comes_near(s, i + 1, aim, ground, labels)
+    return Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
+
+
+@njit
+def dash(s, since, end, ground, labels):
+    """Go straight from label s to a target, met in [since, end]: at once or after a wait."""
+    limb, m, speed = ground.postures.limb, labels.node[s], ground.rules.speed
+    x, y, come = limb[m, 0], limb[m, 1], labels.arrival[s]
+    for k in range(ENDINGS):
+        t, body, px, py = first_interception(ground.scene, ground.rules, x, y, come, since, end)
+        if body < 0:
+            break
+        leave = t - np.sqrt((px - x) ** 2 + (py - y) ** 2) / speed
+        if leg(ground, come, x, y, t, px, py):
+            return Catch(t, s, come, px, py, body)
+        if come < leave <= labels.until[s] and leg(ground, leave, x, y, t, px, py):
+            return Catch(t, s, leave, px, py, body)
+        since = t + 0.5 * 2.0**k * ground.spacing / speed
+    return Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
+
+
+@njit
+def search(ground, labels, bound, gain, most):
+    """Find the earliest catch before a bound, to within `gain`.
+
+    Parameters
+    ----------
+    ground, labels : Ground, Labels
+        Nothing asked for yet, and room.
+    bound, gain : float
+        [s]
+    most : int
+        Labels that are taken up at most.
+
+    Returns
+    -------
+    catch : Catch
+    taken : int
+        Labels that were taken up.
+    """
+    bodies, speed, n = ground.scene.bodies, ground.rules.speed, ground.n
+    grasp, limb, start = ground.scene.limits.grasp, ground.postures.limb, n * n
+    aim = Aim(target_ways(bodies, grasp, bound), bound)
+    caught = Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
+    labels.node[0], labels.since[0], labels.arrival[0] = start, 0.0, 0.0
+    labels.until[0] = free_until(ground.postures, start, 0.0, bound, FINE * ground.spacing / speed)
+    ground.first[start], ground.size[start] = 0, 1
+    queue, total, taken = queue_of(labels.node.size), 1, 0
+    offers(0, aim, queue, ground, labels)
+    while queue.size[0] > 0 and taken < most:
+        t, s = pop(queue)
+        if s < 0:
+            if ground.first[-1 - s] < 0:
+                total = ask(-1 - s, total, aim, ground, labels)
+                welcome(-1 - s, aim, queue, ground, labels)
+            continue
+        m = labels.node[s]
+        if t != labels.tent[s] or outlook(aim, speed, limb[m, 0], limb[m, 1], t)[0] >= NEVER:
+            continue
+        taken += 1
+        if not comes(s, ground, labels):
+            labels.tries[s] += 1
+            t, labels.by[s] = another_way(s, ground, labels)
+            labels.tent[s] = NEVER
+            if t < labels.arrival[s] and labels.tries[s] <= TRIES:
+                put(s, t, aim, queue, ground, labels)
+            continue
+        labels.arrival[s], labels.via[s] = t, labels.by[s]
+        if comes_near(s, int(t * INSTANTS / aim.bound), aim, ground, labels) >= 0:
+            found = ending(s, aim, ground, labels)
+            if found.time < NEVER:
+                caught = found
+                if found.time <= gain:
+                    break
+                aim = Aim(target_ways(bodies, grasp, found.time - gain), found.time - gain)
+        offers(s, aim, queue, ground, labels)
+    return caught, taken
+
+
+@njit(_nrt=False)
+def put(k, t, aim, queue, ground, labels):
+    """Queue label k, to be reached at t, unless no target can be met from there any more."""
+    limb, m = ground.postures.limb, labels.node[k]
+    ahead, away = outlook(aim, ground.rules.speed, limb[m, 0], limb[m, 1], t)
+    if ahead < NEVER:
+        labels.tent[k] = t
+        push(queue, ahead + away, t, k)
+
+
+@njit(_nrt=False)
+def enter(s, q, aim, queue, ground, labels):
+    """Offer the safe intervals of node q what can come from label s, or straight past it."""
+    tolerance = GAIN * ground.spacing / ground.rules.speed
+    for k in range(ground.first[q], ground.first[q] + ground.size[q]):
+        t, by, tries = entry(s, k, 0.0, ground, labels), s, 1
+        if labels.via[s] >= 0:
+            past = entry(labels.via[s], k, 0.0, ground, labels)
+            if past <= t:
+                t, by, tries = past, labels.via[s], 0
+        if t < min(labels.tent[k], labels.arrival[k] - tolerance):
+            labels.by[k], labels.tries[k] = by, tries
+            put(k, t, aim, queue, ground, labels)
+
+
+@njit(_nrt=False)
+def welcome(q, aim, queue, ground, labels):
+    """Let all labels around enter node q, which has just been asked for."""
+    for d in range(9):
+        m = neighbour(q, d, ground)
+        for p in range(ground.first[m], ground.first[m] + ground.size[m]) if m >= 0 else range(0):
+            if labels.arrival[p] < NEVER:
+                enter(p, q, aim, queue, ground, labels)
+
+
+@njit(_nrt=False)
+def offers(s, aim, queue, ground, labels):
+    """Queue what can be reached from label s; a node not asked for yet as a whole."""
+    n, m, limb, speed = ground.n, labels.node[s], ground.postures.limb, ground.rules.speed
+    wide, row, column = 1, m // n, m % n
+    if s == 0:
+        wide = int(START_RADIUS) + 1
+        row = int((limb[m, 1] - limb[0, 1]) / ground.spacing + 0.5)
+        column = int((limb[m, 0] - limb[0, 0]) / ground.spacing + 0.5)
+    p = max(labels.via[s], 0)
+    a = labels.node[p]
+    for i in range(max(row - wide, 0), min(row + wide + 1, n)):
+        for j in range(max(column - wide, 0), min(column + wide + 1, n)):
+            q = i * n + j
+            if q == m or not ground.inside[q] or (s == 0 and not beside_start(q, ground)):
+                continue
+            if ground.first[q] >= 0:
+                enter(s, q, aim, queue, ground, labels)
+                continue
+            x, y = limb[q, 0], limb[q, 1]
+            t = labels.arrival[p] + np.sqrt((limb[a, 0] - x) ** 2 + (limb[a, 1] - y) ** 2) / speed
+            if t < ground.soonest[q]:
+                ahead, away = outlook(aim, speed, x, y, t)
+                if ahead < NEVER:
+                    ground.soonest[q] = t
+                    push(queue, ahead + away, t, -1 - q)

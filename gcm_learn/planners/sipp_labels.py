@@ -1,0 +1,130 @@
+"""What the goal-directed search keeps: nodes, labels, a queue. Times in seconds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.collision.intervals import NEVER
+from gcm_learn.collision.occupancy import Postures
+from gcm_learn.collision.sweep import DEEPEST, Sweep
+from gcm_learn.compiled import njit
+from gcm_learn.motion.rules import Rules
+from gcm_learn.scene import Scene
+
+ANY = 1e9  # resolution of a clearance of which only the sign matters
+
+
+class Ground(NamedTuple):
+    """The cells of a lattice, and the start as one more node."""
+
+    scene: Scene
+    rules: Rules
+    postures: Postures  # limbs of all nodes
+    n: int
+    inside: np.ndarray  # (n * n,) bool
+    spacing: float  # [forearm lengths]
+    hole: float  # distance that legs keep from the shoulder
+    sweep: Sweep  # room to ask for a leg
+    first: np.ndarray  # (n * n + 1,) int: a node's first label, -1 before it is asked for
+    size: np.ndarray  # (n * n + 1,) int: of its labels
+    soonest: np.ndarray  # (n * n + 1,): when it is queued to be asked for
+
+
+class Labels(NamedTuple):
+    """Nodes in their safe intervals; what is `tent` has not been verified."""
+
+    node: np.ndarray  # (m,) int
+    since: np.ndarray  # (m,): the interval
+    until: np.ndarray
+    arrival: np.ndarray  # (m,): verified, NEVER before
+    via: np.ndarray  # (m,) int: label that the hand comes from, -1 for none
+    tent: np.ndarray  # (m,)
+    by: np.ndarray  # (m,) int
+    tries: np.ndarray  # (m,) int: of `tent`; 0 for a leg past the label that offers it
+
+
+class Queue(NamedTuple):
+    """A binary heap; what does not fit is dropped."""
+
+    key: np.ndarray  # (m,)
+    time: np.ndarray  # (m,): arrival that an entry stands for
+    label: np.ndarray  # (m,) int: -1 - node if the node is to be asked for first
+    size: np.ndarray  # (1,) int
+
+
+class Aim(NamedTuple):
+    """What is searched for."""
+
+    ways: np.ndarray  # (INSTANTS + 1, targets, 4): `target_ways` until the bound
+    bound: float
+
+
+class Catch(NamedTuple):
+    """Where a search ends."""
+
+    time: float  # NEVER if there is none
+    label: int
+    leave: float  # when the hand leaves the label for the target
+    x: float
+    y: float
+    body: int
+
+
+@njit
+def queue_of(count):
+    """Nothing queued yet."""
+    return Queue(np.empty(count), np.empty(count), np.empty(count, np.int64), np.zeros(1, np.int64))
+
+
+@njit(_nrt=False)
+def push(queue, key, time, label):
+    """Queue an entry."""
+    k = queue.size[0]
+    if k == queue.key.size:
+        return
+    queue.size[0] = k + 1
+    while k > 0 and queue.key[(k - 1) // 2] > key:
+        up = (k - 1) // 2
+        queue.key[k], queue.time[k], queue.label[k] = queue.key[up], queue.time[up], queue.label[up]
+        k = up
+    queue.key[k], queue.time[k], queue.label[k] = key, time, label
+
+
+@njit(_nrt=False)
+def pop(queue):
+    """Take the entry with the smallest key: its time and label."""
+    time, label = queue.time[0], queue.label[0]
+    last = queue.size[0] = queue.size[0] - 1
+    key, k = queue.key[last], 0
+    while 2 * k + 1 < last:
+        down = 2 * k + 1
+        if down + 1 < last and queue.key[down + 1] < queue.key[down]:
+            down += 1
+        if queue.key[down] >= key:
+            break
+        queue.key[k], queue.label[k] = queue.key[down], queue.label[down]
+        queue.time[k] = queue.time[down]
+        k = down
+    queue.key[k], queue.time[k], queue.label[k] = key, queue.time[last], queue.label[last]
+    return time, label
+
+
+def leg_room(bodies: int, floor: float) -> Sweep:
+    """Room to ask for legs among so many bodies; nearer than `floor` counts as touching."""
+    stack = np.empty((DEEPEST + 2, 3))
+    return Sweep(np.zeros(2), np.zeros((2, 2)), floor, ANY, np.zeros((bodies, 12)), stack)
+
+
+def unasked(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """First label, number of labels and `soonest` (nodes,) before any node has been asked for."""
+    return np.full(nodes, -1), np.zeros(nodes, dtype=np.int64), np.full(nodes, NEVER)
+
+
+@njit
+def room_for(count):
+    """Labels of nothing yet."""
+    node, via, by, tries = np.full((4, count), -1)
+    since, until, arrival, tent = np.full((4, count), NEVER)
+    return Labels(node, since, until, arrival, via, tent, by, tries)

@@ -1,0 +1,131 @@
+"""The search without a map: what it queues, what it finds, and that a bound is kept."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gcm_learn import families, seeding
+from gcm_learn.collision.occupancy import passes_by
+from gcm_learn.collision.sweep import DEEPEST, Sweep, least_distance, leg_is_free
+from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners import layered
+from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.goal_directed import GAIN, searched
+from gcm_learn.scene import elbow_of, pack
+from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, poses_at
+from gcm_learn.situation import Arm
+from gcm_learn.wave import MarchingParams
+from tests.referee import judge
+
+N = 80
+MIXED = [
+    families.draw(name, 81, k)
+    for name in ("random-planar", "gate", "crossing-swarm", "random-solid", "late-target")
+    for k in range(4)
+]
+PLANNER = layered(MarchingParams(n=N), search=True)
+
+
+def test_it_catches_what_maps_catch_and_as_soon():
+    found = [PLANNER.plan(s) for s in MIXED]
+    mapped = [layered(MarchingParams(n=N)).plan(s) for s in MIXED]
+    for s, ours, theirs in zip(MIXED, found, mapped, strict=True):
+        assert ours.caught or not theirs.caught
+        assert not ours.caught or judge(s, ours).complaints == []
+        if theirs.caught:  # paths from centre to centre are a little longer
+            assert ours.catch_time <= theirs.catch_time + 2.0 * GAIN * s.horizon
+    assert sum(p.caught for p in found) >= 12
+    assert sum(p.caught and p.map is None for p in found) == sum(p.caught for p in found)
+
+
+def test_a_bound_is_kept_and_loses_nothing():
+    caught = [(s, plan.catch_time) for s in MIXED if (plan := PLANNER.plan(s)).caught]
+    assert len(caught) >= 12
+    for situation, when in caught:
+        again = PLANNER.plan(situation, bound=1.02 * when)
+        assert again.caught and again.catch_time <= 1.02 * when
+        assert abs(again.catch_time - when) <= 2.0 * GAIN * situation.horizon
+        sooner = PLANNER.plan(situation, bound=0.7 * when)
+        assert not sooner.caught or sooner.catch_time <= 0.7 * when
+
+
+@pytest.mark.parametrize("bound", [0.0, -1.0, float("nan")])
+def test_a_bound_must_be_positive(bound):
+    with pytest.raises(ValueError, match="bound"):
+        PLANNER.plan(MIXED[0], bound=bound)
+
+
+def test_nothing_is_queued_that_cannot_meet_a_target_before_the_bound():
+    problems = [Problem(s, "search") for s in MIXED]
+    counts = [queued_in_time(p) for p in problems if p.early_answer() is None]
+    assert len(counts) >= 12 and min(counts) > 0
+
+
+def queued_in_time(problem):
+    """Check all labels of a search, and count them."""
+    scene, end = problem.scene, problem.situation.horizon
+    ground, labels, _ = searched(problem, N)
+    queued = np.flatnonzero((labels.tent < 1e300) & (labels.node >= 0))
+    instants = np.linspace(0.0, end, 400)
+    poses, reach = np.zeros((len(scene.bodies.rows), 12)), np.full(len(queued), np.inf)
+    rows = scene.bodies.rows
+    for t in instants:
+        poses_at(scene.bodies, t, poses)
+        for b in np.flatnonzero(rows[:, PART] == HAND):
+            place = ground.postures.limb[labels.node[queued], :2]
+            away = np.hypot(np.hypot(*(place - poses[b, :2]).T), poses[b, 2])
+            away -= scene.limits.grasp + rows[b, 5] + 3.0 * rows[b, TOP_SPEED] * end / 24
+            late = away / scene.limits.speed + labels.tent[queued] - t
+            reach = np.minimum(reach, late)
+    assert (reach <= 1e-9).all()
+    return len(queued)
+
+
+def test_a_leg_is_free_when_its_least_distance_says_so():
+    counts = np.sum([legs(k) for k in range(20)], axis=0)
+    assert counts[0] > 800 and 50 < counts[1] < counts[0] - 50
+
+
+def legs(k):
+    """Compare legs of one scene; how many there were, and how many were free."""
+    rng = seeding.rng(82, k)
+    scene = pack(random_planar(rng, (2, 5)))
+    floor, bodies = scene.limb.thickness + 1e-3, len(scene.bodies.rows)
+    agreed, free = 0, 0
+    for _ in range(60):
+        time = np.sort(rng.uniform(0.0, scene.limits.horizon, 2))
+        turn, radius = rng.uniform(-np.pi, np.pi), rng.uniform(scene.limb.near + 0.1, 1.8)
+        start = radius * np.array([np.cos(turn), np.sin(turn)])
+        hand = np.array([start, start + rng.uniform(-0.4, 0.4, 2)])
+        if np.hypot(*hand[1]) > scene.limb.far or np.hypot(*hand[1]) < scene.limb.near:
+            continue
+        work = Sweep(time, hand, floor, 1e9, np.zeros((bodies, 12)), np.empty((DEEPEST + 2, 3)))
+        ours = leg_is_free(scene, work)
+        least = least_distance(scene, time, hand, -1.0, 1e-6)[0]
+        assert not ours or least > floor - 1e-9
+        assert ours or least <= floor + 1e-3
+        agreed, free = agreed + 1, free + ours
+    return agreed, free
+
+
+def test_what_passes_by_stays_away():
+    passed = 0
+    for k in range(30):
+        rng = seeding.rng(83, k)
+        situation = random_planar(rng, (3, 5))
+        scene, arm = pack(situation), situation.arm
+        assert isinstance(arm, Arm)
+        poses = np.zeros((len(scene.bodies.rows), 12))
+        hand = np.array(arm.hand)
+        elbow = elbow_of(*hand, scene.limb.rho, scene.limb.side)
+        t0, t1 = np.sort(rng.uniform(0.0, situation.horizon, 2))
+        for b in range(len(scene.bodies.rows)):
+            if not passes_by(scene.bodies, b, *hand, *elbow, 0.05, t0, t1, poses):
+                continue
+            passed += 1
+            for t in np.linspace(t0, t1, 50):
+                poses_at(scene.bodies, t, poses)
+                away = np.hypot(*(poses[b, :2] - hand)) - scene.bodies.rows[b, 5]
+                assert away > 0.05
+    assert passed > 30
