@@ -175,7 +175,7 @@ def test_out_is_left_alone_when_planning_breaks_off(
 def test_a_number_that_json_does_not_know_is_an_error(
     scene_file, scene, planner, capsys, monkeypatch
 ):
-    monkeypatch.setattr("gcm_learn.planners.plan_to_json", lambda plan: {"x": float("nan")})
+    monkeypatch.setattr("gcm_learn.planners.plan_to_json", lambda *_: {"x": float("nan")})
     assert main(["solve", str(scene_file(scene("a")))]) == 1
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and "'a'" in stderr

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +57,7 @@ def keep_catches() -> Path:
     return path
 
 
-def _file():  # type: ignore[no-untyped-def]
+def _file() -> Traversable:
     return files(__package__).joinpath("templates", "catches.jsonl")
 
 
