@@ -14,7 +14,7 @@ from gcm_learn.planners.space.accelerated import plan_accelerated
 from gcm_learn.planners.space.goals import Goals, add_more, no_goals, straight, straight_to
 from gcm_learn.planners.space.moves import Study, study_of
 from gcm_learn.planners.space.sides import Effort, two_sided
-from gcm_learn.planners.space.straight import at_once
+from gcm_learn.planners.space.straight import at_once, earliest_straight
 from gcm_learn.planners.space.ways import Way, hasten, new_way, samples_of, shorten, write
 from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
@@ -74,7 +74,14 @@ class LayeredInSpace:
         return self._planned(problem, end)
 
     def _planned(self, problem: SpatialProblem, end: float) -> Plan[SpatialTrajectory]:
-        """A catch before `end` [s], or the earliest one."""
+        """A catch before `end` [s], or the earliest one.
+
+        No movement is sooner than a straight line to the first interception, so if that is free
+        nothing else is looked for.
+        """
+        line = earliest_straight(problem)
+        if line.catch_time is not None and line.catch_time <= end:
+            return line
         study = study_of(problem.scene, problem.rules)
         best: Plan[SpatialTrajectory] | None = None
         while True:

@@ -32,7 +32,7 @@ from gcm_learn.scene.spatial_limb import BRANCHES, inverse, limb_at
 SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for
 _PLACES = 3
-_HALVINGS = 12  # of an instant, by which the earliest interception is told
+_HALVINGS = 8  # of an instant, by which the earliest interception is told
 _RIM = 1e-6  # share of the reach that is not used
 
 
@@ -149,6 +149,9 @@ def earliest_straight(problem: SpatialProblem) -> Plan[SpatialTrajectory]:
         return plan
     goals, reason = _earliest(study), None
     for k in np.argsort(goals.time[: goals.size[0]], kind="stable"):
+        t = goals.time[k]
+        if reason is not None and not straight_is_free(study, goals.joints[k], 0.0, t, t):
+            continue  # the first one's reason is enough
         attempt = _attempt(problem, study, goals, k, 0.0, goals.time[k])
         plan, why = checked(problem, attempt)
         if plan is not None:
@@ -165,13 +168,20 @@ def soonest_straight(study: Study) -> float:
 
 def _earliest(study: Study) -> Goals:
     """The goals of the first instant that has some, each as early as can be."""
-    before = 0.0
-    for t, goals in _meetings(study, INSTANTS):
-        if goals.size[0] > 0:
-            hasten_straight(study, goals, before)
-            break
-        before = t
+    goals = _room_for_goals(study)
+    _first_goals(study, goals, INSTANTS)
     return goals
+
+
+@njit
+def _first_goals(study, goals, instants):
+    """Add the goals of the first of some instants that has any, each as early as can be."""
+    horizon = study.scene.limits.horizon
+    for k in range(1, instants + 1):
+        meet_straight(study, goals, horizon * (k / instants), SWIVELS)
+        if goals.size[0] > 0:
+            hasten_straight(study, goals, horizon * ((k - 1) / instants))
+            return
 
 
 def any_straight(
@@ -209,13 +219,18 @@ def any_straight(
 
 def _meetings(study: Study, instants: int) -> Iterator[tuple[float, Goals]]:
     """Instants up to the horizon, and the goals at each, which the next ones overwrite."""
-    targets = int((study.scene.bodies.rows[:, PART] == HAND).sum())
-    most = targets * (1 + _PLACES * SWIVELS * BRANCHES)
-    goals = Goals(np.empty(most), np.empty((most, 4)), np.empty(most, int), np.zeros(1, int))
+    goals = _room_for_goals(study)
     for k in range(1, instants + 1):
         t = study.scene.limits.horizon * (k / instants)
         meet_straight(study, goals, t, SWIVELS)
         yield t, goals
+
+
+def _room_for_goals(study: Study) -> Goals:
+    """Room for all goals of an instant."""
+    targets = int((study.scene.bodies.rows[:, PART] == HAND).sum())
+    most = targets * (1 + _PLACES * SWIVELS * BRANCHES)
+    return Goals(np.empty(most), np.empty((most, 4)), np.empty(most, int), np.zeros(1, int))
 
 
 def _attempt(
