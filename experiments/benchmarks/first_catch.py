@@ -33,7 +33,7 @@ def marching_ms() -> float:
     spent = []
     for _ in range(REPEATS):
         began = time.perf_counter()
-        skfmm.travel_time(ball, speed, dx=place[1] - place[0], order=2)
+        skfmm.travel_time(ball, speed, dx=float(place[1] - place[0]), order=2)
         spent.append(1e3 * (time.perf_counter() - began))
     return float(np.median(spent))
 
