@@ -60,17 +60,11 @@ class LayeredInSpace:
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
-        caught = at_once(problem)
-        if caught is not None:
-            return caught
         end = min(situation.horizon, np.inf if bound is None else bound)
         if problem.accelerates:
-            return plan_accelerated(
-                problem,
-                (self._room_for_goals(problem), self._times(end)),
-                self.swivels,
-                self.plan,
-            )
+            tried = self._room_for_goals(problem), self._times(end)
+            caught = at_once(problem)
+            return caught or plan_accelerated(problem, tried, self.swivels, self.plan)
         return self._planned(problem, end)
 
     def _planned(self, problem: SpatialProblem, end: float) -> Plan[SpatialTrajectory]:
