@@ -50,10 +50,21 @@ def to_body(poses, b, x, y, z):
 
 
 @njit(_nrt=False)
+def solid_distance(bodies, poses, b, p, q):
+    """Distance of the segment p-q to box, capsule or cylinder b at its pose; 0 when they meet."""
+    kind, radius, length = bodies.rows[b, KIND], bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1]
+    p, q = to_body(poses, b, p[0], p[1], p[2]), to_body(poses, b, q[0], q[1], q[2])
+    if kind == BOX:
+        return segment_box(p, q, (radius, length, bodies.rows[b, SIZE + 2]))
+    if kind == CAPSULE:
+        return max(segment_axis(p, q, length) - radius, 0.0)
+    return segment_cylinder(p, q, radius, length)
+
+
+@njit(_nrt=False)
 def bone_distance(bodies, poses, b, joints, m, k):
     """Distance of the segment between joints k and k + 1 of limb m to body b at its pose."""
     kind, radius = bodies.rows[b, KIND], bodies.rows[b, SIZE]
-    length = bodies.rows[b, SIZE + 1]
     px, py, pz = joints[m, k, 0], joints[m, k, 1], joints[m, k, 2]
     qx, qy, qz = joints[m, k + 1, 0], joints[m, k + 1, 1], joints[m, k + 1, 2]
     if kind == DISC or kind == POLYGON:
@@ -62,12 +73,7 @@ def bone_distance(bodies, poses, b, joints, m, k):
         x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
         p, q = (px - x, py - y, pz - z), (qx - x, qy - y, qz - z)
         return max(segment_axis(p, q, 0.0) - radius, 0.0)
-    p, q = to_body(poses, b, px, py, pz), to_body(poses, b, qx, qy, qz)
-    if kind == BOX:
-        return segment_box(p, q, (radius, length, bodies.rows[b, SIZE + 2]))
-    if kind == CAPSULE:
-        return max(segment_axis(p, q, length) - radius, 0.0)
-    return segment_cylinder(p, q, radius, length)
+    return solid_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz))
 
 
 @njit(_nrt=False)

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.chains import to_body
-from gcm_learn.collision.segments import segment_axis, segment_box, segment_cylinder
+from gcm_learn.collision.chains import solid_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     BOX,
@@ -80,25 +79,6 @@ def _off_bone(px, py, pz, dx, dy, dz):
 
 
 @njit(_nrt=False)
-def _bone_body(bodies, poses, b, p, q):
-    """Distance of the segment p-q to solid b at its pose; 0 when they meet."""
-    kind, radius = bodies.rows[b, KIND], bodies.rows[b, SIZE]
-    length = bodies.rows[b, SIZE + 1]
-    if kind == SPHERE:
-        away = _off_bone(
-            poses[b, 0] - p[0], poses[b, 1] - p[1], poses[b, 2] - p[2],
-            q[0] - p[0], q[1] - p[1], q[2] - p[2],
-        )  # fmt: skip
-        return max(away - radius, 0.0)
-    p, q = to_body(poses, b, p[0], p[1], p[2]), to_body(poses, b, q[0], q[1], q[2])
-    if kind == BOX:
-        return segment_box(p, q, (radius, length, bodies.rows[b, SIZE + 2]))
-    if kind == CAPSULE:
-        return max(segment_axis(p, q, length) - radius, 0.0)
-    return segment_cylinder(p, q, radius, length)
-
-
-@njit(_nrt=False)
 def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
     """Distance of body b at t [s] to a limb (elbow, hand: six numbers).
 
@@ -127,9 +107,9 @@ def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
         if turned and (near_upper or near_fore):
             rotate(bodies, b, t, poses)
         if near_upper:
-            upper = _bone_body(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
+            upper = solid_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
         if near_fore:
-            fore = _bone_body(bodies, poses, b, (ex, ey, ez), (hx, hy, hz))
+            fore = solid_distance(bodies, poses, b, (ex, ey, ez), (hx, hy, hz))
     upper, fore = max(upper, 0.0), max(fore, 0.0)
     return min(upper, fore), min(upper - upper_slack, fore - fore_slack)
 
