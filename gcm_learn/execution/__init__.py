@@ -5,6 +5,7 @@
 >>> run_episode(agent, plant, np.arange(len(situations))).outcomes           # doctest: +SKIP
 """
 
+from gcm_learn.execution.belief import Belief
 from gcm_learn.execution.embedding import encoder
 from gcm_learn.execution.episode import (
     Agent,
@@ -18,6 +19,7 @@ from gcm_learn.execution.episode import (
 from gcm_learn.execution.fan import RAYS
 from gcm_learn.execution.follower import Follower
 from gcm_learn.execution.observation import MEETING
+from gcm_learn.execution.perception import Percept, Perception
 from gcm_learn.execution.plant import KinematicPlant
 from gcm_learn.execution.pool import Pool
 from gcm_learn.execution.settings import OUTCOMES, TERMS, Settings, Weights, settings_of
@@ -26,6 +28,7 @@ from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 
 __all__ = [
     "Agent",
+    "Belief",
     "CAUGHT",
     "COLLIDED",
     "Episodes",
@@ -35,6 +38,8 @@ __all__ = [
     "MEETING",
     "Moment",
     "OUTCOMES",
+    "Percept",
+    "Perception",
     "Plant",
     "Pool",
     "RAYS",

@@ -1,0 +1,111 @@
+"""What a look tells: exact without noise, errors as large as said, the same whenever asked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import families
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution import Perception
+from gcm_learn.scene import later
+from gcm_learn.situation import Pendulum
+
+NAMES = ("falling-space", "pendulum-space", "crossing-swarm-space", "door-space")
+
+
+@pytest.fixture(scope="module")
+def situations():
+    """Return situations with bodies that fly, swing, spin and rest."""
+    return [families.draw(name, 1400, k) for name in NAMES for k in range(3)]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("place", -0.1, "place: must be from 0 to 1e6 (got -0.1)"),
+        ("place", math.nan, "place: must be from 0 to 1e6 (got nan)"),
+        ("faster", "much", "faster: must be a number (got 'much')"),
+        ("dropouts", 51.0, "dropouts: must be at most 50 a second (got 51)"),
+        ("delay", 1.5, "delay: must be an integer (got 1.5)"),
+        ("delay", True, "delay: must be an integer (got True)"),
+        ("period", 0.0, "period: must be positive (got 0)"),
+    ],
+)
+def test_bad_settings_are_refused_in_one_line(name, value, reason):
+    with pytest.raises(ArenaError) as refused:
+        Perception(**{name: value})
+    assert str(refused.value) == reason
+
+
+def test_a_look_is_told_when_it_is_late(situations):
+    """Look k is of k - delay periods; before that, and after the horizon, nothing is told."""
+    for delay in (0, 1, 3):
+        eyes = Perception(delay=delay)
+        told = [eyes.told(situations[0], k, 0) for k in range(6)]
+        assert [percept is None for percept in told] == [k < delay for k in range(6)]
+        assert [p.time for p in told if p] == [0.02 * k for k in range(6 - delay)]
+    last = int(situations[0].horizon / 0.02) + 2
+    assert Perception(delay=0).told(situations[0], last, 0) is None
+
+
+def test_without_noise_all_but_accelerations_are_seen_as_they_are(situations):
+    for situation in situations:
+        percept = Perception().told(situation, 8, 0)
+        then = later(situation, percept.time, joints=situation.arm.joints)
+        for seen, body in zip(percept.bodies, then.bodies, strict=True):
+            if not isinstance(body.motion, Pendulum):
+                body = replace(body, motion=replace(body.motion, acceleration=(0.0, 0.0, 0.0)))
+            assert seen == body
+
+
+def test_errors_are_as_large_as_said(situations):
+    """Of places and velocities in forearms of any arm; of pendulums along the arc; none at rest."""
+    eyes = Perception(place=0.03, faster=4.0)
+    for situation in situations:
+        forearm = math.hypot(*situation.arm.forearm)
+        told = [eyes.told(situation, 5, 7, k) for k in range(400)]
+        then = later(situation, told[0].time, joints=situation.arm.joints)
+        for b, body in enumerate(then.bodies):
+            motions = [percept.bodies[b].motion for percept in told]
+            if isinstance(body.motion, Pendulum):
+                off = np.array([m.angle - body.motion.angle for m in motions])
+                fast = np.array([m.rate - body.motion.rate for m in motions])
+                off, fast = off * body.motion.hang_distance, fast * body.motion.hang_distance
+            else:
+                off = np.array([m.position for m in motions]) - body.motion.position
+                fast = np.array([m.velocity for m in motions]) - body.motion.velocity
+            assert abs(off.std() / (0.03 * forearm) - 1.0) < 0.2
+            assert abs(off.mean()) < 4.5 * 0.03 * forearm / math.sqrt(off.size)
+            if told[0].rests[b]:
+                assert not fast.any()
+            else:
+                assert abs(fast.std() / (0.12 * forearm) - 1.0) < 0.2
+
+
+def test_errors_belong_to_seed_index_and_look(situations):
+    """Whatever was asked before; and larger noise has the same errors, only larger."""
+    eyes, situation = Perception(place=0.02, dropouts=2.0), situations[0]
+    some = [eyes.told(situation, k, 3, 1) for k in range(20)]
+    assert [eyes.told(situation, k, 3, 1) for k in reversed(range(20))] == some[::-1]
+    assert eyes.told(situation, 19, 3, 2) != some[19]
+    one = Perception(place=0.02).told(situation, 9, 3).bodies[0].motion.position
+    two = Perception(place=0.04).told(situation, 9, 3).bodies[0].motion.position
+    none = Perception().told(situation, 9, 3).bodies[0].motion.position
+    assert np.allclose(np.subtract(two, none), 2.0 * np.subtract(one, none), rtol=1e-9)
+
+
+def test_dropouts_take_a_tenth_of_a_second(situations):
+    """They come as often as said, and last five looks or more where one follows the other."""
+    eyes = Perception(dropouts=2.0)
+    dark = np.array([eyes.dark(k, 5) for k in range(5000)])
+    edges = np.diff(dark.astype(int))
+    begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    lengths = [ends[ends > b][0] - b for b in begins if (ends > b).any()]
+    assert min(lengths) == 5
+    # five looks in a row without a dropout that begins
+    assert abs(dark.mean() - (1.0 - 0.96**5)) < 0.03
+    assert not any(Perception().dark(k, 5) for k in range(50))
