@@ -44,6 +44,7 @@ class Runs(NamedTuple):
 
     start: np.ndarray  # (blocks,) uint64: first entries
     watch: np.ndarray  # (blocks,) uint64
+    slabs: np.ndarray  # (n + 1,): where those begin in `start` whose cells have the same z
     size: np.ndarray  # (2,): how many of each
 
 

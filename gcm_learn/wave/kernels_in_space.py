@@ -29,7 +29,7 @@ from gcm_learn.wave.ground_in_space import (
 )
 from gcm_learn.wave.judging_in_space import freeze, judge_cells
 from gcm_learn.wave.kernels import CLAMPED, FREE, UP_R, UP_Z
-from gcm_learn.wave.stencil_in_space import BLOCK, FIELD, LEFT, SLAB, WIDTH, two_steps
+from gcm_learn.wave.stencil_in_space import BLOCK, FIELD, LEFT, SLAB, WIDTH, steps
 
 ASLEEP, SEEN, AWAKE = 0, 1, 2  # what this wave knows of a block: nothing, postures, rates as well
 SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [cells]
@@ -174,6 +174,7 @@ def _list(ground, runs):
     n, wake, known = ground.n, ground.wake, ground.known
     low, count, watched = np.float32(0.1 * ground.threshold), 0, 0
     for iz in range(1, n + 1):
+        runs.slabs[iz - 1] = count
         for iy in range(1, n + 1):
             for b in range(1, wake.shape[2] - 1):
                 if not wake[iz, iy, b]:
@@ -187,7 +188,7 @@ def _list(ground, runs):
                 if _crossed(ground.B, start, low):
                     runs.watch[watched] = start
                     watched += 1
-    runs.size[0], runs.size[1] = count, watched
+    runs.slabs[n], runs.size[0], runs.size[1] = count, count, watched
 
 
 @njit(_nrt=False)
@@ -331,10 +332,9 @@ def propagate_in_space(scene, ball, away, radius, ground, terms, judged, runs, b
         scene, ball, away, radius, ground, terms, batch, judged, desk
     )
     _list(ground, runs)
-    look, tau = 0, start
+    look, tau, slabs = 0, start, runs.slabs[: ground.n + 1]
     while tau < terms.end and runs.size[0] > 0 and (contact < 0 or terms.explore):
-        for _ in range(pairs):
-            two_steps(ground.B, runs.start, runs.size[0], d, eps)
+        steps(ground.B, runs.start, slabs, pairs, d, eps)
         look += 1
         tau = start + look * 2 * pairs * ground.step
         count = _arrivals(ground, runs, tau, batch)

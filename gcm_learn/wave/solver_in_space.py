@@ -272,7 +272,9 @@ def _rooms() -> tuple[ground_in_space.Runs, ground_in_space.SpaceBatch]:
         start, watch = np.zeros(blocks, np.uint64), np.zeros(blocks, np.uint64)
         most = ground_in_space.MOST
         space["rooms"] = (
-            ground_in_space.Runs(start, watch, np.zeros(2, np.int64)),
+            ground_in_space.Runs(
+                start, watch, np.zeros(stencil.LARGEST + 1, np.int64), np.zeros(2, np.int64)
+            ),
             ground_in_space.SpaceBatch(np.empty(most, np.int64), np.empty(most), np.empty(most)),
         )
     return space["rooms"]

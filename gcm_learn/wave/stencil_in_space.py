@@ -43,23 +43,53 @@ _SEVENTH, _TWO, _FOUR, _SEVEN = (np.float32(x) for x in (1.0 / 7.0, 2.0, 4.0, 7.
 
 
 @njit(_nrt=False)
-def two_steps(B, start, count, d, eps):
-    """Advance `count` blocks by two Euler steps, from the first time level and back to it.
+def _there(B, start, first, last, d, eps):
+    """Step some blocks from the first time level to the second; the recovery stays in its place.
 
-    d is the diffusion constant, eps the rate of the recovery (float32); `start` (m,) has the first
-    entry of every block.  A block is as long as the compiler may know: its loop has no remainder.
+    A block is as long as the compiler may know: its loop has no remainder.
     """
-    for i in range(count):
+    for i in range(first, last):
         for k in range(start[i], start[i] + _SIZE):
             r, z, q = B[k], B[k + _Z], B[k + _Q]
             f = (((_FOUR - r) * r - _TWO) * r - _TWO) * _SEVENTH
             near = B[k - _S] + B[k - _W] + B[k - _ONE] + B[k + _ONE] + B[k + _W] + B[k + _S]
             B[k + _A] = r + q * (f - z + d * (near - B[k + _L] * r))
             B[k + _Z] = z + q * eps * (r - _SEVEN * z - _TWO)
-    for i in range(count):
+
+
+@njit(_nrt=False)
+def _back(B, start, first, last, d, eps):
+    """Step some blocks from the second time level to the first."""
+    for i in range(first, last):
         for k in range(start[i] + _A, start[i] + (_A + _SIZE)):
             r, z, q = B[k], B[k + (_Z - _A)], B[k + (_Q - _A)]
             f = (((_FOUR - r) * r - _TWO) * r - _TWO) * _SEVENTH
             near = B[k - _S] + B[k - _W] + B[k - _ONE] + B[k + _ONE] + B[k + _W] + B[k + _S]
             B[k - _A] = r + q * (f - z + d * (near - B[k + (_L - _A)] * r))
             B[k + (_Z - _A)] = z + q * eps * (r - _SEVEN * z - _TWO)
+
+
+@njit(_nrt=False)
+def steps(B, start, slabs, pairs, d, eps):
+    """Advance blocks by pairs of Euler steps, from the first time level and back to it.
+
+    Every step follows the one before a slab behind, so that what it reads is still at hand.
+
+    Parameters
+    ----------
+    start : (m,) ndarray of uint64
+        First entries of the blocks, in order.
+    slabs : (n + 1,) ndarray
+        ``start[slabs[iz] : slabs[iz + 1]]`` are those of a slab.
+    pairs : int
+    d, eps : float32
+        Diffusion constant, and rate of the recovery.
+    """
+    n = slabs.size - 1
+    for front in range(n + 2 * pairs - 1):
+        for step in range(max(front - n + 1, 0), min(2 * pairs, front + 1)):
+            first, last = slabs[front - step], slabs[front - step + 1]
+            if step % 2 == 0:
+                _there(B, start, first, last, d, eps)
+            else:
+                _back(B, start, first, last, d, eps)
