@@ -10,9 +10,20 @@ from gcm_learn.compiled import njit
 from gcm_learn.handspace.space import Nodes
 from gcm_learn.wave.stencil_in_space import FIELD, LEFT, SLAB, WIDTH
 
+UNASKED, GAPS, WHOLE = 0, 1, 2  # of a block: whether all of its cells have postures
+UNKNOWN = np.float32(-1e30)  # room
 MOST = 65_536  # cells that are looked at together; what there is more of has its turn next
 ADAPTED, SHARE, DEGREE, ARRIVED = FIELD, 3 * FIELD, 4 * FIELD, 5 * FIELD
 DOORS = np.array([-SLAB, -WIDTH, -1, 1, WIDTH, SLAB])
+
+
+class Found(NamedTuple):
+    """What waves have found out about the cells of a lattice, and keep for the next."""
+
+    elbows: np.ndarray  # (n^3, 3) float32
+    rates: np.ndarray  # (n^3,) float32: speed of the hand, as a share of the front's
+    asked: np.ndarray  # (n + 2, n + 2, blocks + 2) uint8: UNASKED, GAPS or WHOLE
+    rated: np.ndarray  # the same shape, bool: blocks whose rates are known
 
 
 class SpaceGround(NamedTuple):
@@ -23,9 +34,8 @@ class SpaceGround(NamedTuple):
     nodes: Nodes  # the lattice's
     joint_speed: np.ndarray  # (4,) [rad/s]
     speed: float  # of the fastest front [lengths/s]
-    elbows: np.ndarray  # (n^3, 3) float32
-    asked: np.ndarray  # (n + 2, n + 2, blocks + 2) bool: blocks whose elbows are known
-    known: np.ndarray  # the same shape, uint8: ASLEEP, SEEN or AWAKE
+    found: Found
+    known: np.ndarray  # (n + 2, n + 2, blocks + 2) uint8: ASLEEP, SEEN or AWAKE
     wake: np.ndarray  # the same shape, bool: blocks that are about to be stepped; False in between
     slowest: float  # least rate of a cell
     fewest: int  # excited cells that start a wave
@@ -61,6 +71,7 @@ class Judged(NamedTuple):
 
     state: np.ndarray  # (n^3,) uint8: FREE, FROZEN or CONTACT
     via: np.ndarray  # (n^3,) int32: cell that the front came from, -1 if from the hand
+    room: np.ndarray  # (n^3,) float32: distance that obstacles have at least when it comes
     widening: np.ndarray  # (n^3,) margin beyond that of the parameters, or (0,)
     margin: float  # widening of obstacles, in strides of the limb
 

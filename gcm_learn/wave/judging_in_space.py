@@ -19,6 +19,7 @@ from gcm_learn.wave.ground_in_space import (
     is_step,
 )
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
+from gcm_learn.wave.marching_in_space import fastest_obstacle
 from gcm_learn.wave.stencil_in_space import SLAB, WIDTH
 
 FINEST = 2e-3  # way of a body that is not resolved when a limb is asked about [forearms]
@@ -27,8 +28,11 @@ MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
 
 @njit(_nrt=False)
 def way_back(B, joints, leap, n, m, k, when):
-    """Cell from which the front came to cell m at place k: where its arrivals fall off most."""
-    best, steepest = -1, 0.0
+    """Cell from which the front came to cell m at place k: where its arrivals fall off most.
+
+    With its distance [cells] and the arrival there; the cell is -1 if there is none.
+    """
+    best, steepest, hop, before = -1, 0.0, 0, 0.0
     for dz in range(-1, 2):
         for dy in range(-1, 2):
             for dx in range(-1, 2):
@@ -36,11 +40,12 @@ def way_back(B, joints, leap, n, m, k, when):
                 arrival = np.float64(B[e + ARRIVED])
                 if e == k or B[e] <= 0.0 or arrival < 0.0 or arrival >= when:
                     continue
-                fall = (when - arrival) ** 2 / (dx * dx + dy * dy + dz * dz)
+                away = dx * dx + dy * dy + dz * dz
+                fall = (when - arrival) ** 2 / away
                 p = m + (dz * n + dy) * n + dx
                 if fall > steepest and is_step(joints, leap, m, p):
-                    best, steepest = p, fall
-    return best
+                    best, steepest, hop, before = p, fall, away, arrival
+    return best, np.sqrt(hop), before
 
 
 @njit(_nrt=False)
@@ -65,15 +70,20 @@ def hand_at_start(limb):
 
 
 @njit(_nrt=False)
-def _is_touched(scene, place, since, now, touch, shortest, desk):
-    """Whether an obstacle comes within `touch` of a resting limb (six numbers) in a span [s]."""
+def _room(scene, place, since, now, touch, shortest, desk):
+    """Distance that obstacles have at least from a resting limb (six numbers) at the end of a span.
+
+    -1 if one comes within `touch` of it in the span [s].
+    """
+    room = 1e30
     for k in range(desk.obstacles.size):
         b = desk.obstacles[k]
         speed, t = scene.bodies.rows[b, TOP_SPEED], now
         far = touch + speed * (now - since)
         found, _ = body_distance(scene.bodies, b, t, place, 0.0, 0.0, far, desk.poses)
         if found <= touch:
-            return True
+            return -1.0
+        room = min(room, found)
         if found > far or speed == 0.0:
             continue
         least = max(min(shortest, FINEST * scene.limb.length / speed), (now - since) / MOST_LOOKS)
@@ -81,8 +91,16 @@ def _is_touched(scene, place, since, now, touch, shortest, desk):
             t = max(t - max((found - touch) / speed, least), since)
             found, _ = body_distance(scene.bodies, b, t, place, 0.0, 0.0, far, desk.poses)
             if found <= touch:
-                return True
-    return False
+                return -1.0
+    return room
+
+
+@njit(_nrt=False)
+def _way(elbows, m, p, hop):
+    """How far points of the limb are at cell m from where they are at p, `hop` away, at most."""
+    x, y = elbows[m, 0] - elbows[p, 0], elbows[m, 1] - elbows[p, 1]
+    z = np.float64(elbows[m, 2] - elbows[p, 2])
+    return max(np.sqrt(x * x + y * y + z * z), hop)
 
 
 @njit(_nrt=False)
@@ -113,6 +131,9 @@ def _meeting(scene, hand, since, now, near, shortest, poses):
 def judge_cells(scene, ground, terms, batch, count, now, judged, desk):
     """Decide what becomes of the cells that the front has just reached (Eq. 11).
 
+    What surely stays clear is not asked again: the room that there was at the cell before, less
+    what limb and obstacles moved since.
+
     Returns
     -------
     cell, body : int
@@ -121,7 +142,8 @@ def judge_cells(scene, ground, terms, batch, count, now, judged, desk):
         [s]
     """
     contact, contact_body, first = -1, -1, -1.0
-    n, kappa, elbows, B = ground.n, terms.kappa, ground.elbows, ground.B
+    n, kappa, elbows, B = ground.n, terms.kappa, ground.found.elbows, ground.B
+    quick, now = fastest_obstacle(scene), now * kappa
     joints, leap, h = ground.nodes.joints, ground.nodes.leap, ground.nodes.spacing
     middle = 0.5 * (n - 1)
     for i in range(count):
@@ -129,15 +151,24 @@ def judge_cells(scene, ground, terms, batch, count, now, judged, desk):
         k = entry_of(m, n)
         hand = (m % n - middle) * h, (m // n % n - middle) * h, (m // (n * n) - middle) * h
         place = (elbows[m, 0], elbows[m, 1], elbows[m, 2], hand[0], hand[1], hand[2])
-        judged.via[m] = way_back(B, joints, leap, n, m, k, batch.when[i])
+        home, hop, left = way_back(B, joints, leap, n, m, k, batch.when[i])
+        judged.via[m], left, here = home, left * kappa, batch.when[i] * kappa
         wide = judged.margin + (judged.widening[m] if judged.widening.size > 0 else 0.0)
-        touch = scene.limb.thickness
+        touch, room, sure = scene.limb.thickness, -1.0, -1.0
         if wide > 0.0:
             touch += wide * _stride(B, elbows, n, h, m, k)
-        if _is_touched(scene, place, since, now * kappa, touch, terms.shortest, desk):
-            judged.state[m] = FROZEN
-            continue
-        t, body = _meeting(scene, hand, since, now * kappa, terms.grasp, terms.shortest, desk.poses)
+        if home >= 0:
+            room = judged.room[home] - _way(elbows, m, home, hop * h)
+            sure = room - quick * max(now - left, left - since)
+            room -= quick * abs(here - left)
+        if sure <= touch:
+            room = _room(scene, place, since, now, touch, terms.shortest, desk)
+            if room <= touch:
+                judged.state[m] = FROZEN
+                continue
+            room -= quick * abs(now - here)
+        judged.room[m] = room
+        t, body = _meeting(scene, hand, since, now, terms.grasp, terms.shortest, desk.poses)
         if body >= 0 and t >= terms.ignore * kappa:
             judged.state[m] = CONTACT
             t = max(t, batch.when[i] * kappa)

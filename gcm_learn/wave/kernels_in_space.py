@@ -19,8 +19,11 @@ from gcm_learn.wave.ground_in_space import (
     ADAPTED,
     ARRIVED,
     DOORS,
+    GAPS,
     MOST,
     SHARE,
+    UNASKED,
+    WHOLE,
     cell_of,
     entry_of,
     four_joints,
@@ -38,23 +41,28 @@ SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [c
 @njit(_nrt=False)
 def _ask(iz, iy, b, ground):
     """Find the postures and elbows of a block's cells."""
-    n, nodes, elbows, q = ground.n, ground.nodes, ground.elbows, ground.nodes.scratch
+    n, nodes, elbows, q = ground.n, ground.nodes, ground.found.elbows, ground.nodes.scratch
+    state = WHOLE
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         m = ((iz - 1) * n + iy - 1) * n + ix
-        if is_there(nodes, m):
-            for j in range(4):
-                q[j] = nodes.joints[m, j]
-            elbows[m, 0], elbows[m, 1], elbows[m, 2], _, _, _ = limb_at(nodes.rule.limb, q)
-    ground.asked[iz, iy, b] = True
+        if not is_there(nodes, m):
+            state = GAPS
+            continue
+        for j in range(4):
+            q[j] = nodes.joints[m, j]
+        elbows[m, 0], elbows[m, 1], elbows[m, 2], _, _, _ = limb_at(nodes.rule.limb, q)
+    ground.found.asked[iz, iy, b] = state
 
 
 @njit(_nrt=False)
 def _see(iz, iy, b, ground):
     """Cut the cells of a block that have no posture out of the lattice."""
-    n = ground.n
-    if not ground.asked[iz, iy, b]:
+    n, asked = ground.n, ground.found.asked
+    if asked[iz, iy, b] == UNASKED:
         _ask(iz, iy, b, ground)
     ground.known[iz, iy, b] = SEEN
+    if asked[iz, iy, b] == WHOLE:
+        return
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         m = ((iz - 1) * n + iy - 1) * n + ix
         if not is_there(ground.nodes, m):
@@ -131,10 +139,16 @@ def _rouse(iz, iy, b, ground):
         if 1 <= k <= n and 1 <= j <= n and 1 <= i <= blocks and known[k, j, i] == ASLEEP:
             _see(k, j, i, ground)
     known[iz, iy, b] = AWAKE
+    first = ((iz - 1) * n + iy - 1) * n
+    if not ground.found.rated[iz, iy, b]:
+        ground.found.rated[iz, iy, b] = True
+        for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
+            m = first + ix
+            there = ground.nodes.joints[m, 0] < NOWHERE
+            ground.found.rates[m] = _rate(m, ix + 1, iy, iz, ground) if there else 0.0
+    e, rates, step = iz * SLAB + iy * WIDTH + LEFT + SHARE, ground.found.rates, ground.step
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
-        m = ((iz - 1) * n + iy - 1) * n + ix
-        if ground.nodes.joints[m, 0] < NOWHERE:
-            ground.B[entry_of(m, n) + SHARE] = ground.step * _rate(m, ix + 1, iy, iz, ground)
+        ground.B[e + ix] = step * rates[first + ix]
 
 
 @njit(_nrt=False, forceinline=True)

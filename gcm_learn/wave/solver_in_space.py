@@ -160,7 +160,8 @@ def propagate_in_space(
     ball, away = _start_ball(scene, lattice, 2.0 * radius + kernels.SPREAD)
     wide = np.zeros(0) if widening is None else widening
     state, via = np.zeros(n**3, dtype=np.uint8), np.full(n**3, -1, dtype=np.int32)
-    judged = ground_in_space.Judged(state, via, wide, params.margin)
+    room = np.full(n**3, ground_in_space.UNKNOWN)
+    judged = ground_in_space.Judged(state, via, room, wide, params.margin)
     cell, body, time, steps = kernels.propagate_in_space(
         scene, ball, away, radius, ground, terms, judged, *_rooms()
     )
@@ -221,7 +222,7 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> ground_i
     space = _workspace.__dict__
     if "buffer" not in space:
         space["buffer"] = stencil.room()
-    buffer, (elbows, asked) = space["buffer"], _elbows(lattice)
+    buffer, speed = space["buffer"], quickest(scene, lattice)
     rest = REST if params.start == "rest" else (0.0, 0.0)
     buffer[:] = 0.0
     for k, value in enumerate((rest[0], rest[0], rest[1], 0.0, 6.0, -1.0)):
@@ -235,9 +236,8 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> ground_i
         n=n,
         nodes=lattice.nodes,
         joint_speed=scene.limits.joint_speed,
-        speed=quickest(scene, lattice),
-        elbows=elbows,
-        asked=asked,
+        speed=speed,
+        found=_found(lattice, speed, tuple(scene.limits.joint_speed)),
         known=np.zeros(shape, np.uint8),
         wake=np.zeros(shape, np.bool_),
         slowest=SLOWEST_RATE,
@@ -259,9 +259,17 @@ def _blocks(n: int) -> tuple[int, int, int]:
 
 
 @lru_cache(maxsize=2)
-def _elbows(lattice: SpaceLattice) -> tuple[np.ndarray, np.ndarray]:
-    """Elbows (n^3, 3) of the cells that waves came to, and whose blocks these are."""
-    return np.empty((lattice.n**3, 3), np.float32), np.zeros(_blocks(lattice.n), np.bool_)
+def _found(
+    lattice: SpaceLattice, speed: float, joint_speed: tuple[float, ...]
+) -> ground_in_space.Found:
+    """What waves found out about a lattice, of joints and a front that are so fast."""
+    cells, blocks = lattice.n**3, _blocks(lattice.n)
+    return ground_in_space.Found(
+        elbows=np.empty((cells, 3), np.float32),
+        rates=np.empty(cells, np.float32),
+        asked=np.zeros(blocks, np.uint8),
+        rated=np.zeros(blocks, np.bool_),
+    )
 
 
 def _rooms() -> tuple[ground_in_space.Runs, ground_in_space.SpaceBatch]:
