@@ -20,6 +20,7 @@ DOORS = np.array([-SLAB, -WIDTH, -1, 1, WIDTH, SLAB])
 class Found(NamedTuple):
     """What waves have found out about the cells of a lattice, and keep for the next."""
 
+    nodes: Nodes
     elbows: np.ndarray  # (n^3, 3) float32
     rates: np.ndarray  # (n^3,) float32: speed of the hand, as a share of the front's
     asked: np.ndarray  # (n + 2, n + 2, blocks + 2) uint8: UNASKED, GAPS or WHOLE
@@ -31,7 +32,6 @@ class SpaceGround(NamedTuple):
 
     B: np.ndarray  # the buffer of `wave.stencil_in_space`
     n: int
-    nodes: Nodes  # the lattice's
     joint_speed: np.ndarray  # (4,) [rad/s]
     speed: float  # of the fastest front [lengths/s]
     found: Found

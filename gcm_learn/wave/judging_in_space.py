@@ -144,7 +144,7 @@ def judge_cells(scene, ground, terms, batch, count, now, judged, desk):
     contact, contact_body, first = -1, -1, -1.0
     n, kappa, elbows, B = ground.n, terms.kappa, ground.found.elbows, ground.B
     quick, now = fastest_obstacle(scene), now * kappa
-    joints, leap, h = ground.nodes.joints, ground.nodes.leap, ground.nodes.spacing
+    joints, leap, h = ground.found.nodes.joints, ground.found.nodes.leap, ground.found.nodes.spacing
     middle = 0.5 * (n - 1)
     for i in range(count):
         m, since = batch.cells[i], batch.since[i] * kappa

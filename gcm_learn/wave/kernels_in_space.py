@@ -41,7 +41,12 @@ SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [c
 @njit(_nrt=False)
 def _ask(iz, iy, b, ground):
     """Find the postures and elbows of a block's cells."""
-    n, nodes, elbows, q = ground.n, ground.nodes, ground.found.elbows, ground.nodes.scratch
+    n, nodes, elbows, q = (
+        ground.n,
+        ground.found.nodes,
+        ground.found.elbows,
+        ground.found.nodes.scratch,
+    )
     state = WHOLE
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         m = ((iz - 1) * n + iy - 1) * n + ix
@@ -65,7 +70,7 @@ def _see(iz, iy, b, ground):
         return
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         m = ((iz - 1) * n + iy - 1) * n + ix
-        if not is_there(ground.nodes, m):
+        if not is_there(ground.found.nodes, m):
             insulate(ground.B, entry_of(m, n))
 
 
@@ -84,7 +89,7 @@ def _rate(m, ix, iy, iz, ground):
 
     The indices begin with 1, as those of blocks do.
     """
-    n, joints, unit = ground.n, ground.nodes.joints, ground.nodes.spacing / ground.speed
+    n, joints, unit = ground.n, ground.found.nodes.joints, ground.found.nodes.spacing / ground.speed
     total, count = 0.0, 0
     for d in range(6):
         axis, way = d // 2, 2 * (d % 2) - 1
@@ -92,7 +97,7 @@ def _rate(m, ix, iy, iz, ground):
         if place < 1 or place > n:
             continue
         p = m + way * (1, n, n * n)[axis]
-        if joints[p, 0] < NOWHERE and is_step(joints, ground.nodes.leap, m, p):
+        if joints[p, 0] < NOWHERE and is_step(joints, ground.found.nodes.leap, m, p):
             turning = _turning(ground.joint_speed, four_joints(joints, m), four_joints(joints, p))
             total += min(unit / turning, 1.0) if turning > 0.0 else 1.0
             count += 1
@@ -144,7 +149,7 @@ def _rouse(iz, iy, b, ground):
         ground.found.rated[iz, iy, b] = True
         for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
             m = first + ix
-            there = ground.nodes.joints[m, 0] < NOWHERE
+            there = ground.found.nodes.joints[m, 0] < NOWHERE
             ground.found.rates[m] = _rate(m, ix + 1, iy, iz, ground) if there else 0.0
     e, rates, step = iz * SLAB + iy * WIDTH + LEFT + SHARE, ground.found.rates, ground.step
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
@@ -227,7 +232,7 @@ def _next_door(B, joints, leap, n, m, k):
 def _arrivals(ground, runs, tau, batch):
     """Find and record the cells that crossed the threshold since the last look: how many."""
     B, n, threshold, count = ground.B, ground.n, np.float32(ground.threshold), 0
-    joints, leap = ground.nodes.joints, ground.nodes.leap
+    joints, leap = ground.found.nodes.joints, ground.found.nodes.leap
     for w in range(runs.size[1]):
         if not _crossed(B, runs.watch[w], threshold):
             continue
@@ -280,7 +285,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
         edge is faster than a front at first.
     """
     n, B, home, slowness, start = ground.n, ground.B, -1, 0.0, 0.0
-    joints, leap = ground.nodes.joints, ground.nodes.leap
+    joints, leap = ground.found.nodes.joints, ground.found.nodes.leap
     contact, contact_body, first, excited, edge = -1, -1, -1.0, 0, 1e300
     for i in range(ball.size):
         m = ball[i]
@@ -288,7 +293,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
         iz, iy, b = k // SLAB, k % SLAB // WIDTH, (k % WIDTH - LEFT) // BLOCK + 1
         if ground.known[iz, iy, b] != AWAKE:
             _rouse(iz, iy, b, ground)
-        if ground.nodes.joints[m, 0] >= NOWHERE:
+        if ground.found.nodes.joints[m, 0] >= NOWHERE:
             continue
         _mark(ground, k)
         if away[i] > radius and excited >= ground.fewest:

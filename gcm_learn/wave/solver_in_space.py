@@ -234,7 +234,6 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> ground_i
     return ground_in_space.SpaceGround(
         B=buffer,
         n=n,
-        nodes=lattice.nodes,
         joint_speed=scene.limits.joint_speed,
         speed=speed,
         found=_found(lattice, speed, tuple(scene.limits.joint_speed)),
@@ -265,6 +264,7 @@ def _found(
     """What waves found out about a lattice, of joints and a front that are so fast."""
     cells, blocks = lattice.n**3, _blocks(lattice.n)
     return ground_in_space.Found(
+        nodes=lattice.nodes,
         elbows=np.empty((cells, 3), np.float32),
         rates=np.empty(cells, np.float32),
         asked=np.zeros(blocks, np.uint8),
