@@ -12,6 +12,7 @@ from setuptools.command.build_py import build_py
 ROOT = Path(__file__).parent
 SHIPPED = (
     *(f"models/{name}" for name in ("clone", "encoder", "ppo", "ppo-clone", "recall", "sac")),
+    "models/bodies",
     "data/suites/demo.jsonl",
 )
 NEEDED = {".json", ".jsonl", ".md", ".npy", ".npz", ".safetensors"}

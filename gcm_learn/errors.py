@@ -25,7 +25,7 @@ class FieldError(GcmError, ValueError):
 
 
 class SituationError(FieldError):
-    """A situation breaks a rule of the exchange contract."""
+    """A situation, or the body of an arm, breaks a rule of the exchange contract."""
 
 
 class ArmKindError(GcmError, ValueError):
@@ -85,6 +85,12 @@ class RecallError(GcmError, RuntimeError):
 
 class ArenaError(GcmError, ValueError):
     """The arena is asked for something that it does not have; the message names the argument."""
+
+
+class PhysicsError(GcmError, RuntimeError):
+    """The arm cannot be put into physics: no body fits, limits that no motor keeps, numbers that
+    are none.
+    """
 
 
 class PolicyError(GcmError, RuntimeError):

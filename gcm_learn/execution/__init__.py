@@ -20,6 +20,11 @@ from gcm_learn.execution.fan import RAYS
 from gcm_learn.execution.follower import Follower
 from gcm_learn.execution.observation import MEETING
 from gcm_learn.execution.perception import Percept, Perception
+from gcm_learn.execution.physics.bodies import body_for, shipped_bodies
+from gcm_learn.execution.physics.control import Controller
+from gcm_learn.execution.physics.executing import Execution, execute, execution_to_json
+from gcm_learn.execution.physics.motors import motor_accelerations, with_motor_limits
+from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
 from gcm_learn.execution.plant import KinematicPlant
 from gcm_learn.execution.pool import Pool
 from gcm_learn.execution.settings import OUTCOMES, TERMS, Settings, Weights, settings_of
@@ -31,7 +36,10 @@ __all__ = [
     "Belief",
     "CAUGHT",
     "COLLIDED",
+    "Contact",
+    "Controller",
     "Episodes",
+    "Execution",
     "Follower",
     "KinematicPlant",
     "LATE",
@@ -40,6 +48,7 @@ __all__ = [
     "OUTCOMES",
     "Percept",
     "Perception",
+    "PhysicalPlant",
     "Plant",
     "Pool",
     "RAYS",
@@ -49,10 +58,16 @@ __all__ = [
     "Steps",
     "TERMS",
     "Weights",
+    "body_for",
     "encoder",
+    "execute",
+    "execution_to_json",
     "into_frame",
+    "motor_accelerations",
     "pool_of",
     "run_episode",
     "settings_of",
+    "shipped_bodies",
     "situations_of",
+    "with_motor_limits",
 ]

@@ -1,5 +1,6 @@
 """Timed movement: trajectories, timing under limits, interception, verification."""
 
+from gcm_learn.motion.acceleration import braked
 from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
@@ -31,6 +32,7 @@ __all__ = [
     "Verdict",
     "Wait",
     "anywhere",
+    "braked",
     "clearance",
     "fastest_hand",
     "first_catch",

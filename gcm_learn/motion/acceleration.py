@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from gcm_learn.compiled import njit
+from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 
 HAIR = 1e-6  # share of the limits that is not used, against rounding
 KNOTS = 24  # of a tracked path, evenly in time: between them accelerations are linear
@@ -57,6 +58,32 @@ def dash(scene, goal, until, joints, rates):
         rates[1, j] = rates[2, j] = limb.rates[j] + force * switch
         joints[1, j] = limb.start[j] + switch * (limb.rates[j] + 0.5 * force * switch)
     return switch
+
+
+def braked(plan: SpatialTrajectory, limits: np.ndarray) -> SpatialTrajectory:
+    """A movement that goes on after its end until each joint rests, as soon as it can.
+
+    One that is linear between samples knows no accelerations, and stops at its end.
+
+    Parameters
+    ----------
+    plan : SpatialTrajectory
+    limits : (4,) ndarray
+        Of the accelerations [rad/s^2].
+    """
+    if plan.rates is None:
+        return plan
+    rates = plan.rates[-1]
+    stops = np.abs(rates) / limits
+    time = np.unique(stops[stops > 0.0])
+    passed = np.minimum(time[:, None], stops)
+    force = -np.sign(rates) * limits
+    return SpatialTrajectory(
+        plan.arm,
+        np.append(plan.time, plan.duration + time),
+        np.vstack([plan.joints, plan.joints[-1] + passed * (rates + 0.5 * force * passed)]),
+        np.vstack([plan.rates, rates + force * passed]),
+    )
 
 
 def tracked(

@@ -33,8 +33,14 @@ def target_room(scene, b, x, y, z, t, poses):
     poses : (bodies, 12) ndarray
         Row b is filled with the body's pose.
     """
-    rows = scene.bodies.rows
     pose_at(scene.bodies, b, t, poses)
+    return room_in_pose(scene.bodies, b, x, y, z, poses)
+
+
+@njit(_nrt=False)
+def room_in_pose(bodies, b, x, y, z, poses):
+    """Signed distance of the point (x, y, z) to the solid of body b where row b of poses has it."""
+    rows = bodies.rows
     kind, radius, length = rows[b, KIND], rows[b, SIZE], rows[b, SIZE + 1]
     dx, dy, dz = x - poses[b, 0], y - poses[b, 1], z - poses[b, 2]
     if kind == SPHERE:

@@ -77,6 +77,26 @@ class SpatialTrajectory:
         curve = CubicHermiteSpline(self.time, self.joints, self.rates)
         return np.asarray(curve(np.clip(t, self.time[0], self.time[-1])))
 
+    def states_at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Joints, rates and accelerations (n, 4) at times t (n,); at rest after the last sample.
+
+        At a sample they are those of the piece that begins there.
+        """
+        joints = self.joints_at(t)
+        inside = (t >= self.time[0]) & (t < self.time[-1])
+        if self.time.size == 1 or not inside.any():
+            return joints, np.zeros_like(joints), np.zeros_like(joints)
+        k = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
+        span = np.diff(self.time)[k][:, None]
+        rise = np.diff(self.joints, axis=0)[k]
+        if self.rates is None:
+            return joints, np.where(inside[:, None], rise / span, 0.0), np.zeros_like(joints)
+        first, last = self.rates[k], self.rates[k + 1]
+        c, d = 3.0 * rise / span - 2.0 * first - last, first + last - 2.0 * rise / span
+        s = ((t - self.time[k]) / span[:, 0])[:, None]
+        rates, forces = first + s * (2.0 * c + 3.0 * s * d), (2.0 * c + 6.0 * s * d) / span
+        return joints, np.where(inside[:, None], rates, 0.0), np.where(inside[:, None], forces, 0.0)
+
     def hand_at(self, t: float | np.ndarray) -> np.ndarray:
         """Hand position(s) (..., 3) in the world at time(s) t."""
         return forward_in_space(self.arm, self.joints_at(t))[1]

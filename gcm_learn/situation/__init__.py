@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
+from gcm_learn.situation.arm_body import (
+    BODY_FORMAT,
+    ArmBody,
+    BoneMass,
+    Motor,
+    arm_body_from_json,
+    arm_body_to_json,
+    read_arm_body,
+)
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
 from gcm_learn.situation.checks import number, positive, show
 from gcm_learn.situation.frames import arm_frame, carried, plane_frame, quaternion_of, rotation_of
@@ -41,8 +50,11 @@ from gcm_learn.situation.spatial_frame import SpatialFrame
 __all__ = [
     "AnySituation",
     "Arm",
+    "ArmBody",
+    "BODY_FORMAT",
     "Base",
     "Body",
+    "BoneMass",
     "Box",
     "Capsule",
     "Cylinder",
@@ -52,6 +64,7 @@ __all__ = [
     "JOINTS",
     "JsonTextError",
     "Motion",
+    "Motor",
     "PLANAR",
     "Pendulum",
     "PlanarQuadratic",
@@ -69,6 +82,8 @@ __all__ = [
     "SpatialArm",
     "SpatialFrame",
     "Sphere",
+    "arm_body_from_json",
+    "arm_body_to_json",
     "arm_frame",
     "canonical",
     "carried",
@@ -80,6 +95,7 @@ __all__ = [
     "plane_frame",
     "positive",
     "quaternion_of",
+    "read_arm_body",
     "read_situations",
     "rotation_of",
     "show",

@@ -37,9 +37,9 @@ def situation_from_json(obj: object) -> Situation[Any]:
     SituationError
         With the path of the offending field, e.g. ``"bodies[1].shape.radius"``.
     """
-    members = _object(obj, "")
+    members = object_from(obj, "")
     spatial = _format(members) == SPATIAL_FORMAT
-    _check_names(members, "", Situation, extra=("format",), optional=("name",))
+    check_names(members, "", Situation, extra=("format",), optional=("name",))
     if spatial and "plane" in members:
         raise SituationError("plane", f"is for planar arms ({quote(SPATIAL_FORMAT)} has none)")
     bodies = sequence(members["bodies"], "bodies", "bodies")
@@ -48,7 +48,7 @@ def situation_from_json(obj: object) -> Situation[Any]:
         horizon=members["horizon"],
         arm=(_spatial_arm if spatial else _planar_arm)(members["arm"], "arm"),
         bodies=tuple(_body(body, f"bodies[{k}]") for k, body in enumerate(bodies)),
-        plane=_record(Plane, members["plane"], "plane") if "plane" in members else None,
+        plane=record_from(Plane, members["plane"], "plane") if "plane" in members else None,
     )
 
 
@@ -65,32 +65,32 @@ def _format(members: dict[str, Any]) -> str:
 
 def _planar_arm(obj: object, path: str) -> Arm:
     """Return the arm of ``@1``."""
-    return _record(Arm, obj, path)
+    return record_from(Arm, obj, path)
 
 
 def _spatial_arm(obj: object, path: str) -> SpatialArm:
     """Return the arm of ``@2``."""
     _kind(obj, path, (SpatialArm.kind,))
-    members = _object(obj, path)
-    _check_names(members, path, SpatialArm, extra=("kind",))
+    members = object_from(obj, path)
+    check_names(members, path, SpatialArm, extra=("kind",))
     values = {name: value for name, value in members.items() if name != "kind"}
     if "base" in values:
-        values["base"] = _record(Base, values["base"], f"{path}.base")
-    return _made(SpatialArm, values, path)
+        values["base"] = record_from(Base, values["base"], f"{path}.base")
+    return made_from(SpatialArm, values, path)
 
 
 def _body(obj: object, path: str) -> Body:
     """Return one entry of `bodies`."""
-    members = _object(obj, path)
-    _check_names(members, path, Body)
+    members = object_from(obj, path)
+    check_names(members, path, Body)
     shape = _shape(members["shape"], f"{path}.shape")
     motion = _motion(members["motion"], f"{path}.motion", solid=isinstance(shape, SOLID))
-    return _made(Body, members | {"shape": shape, "motion": motion}, path)
+    return made_from(Body, members | {"shape": shape, "motion": motion}, path)
 
 
 def _shape(obj: object, path: str) -> Shape:
     """Return the shape that `kind` names."""
-    return _record(_SHAPES[_kind(obj, path, tuple(_SHAPES))], obj, path, extra=("kind",))
+    return record_from(_SHAPES[_kind(obj, path, tuple(_SHAPES))], obj, path, extra=("kind",))
 
 
 def _motion(obj: object, path: str, *, solid: bool) -> Motion:
@@ -100,12 +100,12 @@ def _motion(obj: object, path: str, *, solid: bool) -> Motion:
         if not solid:
             raise SituationError(f"{path}.kind", '"pendulum" needs a 3D shape')
         record = Pendulum
-    return _record(record, obj, path, extra=("kind",))
+    return record_from(record, obj, path, extra=("kind",))
 
 
 def _kind(obj: object, path: str, known: Sequence[str]) -> str:
     """Return the `kind` of a shape or motion."""
-    members = _object(obj, path)
+    members = object_from(obj, path)
     if "kind" not in members:
         raise SituationError(f"{path}.kind", f"is missing (known: {', '.join(known)})")
     kind = members["kind"]
@@ -115,14 +115,16 @@ def _kind(obj: object, path: str, known: Sequence[str]) -> str:
     return kind
 
 
-def _record(record: type[_Record], obj: object, path: str, extra: Sequence[str] = ()) -> _Record:
+def record_from(
+    record: type[_Record], obj: object, path: str, extra: Sequence[str] = ()
+) -> _Record:
     """Return a record whose fields carry the names of the JSON fields, `extra` aside."""
-    members = _object(obj, path)
-    _check_names(members, path, record, extra)
-    return _made(record, {k: v for k, v in members.items() if k not in extra}, path)
+    members = object_from(obj, path)
+    check_names(members, path, record, extra)
+    return made_from(record, {k: v for k, v in members.items() if k not in extra}, path)
 
 
-def _made(record: type[_Record], members: dict[str, Any], path: str) -> _Record:
+def made_from(record: type[_Record], members: dict[str, Any], path: str) -> _Record:
     """Return ``record(**members)``; its errors get the full path."""
     try:
         return record(**members)
@@ -130,7 +132,7 @@ def _made(record: type[_Record], members: dict[str, Any], path: str) -> _Record:
         raise SituationError(_join(path, error.field), error.reason) from None
 
 
-def _object(obj: object, path: str) -> dict[str, Any]:
+def object_from(obj: object, path: str) -> dict[str, Any]:
     """Return `obj` if it is a JSON object without repeated keys."""
     if not isinstance(obj, dict):
         raise SituationError(path, f"must be an object (got {show(obj)})")
@@ -139,7 +141,7 @@ def _object(obj: object, path: str) -> dict[str, Any]:
     return obj
 
 
-def _check_names(
+def check_names(
     members: dict[str, Any],
     path: str,
     record: type,

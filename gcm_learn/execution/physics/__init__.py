@@ -1,0 +1,1 @@
+"""The arm in MuJoCo (extra ``sim``): mass, torque and contact."""

@@ -1,0 +1,47 @@
+"""Which body an arm has: a file, or one that comes with the package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gcm_learn import artifacts
+from gcm_learn.errors import PhysicsError
+from gcm_learn.situation import ArmBody, SpatialArm, read_arm_body
+
+FOLDER = "bodies"
+
+
+def shipped_bodies() -> dict[str, Path]:
+    """Files of the bodies that come with the package, by name."""
+    folder = artifacts.shipped("models") / FOLDER
+    return {path.stem: path for path in sorted(folder.glob("*.json"))}
+
+
+def body_for(arm: SpatialArm, given: ArmBody | str | Path | None = None) -> ArmBody:
+    """The body of an arm.
+
+    Parameters
+    ----------
+    arm : SpatialArm
+    given : ArmBody, str or Path, optional
+        A body, its file, or the name of one that comes with the package; by default the one of
+        these that fits.
+
+    Raises
+    ------
+    PhysicsError
+        If none fits.
+    """
+    known = shipped_bodies()
+    if given is None:
+        bodies = [read_arm_body(path) for path in known.values()]
+        fitting = [body for body in bodies if not body.misfit(arm)]
+        if not fitting:
+            reasons = "; ".join(f"{body.name}: {body.misfit(arm)}" for body in bodies)
+            raise PhysicsError(f"body: none that is shipped fits the arm ({reasons})")
+        return fitting[0]
+    body = given if isinstance(given, ArmBody) else read_arm_body(known.get(str(given), given))
+    misfit = body.misfit(arm)
+    if misfit:
+        raise PhysicsError(f"body {body.name or given!s}: does not fit: {misfit}")
+    return body

@@ -1,0 +1,173 @@
+"""Plans carried out by an arm with mass, and what came of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.execution.physics.bodies import body_for
+from gcm_learn.execution.physics.control import Controller
+from gcm_learn.execution.physics.model import STEP
+from gcm_learn.execution.physics.motors import motor_accelerations
+from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
+from gcm_learn.execution.world import CAUGHT, COLLIDED
+from gcm_learn.motion import SpatialTrajectory, braked
+from gcm_learn.planners import Plan
+from gcm_learn.scene import forward_in_space
+from gcm_learn.situation import ArmBody, Situation, SpatialArm
+
+FORMAT = "gcm-learn/execution@1"
+STAYS = 0.2
+"""How long a caught target has to stay within grasp to have stayed [s]."""
+
+AT_REST = 0.05
+"""Joints that are slower than this rest [rad/s]."""
+
+
+@dataclass(frozen=True)
+class Execution:
+    """What came of a plan in physics; lengths in metres."""
+
+    name: str
+    """Of the situation."""
+    planner: str
+    status: str
+    """"caught", "collided" or "late"; "no plan" where there was none to follow."""
+    planned: float | None = None
+    """When the plan catches [s]."""
+    catch_time: float | None = None
+    """When the hand first was within grasp of a target [s]."""
+    catch_body: str | None = None
+    contact: Contact | None = None
+    """Of limb and obstacle before the catch."""
+    error: tuple[float, float, float] | None = None
+    """How far the hand was from where the plan has it until the catch: median, largest, and at
+    the end [m]."""
+    torque: float | None = None
+    """Largest share of a motor's torque until the catch."""
+    stays: bool | None = None
+    """Whether the target was within grasp for another `STAYS` seconds, with no fingers to hold
+    it."""
+    braked: float | None = None
+    """How long the arm took from the catch to rest [s]."""
+    braked_into: Contact | None = None
+    """What the limb touched after the catch."""
+    plant: PhysicalPlant | None = None
+    """With its logs, for films."""
+
+    @property
+    def caught(self) -> bool:
+        """Whether the target was caught, and nothing touched before."""
+        return self.status == "caught"
+
+
+def execute(
+    plan: Plan[SpatialTrajectory],
+    situation: Situation[SpatialArm],
+    body: ArmBody | str | Path | None = None,
+    controller: Controller | None = None,
+) -> Execution:
+    """Carry out a plan with an arm that has mass and motors.
+
+    After the plan's end the arm brakes.
+
+    Parameters
+    ----------
+    plan : Plan
+    situation : Situation
+        The world as it is, whatever the plan was made for.
+    body : ArmBody, str or Path, optional
+        See `body_for`.
+    controller : Controller, optional
+
+    Raises
+    ------
+    PhysicsError
+        If the body does not fit, or the physics fails.
+    """
+    if plan.trajectory is None:
+        return Execution(situation.name, plan.planner, "no plan")
+    chosen = body_for(situation.arm, body)
+    plant = PhysicalPlant(situation, chosen, controller or Controller())
+    limits = situation.arm.max_joint_acceleration
+    most = motor_accelerations(situation.arm, chosen) if limits is None else np.array(limits)
+    whole = braked(plan.trajectory, most)
+    plant.follow(whole, situation.horizon)
+    ended = plant.steps if plant.catch_time is None else round(plant.catch_time / STEP)
+    if plant.catch_time is not None:
+        plant.follow(whole, plant.catch_time + STAYS + whole.duration - plan.trajectory.duration)
+    return _report(plan, whole, plant, ended)
+
+
+def _report(
+    plan: Plan[SpatialTrajectory], whole: SpatialTrajectory, plant: PhysicalPlant, ended: int
+) -> Execution:
+    names: dict[int, str] = {CAUGHT: "caught", COLLIDED: "collided"}
+    steps = np.arange(ended + 1)
+    torque = np.array([motor.torque for motor in plant.body.joints])
+    used = np.abs(plant.torques_log[: max(ended, 1)]) / torque
+    out = Execution(
+        plan.name,
+        plan.planner,
+        names.get(plant.outcome, "late"),
+        planned=plan.catch_time,
+        catch_time=plant.catch_time,
+        catch_body=plant.catch_body,
+        contact=plant.contact,
+        error=_errors(whole, plant, steps),
+        torque=float(used.max()),
+        plant=plant,
+    )
+    if plant.catch_time is None:
+        return out
+    return replace(
+        out,
+        stays=plant.holds(ended, ended + round(STAYS / STEP)),
+        braked=_rested(plant, ended),
+        braked_into=plant.later_contact,
+    )
+
+
+def _errors(
+    plan: SpatialTrajectory, plant: PhysicalPlant, steps: np.ndarray
+) -> tuple[float, float, float]:
+    there = forward_in_space(plan.arm, plant.joints_log[steps])[1]
+    off = np.linalg.norm(there - plan.hand_at(steps * STEP), axis=1) * plant.body.metres
+    return float(np.median(off)), float(off.max()), float(off[-1])
+
+
+def _rested(plant: PhysicalPlant, since: int) -> float | None:
+    """How long after a step the arm rests, and goes on resting [s]."""
+    moving = np.abs(plant.rates_log[since : plant.steps + 1]).max(axis=1) > AT_REST
+    if moving[-1]:
+        return None
+    return float(np.flatnonzero(moving)[-1] + 1) * STEP if moving.any() else 0.0
+
+
+def execution_to_json(done: Execution) -> dict[str, Any]:
+    """The report in the format ``gcm-learn/execution@1``; what does not apply is null."""
+    error = done.error or (None, None, None)
+    return {
+        "format": FORMAT,
+        "name": done.name,
+        "planner": done.planner,
+        "status": done.status,
+        "planned_catch_time": done.planned,
+        "catch_time": done.catch_time,
+        "catch_body": done.catch_body,
+        "contact": _contact(done.contact),
+        "error_median": error[0],
+        "error_max": error[1],
+        "error_at_end": error[2],
+        "torque": done.torque,
+        "stays": done.stays,
+        "braked": done.braked,
+        "braked_into": _contact(done.braked_into),
+    }
+
+
+def _contact(contact: Contact | None) -> dict[str, Any] | None:
+    return None if contact is None else {"name": contact.name, "time": contact.time}

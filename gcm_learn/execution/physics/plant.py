@@ -1,0 +1,265 @@
+"""An arm with mass in a situation: a plant of MuJoCo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+from gcm_learn.errors import PhysicsError
+from gcm_learn.execution.physics.control import Controller, following
+from gcm_learn.execution.physics.laws import laws
+from gcm_learn.execution.physics.model import STEP, compiled, model_xml, mujoco
+from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion.interception_in_space import met_at, room_in_pose
+from gcm_learn.scene import forward_in_space, pack
+from gcm_learn.scene.spatial_limb import limb_at
+from gcm_learn.situation import JOINTS, ArmBody, Situation, SpatialArm
+
+AFTER = 0.5
+"""How long the world goes on after the horizon [s]."""
+HAND_GEOM, ARM_GEOMS = 2, 3  # in the order in which the model has them; bodies come next
+CHUNK = 10
+"""Steps after which it is asked whether the episode is over."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The first contact of limb and obstacle."""
+
+    name: str
+    """Of the obstacle."""
+    time: float
+    """[s]"""
+
+
+class PhysicalPlant:
+    """One arm in one situation, at rest or moving as `arm.joint_rates` says.
+
+    Until a hand touches them, targets are exactly where their motion laws have them; obstacles
+    always are.  Caught: the hand is within grasp of a target by the horizon; collided: a limb
+    touched an obstacle before.
+
+    Parameters
+    ----------
+    situation : Situation
+    body : ArmBody
+    controller : Controller
+
+    Raises
+    ------
+    MissingExtraError
+    PhysicsError
+    """
+
+    def __init__(
+        self,
+        situation: Situation[SpatialArm],
+        body: ArmBody,
+        controller: Controller = Controller(),  # noqa: B008 -- frozen
+    ) -> None:
+        misfit = body.misfit(situation.arm)
+        if misfit:
+            raise PhysicsError(f"body {body.name!r}: does not fit: {misfit}")
+        self.situation, self.body = situation, body
+        self.motors = following(controller, situation.arm, body)
+        self._library = mujoco()
+        self._model = compiled(model_xml(situation.arm, body, situation.bodies))
+        self._data = self._library.MjData(self._model)
+        self._model.actuator_gainprm[:, 0] = 1.0
+        count = round((situation.horizon + AFTER) / STEP) + 1
+        times = np.arange(count) * STEP
+        self._scene = pack(replace(situation, horizon=float(times[-1])))
+        self._laws = laws(self._scene, times, body.metres)
+        self._poses = np.zeros((len(situation.bodies), 12))
+        self.joints_log = np.empty((count, JOINTS))
+        """Joints at every step until now (`steps` + 1 rows are filled) [rad]."""
+        self.rates_log = np.empty((count, JOINTS))
+        self.torques_log = np.empty((count, JOINTS))
+        """Torques during every step [N m]."""
+        self.targets_log = np.empty((count, self._laws.targets.shape[1]))
+        """Of every target position [m] and quaternion, in the frame of the base."""
+        self.steps = 0
+        """How many have been made."""
+        self.outcome = RUNNING
+        self.catch_time: float | None = None
+        self.catch_body: str | None = None
+        self.contact: Contact | None = None
+        """Before the catch."""
+        self.later_contact: Contact | None = None
+        """After it."""
+        self._free = False  # whether targets go their own way
+        self._start()
+
+    @property
+    def time(self) -> float:
+        """Since the start [s]."""
+        return self.steps * STEP
+
+    @property
+    def joints(self) -> np.ndarray:
+        """(4,) [rad]"""
+        return self.joints_log[self.steps].copy()
+
+    @property
+    def rates(self) -> np.ndarray:
+        """(4,) [rad/s]"""
+        return self.rates_log[self.steps].copy()
+
+    @property
+    def hand(self) -> np.ndarray:
+        """(3,) in the world, in the arm's unit."""
+        return forward_in_space(self.situation.arm, self.joints)[1]
+
+    def follow(self, plan: SpatialTrajectory, until: float) -> None:
+        """Follow a plan, whose times are this plant's, until a time [s] or until it is over."""
+        times = np.arange(self.steps, self._steps_until(until) + 1) * STEP
+        if times.size < 2:
+            return
+        joints, rates, forces = plan.states_at(times)
+        # damping acts on the rate at the end of a step, everything else on the state before it
+        wanted = self.motors.commands(joints[:-1], rates[:-1], forces[:-1])
+        wanted += self.motors.kd * (rates[1:] - rates[:-1])
+        self._gains(self.motors.kp, self.motors.kd)
+        self._advance(wanted)
+
+    def push(self, torques: np.ndarray, until: float) -> None:
+        """Apply torques (4,) [N m], cut at the motors' limits."""
+        self._gains(np.zeros(JOINTS), np.zeros(JOINTS))
+        self._advance(np.tile(torques, (self._steps_until(until) - self.steps, 1)))
+
+    def turn(self, rates: np.ndarray, until: float) -> None:
+        """Servo the joints to rates (4,) [rad/s], the arm's weight being held."""
+        rates = np.clip(rates, *self._fastest)
+        torques = self.motors.holding(self.joints) + self.motors.kd * rates
+        self._gains(np.zeros(JOINTS), self.motors.kd)
+        self._advance(np.tile(torques, (self._steps_until(until) - self.steps, 1)))
+
+    def holds(self, first: int, last: int) -> bool:
+        """Whether a target that is caught is within grasp at all steps from `first` to `last`."""
+        from scipy.spatial.transform import Rotation
+
+        names = [body.name for body in self.situation.bodies if body.role == "target"]
+        if self.catch_body is None or last > self.steps:
+            return False
+        at = 7 * names.index(self.catch_body)
+        rows = self.targets_log[first : last + 1, at : at + 7]
+        poses = np.empty((len(rows), 12))
+        poses[:, :3] = rows[:, :3] / self.body.metres
+        turns = Rotation.from_quat(np.roll(rows[:, 3:], -1, axis=1)).as_matrix()
+        poses[:, 3:] = turns.reshape(-1, 9)
+        b = [body.name for body in self.situation.bodies].index(self.catch_body)
+        return bool(_within(self._scene, b, self.joints_log[first : last + 1], poses))
+
+    @property
+    def _fastest(self) -> tuple[np.ndarray, np.ndarray]:
+        top = np.array(self.situation.arm.max_joint_speed)
+        return -top, top
+
+    def _start(self) -> None:
+        arm, data = self.situation.arm, self._data
+        data.qpos[:JOINTS] = arm.joints
+        data.qvel[:JOINTS] = arm.joint_rates or (0.0,) * JOINTS
+        data.qpos[JOINTS:], data.qvel[JOINTS:] = self._laws.targets[0], self._laws.moves[0]
+        self.joints_log[0], self.rates_log[0] = data.qpos[:JOINTS], data.qvel[:JOINTS]
+        self.targets_log[0] = self._laws.targets[0]
+        self._judge(0, None)
+
+    def _steps_until(self, until: float) -> int:
+        return min(round(until / STEP), len(self.joints_log) - 1)
+
+    def _gains(self, kp: np.ndarray, kd: np.ndarray) -> None:
+        self._model.actuator_biasprm[:, 1], self._model.actuator_biasprm[:, 2] = -kp, -kd
+
+    def _advance(self, commands: np.ndarray) -> None:
+        """Steps with commands (n, 4), until the episode is over; beyond it all of them."""
+        going = self.outcome == RUNNING
+        for k in range(0, len(commands), CHUNK):
+            before = self.steps
+            touched = self._run(commands[k : k + CHUNK])
+            if going:
+                self._judge(before + 1, touched)
+                if self.outcome != RUNNING:
+                    return
+            elif touched is not None:
+                self._note_late(touched)
+
+    def _run(self, commands: np.ndarray) -> tuple[int, int] | None:
+        """Steps of the physics; the first obstacle that the limb touches, and at which step."""
+        model, data, step = self._model, self._data, self._library.mj_step
+        qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
+        places, turns = data.mocap_pos, data.mocap_quat
+        law, found = self._laws, None
+        for row in commands:
+            k = self.steps
+            ctrl[:] = row
+            places[:], turns[:] = law.obstacles[k], law.turns[k]
+            if not self._free:
+                qpos[JOINTS:], qvel[JOINTS:] = law.targets[k], law.moves[k]
+            step(model, data)
+            self.torques_log[k] = force
+            if data.ncon:
+                limb, hand = self._contacts()
+                self._free = self._free or hand
+                if found is None and limb >= 0:
+                    found = limb, k
+            self.steps = k + 1
+            self.joints_log[k + 1], self.rates_log[k + 1] = qpos[:JOINTS], qvel[:JOINTS]
+            self.targets_log[k + 1] = qpos[JOINTS:] if self._free else law.targets[k + 1]
+        if not np.isfinite(self.joints_log[self.steps]).all():
+            raise PhysicsError(f"physics: joints are no numbers any more at t = {self.time:.3f} s")
+        return found
+
+    def _contacts(self) -> tuple[int, bool]:
+        """The obstacle that the limb touches (-1: none), and whether the hand touches a target."""
+        limb, hand = -1, False
+        for first, second in self._data.contact.geom.tolist():
+            if min(first, second) == HAND_GEOM:
+                hand = True
+            else:
+                limb = max(first, second) - ARM_GEOMS
+        return limb, hand
+
+    def _judge(self, first: int, touched: tuple[int, int] | None) -> None:
+        """See whether the episode is over, after the steps from `first` on."""
+        bodies, step = self.situation.bodies, -1 if touched is None else touched[1]
+        last = min(self.steps, round(self.situation.horizon / STEP))
+        k, b = _first_met(self._scene, self.joints_log, first, last, STEP, self._poses)
+        if touched is not None and not 0 <= k < step:
+            self.outcome = COLLIDED
+            self.contact = Contact(bodies[touched[0]].name, step * STEP)
+            return
+        if k >= 0:
+            self.outcome, self.catch_time, self.catch_body = CAUGHT, k * STEP, bodies[b].name
+        elif last < self.steps or self.time >= self.situation.horizon:
+            self.outcome = LATE
+        if touched is not None:
+            self._note_late(touched)
+
+    def _note_late(self, touched: tuple[int, int]) -> None:
+        if self.later_contact is None:
+            self.later_contact = Contact(self.situation.bodies[touched[0]].name, touched[1] * STEP)
+
+
+@njit
+def _first_met(scene, joints, first, last, step, poses):
+    """First step from `first` to `last` with a target within grasp, and which; -1 if none."""
+    for k in range(first, last + 1):
+        b = met_at(scene, joints[k], k * step, scene.limits.grasp, poses)
+        if b >= 0:
+            return k, b
+    return -1, -1
+
+
+@njit
+def _within(scene, b, joints, poses):
+    """Whether the hand is within grasp of body b at all joints (n, 4) and poses of it (n, 12)."""
+    room = np.zeros((b + 1, 12))
+    for k in range(joints.shape[0]):
+        room[b] = poses[k]
+        _, _, _, x, y, z = limb_at(scene.limb, joints[k])
+        if room_in_pose(scene.bodies, b, x, y, z, room) > scene.limits.grasp:
+            return False
+    return True
