@@ -10,6 +10,8 @@ from tyro.conf import Positional, arg
 
 from gcm_learn.cli.extras import dataset_package
 
+IN_SPACE = "gcm-learn/record@2"
+
 
 @dataclass(frozen=True)
 class Inspect:
@@ -34,8 +36,7 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     if not manifest.get("planned", True):
         state += " or more (no manifest tells how many are planned)"
     yield f"{manifest['name']}: {manifest['records']} records, {state}"
-    size = f"{spec['n']} x {spec['n']}"
-    yield f"  seed {spec['seed']}, map {spec['map']} {size}, rungs {spec['rungs']}"
+    yield f"  seed {spec['seed']}, {_maps(manifest)}"
     yield f"  {manifest['bytes'] / 1e6:.1f} MB, {manifest['bytes_per_record']:.0f} bytes a record"
     yield f"  hash {manifest['hash']}"
     if manifest["code"]:
@@ -53,6 +54,15 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     yield f"drawn {manifest['drawn']}, rejected: {rejected}"
     yield "splits: " + ", ".join(f"{name} {n}" for name, n in manifest["splits"].items())
     yield from _checks(manifest)
+
+
+def _maps(manifest: Mapping[str, Any]) -> str:
+    """What maps records hold, and on what lattices planners work; in space neither is there."""
+    spec = manifest["spec"]
+    if manifest["schema"] == IN_SPACE:
+        return "spatial arms, no maps"
+    kept = "no maps, lattices" if spec["map"] == "none" else f"map {spec['map']}"
+    return f"{kept} {spec['n']} x {spec['n']}, rungs {spec['rungs']}"
 
 
 def _families(manifest: Mapping[str, Any]) -> Iterator[str]:

@@ -24,7 +24,7 @@ class SpatialTrajectory:
     """(n, 4) float [rad]"""
     rates: np.ndarray | None = None
     """(n, 4) float: of the joints at the samples [rad/s]; between them the joints are the cubic
-    Hermite curves of both. None where joints are linear."""
+    Hermite curves of both. None where joints are linear: without limits of acceleration always."""
 
     def __post_init__(self) -> None:
         n, rates = self.time.shape[0], self.joints if self.rates is None else self.rates
@@ -35,6 +35,8 @@ class SpatialTrajectory:
             )
         if n == 0 or (self.time[1:] <= self.time[:-1]).any():
             raise ValueError("trajectory times must increase and there must be at least one")
+        if self.rates is not None and self.arm.max_joint_acceleration is None:
+            raise ValueError("trajectory has rates, but its arm no max_joint_acceleration")
 
     @cached_property
     def _limb(self) -> tuple[np.ndarray, np.ndarray]:

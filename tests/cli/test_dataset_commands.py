@@ -36,6 +36,23 @@ def test_inspect_tells_what_the_manifest_says(folder, capsys):
     assert f"{manifest['rejected'].get('blocked', 0)}" in said
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, "seed 3, map marching 40 x 40, rungs 2"),
+        ({"map": "none"}, "seed 3, no maps, lattices 40 x 40, rungs 2"),
+        (
+            {"map": "none", "families": (dataset.FamilyShare("late-target-space"),)},
+            "seed 3, spatial arms, no maps",
+        ),
+    ],
+)
+def test_inspect_tells_what_maps_there_are(changes, said, tmp_path, capsys):
+    make_here(replace(SMALL, count=1, **changes), str(tmp_path))
+    assert main(["inspect", str(tmp_path)]) == 0
+    assert f"  {said}\n" in capsys.readouterr().out
+
+
 def test_inspect_tells_of_one_under_way(tmp_path, capsys):
     Folder(tmp_path).make()
     for shard in (0, 2):

@@ -184,3 +184,9 @@ def test_bodies_are_judged_in_the_world_wherever_the_base_is():
     assert verdict(situation(arm), [0.0, 0.5], [ARM.joints, GOAL]).good
     found = verdict(situation(arm, obstacles=(post,)), [0.0, 0.5], [ARM.joints, GOAL])
     assert found.reason.failure is Failure.COLLISION
+
+
+def test_rates_without_limits_of_acceleration_are_refused():
+    time, joints, rates = np.array([0.0, 0.5]), np.array([ARM.joints, GOAL]), np.zeros((2, 4))
+    with pytest.raises(ValueError, match="no max_joint_acceleration"):
+        SpatialTrajectory(ARM, time, joints, rates)
