@@ -90,3 +90,11 @@ def test_an_account_of_something_else_is_left_alone(promise):
     with pytest.raises(SystemExit, match="is about something else"):
         promise(*PLANE, "--catches", 1, "--seed", 3)
     assert promise(*PLANE, "--catches", 1) == (0, before)
+
+
+def test_a_planner_that_claims_nothing_ends_it_with_a_line(promise, monkeypatch, capsys):
+    monkeypatch.setattr(promise.module, "BARREN", 3)
+    monkeypatch.setattr(promise.module, "complaints", lambda *_: (None, 0.0))
+    code, account = promise(*PLANE, "--catches", 5)
+    assert (code, account["claimed"], account["following"]) == (1, 0, 3)
+    assert "no claim in 3 items in a row" in capsys.readouterr().out

@@ -9,7 +9,8 @@
 Item k is of family k mod n and goes to one planner, in turn. With `--file` an item is one of the
 file's situations, its bodies and its arm a little elsewhere. It counts claims until there are
 enough, writes what it has found every few seconds and after Ctrl-C, and goes on from there when it
-is started again. What is broken is printed with what draws it again. Exit code 1 if anything is.
+is started again. After 500 items in a row without a claim it ends. What is broken is printed with
+what draws it again. Exit code 1 if anything is, or if there are too few claims.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ from tests.referee import judge  # noqa: E402
 OUT = Path(__file__).parent / "out"
 EVERY = 10.0  # what is found is written down this often [s]
 CLOSER = 8000  # instants of a second look: the referee of the plane samples time
+BARREN = 500  # items in a row without a claim, after which there is nothing to be judged
 SHIFT = 0.1  # of bodies and joints of a file's situations [arm's reach, rad]
 
 
@@ -160,7 +162,10 @@ def ask(account: Account, names: list[str], planners: list[str], draw: Any) -> N
 
 
 def run(account: Account, path: Path, catches: int, step: Callable[[], None]) -> None:
-    """Ask until there are enough claims; what is found is written now and then, and at the end."""
+    """Ask until there are enough claims, or none any more.
+
+    What is found is written now and then, and at the end.
+    """
 
     def write() -> None:
         write_whole(path, json.dumps(asdict(account), indent=1) + "\n")
@@ -170,9 +175,15 @@ def run(account: Account, path: Path, catches: int, step: Callable[[], None]) ->
     path.parent.mkdir(parents=True, exist_ok=True)
     account.commits = sorted({*account.commits, commit()})
     written = time.monotonic()
+    claimed, since = account.claimed, account.following
     try:
         while account.claimed < catches:
             step()
+            if account.claimed > claimed:
+                claimed, since = account.claimed, account.following
+            elif account.following - since >= BARREN:
+                print(f"no claim in {BARREN} items in a row: nothing to be judged", flush=True)
+                break
             if time.monotonic() - written > EVERY:
                 write()
                 written = time.monotonic()
@@ -198,7 +209,7 @@ def arguments() -> argparse.Namespace:
 
 
 def main() -> int:
-    """Ask, and say whether anything is broken."""
+    """Ask, and say whether anything is broken or too little was claimed."""
     args = arguments()
     names, draw = source_of(args)
     if args.again is not None:
@@ -214,7 +225,7 @@ def main() -> int:
     except KeyboardInterrupt:
         print(f"interrupted; the same command goes on from {path}")
         return 130
-    return 1 if account.broken else 0
+    return 1 if account.broken or account.claimed < args.catches else 0
 
 
 if __name__ == "__main__":

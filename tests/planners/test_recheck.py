@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from gcm_learn.families import thrown_scene
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import solve
@@ -25,12 +26,20 @@ def solid_case():
     return situation, solve(situation, "gcm")
 
 
+@pytest.fixture(scope="module")
+def spatial_case():
+    situation = thrown_scene()
+    return situation, solve(situation, "layered")
+
+
 def with_way(plan, time, hand, **changes):
     way = Trajectory.of_hand(time, hand)
     return dataclasses.replace(plan, trajectory=way, **{"catch_time": way.duration, **changes})
 
 
-def test_a_verified_plan_breaks_nothing(planar_case, solid_case):
+def test_a_verified_plan_breaks_nothing(planar_case, solid_case, spatial_case):
+    assert spatial_case[1].caught
+    assert broken_promise(*spatial_case) is None
     assert broken_promise(*planar_case) is None
     assert broken_promise(*solid_case) is None
 
@@ -90,3 +99,60 @@ def test_joint_speeds_are_looked_at(planar_case):
     situation, plan = planar_case
     slow = dataclasses.replace(situation.arm, max_joint_speed=(0.01, 0.01))
     assert "joint" in broken_promise(dataclasses.replace(situation, arm=slow), plan)
+
+
+def moved(plan, **changes):
+    return dataclasses.replace(plan, trajectory=dataclasses.replace(plan.trajectory, **changes))
+
+
+def other_start(plan):
+    return moved(plan, joints=plan.trajectory.joints + 0.001)
+
+
+def too_fast(plan):
+    time = plan.trajectory.time.copy()
+    time[1:-1] *= 0.02
+    return moved(plan, time=time)
+
+
+def too_early(plan):
+    time = np.array([0.0, 0.01])
+    stays = moved(plan, time=time, joints=np.tile(plan.trajectory.joints[0], (2, 1)))
+    return dataclasses.replace(stays, catch_time=0.01)
+
+
+def other_arm(plan):
+    longer = dataclasses.replace(plan.trajectory.arm, grasp=2.0 * plan.trajectory.arm.grasp)
+    return moved(plan, arm=longer)
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (other_start, "start at the hand"),
+        (break_end, "end at the catch"),
+        (lambda plan: dataclasses.replace(plan, catch_body="nobody"), "no target"),
+        (too_fast, "max_joint_speed"),
+        (too_early, "misses the target"),
+        (other_arm, "another arm"),
+    ],
+)
+def test_every_promise_in_space_is_looked_at(spatial_case, damage, said):
+    situation, plan = spatial_case
+    assert said in broken_promise(situation, damage(plan))
+
+
+def test_a_touch_in_space_is_seen(spatial_case):
+    situation, plan = spatial_case
+    post = next(body for body in situation.bodies if body.role == "obstacle")
+    way = plan.trajectory
+    midst = tuple(way.hand_at(0.5 * way.duration))
+    still = dataclasses.replace(post.motion, position=midst, velocity=(0.0, 0.0, 0.0))
+    there = dataclasses.replace(post, motion=still)
+    bodies = tuple(there if body is post else body for body in situation.bodies)
+    assert "touched" in broken_promise(dataclasses.replace(situation, bodies=bodies), plan)
+
+
+def test_a_plan_for_the_other_kind_of_arm_is_broken(planar_case, spatial_case):
+    assert "other kind" in broken_promise(planar_case[0], spatial_case[1])
+    assert "other kind" in broken_promise(spatial_case[0], planar_case[1])
