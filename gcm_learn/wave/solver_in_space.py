@@ -27,7 +27,7 @@ from gcm_learn.wave import kernels_in_space as kernels
 from gcm_learn.wave import stencil_in_space as stencil
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.kernels import CONTACT, FROZEN, Terms
-from gcm_learn.wave.params import REST, WaveParams
+from gcm_learn.wave.params import REST, WaveParams, check_stability
 
 START_BALL = (
     5.1  # radius of the smallest ball that is excited at the start; no cell is on it [cells]
@@ -95,11 +95,7 @@ def front_speed_in_space(params: WaveParams) -> float:
     Along an axis, a face's and the cube's diagonal, a plane front is one on a chain of neurons with
     1, 2 and 3 times the diffusion, whose neighbours are 1, 1 / sqrt 2 and 1 / sqrt 3 cells apart.
     """
-    if params.step * (5.0 / 7.0 + 12.0 * params.diffusion) > 2.0:
-        raise LatticeError(
-            f"step {params.step} is unstable with diffusion {params.diffusion} in space: "
-            "explicit Euler needs step * (5/7 + 12 diffusion) <= 2"
-        )
+    check_stability(params, 7)
     return max(_chain_speed(params, k) / math.sqrt(k) for k in (1, 2, 3))
 
 

@@ -9,6 +9,8 @@ from gcm_learn import seeding
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace.lattice import Lattice, hand_space
 from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of, march, propagate
+from gcm_learn.wave.kernels import live_weight
+from gcm_learn.wave.stencil import LEFT, layout, room, two_steps
 from tests.wave.scenes import SPEED, arrival_tau, away, disc, scene, setting_of
 
 
@@ -91,13 +93,43 @@ def test_the_printed_start_is_late_by_six(points):
 def test_bias_of_the_time_step():
     _, exact = free_arrival(step=0.02)
     bias = {
-        step: np.mean(free_arrival(step=step)[1] - exact) for step in (0.1, 0.2, 0.25, 0.5, 0.9)
+        step: np.mean(free_arrival(step=step)[1] - exact) for step in (0.1, 0.2, 0.25, 0.5, 0.86)
     }
     assert bias[0.1] == pytest.approx(0.3, abs=0.15)
     assert bias[0.2] == pytest.approx(0.6, abs=0.2)
     assert bias[0.25] == pytest.approx(0.8, abs=0.25)
     assert bias[0.5] == pytest.approx(1.5, abs=0.3)
-    assert bias[0.9] < 3.5
+    assert bias[0.86] < 3.5
+
+
+def chessboard_left(points, step, diffusion):
+    """What a chessboard of 1e-3 on an excited lattice has become after 800 steps."""
+    n, shape = 40, layout(40)
+    buffer = np.zeros_like(room(n))
+    plane = [
+        buffer[k * shape.plane :][: (n + 2) * shape.width].reshape(n + 2, -1) for k in range(5)
+    ]
+    r, _, z, rate, live = (p[1:-1, LEFT : LEFT + n] for p in plane)
+    r[:], z[:], rate[:] = 3.0 + 1e-3 * (-1.0) ** np.add.outer(range(n), range(n)), 1.0 / 7.0, step
+    ones = np.pad(np.ones((n, n)), 1)
+    turns = [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1) if (a, b) != (0, 0)]
+    for a, b in turns:
+        live += live_weight(points, a != 0 and b != 0) * np.roll(ones, (a, b), (0, 1))[1:-1, 1:-1]
+    first = np.arange(1, n + 1, dtype=np.uint64) * np.uint64(shape.width) + np.uint64(LEFT)
+    d, eps = np.float32(diffusion), np.float32(0.04 * step)
+    for _ in range(400):
+        two_steps(buffer, first, first + np.uint64(n), n, d, eps, shape.width, points)
+    return float(np.abs(r - 3.0).max())
+
+
+@pytest.mark.parametrize(("points", "largest"), [(5, 8.0), (9, 16.0 / 3.0)])
+def test_steps_are_refused_from_where_a_chessboard_grows(points, largest):
+    bound = 2.0 / (5.0 / 7.0 + largest * 0.5)
+    settling = WaveParams(laplacian=points, step=0.995 * bound, diffusion=0.5)
+    assert chessboard_left(points, settling.step, 0.5) < 1e-4
+    assert not chessboard_left(points, 1.03 * bound, 0.5) < 1e-2
+    with pytest.raises(LatticeError, match=f"unstable with diffusion 0.5 on {points} points"):
+        WaveParams(laplacian=points, step=1.005 * bound, diffusion=0.5)
 
 
 @pytest.mark.parametrize(
@@ -121,6 +153,7 @@ def test_bias_of_the_time_step():
         ({"margin": 11.0}, "margin"),
         ({"until": "tomorrow"}, "until"),
         ({"step": 0.9, "diffusion": 1.0}, "step"),
+        ({"step": 0.87}, "step"),  # at the default diffusion
     ],
 )
 def test_refused_parameters(changes, named):

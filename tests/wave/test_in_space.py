@@ -198,5 +198,5 @@ def test_a_front_is_slow_where_joints_are():
 
 
 def test_a_step_that_is_unstable_in_space_is_refused():
-    with pytest.raises(LatticeError, match=r"step 0.7 is unstable with diffusion 0.2 in space"):
+    with pytest.raises(LatticeError, match=r"step 0.7 is unstable with diffusion 0.2 on 7 points"):
         front_speed_in_space(WaveParams(step=0.7))
