@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.motion import rules_of
 from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
-from gcm_learn.scene import forward_in_space
+from gcm_learn.planners.space.goals import box, met_from, slope_at
+from gcm_learn.planners.space.moves import study_of, time_of
+from gcm_learn.scene import forward_in_space, pack
 from gcm_learn.situation import (
     Body,
     Box,
+    Cylinder,
     Pendulum,
     Situation,
     SolidQuadratic,
@@ -60,6 +64,37 @@ def soonest(count=200_000):
     low, high = np.array(ARM.joint_range).T
     joints = seeding.rng(3).uniform(low, high, (count, 4))
     return joints, (np.abs(joints - ARM.joints) / ARM.max_joint_speed).max(axis=1)
+
+
+def studied(*bodies):
+    packed = pack(scene(*bodies))
+    return study_of(packed, rules_of(packed))
+
+
+def test_what_joints_can_reach_in_a_time_is_reached_in_it():
+    study, rng = studied(ball(hand_of(GOAL))), seeding.rng(9)
+    for span in rng.uniform(0.01, 0.3, 200):
+        q = rng.uniform(*np.array(ARM.joint_range).T)
+        box(study, q, span)
+        for corner in (study.low, study.high):
+            assert time_of(study, q, corner)[0] <= span
+
+
+def test_what_is_met_from_a_posture_is_met_in_time():
+    study, start = studied(ball(hand_of(GOAL))), np.array(ARM.joints)
+    took = (np.abs(np.subtract(GOAL, start)) / ARM.max_joint_speed).max()
+    assert met_from(study, start, 0.1, 0, np.array(GOAL), 0.1 + 1.1 * took) > 0
+    hand = hand_of(study.goal)
+    assert np.linalg.norm(hand - hand_of(GOAL)) <= RADIUS + ARM.grasp
+    assert time_of(study, start, study.goal)[0] <= 1.1 * took
+    assert met_from(study, start, 0.1, 0, np.array(GOAL), 0.1 + 0.3 * took) == 0
+
+
+def test_the_slope_of_a_target_leads_to_it():
+    study = studied(flying("target", Cylinder(0.2, 0.3), (0.5, 0.4, 0.3)))
+    place = np.array([1.0, 0.4, 0.3])
+    assert np.allclose(slope_at(study, 0, *place, 0.0), (1.0, 0.0, 0.0), atol=1e-6)
+    assert np.allclose(slope_at(study, 0, 0.5, 0.4, 0.9, 0.0), (0.0, 0.0, 1.0), atol=1e-6)
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, 0.0), (0.5, -1.0, 0.4)])

@@ -10,6 +10,7 @@ from gcm_learn.collision.postures import distance_at, free_until
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.planners.space.moves import (
+    HAIR,
     rest_is_free,
     time_of,
     timed_move_is_free,
@@ -47,6 +48,19 @@ def no_goals(targets: int, instants: int, swivels: int) -> Goals:
 
 
 @njit(_nrt=False)
+def slope_at(study, b, x, y, z, t):
+    """Slope of the signed distance to body b at the point (x, y, z) and t [s], by differences."""
+    scene, poses, probe = study.scene, study.desk.poses, PROBE * study.scene.limb.length
+    nx = target_room(scene, b, x + probe, y, z, t, poses)
+    nx -= target_room(scene, b, x - probe, y, z, t, poses)
+    ny = target_room(scene, b, x, y + probe, z, t, poses)
+    ny -= target_room(scene, b, x, y - probe, z, t, poses)
+    nz = target_room(scene, b, x, y, z + probe, t, poses)
+    nz -= target_room(scene, b, x, y, z - probe, t, poses)
+    return 0.5 * nx / probe, 0.5 * ny / probe, 0.5 * nz / probe
+
+
+@njit(_nrt=False)
 def pulled(study, b, t, q):
     """Turn joints q (4,), within ``study.low`` and ``study.high``, until the hand catches body b.
 
@@ -54,23 +68,17 @@ def pulled(study, b, t, q):
     Returns whether it succeeds.
     """
     scene, low, high, jacobian = study.scene, study.low, study.high, study.jacobian
-    limb, rate, poses, probe = scene.limb, scene.limits.joint_speed, study.desk.poses, PROBE
-    probe *= limb.length
+    limb, rate, poses = scene.limb, scene.limits.joint_speed, study.desk.poses
     for _ in range(ROUNDS):
         _, _, _, x, y, z = limb_at(limb, q)
         room = target_room(scene, b, x, y, z, t, poses) - study.catch
         if room <= 0.0:
             return True
-        nx = target_room(scene, b, x + probe, y, z, t, poses)
-        nx -= target_room(scene, b, x - probe, y, z, t, poses)
-        ny = target_room(scene, b, x, y + probe, z, t, poses)
-        ny -= target_room(scene, b, x, y - probe, z, t, poses)
-        nz = target_room(scene, b, x, y, z + probe, t, poses)
-        nz -= target_room(scene, b, x, y, z - probe, t, poses)
+        nx, ny, nz = slope_at(study, b, x, y, z, t)
         hand_jacobian(limb, q, jacobian)
         size, most = 0.0, 0.0
         for j in range(4):
-            slope = (nx * jacobian[0, j] + ny * jacobian[1, j] + nz * jacobian[2, j]) / probe / 2.0
+            slope = nx * jacobian[0, j] + ny * jacobian[1, j] + nz * jacobian[2, j]
             if (q[j] <= low[j] and slope > 0.0) or (q[j] >= high[j] and slope < 0.0):
                 slope = 0.0
             jacobian[0, j] = slope * rate[j] * rate[j]
@@ -86,11 +94,40 @@ def pulled(study, b, t, q):
 
 @njit(_nrt=False)
 def box(study, q, span):
-    """Write the joints that a straight move from q (4,) can reach in a time into low and high."""
-    limb, rate = study.scene.limb, study.scene.limits.joint_speed
+    """Write the joints that a straight move from q (4,) can reach in a time into low and high.
+
+    A hair less, so that by `time_of` no joint is too slow.
+    """
+    limb, rate, span = study.scene.limb, study.scene.limits.joint_speed, span * (1.0 - 2.0 * HAIR)
     for j in range(4):
         study.low[j] = max(limb.low[j], q[j] - rate[j] * span)
         study.high[j] = min(limb.high[j], q[j] + rate[j] * span)
+
+
+@njit(_nrt=False)
+def met_from(study, q, since, b, p, t):
+    """Write the joints near p (4,) that catch body b at t [s] into ``study.goal``.
+
+    They are such that a straight move from joints q (4,) gets there in time.
+
+    Parameters
+    ----------
+    since : float
+        When that begins at the earliest [s].
+
+    Returns
+    -------
+    pieces : int
+        Of the move, which has been timed; 0 if there is none.
+    """
+    goal = study.goal
+    box(study, q, t - since)
+    for j in range(4):
+        goal[j] = min(max(p[j], study.low[j]), study.high[j])
+    if not pulled(study, b, t, goal):
+        return 0
+    took, pieces = time_of(study, q, goal)
+    return pieces if took <= t - since else 0
 
 
 @njit(_nrt=False)
@@ -113,27 +150,31 @@ def _keep(study, goals, b, t, q):
 
 
 @njit(_nrt=False)
-def place_on(study, b, t, which, out):
-    """Write a place of body b at t [s] into `out` (3,): its centre, or about its nearest point.
+def place_on(study, b, t, which):
+    """A place of body b at t [s], put back within reach: its centre, or about its nearest point.
 
     The nearest point of a solid lies against the slope of the distance to it.
+
+    Returns
+    -------
+    x, y, z : float
+    there : bool
+        Whether it was within reach.
     """
-    scene, poses, jacobian = study.scene, study.desk.poses, study.jacobian
-    limb, probe = scene.limb, PROBE * scene.limb.length
+    scene, poses, limb = study.scene, study.desk.poses, study.scene.limb
     x, y, z = 0.0, 0.0, 0.0
     if which == FROM_HAND:
         _, _, _, x, y, z = limb_at(limb, limb.start)
     room = target_room(scene, b, x, y, z, t, poses)
     if which == CENTRE or room <= 0.0:
-        out[0], out[1], out[2] = poses[b, 0], poses[b, 1], poses[b, 2]
-        return
-    for a in range(3):
-        dx, dy, dz = probe * (a == 0), probe * (a == 1), probe * (a == 2)
-        there = target_room(scene, b, x + dx, y + dy, z + dz, t, poses)
-        jacobian[0, a] = (there - room) / probe
-    out[0] = x - room * jacobian[0, 0]
-    out[1] = y - room * jacobian[0, 1]
-    out[2] = z - room * jacobian[0, 2]
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    else:
+        nx, ny, nz = slope_at(study, b, x, y, z, t)
+        x, y, z = x - room * nx, y - room * ny, z - room * nz
+    away, far = np.sqrt(x * x + y * y + z * z), (limb.rho + limb.length) * (1.0 - RIM)
+    if away <= far:
+        return x, y, z, True
+    return x * far / away, y * far / away, z * far / away, False
 
 
 @njit(_nrt=False)
@@ -149,7 +190,7 @@ def add_goals(study, goals, b, t, swivels, turn, which):
     turn : float
         The first of them is `turn` of the way to the second.
     """
-    scene, q, hand, poses = study.scene, study.goal, study.posture, study.desk.poses
+    scene, q, poses = study.scene, study.goal, study.desk.poses
     limb = scene.limb
     if which == CENTRE:
         box(study, limb.start, t)
@@ -157,13 +198,9 @@ def add_goals(study, goals, b, t, swivels, turn, which):
             q[j] = limb.start[j]
         if pulled(study, b, t, q):
             _keep(study, goals, b, t, q)
-    place_on(study, b, t, which, hand)
-    x, y, z = hand[0], hand[1], hand[2]
-    away, far = np.sqrt(x * x + y * y + z * z), (limb.rho + limb.length) * (1.0 - RIM)
-    if away > far:
-        x, y, z = x * far / away, y * far / away, z * far / away
-        if target_room(scene, b, x, y, z, t, poses) > study.catch:
-            return
+    x, y, z, there = place_on(study, b, t, which)
+    if not there and target_room(scene, b, x, y, z, t, poses) > study.catch:
+        return
     for k in range(swivels):
         swivel = 2.0 * np.pi * (k + turn) / swivels
         found = inverse(limb, x, y, z, swivel, limb.start, study.branches)
@@ -280,15 +317,8 @@ def earlier(study, q, since, b, p, t):
     low, goal = since, study.goal
     for _ in range(HALVINGS):
         middle = 0.5 * (low + t)
-        box(study, q, middle - since)
-        for j in range(4):
-            goal[j] = min(max(p[j], study.low[j]), study.high[j])
-        found = pulled(study, b, middle, goal)
-        if found:
-            took, pieces = time_of(study, q, goal)
-            found = took <= middle - since
-            found = found and timed_move_is_free(study, q, since, goal, middle, pieces)
-        if found:
+        pieces = met_from(study, q, since, b, p, middle)
+        if pieces > 0 and timed_move_is_free(study, q, since, goal, middle, pieces):
             t = middle
             for j in range(4):
                 p[j] = goal[j]

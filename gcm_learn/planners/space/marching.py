@@ -14,7 +14,7 @@ from gcm_learn.motion import Failure, Reason, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.space.accelerated import plan_accelerated
-from gcm_learn.planners.space.goals import box, no_goals, pulled, reach
+from gcm_learn.planners.space.goals import met_from, no_goals, reach
 from gcm_learn.planners.space.moves import Study, study_of, time_of
 from gcm_learn.planners.space.straight import at_once
 from gcm_learn.planners.space.ways import (
@@ -153,13 +153,10 @@ def end(study: Study, way: Way, body: int, later: float) -> bool:
         From one moment that is tried to the next [s].
     """
     last, horizon = way.size[0] - 1, study.scene.limits.horizon
-    q, since, goal = way.joints[last], way.reached[last], study.posture
+    q, since, goal = way.joints[last], way.reached[last], study.goal
     for k in range(1, ENDINGS + 1):
         t = min(since + k * later, horizon)
-        box(study, q, t - since)
-        for j in range(4):
-            goal[j] = q[j]
-        if pulled(study, body, t, goal):
+        if met_from(study, q, since, body, q, t) > 0:
             begin, arrive = reach(study, q, since, t, goal, t)
             if begin >= 0.0:
                 way.left[last], way.body[0] = begin, body

@@ -17,7 +17,7 @@ from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception_in_space import fastest_hand, met_at
 from gcm_learn.planners.completion import SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import box, pulled
+from gcm_learn.planners.space.goals import met_from
 from gcm_learn.planners.space.moves import study_of, time_of
 from gcm_learn.planners.space.straight import attempt_along
 from gcm_learn.scene.bodies import HAND, PART
@@ -47,8 +47,8 @@ def push(study, field, q, t):
 
 
 @njit(_nrt=False)
-def aim(study, q, t, goal):
-    """Write the posture of the soonest interception from joints q (4,) at t [s] into `goal`.
+def aim(study, q, t):
+    """Write the posture of the soonest interception from joints q (4,) at t [s] to ``study.goal``.
 
     Returns
     -------
@@ -58,15 +58,9 @@ def aim(study, q, t, goal):
     scene, end = study.scene, study.scene.limits.horizon
     for k in range(1, _AHEAD + 1):
         when = t + (end - t) * (k / _AHEAD) ** 2  # near ones are told apart more finely
-        box(study, q, when - t)
         for b in range(scene.bodies.rows.shape[0]):
-            if scene.bodies.rows[b, PART] == HAND:
-                for j in range(4):
-                    goal[j] = q[j]
-                if pulled(study, b, when, goal) and time_of(study, q, goal)[0] <= 1.001 * (
-                    when - t
-                ):
-                    return True
+            if scene.bodies.rows[b, PART] == HAND and met_from(study, q, t, b, q, when) > 0:
+                return True
     return False
 
 
@@ -86,13 +80,13 @@ def descend_in_space(study, field, points):
     """
     scene, steps = study.scene, points.shape[0] - 1
     limb, rate, fast = scene.limb, scene.limits.joint_speed, fastest_hand(scene)
-    dt, q, goal, force = scene.limits.horizon / steps, limb.start.copy(), np.zeros(4), np.zeros(4)
+    dt, q, goal, force = scene.limits.horizon / steps, limb.start.copy(), study.goal, np.zeros(4)
     for k in range(steps + 1):
         t = k * dt
         points[k] = q
         if met_at(scene, q, t, study.catch, study.desk.poses) >= 0:
             return k + 1
-        if k == steps or not aim(study, q, t, goal):
+        if k == steps or not aim(study, q, t):
             return -1
         most = 0.0
         for j in range(4):

@@ -17,9 +17,8 @@ from gcm_learn.motion.interception_in_space import (
 )
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import Goals, box, place_on, pulled
+from gcm_learn.planners.space.goals import PLACES, Goals, met_from, place_on
 from gcm_learn.planners.space.moves import (
-    HAIR,
     Study,
     rest_is_free,
     study_of,
@@ -31,21 +30,17 @@ from gcm_learn.scene.spatial_limb import BRANCHES, inverse, limb_at
 
 SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for
-_PLACES = 3
 _HALVINGS = 8  # of an instant, by which the earliest interception is told
-_RIM = 1e-6  # share of the reach that is not used
 
 
 @njit(_nrt=False)
 def _keep(study, goals, b, t, q):
-    """Pull joints q (4,) to body b and note them if a straight move gets there by t [s]."""
+    """Note the joints near q (4,) that catch body b, if a straight move gets there by t [s]."""
     k = goals.size[0]
-    if k == goals.time.size or not pulled(study, b, t, q):
-        return
-    if time_of(study, study.scene.limb.start, q)[0] > t:
+    if k == goals.time.size or met_from(study, study.scene.limb.start, 0.0, b, q, t) == 0:
         return
     for j in range(4):
-        goals.joints[k, j] = q[j]
+        goals.joints[k, j] = study.goal[j]
     goals.time[k], goals.body[k] = t, b
     goals.size[0] = k + 1
 
@@ -57,23 +52,14 @@ def add_straight(study, goals, b, t, swivels):
     One is what the start is pulled to, the others are what the closed-form inverse gives for
     places of the target, put where the joints can be by then and pulled from there.
     """
-    limb, q, hand = study.scene.limb, study.goal, study.posture
-    box(study, limb.start, t * (1.0 - 2.0 * HAIR))
-    for j in range(4):
-        q[j] = limb.start[j]
-    _keep(study, goals, b, t, q)
-    far = limb.rho + limb.length
-    for which in range(1 if study.scene.bodies.rows[b, KIND] == SPHERE else _PLACES):
-        place_on(study, b, t, which, hand)
-        away = np.sqrt(hand[0] ** 2 + hand[1] ** 2 + hand[2] ** 2)
-        share = min((1.0 - _RIM) * far / away, 1.0) if away > 0.0 else 1.0
-        x, y, z = share * hand[0], share * hand[1], share * hand[2]
+    limb = study.scene.limb
+    _keep(study, goals, b, t, limb.start)
+    for which in range(1 if study.scene.bodies.rows[b, KIND] == SPHERE else PLACES):
+        x, y, z, _ = place_on(study, b, t, which)
         for k in range(swivels):
             swivel = 2.0 * np.pi * (k + 0.5) / swivels
             for i in range(inverse(limb, x, y, z, swivel, limb.start, study.branches)):
-                for j in range(4):
-                    q[j] = min(max(study.branches[i, j], study.low[j]), study.high[j])
-                _keep(study, goals, b, t, q)
+                _keep(study, goals, b, t, study.branches[i])
 
 
 @njit
@@ -96,18 +82,15 @@ def meet_straight(study, goals, t, swivels):
 @njit
 def hasten_straight(study, goals, before):
     """Make every goal as early as a straight move can, though not before `before` [s]."""
-    start, q = study.scene.limb.start, study.goal
+    start = study.scene.limb.start
     for k in range(goals.size[0]):
-        low, b = before, goals.body[k]
+        low = before
         for _ in range(_HALVINGS):
             t = 0.5 * (low + goals.time[k])
-            box(study, start, t * (1.0 - 2.0 * HAIR))
-            for j in range(4):
-                q[j] = min(max(goals.joints[k, j], study.low[j]), study.high[j])
-            if pulled(study, b, t, q) and time_of(study, start, q)[0] <= t:
+            if met_from(study, start, 0.0, goals.body[k], goals.joints[k], t) > 0:
                 goals.time[k] = t
                 for j in range(4):
-                    goals.joints[k, j] = q[j]
+                    goals.joints[k, j] = study.goal[j]
             else:
                 low = t
 
@@ -229,7 +212,7 @@ def _meetings(study: Study, instants: int) -> Iterator[tuple[float, Goals]]:
 def _room_for_goals(study: Study) -> Goals:
     """Room for all goals of an instant."""
     targets = int((study.scene.bodies.rows[:, PART] == HAND).sum())
-    most = targets * (1 + _PLACES * SWIVELS * BRANCHES)
+    most = targets * (1 + PLACES * SWIVELS * BRANCHES)
     return Goals(np.empty(most), np.empty((most, 4)), np.empty(most, int), np.zeros(1, int))
 
 
