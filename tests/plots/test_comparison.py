@@ -16,7 +16,9 @@ from gcm_learn.evaluation.table import Results
 from gcm_learn.plots import write_report
 from gcm_learn.plots.figures import comparison as figures
 from gcm_learn.plots.figures import failures
+from gcm_learn.plots.figures.space import body_poses
 from gcm_learn.plots.reports import tables
+from gcm_learn.scene import forward_in_space
 
 NAMES = ["straight", "layered", "clone"]
 
@@ -103,6 +105,42 @@ def test_films_show_different_methods_and_families(found):
             moved.append(np.asarray(film.convert("RGB")))
         assert np.any(moved[0] != moved[-1])
         assert tuple(moved[0][0, -1]) == (255, 255, 255)
+
+
+def test_failures_in_space_are_drawn_too(tmp_path):
+    drawn = [families.draw("window-space", 1, k) for k in range(3)]
+    entries = [Entry("mine", k, s, "window-space", "W", 1.0) for k, s in enumerate(drawn)]
+    results = compare(["straight", "layered"], entries, charge=0, workers=1)
+    found = failures.failures_of(results, entries)
+    assert found and {failure.name for failure in found} == {"straight"}
+    assert all(f.trajectory is None and f.better == "layered" for f in found)
+    failed = len(found)
+    for ax in failures.failures_figure(found).axes[:failed]:
+        (image,) = ax.images
+        assert np.ptp(image.get_array(), axis=(0, 1)).min() > 0.5
+    ((caption, data),) = failures.failure_film(found)
+    film = Image.open(io.BytesIO(data))
+    first = np.asarray(film.convert("RGB"))
+    film.seek(film.n_frames - 1)
+    assert "layered catches (grey)" in caption
+    assert np.any(first != np.asarray(film.convert("RGB")))
+    assert '<h2 id="failures">' in write_report(results, entries, tmp_path).read_text()
+
+
+def test_without_an_example_a_failure_in_space_ends_when_its_target_is_closest():
+    situation = families.draw("late-target-space", 1, 0)
+    entry = Entry("mine", 0, situation, "late-target-space", "W", 1.0)
+    failure = failures.Failure("straight", entry, "declined", None, None, "", None)
+    hand = forward_in_space(situation.arm, situation.arm.joints)[1]
+    (target,) = (k for k, body in enumerate(situation.bodies) if body.role == "target")
+
+    def away(t):
+        return np.linalg.norm(body_poses(situation, [t])[0][0, target] - hand)
+
+    assert 0.0 <= failure.duration <= situation.horizon
+    others = np.linspace(0.0, situation.horizon, 7)
+    assert away(failure.duration) <= min(map(away, others)) + 0.05 * situation.arm.reach
+    assert len(failures.failures_figure([failure]).axes[0].images) == 1
 
 
 def test_one_page_holds_everything(results, entries, tmp_path):
