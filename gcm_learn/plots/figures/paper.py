@@ -192,9 +192,9 @@ def fig8() -> Figure:
 
 
 def _in_space(name: str) -> Figure:
-    """Draw a scene without the arm's plane, and the catch that marching finds."""
+    """Draw a scene without the arm's plane, and the catch that the wave finds."""
     situation = SPATIAL_SCENES[name]()
-    return plan_figure(situation, solve(situation, "marching"))
+    return plan_figure(situation, solve(situation, "gcm"))
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {

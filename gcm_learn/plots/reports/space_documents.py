@@ -27,7 +27,7 @@ from gcm_learn.plots.figures.space_maps import HandSpace, key_of_hand_space
 from gcm_learn.plots.figures.staging import SpatialSituation
 from gcm_learn.scene import forward_in_space
 
-ENGINE = "marching"
+ENGINE = "gcm"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
 INSTANTS = (0.2, 0.45, 0.7)  # of it: the wave's snapshots; the contact follows
 BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
@@ -103,7 +103,7 @@ def _hand_space(scenery: Scenery, hands: HandSpace) -> Figure:
     style.title(right, "hand-space: a point in a ball")
     hand = forward_in_space(scenery.situation.arm, scenery.situation.arm.joints)[1]
     style.label(right, hands.view.see(hand)[:2] + BESIDE, "arm")
-    style.label(right, (0.55, -0.3), "extended obstacle", WORD)
+    style.label(right, (0.8, -0.75), "extended obstacle", WORD)
     return figure
 
 
