@@ -7,8 +7,12 @@ import re
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
+from gcm_learn.families import thrown_scene
+from gcm_learn.planners import solve
 from gcm_learn.plots import write_space_page
+from gcm_learn.plots.figures.space_maps import frozen_cells, places_of
 from gcm_learn.plots.reports.space import page_data
 from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Box, read_situations
@@ -72,3 +76,43 @@ def test_a_plan_without_a_catch_shows_an_arm_at_rest(case):
     assert data["ways"] == [] and data["times"][-1] == pytest.approx(situation.horizon, abs=1e-3)
     hand = next(solid for solid in data["solids"] if solid["name"] == "hand")
     assert hand["centre"][0] == hand["centre"][-1]
+
+
+@pytest.fixture(scope="module")
+def charted():
+    situation = thrown_scene()
+    return situation, solve(situation, "marching")
+
+
+def test_effective_obstacles_grow_where_the_front_froze(charted):
+    situation, plan = charted
+    hands = page_data(situation, plan)["hands"]
+    counts, corners = np.array(hands["counts"]), np.array(hands["corners"])
+    assert len(counts) == len(page_data(situation, plan)["times"])
+    assert counts[0] < counts[len(counts) // 2] < counts[-1] <= len(hands["triangles"])
+    assert (np.diff(counts) >= 0).all() and np.max(hands["triangles"]) < len(corners)
+    chart = plan.map.chart
+    frozen = places_of(chart, np.argwhere(frozen_cells(plan.map)))
+    away = cKDTree(frozen).query(corners)[0]
+    assert away.max() < 3.0 * chart.spacing
+    early = corners[np.unique(np.array(hands["triangles"])[: counts[len(counts) // 3]])]
+    start = forward_in_space(situation.arm, situation.arm.joints)[1]
+    late = corners[np.unique(np.array(hands["triangles"])[counts[-1] - 200 : counts[-1]])]
+    assert (
+        np.linalg.norm(early - start, axis=1).mean() < np.linalg.norm(late - start, axis=1).mean()
+    )
+
+
+def test_in_hand_space_the_arm_is_a_point_among_targets(charted, case):
+    solids = page_data(*charted)["solids"]
+    targets = {body.name for body in charted[0].targets}
+    assert {solid["name"] for solid in solids if solid["hands"]} == {"hand", *targets}
+    assert page_data(*case)["hands"] is None  # without a map
+
+
+def test_hand_space_can_be_switched_on_where_there_is_a_map(charted, case, tmp_path):
+    pytest.importorskip("plotly")
+    for (situation, plan), there in ((charted, True), (case, False)):
+        text = write_space_page(situation, plan, tmp_path / "page.html").read_text("utf-8")
+        assert ('<input id="hands" type="checkbox">' in text) == there
+        assert ("effective obstacle, in hand-space" in text) == there

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import map_coordinates, maximum_filter, minimum_filter
 
 from gcm_learn.handspace import SpaceLattice, room_in_space, space_of
 from gcm_learn.maps import CognitiveMap
@@ -71,6 +71,33 @@ def effective_faces(cognitive_map: CognitiveMap, t: float = np.inf, alpha: float
     there = frozen_cells(cognitive_map) & (_birth(first_arrival(cognitive_map)) <= t)
     field = softened(softened(there))
     return skin(_chart(cognitive_map), -field, -SHELL, style.EFFECTIVE, alpha)
+
+
+def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, np.ndarray]:
+    """The surface of effective obstacles, and since when its faces are there.
+
+    Parameters
+    ----------
+    cognitive_map : CognitiveMap
+        Over a `SpaceLattice`.
+    most : int
+        Cells a side of which it is made, at most.
+
+    Returns
+    -------
+    corners : (k, 4, 3) ndarray
+        Of quadrilaterals, in the world.
+    since : (k,) ndarray
+        [s]
+    """
+    chart, arrival = _chart(cognitive_map), first_arrival(cognitive_map)
+    frozen, stride = frozen_cells(cognitive_map), -(-chart.n // most)
+    field = maximum_filter(softened(frozen), stride)[::stride, ::stride, ::stride]
+    corners = stride * surface(-softened(field), -SHELL)[0]
+    corners += 0.5 * (stride - 1) - stride // 2  # the middle of what became one cell
+    came = minimum_filter(np.where(frozen, _birth(arrival), np.inf), 2 * stride + 3)
+    middle = np.rint(corners.mean(axis=1)).astype(int).clip(0, chart.n - 1)
+    return places_of(chart, corners), came[tuple(middle.T)]
 
 
 def _chart(cognitive_map: CognitiveMap) -> SpaceLattice:

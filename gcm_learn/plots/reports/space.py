@@ -10,6 +10,8 @@ from markupsafe import Markup
 from matplotlib.colors import to_hex
 
 from gcm_learn.errors import MissingExtraError
+from gcm_learn.handspace import SpaceLattice
+from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.solids import faces
 from gcm_learn.plots.figures.space import (
@@ -22,6 +24,7 @@ from gcm_learn.plots.figures.space import (
     bone_radius,
     frame_along,
 )
+from gcm_learn.plots.figures.space_maps import effective_skin
 from gcm_learn.plots.figures.staging import SpatialSituation
 from gcm_learn.plots.figures.workspace import body_colour
 from gcm_learn.plots.reports.page import fill
@@ -34,8 +37,10 @@ if TYPE_CHECKING:
 
 FRAMES = 41
 DIGITS = 4  # of numbers on the page, after the first of the reach
+SKIN = 40  # cells a side of which the surface of effective obstacles is made
 EYE = 1.6  # distance of plotly's camera, in its own unit
 KEY = tuple(entry for entry in style.KEY if entry[1] in ("arm", "obstacle", "target"))
+IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
 
 
 def write_space_page(
@@ -64,11 +69,12 @@ def write_space_page(
     """
     path = Path(path)
     ending = "the catch" if plan.caught else "the horizon"
+    data = page_data(situation, plan)
     told = {
         "title": situation.name,
         "lead": f"{plan.planner}: {plan.message}. Turn it with the mouse; the wheel comes nearer.",
-        "data": page_data(situation, plan),
-        "key": KEY,
+        "data": data,
+        "key": KEY if data["hands"] is None else KEY + IN_HANDS,
         "ramp": ",".join(to_hex(TIME_COLOURS(x)) for x in np.linspace(0.0, 1.0, 5)),
         "ending": ending,
         "plotly": Markup(plotly_script()),
@@ -94,7 +100,9 @@ def page_data(situation: SpatialSituation, plan: Plan[SpatialTrajectory]) -> dic
     -------
     dict
         ``times`` (k,) [s]; ``solids``, each with corners (n, 3), triangles (m, 3), centre (k, 3)
-        and turn (k, 9), row by row; ``ways``; ``box`` (3, 2), what is shown of the world; ``eye``.
+        and turn (k, 9), row by row, and whether it is seen in hand-space too; ``ways``; ``box``
+        (3, 2), what is shown of the world; ``eye``; ``hands``, what is in hand-space only, None
+        where there is no map of it.
     """
     moves = plan.trajectory
     times = np.linspace(0.0, situation.horizon if moves is None else moves.duration, FRAMES)
@@ -107,6 +115,7 @@ def page_data(situation: SpatialSituation, plan: Plan[SpatialTrajectory]) -> dic
         "box": scenery.box.tolist(),
         "eye": dict(zip("xyz", (EYE * scenery.view.nearer).tolist(), strict=True)),
         "ending": ": caught" if plan.caught else "",
+        "hands": _hands(situation, plan.map, times, scenery.box),
     }
 
 
@@ -114,6 +123,7 @@ def _bodies(situation: SpatialSituation, times: np.ndarray) -> list[dict[str, An
     centres, turns = body_poses(situation, times)
     return [
         _solid(body.shape, body.name, body_colour(body), centres[:, k], turns[:, k])  # type: ignore[arg-type]
+        | {"hands": body.role == "target"}
         for k, body in enumerate(situation.bodies)
     ]
 
@@ -138,25 +148,50 @@ def _limb(
         ("hand", hand, HAND, style.ARM),
     ):  # fmt: skip
         out.append(_solid(Sphere(size * radius), name, colour, centre, upright))
-    return out
+    return [solid | {"hands": solid["name"] == "hand"} for solid in out]
+
+
+def _hands(
+    situation: SpatialSituation, known: CognitiveMap | None, times: np.ndarray, box: np.ndarray
+) -> dict[str, Any] | None:
+    """The surface of effective obstacles, its triangles in order of time, and what is shown.
+
+    ``counts`` (k,) says how many of the triangles there are at each time.
+    """
+    if known is None or not isinstance(known.chart, SpaceLattice):
+        return None
+    quads, since = effective_skin(known, SKIN)
+    corners, triangles, face = _welded(quads)
+    order = np.argsort(since[face], kind="stable")
+    centre, reach = np.asarray(situation.arm.base.origin)[:, None], situation.arm.reach
+    shown = [np.minimum(box[:, :1], centre - reach), np.maximum(box[:, 1:], centre + reach)]
+    return {
+        "name": "effective obstacle", "colour": style.EFFECTIVE, "corners": _short(corners),
+        "triangles": triangles[order].tolist(), "box": np.hstack(shown).tolist(),
+        "counts": np.searchsorted(since[face][order], times, side="right").tolist(),
+    }  # fmt: skip
 
 
 def _solid(
     shape: SolidShape, name: str, colour: str, centres: np.ndarray, turns: np.ndarray
 ) -> dict[str, Any]:
     """A solid with its poses (k, 3) and (k, 3, 3)."""
-    quads = faces(shape, np.inf)
     flat = isinstance(shape, Box | Cylinder)
+    corners, triangles, _ = _welded(faces(shape, np.inf))
+    return {
+        "name": name, "colour": colour, "flat": flat, "opacity": 1.0,
+        "corners": _short(corners), "triangles": triangles.tolist(),
+        "centre": _short(centres), "turn": _short(turns.reshape(-1, 9)),
+    }  # fmt: skip
+
+
+def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Quadrilaterals (k, 4, 3) as corners (n, 3), triangles (m, 3) of them, and whose (m,)."""
     corners, index = np.unique(np.round(quads.reshape(-1, 3), 9), axis=0, return_inverse=True)
     four = index.reshape(-1, 4)
     triangles = np.concatenate([four[:, [0, 1, 2]], four[:, [0, 2, 3]]])
-    sides = np.sort(triangles, axis=1)
-    real = (np.diff(sides, axis=1) > 0).all(axis=1)
-    return {
-        "name": name, "colour": colour, "flat": flat, "opacity": 1.0,
-        "corners": _short(corners), "triangles": triangles[real].tolist(),
-        "centre": _short(centres), "turn": _short(turns.reshape(-1, 9)),
-    }  # fmt: skip
+    real = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
+    return corners, triangles[real], np.tile(np.arange(len(quads)), 2)[real]
 
 
 def _ways(situation: SpatialSituation, moves: SpatialTrajectory) -> list[dict[str, Any]]:

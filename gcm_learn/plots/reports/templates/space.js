@@ -1,4 +1,5 @@
 // The arm and the bodies as rigid solids: each has its corners once, and a pose for every time.
+// In hand-space the arm is a point: its hand, targets and ways stay, effective obstacles come.
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const scene = document.getElementById("scene"), slider = document.getElementById("time");
@@ -15,14 +16,32 @@ function placed(solid, k) {
   return out;
 }
 
+function sides(triangles) {
+  const [i, j, k] = [0, 1, 2].map((m) => triangles.map((t) => t[m]));
+  return { i, j, k };
+}
+
+const look = {
+  type: "mesh3d", hoverinfo: "name",
+  lighting: { ambient: 0.65, diffuse: 0.5, specular: 0.12, roughness: 0.7, fresnel: 0.05 },
+  lightposition: { x: 1e4, y: -6e3, z: 2e4 },
+};
+
 function mesh(solid) {
-  const [i, j, k] = [0, 1, 2].map((m) => solid.triangles.map((t) => t[m]));
   return {
-    type: "mesh3d", ...placed(solid, 0), i, j, k, color: solid.colour, name: solid.name,
-    flatshading: solid.flat, hoverinfo: "name", opacity: solid.opacity,
-    lighting: { ambient: 0.65, diffuse: 0.5, specular: 0.12, roughness: 0.7, fresnel: 0.05 },
-    lightposition: { x: 1e4, y: -6e3, z: 2e4 },
+    ...look, ...placed(solid, 0), ...sides(solid.triangles), color: solid.colour, name: solid.name,
+    flatshading: solid.flat, opacity: solid.opacity,
   };
+}
+
+// The triangles of effective obstacles at time k; without any plotly would make up its own.
+function grown(k) {
+  return sides(data.hands.counts[k] ? data.hands.triangles.slice(0, data.hands.counts[k]) : [[0, 0, 0]]);
+}
+
+function skin(hands) {
+  const [x, y, z] = [0, 1, 2].map((m) => hands.corners.map((c) => c[m]));
+  return { ...look, x, y, z, ...grown(0), color: hands.colour, name: hands.name, opacity: 0.6, visible: false };
 }
 
 function line(way) {
@@ -46,14 +65,21 @@ const layout = {
     camera: { eye: data.eye, center: { x: 0, y: 0, z: 0 } },
   },
 };
-Plotly.newPlot(scene, [...data.solids.map(mesh), ...data.ways.map(line)], layout,
+const surfaces = data.hands ? [skin(data.hands)] : [];
+Plotly.newPlot(scene, [...data.solids.map(mesh), ...data.ways.map(line), ...surfaces], layout,
   { displayModeBar: false });
 addEventListener("resize", () => Plotly.relayout(scene, size()));
 
 const all = data.solids.map((_, k) => k);
+const ticked = document.getElementById("hands");
+const inHands = () => ticked !== null && ticked.checked;
 function show(k) {
   const at = data.solids.map((solid) => placed(solid, k));
   Plotly.restyle(scene, { x: at.map((p) => p.x), y: at.map((p) => p.y), z: at.map((p) => p.z) }, all);
+  if (inHands()) {
+    const { i, j, k: third } = grown(k);
+    Plotly.restyle(scene, { i: [i], j: [j], k: [third] }, [all.length + data.ways.length]);
+  }
   now.textContent = `t = ${data.times[k].toFixed(2)} s` + (k === data.times.length - 1 ? data.ending : "");
 }
 
@@ -66,5 +92,13 @@ function step() {
 }
 play.onclick = () => { if (running !== null) stop(); else { play.textContent = "Pause"; step(); } };
 slider.oninput = () => { stop(); show(Number(slider.value)); };
+function change() {
+  const on = inHands(), box = on ? data.hands.box : data.box;
+  const visible = [...data.solids.map((solid) => !on || solid.hands), ...data.ways.map(() => true), on];
+  Plotly.restyle(scene, { visible });
+  Plotly.relayout(scene, { "scene.xaxis.range": box[0], "scene.yaxis.range": box[1], "scene.zaxis.range": box[2] });
+  show(Number(slider.value));
+}
+if (ticked !== null) ticked.onchange = change;
 slider.value = data.times.length - 1;
 show(data.times.length - 1);
