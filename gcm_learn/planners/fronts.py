@@ -76,12 +76,15 @@ class FrontPlanner:
         if answer is None and self.direct:
             straight = straight_plan(problem)
             answer = straight if straight.caught else None
-        if answer is None and self.find is not None:
-            answer = self.find(problem)
         return self.search(problem) if answer is None else answer
 
     def search(self, problem: Problem) -> Plan:
-        """Answer by maps, after what can be said without one has been said."""
+        """Answer when it is known that the straight line does not."""
+        answer = None if self.find is None else self.find(problem)
+        return self._by_maps(problem) if answer is None else answer
+
+    def _by_maps(self, problem: Problem) -> Plan:
+        """Try one map after the other."""
         first: CognitiveMap | None = None
         reason: Reason | None = None
         for level in self.levels:

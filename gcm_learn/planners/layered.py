@@ -1,4 +1,4 @@
-"""Planning with waits: causal marching over cells and their safe intervals."""
+"""Planning with waits: a search for the target, and maps where it cannot tell."""
 
 from __future__ import annotations
 
@@ -31,12 +31,14 @@ BEYOND = 4.0  # what a path through cells' centres loses at most to the best one
 DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
-def layered(params: MarchingParams | None = None, *, search: bool = False) -> FrontPlanner:
-    """The planner of first choice: marching in which the hand may wait.
+def layered(params: MarchingParams | None = None) -> FrontPlanner:
+    """The planner of first choice: the hand may wait.
 
-    Where the straight line to the earliest interception holds, that is the answer, without a map.
-    With `search` a search straight for the target comes next (`goal_directed`), without a map, too;
-    maps are then for arms with limits of joints and for what the search leaves open.
+    Where the straight line to the earliest interception holds, that is the answer.  A search that
+    heads for the target comes next (`goal_directed`).  Neither makes a map; `build_map` with
+    ``wait=True`` does.  Causal marching over cells and their safe intervals is for arms with limits
+    of joints and for what the search leaves open.
+
     The map without margin sees every gap that is as wide as a cell, so where it has no interception
     none is looked for any more.  Descents on first-arrival maps cut corners in another way than
     chains of cells do, and now and then hold where those fail.
@@ -57,8 +59,7 @@ def layered(params: MarchingParams | None = None, *, search: bool = False) -> Fr
         Level(finer(bare), waiting, 8, BEYOND),
         Level(finer(bare), first_arrival),
     )
-    find = partial(found, n=params.n) if search else None
-    return FrontPlanner("layered", levels, direct=True, find=find)
+    return FrontPlanner("layered", levels, direct=True, find=partial(found, n=params.n))
 
 
 def waiting(problem: Problem, params: MarchingParams, feedback: Feedback) -> Exploration:

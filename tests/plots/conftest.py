@@ -11,6 +11,7 @@ from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
+from gcm_learn.plots.figures.plan import mapped
 from gcm_learn.situation import Situation
 
 Case = tuple[Situation, Plan]
@@ -34,7 +35,7 @@ def solid_case() -> Case:
 def waiting_case() -> Case:
     """A scene in which the hand has to wait, and its catch."""
     situation = gate_scene()
-    return situation, solve(situation, "layered")
+    return situation, mapped(situation, solve(situation, "layered"))
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from gcm_learn.handspace import SpaceLattice
+from gcm_learn.maps import build_map
 from gcm_learn.motion import Trajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand_space, show_image
@@ -34,6 +35,7 @@ from gcm_learn.plots.figures.workspace import (
     notable_waits,
 )
 from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.wave import MarchingParams
 
 if TYPE_CHECKING:
     from gcm_learn.maps import CognitiveMap
@@ -138,7 +140,7 @@ def _draw_solid(ax: Axes, situation: Situation, plan: Plan) -> None:
 def _draw_map_or_handspace(panels: Sequence[Axes], situation: Situation, plan: Plan) -> None:
     """Draw the map, all its sheets; without one, hand-space as it is when the movement ends.
 
-    Planners of straight lines make no map, nor does `layered` where a straight line holds.
+    Planners of straight lines make no map, and `layered` rarely; `mapped` adds one.
     """
     if plan.map is not None:
         draw_sheets(panels, situation, plan)
@@ -152,6 +154,13 @@ def _draw_map_or_handspace(panels: Sequence[Axes], situation: Situation, plan: P
         draw_waits(ax, plan.trajectory)
     when = "start" if plan.catch_time is None else "catch"
     style.title(ax, f"hand-space at the {when} (no map was made)")
+
+
+def mapped(situation: Situation, plan: Plan) -> Plan:
+    """Return the plan with the map of a hand that may wait, where it was made without one."""
+    if plan.map is not None:
+        return plan
+    return replace(plan, map=build_map(situation, MarchingParams(), wait=True))
 
 
 def sheets_figure(situation: Situation, plan: Plan) -> Figure:

@@ -15,7 +15,7 @@ from gcm_learn.planners import Plan, broken_promise, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
 from gcm_learn.plots.figures.paper import draw_figure
-from gcm_learn.plots.figures.plan import engines_figure, sheets_figure
+from gcm_learn.plots.figures.plan import engines_figure, mapped, sheets_figure
 from gcm_learn.plots.figures.summary import STATUSES, Tally, summary_figure, tally
 from gcm_learn.plots.reports.catches import kept_catches
 from gcm_learn.plots.reports.page import (
@@ -172,7 +172,7 @@ def _waiting_section(out: Path) -> Section:
     """Solve a situation in which the hand has to wait."""
     scene = _solved(gate_scene(), PLANNERS)
     write_situations(out / "gate.jsonl", [scene.situation])
-    plan = scene.plans["layered"]
+    plan = mapped(scene.situation, scene.plans["layered"])
     film = _film(scene, "layered")
     animate(scene.situation, plan, out / film.file)
     first = engines_figure(scene.situation, {name: scene.plans[name] for name in ENGINES})

@@ -14,7 +14,7 @@ from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.handspace import draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_map
-from gcm_learn.plots.figures.plan import sheets_figure
+from gcm_learn.plots.figures.plan import mapped, sheets_figure
 from gcm_learn.plots.figures.workspace import (
     draw_arm,
     draw_bodies,
@@ -68,7 +68,7 @@ def write_gallery(folder: Path) -> list[Path]:
     animate(situation, plan, out[-1])
     out.append(folder / "waiting.png")
     gate = gate_scene()
-    sheets_figure(gate, solve(gate, "layered")).savefig(out[-1], dpi=DPI)
+    sheets_figure(gate, mapped(gate, solve(gate, "layered"))).savefig(out[-1], dpi=DPI)
     out.append(folder / "families.png")
     families_figure().savefig(out[-1], dpi=DPI_FAMILIES)
     return out + write_space_gallery(folder)
