@@ -76,8 +76,9 @@ class DatasetSpec:
     planners: tuple[str, ...] = ("gcm", "layered")
     """Whose plans a record holds; in space those of planners that take spatial arms."""
     rungs: int = 9
-    """Of the ladder of ever more careful maps that front planners climb: 2 stay on lattices of n
-    cells, the last ones have twice as many. Also how hard the labels' planners try."""
+    """Of the ladder of ever more careful maps that front planners climb, `layered` after a search:
+    2 stay on lattices of n cells, the last ones have twice as many. Also how hard the labels'
+    planners try."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
     """Engine of the map that a record holds; none in space, where it has half a million cells."""
     n: int = 80

