@@ -16,6 +16,7 @@ from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.draw import Draw
 from gcm_learn.cli.evaluate import Evaluate
+from gcm_learn.cli.execute import Execute
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.families import Families
 from gcm_learn.cli.figure import Figure
@@ -38,6 +39,7 @@ examples:
   gcm-learn demo --out demo                            the paper's results as a web page
   gcm-learn figure fig4                                one figure of the paper
   gcm-learn animate scene.json --out scene.gif         the catch as a film
+  gcm-learn execute scene.json --film films            and by an arm with mass and motors
   gcm-learn families                                   what can be drawn at random
   gcm-learn draw gate --count 20 --out gates.jsonl     situations of a family
   gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
@@ -63,6 +65,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "demo": Demo,
     "figure": Figure,
     "animate": Animate,
+    "execute": Execute,
     "families": Families,
     "draw": Draw,
     "generate": Generate,

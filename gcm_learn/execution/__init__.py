@@ -20,7 +20,7 @@ from gcm_learn.execution.fan import RAYS
 from gcm_learn.execution.follower import Follower
 from gcm_learn.execution.observation import MEETING
 from gcm_learn.execution.perception import Percept, Perception
-from gcm_learn.execution.physics.bodies import body_for, shipped_bodies
+from gcm_learn.execution.physics.bodies import body_for, read_body, shipped_bodies
 from gcm_learn.execution.physics.control import Controller
 from gcm_learn.execution.physics.executing import Execution, execute, execution_to_json
 from gcm_learn.execution.physics.motors import motor_accelerations, with_motor_limits
@@ -65,6 +65,7 @@ __all__ = [
     "into_frame",
     "motor_accelerations",
     "pool_of",
+    "read_body",
     "run_episode",
     "settings_of",
     "shipped_bodies",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.comparison import charged_figure, families_figure, rates_figure
-from gcm_learn.plots.figures.film import animate
+from gcm_learn.plots.figures.film import animate, animate_execution
 from gcm_learn.plots.figures.maps import birth, plot_map, plot_plan
 from gcm_learn.plots.figures.paper import FIGURES, draw_figure
 from gcm_learn.plots.figures.plan import plan_figure
@@ -33,6 +33,7 @@ __all__ = [
     "FIGURES",
     "RECALLING",
     "animate",
+    "animate_execution",
     "birth",
     "build_comparison",
     "build_demo",

@@ -43,7 +43,15 @@ from gcm_learn.situation.shapes import (
     SolidShape,
     Sphere,
 )
-from gcm_learn.situation.situation import AnySituation, Arm, Body, Plane, Situation, planar
+from gcm_learn.situation.situation import (
+    AnySituation,
+    Arm,
+    Body,
+    Plane,
+    Situation,
+    planar,
+    spatial,
+)
 from gcm_learn.situation.spatial_arm import JOINTS, Base, SpatialArm
 from gcm_learn.situation.spatial_frame import SpatialFrame
 
@@ -101,5 +109,6 @@ __all__ = [
     "show",
     "situation_from_json",
     "situation_to_json",
+    "spatial",
     "write_situations",
 ]

@@ -293,3 +293,15 @@ def planar(situation: AnySituation, who: str) -> Situation[Arm]:
         name = quote(situation.name)
         raise ArmKindError(f"{who} does not take spatial arms (situation {name})")
     return situation
+
+
+def spatial(situation: AnySituation, who: str) -> Situation[SpatialArm]:
+    """The situation, if its arm is spatial; see `planar`.
+
+    Raises
+    ------
+    ArmKindError
+    """
+    if isinstance(situation.arm, SpatialArm):
+        return situation
+    raise ArmKindError(f"{who} takes spatial arms only (situation {quote(situation.name)})")

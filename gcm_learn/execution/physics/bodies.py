@@ -17,6 +17,16 @@ def shipped_bodies() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder.glob("*.json"))}
 
 
+def read_body(name: str | Path) -> ArmBody:
+    """A body by its file, or by the name of one that comes with the package.
+
+    Raises
+    ------
+    FileFormatError
+    """
+    return read_arm_body(shipped_bodies().get(str(name), Path(name)))
+
+
 def body_for(arm: SpatialArm, given: ArmBody | str | Path | None = None) -> ArmBody:
     """The body of an arm.
 
@@ -32,15 +42,14 @@ def body_for(arm: SpatialArm, given: ArmBody | str | Path | None = None) -> ArmB
     PhysicsError
         If none fits.
     """
-    known = shipped_bodies()
     if given is None:
-        bodies = [read_arm_body(path) for path in known.values()]
+        bodies = [read_arm_body(path) for path in shipped_bodies().values()]
         fitting = [body for body in bodies if not body.misfit(arm)]
         if not fitting:
             reasons = "; ".join(f"{body.name}: {body.misfit(arm)}" for body in bodies)
             raise PhysicsError(f"body: none that is shipped fits the arm ({reasons})")
         return fitting[0]
-    body = given if isinstance(given, ArmBody) else read_arm_body(known.get(str(given), given))
+    body = given if isinstance(given, ArmBody) else read_body(given)
     misfit = body.misfit(arm)
     if misfit:
         raise PhysicsError(f"body {body.name or given!s}: does not fit: {misfit}")

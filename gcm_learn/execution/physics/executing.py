@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.bodies import body_for
 from gcm_learn.execution.physics.control import Controller
 from gcm_learn.execution.physics.model import STEP
@@ -35,7 +36,14 @@ class Execution:
     """Of the situation."""
     planner: str
     status: str
-    """"caught", "collided" or "late"; "no plan" where there was none to follow."""
+    """"caught", "collided" or "late"; "no plan" where there was none to follow, "failed" where
+    physics could not."""
+    message: str = ""
+    """Why there was no plan, or what failed."""
+    body: str = ""
+    """Name of the body."""
+    limits: tuple[float, ...] | None = None
+    """Of accelerations, where they came from the motors [rad/s^2]."""
     planned: float | None = None
     """When the plan catches [s]."""
     catch_time: float | None = None
@@ -57,6 +65,23 @@ class Execution:
     """What the limb touched after the catch."""
     plant: PhysicalPlant | None = None
     """With its logs, for films."""
+
+    @property
+    def movement(self) -> SpatialTrajectory:
+        """What the arm did until the catch, or until it was over; linear between steps.
+
+        Raises
+        ------
+        PhysicsError
+            If there was no plan to follow.
+        """
+        if self.plant is None:
+            raise PhysicsError(f"{self.name!r}: nothing was executed ({self.status})")
+        plant = self.plant
+        last = plant.steps if self.catch_time is None else round(self.catch_time / STEP)
+        steps = np.arange(last + 1)
+        arm = plant.situation.arm
+        return SpatialTrajectory(arm, steps * STEP, plant.joints_log[steps].copy())
 
     @property
     def caught(self) -> bool:
@@ -88,9 +113,10 @@ def execute(
     PhysicsError
         If the body does not fit, or the physics fails.
     """
-    if plan.trajectory is None:
-        return Execution(situation.name, plan.planner, "no plan")
     chosen = body_for(situation.arm, body)
+    if plan.trajectory is None:
+        why = plan.message
+        return Execution(situation.name, plan.planner, "no plan", message=why, body=chosen.name)
     plant = PhysicalPlant(situation, chosen, controller or Controller())
     limits = situation.arm.max_joint_acceleration
     most = motor_accelerations(situation.arm, chosen) if limits is None else np.array(limits)
@@ -113,6 +139,7 @@ def _report(
         plan.name,
         plan.planner,
         names.get(plant.outcome, "late"),
+        body=plant.body.name,
         planned=plan.catch_time,
         catch_time=plant.catch_time,
         catch_body=plant.catch_body,
@@ -155,6 +182,9 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
         "name": done.name,
         "planner": done.planner,
         "status": done.status,
+        "message": done.message,
+        "body": done.body,
+        "limits": None if done.limits is None else list(done.limits),
         "planned_catch_time": done.planned,
         "catch_time": done.catch_time,
         "catch_body": done.catch_body,

@@ -175,6 +175,13 @@ class PhysicalPlant:
 
     def _advance(self, commands: np.ndarray) -> None:
         """Steps with commands (n, 4), until the episode is over; beyond it all of them."""
+        self._library.set_mju_user_warning(_quiet)  # what goes wrong becomes an error
+        try:
+            self._make(commands)
+        finally:
+            self._library.set_mju_user_warning(None)
+
+    def _make(self, commands: np.ndarray) -> None:
         going = self.outcome == RUNNING
         for k in range(0, len(commands), CHUNK):
             before = self.steps
@@ -208,8 +215,8 @@ class PhysicalPlant:
             self.steps = k + 1
             self.joints_log[k + 1], self.rates_log[k + 1] = qpos[:JOINTS], qvel[:JOINTS]
             self.targets_log[k + 1] = qpos[JOINTS:] if self._free else law.targets[k + 1]
-        if not np.isfinite(self.joints_log[self.steps]).all():
-            raise PhysicsError(f"physics: joints are no numbers any more at t = {self.time:.3f} s")
+        if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
+            raise PhysicsError(f"physics: some numbers are none any more at t = {self.time:.3f} s")
         return found
 
     def _contacts(self) -> tuple[int, bool]:
@@ -241,6 +248,10 @@ class PhysicalPlant:
     def _note_late(self, touched: tuple[int, int]) -> None:
         if self.later_contact is None:
             self.later_contact = Contact(self.situation.bodies[touched[0]].name, touched[1] * STEP)
+
+
+def _quiet(message: str) -> None:
+    """Print nothing, and write no log file."""
 
 
 @njit

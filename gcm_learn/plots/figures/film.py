@@ -13,6 +13,7 @@ from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 from gcm_learn.handspace import SpaceLattice
+from gcm_learn.planners import Plan
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand, extended_image, show_image
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored
@@ -23,8 +24,9 @@ from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits,
 from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 if TYPE_CHECKING:
+    from gcm_learn.execution import Execution
     from gcm_learn.motion import SpatialTrajectory
-    from gcm_learn.planners import AnyPlan, Plan
+    from gcm_learn.planners import AnyPlan
 
 Scene = Callable[[Axes, float, float], None]  # draws a time [s], turned by an angle [degrees]
 
@@ -70,6 +72,32 @@ def animate(
         Number of instants, from the start to the catch.
     """
     write_film(list(_frames(situation, plan, frames)), path)
+
+
+def animate_execution(
+    situation: Situation[SpatialArm], done: Execution, path: str | Path, *, frames: int = FRAMES
+) -> None:
+    """Write an animated GIF of what an arm with mass did until its catch, or until it was over.
+
+    Parameters
+    ----------
+    situation : Situation
+    done : Execution
+        Of this situation.
+    path : str or Path
+        File to write.
+
+    Other Parameters
+    ----------------
+    frames : int
+        Number of instants.
+    """
+    moves = done.movement
+    plan = Plan(
+        done.name, done.planner, "caught" if done.caught else "unreachable", done.message, 0.0,
+        catch_time=moves.duration, catch_body=done.catch_body, trajectory=moves,
+    )  # fmt: skip
+    animate(situation, plan, path, frames=frames)
 
 
 def write_film(

@@ -1,0 +1,143 @@
+"""``gcm-learn execute``: plans carried out by an arm with mass."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.failures import one_line
+from gcm_learn.cli.files import FileNames, made_folder, output, staged
+from gcm_learn.cli.solve import plan_one, read
+
+if TYPE_CHECKING:
+    from gcm_learn.execution import Execution
+    from gcm_learn.planners import Planner
+    from gcm_learn.situation import ArmBody, Situation, SpatialArm
+
+    Spatial = Situation[SpatialArm]
+    Draw = Callable[[Spatial, Execution], None]
+
+MILLI = 1e3  # [1/1000]
+
+
+@dataclass(frozen=True)
+class Execute:
+    """Plan for the arms in space of a file, and let arms with mass and motors follow the plans.
+
+    A line tells what came of each. Arms without limits of acceleration get those of their motors.
+    """
+
+    file: Annotated[Positional[str], arg(metavar="FILE")]
+    """situations with spatial arms: a .json or .jsonl file, or - for standard input"""
+
+    body: Annotated[
+        str | None, arg(metavar="FILE", help_behavior_hint="(default: the shipped one that fits)")
+    ] = None
+    """masses and motors: a file of format gcm-learn/body@1, or `nao` or `human`"""
+
+    planner: Annotated[str, arg(metavar="NAME")] = "layered"
+    """who plans; an unknown name lists all of them"""
+
+    out: Annotated[
+        Path | None, arg(metavar="FILE", help_behavior_hint="(default: lines for people only)")
+    ] = None
+    """where reports go as JSON, one a line; - is standard output, in place of lines for people"""
+
+    film: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: no films)")] = (
+        None
+    )
+    """folder for one animated GIF of each movement"""
+
+    def run(self) -> int:
+        """Execute the file; 1 if the physics of any situation failed."""
+        from gcm_learn.execution import execution_to_json, read_body
+        from gcm_learn.planners import get_planner
+        from gcm_learn.situation import spatial
+
+        planner = get_planner(self.planner)
+        situations = [spatial(item, "execute") for item in read(self.file, planner)]
+        body = None if self.body is None else read_body(self.body)
+        draw = None if self.film is None else _films(made_folder(self.film, option="--film"))
+        piped = self.out is not None and str(self.out) == "-"
+        counts: Counter[str] = Counter()
+        with contextlib.ExitStack() as stack:
+            stream = None if self.out is None else stack.enter_context(output(self.out))
+            for situation in situations:
+                done = self._executed(planner, situation, body)
+                counts[done.status] += 1
+                if not piped:
+                    print(told(done), flush=True)
+                if stream is not None:
+                    stream.write(json.dumps(execution_to_json(done), allow_nan=False) + "\n")
+                if draw is not None and done.plant is not None:
+                    draw(situation, done)
+        if not piped and len(situations) > 1:
+            print(", ".join(f"{count} {status}" for status, count in counts.most_common()))
+        return 1 if counts["failed"] else 0
+
+    def _executed(self, planner: Planner, situation: Spatial, body: ArmBody | None) -> Execution:
+        """What came of a situation; whatever physics cannot do is told, and the rest goes on."""
+        from gcm_learn.errors import PhysicsError
+        from gcm_learn.execution import Execution, body_for, execute, with_motor_limits
+
+        try:
+            chosen = body_for(situation.arm, body)
+            limited = with_motor_limits(situation, chosen)
+            plan: Any = plan_one(planner, limited, self.file)
+            done = execute(plan, limited, chosen)
+        except PhysicsError as error:
+            return Execution(situation.name, planner.name, "failed", message=one_line(str(error)))
+        if limited is situation:
+            return done
+        return replace(done, limits=limited.arm.max_joint_acceleration)
+
+
+def told(done: Execution) -> str:
+    """A line for people."""
+    parts = [f"{done.name or 'situation'}: {_outcome(done)}"]
+    if done.error is not None:
+        median, most, end = (MILLI * error for error in done.error)
+        parts.append(f"off by {median:.1f} mm (most {most:.1f}, at the end {end:.1f})")
+    if done.torque is not None:
+        parts.append(f"torque up to {100 * done.torque:.0f} %")
+    if done.stays is not None:
+        braked = (
+            "not at rest after" if done.braked is None else f"at rest after {done.braked:.2f} s"
+        )
+        parts.append(f"{braked}, the target {'stays' if done.stays else 'bounces off'}")
+    if done.braked_into is not None:
+        parts.append(f"touches {done.braked_into.name!r} while it brakes")
+    if done.limits is not None:
+        limits = ", ".join(f"{limit:.3g}" for limit in done.limits)
+        parts.append(f"accelerations up to {limits} rad/s^2 from the motors of {done.body!r}")
+    return "; ".join(parts)
+
+
+def _outcome(done: Execution) -> str:
+    if done.status == "caught":
+        return (
+            f"caught {done.catch_body!r} at {done.catch_time:.3f} s (planned {done.planned:.3f} s)"
+        )
+    if done.contact is not None:
+        return f"collided with {done.contact.name!r} at {done.contact.time:.3f} s"
+    return f"{done.status}{': ' if done.message else ''}{done.message}"
+
+
+def _films(folder: Path) -> Draw:
+    """A function that writes the film of a movement into `folder`."""
+    from gcm_learn import plots
+
+    names = FileNames()
+
+    def draw(situation: Spatial, done: Execution) -> None:
+        with staged(folder / f"{names.unused(situation.name)}.gif", option="--film") as place:
+            plots.animate_execution(situation, done, place)
+
+    return draw
