@@ -141,7 +141,7 @@ def test_a_motor_that_cannot_hold_the_arm_is_named():
 
 
 def test_a_body_of_another_arm_is_refused():
-    with pytest.raises(PhysicsError, match="does not fit: upper_arm: is 0.1061 m long"):
+    with pytest.raises(PhysicsError, match=r"does not fit: upper_arm: is 0\.1061 m long"):
         PhysicalPlant(NAO, replace(read_body("human"), metres=1.0))
     odd = replace(NAO.arm, forearm=(0.2, 0.0, 0.0))
     with pytest.raises(PhysicsError, match="none that is shipped fits"):
@@ -149,7 +149,7 @@ def test_a_body_of_another_arm_is_refused():
 
 
 def test_the_paper_s_ball_is_caught_in_physics(swung):
-    situation, plan, done = swung
+    _situation, plan, done = swung
     assert done.caught
     assert done.catch_body == "ball"
     assert done.catch_time == pytest.approx(plan.catch_time, abs=0.02)
@@ -158,7 +158,7 @@ def test_the_paper_s_ball_is_caught_in_physics(swung):
 
 
 def test_what_was_done_is_where_the_hand_was_in_time(swung):
-    situation, plan, done = swung
+    situation, _plan, done = swung
     moves = done.movement
     assert moves.duration == pytest.approx(done.catch_time)
     ball, _ = pose(situation, 0, done.catch_time)
