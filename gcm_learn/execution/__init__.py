@@ -25,6 +25,7 @@ from gcm_learn.execution.physics.control import Controller
 from gcm_learn.execution.physics.executing import Execution, execute, execution_to_json
 from gcm_learn.execution.physics.motors import motor_accelerations, with_motor_limits
 from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
+from gcm_learn.execution.physics.tube import measured_tube
 from gcm_learn.execution.plant import KinematicPlant
 from gcm_learn.execution.pool import Pool
 from gcm_learn.execution.settings import OUTCOMES, TERMS, Settings, Weights, settings_of
@@ -63,6 +64,7 @@ __all__ = [
     "execute",
     "execution_to_json",
     "into_frame",
+    "measured_tube",
     "motor_accelerations",
     "pool_of",
     "read_body",

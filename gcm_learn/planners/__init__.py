@@ -21,6 +21,7 @@ from gcm_learn.planners.plan import AnyPlan, Plan, Planner, plan_to_json, taken
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, register, solve
 from gcm_learn.planners.retiming import retime
+from gcm_learn.planners.tube import InTube, Tube
 
 __all__ = [
     "AnyPlan",
@@ -31,6 +32,7 @@ __all__ = [
     "Explore",
     "Feedback",
     "FrontPlanner",
+    "InTube",
     "Params",
     "Plan",
     "Planner",
@@ -38,6 +40,7 @@ __all__ = [
     "STRRTStarPlanner",
     "SpatialProblem",
     "StraightPlanner",
+    "Tube",
     "Yardstick",
     "attempt_of",
     "bounds",

@@ -63,8 +63,10 @@ class Execution:
     """How long the arm took from the catch to rest [s]."""
     braked_into: Contact | None = None
     """What the limb touched after the catch."""
+    plan: SpatialTrajectory | None = None
+    """What was followed: the plan, and how the arm brakes after it."""
     plant: PhysicalPlant | None = None
-    """With its logs, for films."""
+    """With its logs."""
 
     @property
     def movement(self) -> SpatialTrajectory:
@@ -94,6 +96,8 @@ def execute(
     situation: Situation[SpatialArm],
     body: ArmBody | str | Path | None = None,
     controller: Controller | None = None,
+    *,
+    believed: ArmBody | None = None,
 ) -> Execution:
     """Carry out a plan with an arm that has mass and motors.
 
@@ -107,6 +111,8 @@ def execute(
     body : ArmBody, str or Path, optional
         See `body_for`.
     controller : Controller, optional
+    believed : ArmBody, optional
+        What the controller takes the body for, if not for what it is.
 
     Raises
     ------
@@ -117,7 +123,7 @@ def execute(
     if plan.trajectory is None:
         why = plan.message
         return Execution(situation.name, plan.planner, "no plan", message=why, body=chosen.name)
-    plant = PhysicalPlant(situation, chosen, controller or Controller())
+    plant = PhysicalPlant(situation, chosen, controller or Controller(), believed=believed)
     limits = situation.arm.max_joint_acceleration
     most = motor_accelerations(situation.arm, chosen) if limits is None else np.array(limits)
     whole = braked(plan.trajectory, most)
@@ -146,6 +152,7 @@ def _report(
         contact=plant.contact,
         error=_errors(whole, plant, steps),
         torque=float(used.max()),
+        plan=whole,
         plant=plant,
     )
     if plant.catch_time is None:

@@ -47,6 +47,8 @@ class PhysicalPlant:
     situation : Situation
     body : ArmBody
     controller : Controller
+    believed : ArmBody, optional
+        What the controller takes the body for, if not for what it is.
 
     Raises
     ------
@@ -59,12 +61,14 @@ class PhysicalPlant:
         situation: Situation[SpatialArm],
         body: ArmBody,
         controller: Controller = Controller(),  # noqa: B008 -- frozen
+        *,
+        believed: ArmBody | None = None,
     ) -> None:
         misfit = body.misfit(situation.arm)
         if misfit:
             raise PhysicsError(f"body {body.name!r}: does not fit: {misfit}")
         self.situation, self.body = situation, body
-        self.motors = following(controller, situation.arm, body)
+        self.motors = following(controller, situation.arm, believed or body)
         self._library = mujoco()
         self._model = compiled(model_xml(situation.arm, body, situation.bodies))
         self._data = self._library.MjData(self._model)

@@ -1,0 +1,215 @@
+"""From plan to body: do arms with mass catch what was planned for them? Writes h10.json.
+
+python experiments/14_body/run.py tubes   first: the tubes, on situations of their own; minutes
+python experiments/14_body/run.py         then: 1,000 plans of each condition; half an hour
+
+What is done is kept in out/ and not done again; Ctrl-C is safe.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict, replace
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parents[1])]
+
+from gcm_learn.execution import (  # noqa: E402
+    Controller,
+    Execution,
+    body_for,
+    execute,
+    measured_tube,
+    with_motor_limits,
+)
+from gcm_learn.families import draw, family_names, get_family  # noqa: E402
+from gcm_learn.planners import InTube, Tube, get_planner  # noqa: E402
+from gcm_learn.situation import ArmBody, Situation, SpatialArm  # noqa: E402
+from gcm_learn.storage import write_whole  # noqa: E402
+
+DEVELOPMENT, SEED = 1410, 1411
+EACH_DEVELOPMENT = 10  # situations of each family that tubes are measured on
+PLANS = 1000  # that are wanted of each condition
+MOST = 200  # situations of each family, at most
+OFF = 1.1  # masses of the heavy arm, which its controller takes for the shipped ones
+OUT, TUBES = HERE / "out" / "h10.jsonl", HERE / "tubes.json"
+CONDITIONS = {
+    "known": (1.0, Controller()),
+    "heavy": (OFF, Controller()),
+    "gravity": (1.0, Controller("gravity")),
+}
+"""By how much the arm is heavier than its controller takes it for, and the controller."""
+JUDGED = ("known", "heavy")
+
+Spatial = Situation[SpatialArm]
+
+
+def drawn(family: str, seed: int, index: int) -> Spatial:
+    """A situation with one of the two arms that have bodies, without limits of acceleration."""
+    config: Any = get_family(family)
+    arms = replace(config.arm, human=0.5, nao=0.5)
+    situation: Any = draw(replace(config, arm=arms), seed, index)
+    return replace(
+        situation,
+        arm=replace(situation.arm, max_joint_acceleration=None, joint_rates=None),
+    )
+
+
+def heavier(body: ArmBody, factor: float) -> ArmBody:
+    """The same arm of heavier stuff."""
+    bones = tuple(
+        replace(b, mass=factor * b.mass, inertia=tuple(factor * i for i in b.inertia))
+        for b in body.bones
+    )
+    return replace(body, bones=bones)
+
+
+def followed(plan: Any, situation: Spatial, condition: str) -> Execution:
+    """What an arm makes of a plan."""
+    factor, controller = CONDITIONS[condition]
+    body = body_for(situation.arm)
+    return execute(plan, situation, heavier(body, factor), controller, believed=body)
+
+
+def measure_tubes() -> None:
+    """Write the tubes of both bodies and all conditions, in metres."""
+    done: dict[tuple[str, str], list[Execution]] = {}
+    planner = get_planner("layered")
+    for family in family_names("spatial"):
+        for index in range(EACH_DEVELOPMENT):
+            free = drawn(family, DEVELOPMENT, index)
+            body = body_for(free.arm)
+            situation = with_motor_limits(free, body)
+            plan = planner.plan(situation)
+            if not plan.caught:
+                continue
+            for condition in CONDITIONS:
+                one = followed(plan, situation, condition)
+                done.setdefault((body.name, condition), []).append(one)
+    tubes: dict[str, Any] = {}
+    for (body_name, condition), executed in sorted(done.items()):
+        tube = asdict(measured_tube(executed)) | {"plans": len(executed)}
+        tubes.setdefault(body_name, {})[condition] = tube
+    write_whole(TUBES, (json.dumps(tubes, indent=1) + "\n").encode())
+    print(json.dumps(tubes, indent=1))
+
+
+def answer(family: str, index: int, tubes: dict[str, Any]) -> dict[str, Any]:
+    """A situation planned and executed in all ways."""
+    free = drawn(family, SEED, index)
+    body = body_for(free.arm)
+    situation, planner = with_motor_limits(free, body), get_planner("layered")
+    row: dict[str, Any] = {"family": family, "index": index, "body": body.name}
+    row["kinematic"] = planner.plan(free).caught
+    plans: dict[str, Any] = {}
+    since = process_time()
+    plans["none"] = planner.plan(situation)
+    row["ms"] = round(1e3 * (process_time() - since), 1)
+    for condition in JUDGED:
+        given = tubes[body.name][condition]
+        tube = Tube(given["still"], given["per_speed"]).scaled(1.0 / body.metres)
+        plans[condition] = InTube(planner, tube).plan(situation)
+    for condition in JUDGED:
+        for tube, plan in (("without", plans["none"]), ("with", plans[condition])):
+            row[f"{condition} {tube}"] = told(followed(plan, situation, condition))
+    return row
+
+
+def told(done: Execution) -> dict[str, Any]:
+    """What is kept of an execution."""
+    out: dict[str, Any] = {"status": done.status}
+    if done.error is not None:
+        out["error"] = [round(1e3 * error, 3) for error in done.error]
+        out["torque"] = round(float(done.torque or 0.0), 3)
+        out["late"] = None if done.catch_time is None else round(done.catch_time - done.planned, 4)
+        out["stays"], out["braked"] = done.stays, done.braked
+        out["touches"] = None if done.contact is None else done.contact.name
+        out["braked_into"] = done.braked_into is not None
+    return out
+
+
+def work() -> list[dict[str, Any]]:
+    """Answer situations until each condition has its plans."""
+    tubes = json.loads(TUBES.read_text())
+    OUT.parent.mkdir(exist_ok=True)
+    rows = [json.loads(line) for line in OUT.read_text().splitlines()] if OUT.exists() else []
+    known = {(row["family"], row["index"]) for row in rows}
+    keys = [f"{condition} {tube}" for condition in JUDGED for tube in ("without", "with")]
+    counts = {k: sum(r[k]["status"] != "no plan" for r in rows) for k in keys}
+    with OUT.open("a") as stream:
+        for index in range(MOST):
+            for family in family_names("spatial"):
+                if min(counts.values()) >= PLANS:
+                    return rows
+                if (family, index) in known:
+                    continue
+                rows.append(answer(family, index, tubes))
+                for k in keys:
+                    counts[k] += rows[-1][k]["status"] != "no plan"
+                stream.write(json.dumps(rows[-1]) + "\n")
+                stream.flush()
+    return rows
+
+
+def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """What came of the plans, condition by condition."""
+    kinematic = sum(row["kinematic"] for row in rows)
+    out: dict[str, Any] = {"situations": len(rows), "kinematic": kinematic, "conditions": {}}
+    for condition in JUDGED:
+        for tube in ("without", "with"):
+            key = f"{condition} {tube}"
+            done = [row[key] | {"body": row["body"]} for row in rows]
+            planned = [one for one in done if one["status"] != "no plan"]
+            kept = sum(row["kinematic"] and row[key]["status"] != "no plan" for row in rows)
+            out["conditions"][key] = summed(planned) | {"keeps_of_kinematic": kept / kinematic}
+    return out
+
+
+def summed(planned: list[dict[str, Any]]) -> dict[str, Any]:
+    """Shares and errors of those that had a plan."""
+    caught = [one for one in planned if one["status"] == "caught"]
+    share = binomtest(len(caught), len(planned)).proportion_ci(method="wilson")
+    out: dict[str, Any] = {
+        "plans": len(planned),
+        "caught": len(caught),
+        "caught_interval": [share.low, share.high],
+        "collided": sum(one["status"] == "collided" for one in planned),
+        "stays": sum(bool(one["stays"]) for one in caught),
+        "brakes_into": sum(one["braked_into"] for one in caught),
+        "saturated": sum(one["torque"] > 0.999 for one in planned),
+        "error_at_the_end_mm": {},
+    }
+    for body in sorted({one["body"] for one in planned}):
+        ends = np.array([one["error"][2] for one in planned if one["body"] == body])
+        out["error_at_the_end_mm"][body] = {
+            "median": float(np.median(ends)),
+            "95 %": float(np.quantile(ends, 0.95)),
+            "most": float(ends.max()),
+        }
+    return out
+
+
+def main() -> None:
+    """Measure tubes, or answer what is missing and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("part", nargs="?", choices=["tubes", "table"])
+    asked = parser.parse_args()
+    if asked.part == "tubes":
+        measure_tubes()
+        return
+    rows = work() if asked.part is None else [json.loads(r) for r in OUT.read_text().splitlines()]
+    made = table(rows)
+    write_whole(HERE / "h10.json", (json.dumps(made, indent=1) + "\n").encode())
+    print(json.dumps(made, indent=1))
+
+
+if __name__ == "__main__":
+    main()

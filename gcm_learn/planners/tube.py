@@ -1,0 +1,106 @@
+"""Plans with room for an arm that does not follow them exactly: a tube about the limb's way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from gcm_learn.errors import ArmKindError
+from gcm_learn.motion import Failure, SpatialTrajectory, fastest_hand
+from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.plan import Plan
+from gcm_learn.situation import AnySituation, Situation, SpatialArm
+
+HURRIES = (1.0, 0.7, 0.5, 0.35)
+"""Shares of the hand's fastest speed that are tried in turn: the slower, the narrower the tube."""
+GRASP = 0.2
+"""Share of the grasp that is left at least, however wide the tube is."""
+START = 0.9
+"""Share of the clearance at the start that a tube takes at most, since nothing changes that."""
+
+
+@dataclass(frozen=True)
+class Tube:
+    """How far any point of a limb may be from where the plan has it; lengths in the arm's unit.
+
+    Parameters
+    ----------
+    still : float
+        When the hand is slow; not negative.
+    per_speed : float
+        What is added for each unit of the hand's speed; not negative [s].
+    """
+
+    still: float = 0.0
+    per_speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("still", "per_speed"):
+            value = getattr(self, name)
+            if not 0.0 <= value < 1e6:
+                raise ValueError(f"{name}: must be from 0 on (got {value!r})")
+
+    def at(self, speed: float) -> float:
+        """Clearance to keep at a speed of the hand."""
+        return self.still + self.per_speed * speed
+
+    def scaled(self, unit: float) -> Tube:
+        """The same tube where a length of 1 is `unit`."""
+        return Tube(self.still * unit, self.per_speed * unit)
+
+
+@dataclass(frozen=True)
+class InTube:
+    """Lets a planner plan for a thicker, slower arm with a smaller grasp; answers for the real one.
+
+    The limb then keeps the tube's width to all obstacles, and the hand meets the target that much
+    deeper within its grasp.
+
+    Parameters
+    ----------
+    planner : Planner
+        One that takes spatial arms.
+    tube : Tube
+    """
+
+    planner: Any
+    tube: Tube
+
+    takes_space: ClassVar[bool] = True
+
+    @property
+    def name(self) -> str:
+        """That of the planner."""
+        return str(self.planner.name)
+
+    def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+        """Answer a situation."""
+        if not isinstance(situation.arm, SpatialArm):
+            raise ArmKindError(f"a tube is for spatial arms (situation {situation.name!r})")
+        problem = SpatialProblem(situation, self.name)
+        early = problem.early_answer(keeps_acceleration=True)
+        if early is not None:
+            return early
+        top = fastest_hand(problem.scene)
+        names = [body.name for body in situation.bodies]
+        for hurry in HURRIES:
+            plan = self.planner.plan(self._eased(problem, hurry * top))
+            if plan.trajectory is None:
+                continue
+            moves = replace(plan.trajectory, arm=situation.arm)
+            found, _ = checked(problem, Attempt(moves, names.index(str(plan.catch_body))))
+            if found is not None:
+                return found
+        return problem.answer(Failure.NO_INTERCEPTION)
+
+    def _eased(self, problem: SpatialProblem, speed: float) -> Situation[SpatialArm]:
+        """The situation with an arm that needs the tube's room."""
+        arm, width = problem.situation.arm, self.tube.at(speed)
+        room = min(width, START * problem.start_clearance)
+        eased = replace(
+            arm,
+            thickness=arm.thickness + room,
+            grasp=max(arm.grasp - width, GRASP * arm.grasp),
+            max_hand_speed=speed,
+        )
+        return replace(problem.situation, arm=eased)
