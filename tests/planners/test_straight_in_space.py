@@ -9,11 +9,12 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.motion import rules_of
-from gcm_learn.planners import plan_to_json
+from gcm_learn.planners import SpatialProblem, plan_to_json
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.planners.space.goals import box, met_from, slope_at
 from gcm_learn.planners.space.moves import study_of, time_of
+from gcm_learn.planners.space.straight import attempt_along
 from gcm_learn.scene import forward_in_space, pack
 from gcm_learn.situation import (
     Body,
@@ -172,3 +173,18 @@ def test_most_of_the_examples():
             assert verdict.complaints == []
     assert sum(a.caught for a, _ in plans) >= 22
     assert sum(b.caught for _, b in plans) >= 30
+
+
+@pytest.mark.parametrize("span", [0.0, np.spacing(0.5), 1e-12, 1e-6])
+def test_legs_that_take_hardly_any_time_are_still_in_order(span):
+    """A leg is told in pieces where the hand's speed limits it; their times must not be equal."""
+    problem = SpatialProblem(
+        scene(ball((0.5, 0.5, 9.0)), arm=replace(ARM, max_hand_speed=2.0)), "x"
+    )
+    study = study_of(problem.scene, problem.rules)
+    joints = np.array([ARM.joints, GOAL, ARM.joints, GOAL])
+    assert time_of(study, joints[0], joints[1])[1] > 1
+    time = np.array([0.0, 0.5, 0.5 + span, 0.9])
+    moves = attempt_along(problem, study, time, joints, 0).trajectory
+    assert (np.diff(moves.time) > 0.0).all()
+    assert moves.duration == 0.9

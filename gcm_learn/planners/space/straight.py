@@ -31,6 +31,7 @@ from gcm_learn.scene.spatial_limb import BRANCHES, inverse, limb_at
 SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for
 _HALVINGS = 8  # of an instant, by which the earliest interception is told
+SHORTEST = 1e-9  # a leg that takes less is one piece [s]
 
 
 @njit(_nrt=False)
@@ -244,6 +245,8 @@ def attempt_along(
     for k in np.flatnonzero(np.diff(time) > 0.0):
         q, p, span = joints[k], joints[k + 1], time[k + 1] - time[k]
         took, pieces = time_of(study, q, p)
+        if span < SHORTEST:  # times of pieces would be equal
+            pieces = 1
         shares = np.arange(1, pieces + 1) / pieces
         pace = study.pace[:pieces] / took if took > 0.0 else shares
         times += [time[k] + span * pace[:-1], time[k + 1 : k + 2]]
