@@ -12,13 +12,12 @@ from gcm_learn.handspace import Chart, Lattice, SpaceLattice, hand_space, ring_l
 from gcm_learn.scene import Scene
 from gcm_learn.wave import agenda, general, layered, marching
 from gcm_learn.wave import marching_in_space as space
-from gcm_learn.wave.front import Front
+from gcm_learn.wave.front import Front, first_arrivals
+from gcm_learn.wave.kernels import CONTACT, FROZEN
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of, turns_of
 from gcm_learn.wave.params import MarchingParams
 from gcm_learn.wave.plane import Plane, closed_rim
-from gcm_learn.wave.solver import STATES_PER_CELL, first_arrivals
-
-HALF_DIAGONAL = 0.87  # of a cell in space: a small target must not slip between centres
+from gcm_learn.wave.solver import STATES_PER_CELL
 
 
 def march(
@@ -60,8 +59,15 @@ def march(
         postures(scene, chart, params.margin, widening),
         state,
     )
-    met = (cell, body, time * crossing)
-    return first_arrivals(scene, chart, arrival * crossing, state, met, accepted)
+    return first_arrivals(
+        chart,
+        arrival * crossing,
+        state == FROZEN,
+        state == CONTACT,
+        (cell, body, time * crossing),
+        horizon=scene.limits.horizon,
+        steps=accepted,
+    )
 
 
 def march_layers(
@@ -123,13 +129,11 @@ def _march_in_space(
     widening: np.ndarray | None,
 ) -> Front:
     nodes, fast, count = chart.nodes, fastest(scene), chart.size
-    terms = terms_of(scene, chart, params, 1.0, ignore)
-    contact = max(scene.limits.grasp + params.slack * chart.spacing, HALF_DIAGONAL * chart.spacing)
     ask = space.Ask(
         scene,
         nodes,
         _pace(scene, chart, fast),
-        terms._replace(grasp=contact),
+        terms_of(scene, chart, params, 1.0, ignore),
         desk_of(scene),
         np.empty(0) if widening is None else widening,
         params.margin,
@@ -146,19 +150,15 @@ def _march_in_space(
     node, body, time, accepted = space.march(ask, chart.start(scene), field)
     via = np.empty(count, np.int32)
     space.finish(ask, field, via)
-    return Front(
-        chart=chart,
-        waits=False,
-        nodes=np.arange(count, dtype=np.int32),
-        via=via,
-        arrival=field.arrival,
-        end=np.broadcast_to(scene.limits.horizon, via.shape),
-        refused=(field.state == space.FROZEN).reshape(chart.shape),
-        met=(field.state == space.MET).reshape(chart.shape),
-        met_state=node,
-        met_body=body,
-        met_time=time,
+    return first_arrivals(
+        chart,
+        field.arrival,
+        field.state == space.FROZEN,
+        field.state == space.MET,
+        (node, body, time),
+        horizon=scene.limits.horizon,
         steps=accepted,
+        via=via,
     )
 
 

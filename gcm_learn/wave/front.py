@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -100,3 +100,61 @@ class Front:
         another[1:] = ~same | (arrival[order][1:] > self.end[order][:-1])
         order = order[another]
         return order, np.arange(len(order)) - np.searchsorted(node[order], node[order])
+
+
+def first_arrivals(
+    chart: Chart,
+    arrival: np.ndarray,
+    refused: np.ndarray,
+    contacts: np.ndarray,
+    met: tuple[int, int, float],
+    *,
+    horizon: float,
+    steps: int,
+    via: np.ndarray | None = None,
+) -> Front:
+    """The front of one sheet.
+
+    Parameters
+    ----------
+    chart : Chart
+        Of m nodes.
+    arrival : (m,) ndarray
+        Negative where the front never came [s].
+    refused, contacts : (m,) ndarray of bool
+        Where an obstacle was when the front came, and where a target was met.
+    met : (int, int, float)
+        Node and body (-1 if none) and time [s] of the first contact.
+
+    Other Parameters
+    ----------------
+    horizon : float
+        [s]
+    steps : int
+        Euler steps, or accepted nodes.
+    via : (m,) ndarray of int, optional
+        Node from which the hand comes straight.
+    """
+    node, body, time = met
+    return Front(
+        chart=chart,
+        waits=False,
+        nodes=_all_nodes(arrival.size),
+        via=via,
+        arrival=arrival,
+        end=np.broadcast_to(horizon, arrival.shape),
+        refused=refused.reshape(chart.shape),
+        met=contacts.reshape(chart.shape),
+        met_state=node,
+        met_body=body,
+        met_time=time if node >= 0 else horizon,
+        steps=steps,
+    )
+
+
+@lru_cache(maxsize=16)
+def _all_nodes(count: int) -> np.ndarray:
+    """Indices (count,) of all nodes; shared, read-only."""
+    nodes = np.arange(count)
+    nodes.setflags(write=False)
+    return nodes

@@ -19,7 +19,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.handspace import Chart
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
-from gcm_learn.wave.front import Front
+from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.kernels import Terms
 from gcm_learn.wave.limits import contact_distance, gaps, terms_of
 from gcm_learn.wave.params import MarchingParams
@@ -229,23 +229,19 @@ def _first(
 ) -> Front:
     """The front of one sheet."""
     span, body, time = met
-    came, shape = labels.came, chart.shape
+    came = labels.came
     via, reached = np.full(came.size, -1), np.flatnonzero(book.arrival < NEVER)
     home = book.via[reached]
     via[book.node[reached]] = np.where(home >= 0, book.node[home], -1)
-    return Front(
-        chart=chart,
-        waits=False,
-        nodes=np.arange(came.size),
-        via=via,
-        arrival=np.where(came < NEVER, came, -1.0),
-        end=np.broadcast_to(scene.limits.horizon, came.shape),
-        refused=labels.refused.reshape(shape),
-        met=labels.met.reshape(shape),
-        met_state=int(book.node[span]) if span >= 0 else -1,
-        met_body=body,
-        met_time=time,
+    return first_arrivals(
+        chart,
+        np.where(came < NEVER, came, -1.0),
+        labels.refused,
+        labels.met,
+        (int(book.node[span]) if span >= 0 else -1, body, time),
+        horizon=scene.limits.horizon,
         steps=len(reached),
+        via=via,
     )
 
 

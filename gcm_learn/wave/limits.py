@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.collision import Postures, postures_of
-from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
+from gcm_learn.handspace import Chart, Lattice, SpaceLattice, cell_joints, hand_space
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene, SpatialLimb, joints_of
 from gcm_learn.wave.kernels import Terms
 from gcm_learn.wave.params import MarchingParams, WaveParams
 
 CONTACT_RADIUS = 0.71  # at least half a cell's diagonal, or a small target slips between centres
+CONTACT_RADIUS_IN_SPACE = 0.87  # the same of a cube
 
 
 def fastest(scene: Scene) -> float:
@@ -29,8 +30,10 @@ def hand_of(scene: Scene) -> tuple[float, float]:
 
 def contact_distance(scene: Scene, chart: Chart, params: WaveParams | MarchingParams) -> float:
     """Distance of a cell's centre and a target at which they are in contact."""
-    h = chart.spacing
-    return max(scene.limits.grasp + params.slack * h, CONTACT_RADIUS * h)
+    h, radius = chart.spacing, CONTACT_RADIUS
+    if isinstance(chart, SpaceLattice):
+        radius = CONTACT_RADIUS_IN_SPACE
+    return max(scene.limits.grasp + params.slack * h, radius * h)
 
 
 def gaps(

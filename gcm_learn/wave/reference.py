@@ -13,12 +13,12 @@ import numpy as np
 from gcm_learn.handspace import Lattice
 from gcm_learn.scene import Scene
 from gcm_learn.wave.excitation import FELT
-from gcm_learn.wave.front import Front
+from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.inhibition import SADDLE, TICK
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.limits import fastest
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
-from gcm_learn.wave.solver import first_arrivals, front_speed
+from gcm_learn.wave.solver import front_speed
 from gcm_learn.wave.stepping import CORNERS, EDGES, Cell, Stepped, couplings
 from gcm_learn.wave.waiting import free_clock
 
@@ -119,7 +119,15 @@ class _Freezing(Stepped):
         arrival = (self.arrival * self.kappa).ravel()
         met = (cell, body, time * self.kappa)
         state = self.state.ravel()
-        return first_arrivals(self.scene, self.lattice, arrival, state, met, self.steps)
+        return first_arrivals(
+            self.lattice,
+            arrival,
+            state == FROZEN,
+            state == CONTACT,
+            met,
+            horizon=self.scene.limits.horizon,
+            steps=self.steps,
+        )
 
 
 class _Waiting(Stepped):

@@ -12,7 +12,7 @@ import numpy as np
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, cell_joints, hand_space
 from gcm_learn.scene import COLUMNS, Bodies, Limb, Limits, Scene
 from gcm_learn.wave import kernels, stencil
-from gcm_learn.wave.front import Front
+from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of
 from gcm_learn.wave.params import REST, WaveParams
 from gcm_learn.wave.solver_in_space import kappa_in_space, propagate_in_space
@@ -91,45 +91,15 @@ def _propagate(
     arrival = plane.reshape(n + 2, shape.width)[1:-1, stencil.LEFT : stencil.LEFT + n]
     inside = hand_space(lattice).inside.reshape(n, n)
     arrival = np.where(inside, arrival, np.float32(-1.0)) * kappa
-    met = (cell, body, time * kappa)
-    return first_arrivals(scene, lattice, arrival.ravel(), state, met, steps)
-
-
-def first_arrivals(
-    scene: Scene,
-    lattice: Lattice,
-    arrival: np.ndarray,
-    state: np.ndarray,
-    met: tuple[int, int, float],
-    steps: int,
-) -> Front:
-    """The front of one sheet with arrivals (n * n,) [s] and states (n * n,) of cells.
-
-    `met` has cell, body (-1 if none) and time [s] of the first contact.
-    """
-    shape, horizon = lattice.shape, scene.limits.horizon
-    return Front(
-        chart=lattice,
-        waits=False,
-        nodes=all_nodes(arrival.size),
-        via=None,
-        arrival=arrival,
-        end=np.broadcast_to(horizon, arrival.shape),
-        refused=(state == kernels.FROZEN).reshape(shape),
-        met=(state == kernels.CONTACT).reshape(shape),
-        met_state=met[0],
-        met_body=met[1],
-        met_time=met[2] if met[0] >= 0 else horizon,
+    return first_arrivals(
+        lattice,
+        arrival.ravel(),
+        state == kernels.FROZEN,
+        state == kernels.CONTACT,
+        (cell, body, time * kappa),
+        horizon=scene.limits.horizon,
         steps=steps,
     )
-
-
-@lru_cache(maxsize=16)
-def all_nodes(count: int) -> np.ndarray:
-    """Indices (count,) of all nodes; shared, read-only."""
-    nodes = np.arange(count)
-    nodes.setflags(write=False)
-    return nodes
 
 
 def hand_cell(lattice: Lattice, hand: tuple[float, float]) -> tuple[int, int]:

@@ -25,15 +25,15 @@ from gcm_learn.scene import Scene
 from gcm_learn.wave import ground_in_space, judging_in_space
 from gcm_learn.wave import kernels_in_space as kernels
 from gcm_learn.wave import stencil_in_space as stencil
-from gcm_learn.wave.front import Front
-from gcm_learn.wave.kernels import CONTACT, FROZEN, Terms
+from gcm_learn.wave.front import Front, first_arrivals
+from gcm_learn.wave.kernels import CONTACT, FROZEN
+from gcm_learn.wave.limits import terms_of
 from gcm_learn.wave.params import REST, WaveParams, check_stability
 
 START_BALL = (
     5.1  # radius of the smallest ball that is excited at the start; no cell is on it [cells]
 )
 FEWEST = 300  # cells that are excited at the start, if so many are free within two such radii
-CONTACT_RADIUS = 0.87  # half a cell's diagonal, or a small target slips between centres [cells]
 QUIET = 3e-3  # potential change [1/tau] below which a block of cells counts as settled
 SLOWEST_RATE = 0.02  # of a cell: the wave should not stop altogether
 QUICK = 0.9  # share of hands that are no faster than the front is where it is fastest
@@ -150,7 +150,8 @@ def propagate_in_space(
     if lattice.postures != 1:
         raise LatticeError(f"a wave in space needs one posture in a cell, not {lattice.postures}")
     n, kappa = lattice.n, kappa_in_space(scene, lattice, params)
-    terms = _terms(scene, lattice, params, kappa, ignore)
+    terms = terms_of(scene, lattice, params, kappa, ignore)
+    terms = terms._replace(speed=quickest(scene, lattice))
     ground = _ground(scene, lattice, params)
     radius = max(params.start_radius, START_BALL)
     ball, away = _start_ball(scene, lattice, 2.0 * radius + kernels.SPREAD)
@@ -163,19 +164,15 @@ def propagate_in_space(
     )
     arrival = stencil.field(ground.B, 5, n)
     arrival = np.where(arrival >= 0.0, arrival * kappa, -1.0).astype(np.float32)
-    return Front(
-        chart=lattice,
-        waits=False,
-        nodes=np.arange(n**3),
-        via=via,
-        arrival=arrival.ravel(),
-        end=np.broadcast_to(scene.limits.horizon, (n**3,)),
-        refused=(state == FROZEN).reshape(lattice.shape),
-        met=(state == CONTACT).reshape(lattice.shape),
-        met_state=cell,
-        met_body=body,
-        met_time=time if cell >= 0 else scene.limits.horizon,
+    return first_arrivals(
+        lattice,
+        arrival.ravel(),
+        state == FROZEN,
+        state == CONTACT,
+        (cell, body, time),
+        horizon=scene.limits.horizon,
         steps=steps,
+        via=via,
     )
 
 
@@ -193,23 +190,6 @@ def _start_ball(
     near = np.flatnonzero(away <= radius)
     near = near[np.argsort(away[near], kind="stable")]
     return ((iz * lattice.n + iy) * lattice.n + ix)[near], away[near]
-
-
-def _terms(
-    scene: Scene, lattice: SpaceLattice, params: WaveParams, kappa: float, ignore: float
-) -> Terms:
-    return Terms(
-        kappa=kappa,
-        shortest=params.step * kappa,
-        grasp=max(
-            scene.limits.grasp + params.slack * lattice.spacing, CONTACT_RADIUS * lattice.spacing
-        ),
-        ignore=ignore / kappa,
-        end=scene.limits.horizon / kappa,
-        explore=params.until == "horizon",
-        lookback=1.0,
-        speed=quickest(scene, lattice),
-    )
 
 
 def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> ground_in_space.SpaceGround:
