@@ -149,6 +149,18 @@ def on_curve(curve, s, q):
         q[j] = curve[j, 0] + s * (curve[j, 1] + s * (curve[j, 2] + s * curve[j, 3]))
 
 
+@njit(_nrt=False)
+def part(curve, since, until, out):
+    """Write the part of a move between two shares of it into `out` (4, 4), as a move."""
+    width = until - since
+    for j in range(4):
+        b, c, d = curve[j, 1], curve[j, 2], curve[j, 3]
+        out[j, 0] = curve[j, 0] + since * (b + since * (c + since * d))
+        out[j, 1] = width * (b + since * (2.0 * c + since * 3.0 * d))
+        out[j, 2] = width * width * (c + 3.0 * since * d)
+        out[j, 3] = width * width * width * d
+
+
 @njit(_nrt=False, forceinline=True)
 def _turn(curve, j, s, half):
     """Bound how far joint j turns from share s to s - half or s + half, at its fastest."""

@@ -6,6 +6,7 @@
 """
 
 from gcm_learn.execution.belief import Belief
+from gcm_learn.execution.closed_loop import Course, Loop, Mind, Occasion, Thought, run_closed_loop
 from gcm_learn.execution.embedding import encoder
 from gcm_learn.execution.episode import (
     Agent,
@@ -16,8 +17,11 @@ from gcm_learn.execution.episode import (
     into_frame,
     run_episode,
 )
+from gcm_learn.execution.exact import ExactPlant
 from gcm_learn.execution.fan import RAYS
 from gcm_learn.execution.follower import Follower
+from gcm_learn.execution.following import LedPlant
+from gcm_learn.execution.minds import Commanding, Planning
 from gcm_learn.execution.observation import MEETING
 from gcm_learn.execution.perception import Percept, Perception
 from gcm_learn.execution.physics.bodies import body_for, read_body, shipped_bodies
@@ -37,19 +41,27 @@ __all__ = [
     "Belief",
     "CAUGHT",
     "COLLIDED",
+    "Commanding",
     "Contact",
     "Controller",
+    "Course",
     "Episodes",
+    "ExactPlant",
     "Execution",
     "Follower",
     "KinematicPlant",
     "LATE",
+    "LedPlant",
+    "Loop",
     "MEETING",
+    "Mind",
     "Moment",
     "OUTCOMES",
+    "Occasion",
     "Percept",
     "Perception",
     "PhysicalPlant",
+    "Planning",
     "Plant",
     "Pool",
     "RAYS",
@@ -58,6 +70,7 @@ __all__ = [
     "Source",
     "Steps",
     "TERMS",
+    "Thought",
     "Weights",
     "body_for",
     "encoder",
@@ -68,6 +81,7 @@ __all__ = [
     "motor_accelerations",
     "pool_of",
     "read_body",
+    "run_closed_loop",
     "run_episode",
     "settings_of",
     "shipped_bodies",

@@ -19,6 +19,8 @@ from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 HAIR = 1e-6  # share of the limits that is not used, against rounding
 KNOTS = 24  # of a tracked path, evenly in time: between them accelerations are linear
 SAMPLES = 4  # of the path in each span between knots
+_NO_ROOM = 1e-7  # at the end of its range a joint stops within this [rad]
+_AT_ONCE = 1e-9  # what stops sooner rests, and what stops this much apart stops together [s]
 _END = 300.0  # weight of the path's end, where the target is, beside that of any other sample
 
 
@@ -63,7 +65,9 @@ def dash(scene, goal, until, joints, rates):
 def braked(plan: SpatialTrajectory, limits: np.ndarray) -> SpatialTrajectory:
     """A movement that goes on after its end until each joint rests, as soon as it can.
 
-    One that is linear between samples knows no accelerations, and stops at its end.
+    Where a joint would leave its range its end takes the rest of its speed: it brakes harder than
+    the limits.  A movement that is linear between samples knows no accelerations, and stops at its
+    end.
 
     Parameters
     ----------
@@ -73,11 +77,14 @@ def braked(plan: SpatialTrajectory, limits: np.ndarray) -> SpatialTrajectory:
     """
     if plan.rates is None:
         return plan
-    rates = plan.rates[-1]
-    stops = np.abs(rates) / limits
-    time = np.unique(stops[stops > 0.0])
+    rates, (low, high) = plan.rates[-1], np.array(plan.arm.joint_range).T
+    room = np.where(rates > 0.0, high - plan.joints[-1], plan.joints[-1] - low)
+    most = np.maximum(limits, rates**2 / (2.0 * np.maximum(room, _NO_ROOM)))
+    stops = np.abs(rates) / most
+    time = np.sort(stops[stops > _AT_ONCE])
+    time = time[np.append(np.diff(time) > _AT_ONCE, True)] if time.size else time
     passed = np.minimum(time[:, None], stops)
-    force = -np.sign(rates) * limits
+    force = -np.sign(rates) * most
     return SpatialTrajectory(
         plan.arm,
         np.append(plan.time, plan.duration + time),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.postures import desk_of, free_until, line
+from gcm_learn.collision.postures import desk_of, free_until, line, on_curve
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
@@ -84,8 +84,8 @@ def met_at(scene, q, t, catch, poses):
 def first_meeting(scene, curve, since, until, catch, shortest, poses):
     """First moment of a move at which a target is within `catch` of the hand.
 
-    Conservative advancement over the straight move in ``curve`` (4, 4), see
-    `collision.postures`, with steps of at least `shortest` [s].
+    Conservative advancement over the move in ``curve`` (4, 4), see `collision.postures`, with
+    steps of at least `shortest` [s].
 
     Returns
     -------
@@ -96,14 +96,14 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
     span, t = until - since, since
     rate = np.zeros(4)
     for j in range(4):
-        rate[j] = abs(curve[j, 1]) / span if span > 0.0 else 0.0
+        most = abs(curve[j, 1]) + 2.0 * abs(curve[j, 2]) + 3.0 * abs(curve[j, 3])
+        rate[j] = most / span if span > 0.0 else 0.0
     limb = scene.limb
     speed = np.hypot(rate[0], rate[1]) * (limb.rho + limb.length)
     speed += np.hypot(rate[2], rate[3]) * limb.length
     while True:
         s = (t - since) / span if span > 0.0 else 1.0
-        for j in range(4):
-            rate[j] = curve[j, 0] + s * curve[j, 1]
+        on_curve(curve, s, rate)
         _, _, _, x, y, z = limb_at(limb, rate)
         step = 1e300
         for b in range(scene.bodies.rows.shape[0]):

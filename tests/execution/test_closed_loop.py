@@ -1,0 +1,292 @@
+"""The closed loop: thinking takes time, plans begin where the arm will be, noise is outlived."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from gcm_learn import families
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution import (
+    CAUGHT,
+    COLLIDED,
+    LATE,
+    Commanding,
+    ExactPlant,
+    Loop,
+    Perception,
+    Planning,
+    run_closed_loop,
+)
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.planners import get_planner
+from gcm_learn.situation import Body, Situation, SolidQuadratic, SpatialArm, Sphere
+
+EXACT = Perception()
+ARM = SpatialArm(
+    upper_arm=(1.0, 0.0, 0.0), forearm=(1.0, 0.0, 0.0), joints=(0.0, 0.0, 0.0, -0.5),
+    joint_range=((-2.0, 2.0),) * 4, max_joint_speed=(6.0,) * 4, grasp=0.05, thickness=0.05,
+    max_joint_acceleration=(40.0,) * 4,
+)  # fmt: skip
+
+
+def falling(arm=ARM, shift=0.0):
+    """Return a ball that falls past the arm's reach."""
+    motion = SolidQuadratic((1.2, 1.5 + shift, 1.2), (0.0, -1.2, 0.0), (0.0, 0.0, -2.0))
+    return Situation("ball", 1.2, arm, (Body("target", "ball", Sphere(0.1), motion),))
+
+
+class Noted:
+    """A planner that notes what it was asked."""
+
+    def __init__(self, planner=None):
+        self.asked, self.answers = [], []
+        self.planner = planner or get_planner("layered")
+
+    def plan(self, situation):
+        self.asked.append(situation)
+        self.answers.append(self.planner.plan(situation))
+        return self.answers[-1]
+
+
+class Silent:
+    """A planner that finds nothing."""
+
+    def plan(self, situation):
+        return SimpleNamespace(trajectory=None)
+
+
+class Watched(ExactPlant):
+    """A plant that notes what it was led along."""
+
+    def __init__(self, situation):
+        super().__init__(situation)
+        self.led, self.rows = [], []
+
+    def follow(self, trajectory, until):
+        self.led.append(trajectory)
+        super().follow(trajectory, until)
+        self.rows.append((self.time, *self.joints, *self.rates))
+
+
+@pytest.mark.parametrize("thinking", [0.0, 0.01, 0.02, 0.05, 0.1])
+def test_a_plan_is_followed_when_it_is_thought_out(thinking):
+    """It is for the world as it is then, from where the arm is then."""
+    situation, planner = falling(), Noted()
+    plant = Watched(situation)
+    course = run_closed_loop(
+        Planning(planner, "once"), plant, situation, Loop(EXACT, 2, thinking=thinking), 0
+    )
+    assert course.outcome == CAUGHT and len(planner.asked) == 1
+    periods = int(np.ceil(thinking / 0.02 - 1e-9))
+    start = (2 + periods) * 0.02  # two looks, each told one period late
+    assert planner.asked[0].horizon == pytest.approx(1.2 - start)
+    assert planner.asked[0].arm.joints == pytest.approx(ARM.joints)
+    assert course.time <= start + planner.answers[0].catch_time + 1e-6
+    moves = [
+        t for t, *state in plant.rows if np.abs(np.subtract(state[:4], ARM.joints)).max() > 1e-9
+    ]
+    assert moves[0] == pytest.approx(start + 0.02)
+    (thought,) = course.thoughts
+    assert thought.begun == pytest.approx(0.04)
+    assert (thought.took, thought.found) == (thinking, True)
+
+
+def test_who_thinks_long_goes_on_meanwhile():
+    """The second thought begins where the first plan will have led; nothing ever jumps."""
+    situation, planner = falling(), Noted()
+    plant = Watched(situation)
+    loop = Loop(replace(EXACT, place=0.02), 2, thinking=0.1)
+    course = run_closed_loop(Planning(planner, "always"), plant, situation, loop, 3)
+    assert len(planner.asked) > 2
+    for k, asked in enumerate(planner.asked):
+        start = 0.04 + 0.1 * (k + 1)
+        assert asked.horizon == pytest.approx(1.2 - start)
+        there = [row for row in plant.rows if abs(row[0] - start) < 1e-9]
+        if there:
+            assert asked.arm.joints == pytest.approx(there[0][1:5], abs=1e-9)
+            assert asked.arm.joint_rates == pytest.approx(there[0][5:], abs=1e-6)
+    assert any(any(asked.arm.joint_rates) for asked in planner.asked[1:])
+    rows = np.array(plant.rows)
+    assert (np.abs(np.diff(rows[:-1, 1:5], axis=0)) <= 6.0 * 0.02 + 1e-9).all()
+    assert (np.abs(np.diff(rows[:-1, 5:], axis=0)) <= 40.0 * 0.02 + 1e-6).all()
+    assert course.thoughts[0].begun == pytest.approx(0.04)
+
+
+def test_thinking_is_charged_as_long_as_it_takes():
+    """By processor time: a planner that dawdles is late, and its plan is for when it is ready."""
+
+    class Slow(Noted):
+        def plan(self, situation):
+            import time
+
+            since = time.process_time()
+            while time.process_time() - since < 0.07:
+                pass
+            return super().plan(situation)
+
+    situation, planner = falling(), Slow()
+    planner.planner.plan(situation)  # compiled now
+    course = run_closed_loop(
+        Planning(planner, "once"), ExactPlant(situation), situation, Loop(EXACT, 2), 0
+    )
+    (thought,) = course.thoughts
+    assert 0.07 <= thought.took
+    if thought.found:
+        ready = 1.2 - planner.asked[-1].horizon
+        assert ready >= thought.begun + thought.took - 1e-9
+        assert len(planner.asked) > 1  # it had to allow for more than a period
+
+
+def test_a_plan_that_holds_is_kept():
+    """Without noise one thought does, whatever the habit that asks whether it holds."""
+    situation = falling()
+    courses = [
+        run_closed_loop(
+            Planning(get_planner("layered"), habit), ExactPlant(situation), situation,
+            Loop(EXACT, 2, thinking=0.02), 0,
+        )
+        for habit in ("once", "broken", "always")
+    ]  # fmt: skip
+    assert [course.outcome for course in courses] == [CAUGHT] * 3
+    assert [len(course.thoughts) for course in courses[:2]] == [1, 1]
+    assert len(courses[2].thoughts) > 5
+    assert courses[0].time == courses[1].time
+
+
+def test_a_plan_that_breaks_is_replaced():
+    """With noise the first plan misses, one that is thought out again does not."""
+    found = {"once": 0, "broken": 0}
+    for habit in found:
+        for k in range(12):
+            situation = falling(shift=0.02 * k)
+            course = run_closed_loop(
+                Planning(get_planner("layered"), habit), ExactPlant(situation), situation,
+                Loop(Perception(place=0.04), 2, thinking=0.02), 5, k,
+            )  # fmt: skip
+            found[habit] += course.outcome == CAUGHT
+    assert found["once"] <= 8 and found["broken"] >= found["once"] + 3
+
+
+def test_nothing_is_done_without_a_plan():
+    """An arm that moves brakes; the episode goes on to its end, whatever comes."""
+    arm = replace(ARM, joint_rates=(1.0, 0.0, -2.0, 0.5))
+    plant = ExactPlant(falling(arm))
+    course = run_closed_loop(
+        Planning(Silent(), "always"), plant, falling(arm), Loop(EXACT, 2, thinking=0.02), 0
+    )
+    assert course.outcome == LATE and course.time == pytest.approx(1.2)
+    assert not plant.rates.any() and not any(thought.found for thought in course.thoughts)
+    rises = SolidQuadratic((1.0, 0.0, -0.5), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    stone = replace(
+        falling(), bodies=(*falling().bodies, Body("obstacle", "stone", Sphere(0.1), rises))
+    )
+    course = run_closed_loop(
+        Planning(Silent()), ExactPlant(stone), stone, Loop(EXACT, 2, thinking=0.02), 0
+    )
+    assert course.outcome == COLLIDED and course.time == pytest.approx(0.35, abs=1e-3)
+
+
+def test_the_same_seed_goes_the_same_way():
+    situation, loop = falling(), Loop(Perception(place=0.03, dropouts=1.0), 2, thinking=0.03)
+    mind = Planning(get_planner("layered"))
+    courses = [
+        run_closed_loop(mind, ExactPlant(situation), situation, loop, 9, k) for k in (1, 1, 2)
+    ]
+    assert courses[0] == courses[1] != courses[2]
+
+
+def test_careful_plans_keep_room_and_end_at_the_target():
+    """Where there is one; else what there is must do."""
+
+    class Picky(Noted):
+        def plan(self, situation):
+            self.asked.append(situation)
+            careful = situation.arm.thickness > 0.2
+            return SimpleNamespace(trajectory=None if careful else "a way")
+
+    believed = falling(replace(ARM, forearm=(0.5, 0.0, 0.0)))
+    planner = Noted(SimpleNamespace(plan=lambda situation: SimpleNamespace(trajectory="a way")))
+    assert Planning(planner, grasp=0.2, room=0.3).plan(believed) == "a way"
+    (asked,) = planner.asked
+    assert asked.arm.grasp == pytest.approx(0.01)
+    assert asked.arm.thickness == pytest.approx(0.05 + 0.15)
+    picky = Picky()
+    assert Planning(picky, room=0.4).plan(believed) == "a way"
+    assert picky.asked[1] == believed and len(picky.asked) == 2
+    planner.asked.clear()
+    assert Planning(planner).plan(believed) == "a way" and planner.asked == [believed]
+
+
+@pytest.mark.parametrize("limited", [True, False])
+def test_joints_can_be_commanded(limited):
+    """As a learned policy would: straight at the target's posture, within all limits."""
+    arm = ARM if limited else replace(ARM, max_joint_acceleration=None, joint_rates=None)
+    goal = np.array([-0.6, 1.9, 1.0, 0.3])
+
+    def policy(believed):
+        return 8.0 * (goal - np.array(believed.arm.joints))
+
+    hand = SpatialTrajectory(arm, np.zeros(1), goal[None]).hand[0]
+    motion = SolidQuadratic(tuple(hand.tolist()), (0.0,) * 3, (0.0,) * 3)
+    situation = Situation("there", 2.0, arm, (Body("target", "ball", Sphere(0.1), motion),))
+    plant = Watched(situation)
+    course = run_closed_loop(Commanding(policy), plant, situation, Loop(EXACT, 2, thinking=0.0), 0)
+    assert course.outcome == CAUGHT
+    rows = np.array(plant.rows)
+    assert (np.abs(np.diff(rows[:-1, 1:5], axis=0)) <= 6.0 * 0.02 + 1e-9).all()
+    if limited:
+        assert (np.abs(np.diff(rows[:-1, 5:], axis=0)) <= 40.0 * 0.02 + 1e-9).all()
+    assert (np.abs(rows[:, 1:5]) <= 2.0 + 1e-9).all()
+
+
+def test_commands_end_before_the_range_does():
+    situation = falling()
+    plant = Watched(situation)
+    run_closed_loop(
+        Commanding(lambda believed: np.array([0.0, 9.0, -9.0, 9.0])), plant, situation,
+        Loop(EXACT, 2, thinking=0.02), 0,
+    )  # fmt: skip
+    rows = np.array(plant.rows)
+    assert (np.abs(rows[:, 1:5]) <= 2.0 + 1e-6).all()
+    assert rows[-1, 2] > 1.9
+
+
+@pytest.mark.parametrize("name", families.family_names("spatial"))
+def test_exact_eyes_catch_what_is_planned(name):
+    """In every family: with exact looks and no thinking time, a plan is a catch."""
+    family = families.get_family(name)
+    family = replace(family, arm=replace(family.arm, ramp=(0.1, 0.1)))
+    for k in range(2):
+        situation, planner = families.draw(family, 1401, k), Noted()
+        course = run_closed_loop(
+            Planning(planner, "once"),
+            ExactPlant(situation),
+            situation,
+            Loop(EXACT, 2, thinking=0.0),
+            0,
+        )
+        if planner.answers and planner.answers[0].caught:
+            assert course.outcome == CAUGHT
+
+
+@pytest.mark.parametrize(
+    ("make", "reason"),
+    [
+        (lambda: Loop(EXACT, looks=0), "looks: must be an integer from 1 on (got 0)"),
+        (lambda: Planning(Silent(), grasp=2.0), "grasp: must be from 0 to 1 (got 2.0)"),
+        (lambda: Planning(Silent(), room=-1.0), "room: must be from 0 on (got -1.0)"),
+        (lambda: Loop(EXACT, 2, thinking=-1.0), "thinking: must be from 0 on (got -1.0)"),
+        (
+            lambda: Planning(Silent(), "never"),
+            "habit: must be one of once, always, broken (got 'never')",
+        ),
+    ],
+)
+def test_bad_settings_are_refused_in_one_line(make, reason):
+    with pytest.raises(ArenaError) as refused:
+        make()
+    assert str(refused.value) == reason
