@@ -71,8 +71,8 @@ def target_ways(bodies, gap, end):
 
 
 @njit
-def last_use(ways, end, speed, x, y):
-    """Last moment at which a hand at (x, y) may still meet a target before `end` [s].
+def last_use(ways, end, speed, x, y, z=0.0):
+    """Last moment at which a hand at (x, y, z) may still meet a target before `end` [s].
 
     -1 if it cannot at all; never too early.
     """
@@ -80,7 +80,7 @@ def last_use(ways, end, speed, x, y):
     for i in range(ways.shape[0]):
         late = min(step * (i + 1), end)
         for b in range(ways.shape[1]):
-            dx, dy, dz = x - ways[i, b, 0], y - ways[i, b, 1], ways[i, b, 2]
+            dx, dy, dz = x - ways[i, b, 0], y - ways[i, b, 1], z - ways[i, b, 2]
             away = np.sqrt(dx * dx + dy * dy + dz * dz) - ways[i, b, 3]
             last = max(last, late - max(away, 0.0) / speed)
     return last

@@ -2,14 +2,14 @@
 
 from gcm_learn.maps.build import build_map, explore, map_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
-from gcm_learn.maps.descent import descend, nodes_to
+from gcm_learn.maps.descent import chain_to, descend
 
 __all__ = [
     "CognitiveMap",
     "Interception",
     "build_map",
+    "chain_to",
     "descend",
     "explore",
     "map_of",
-    "nodes_to",
 ]

@@ -104,6 +104,7 @@ def map_of(
             time=front.met_time,
             body=situation.bodies[front.met_body].name,
         )
+    way = None if isinstance(front.chart, Lattice) else front.came_from()
     timed = params if isinstance(params, WaveParams) and not front.waits else WaveParams()
     return CognitiveMap(
         chart=front.chart,
@@ -115,7 +116,7 @@ def map_of(
         kappa=kappa_of(scene, front.chart, timed),
         engine="layered" if front.waits else "wave" if wave else "marching",
         later=np.ma.MaskedArray(sheets[1:], mask=masked[1:]) if len(sheets) > 1 else None,
-        via=None if front.waits or front.via is None else front.via.reshape(front.chart.shape),
+        via=way[0] if way is not None and len(way) == 1 else way,
     )
 
 

@@ -61,8 +61,9 @@ class CognitiveMap:
     """(m, ...) float: earliest arrivals in a cell's second, third, ... safe interval that can be
     reached [s]; only layered maps, in which the hand may wait, have such sheets."""
     via: np.ndarray | None = None
-    """(...) int: node from which the front came to another, -1 where it set out; None over a
-    lattice in the plane, on which the gradient says it."""
+    """(...) int: node from which the front came to another, -1 where it set out; with sheets
+    (1 + m, ...), as flat indices into them. None over a lattice in the plane, on which the gradient
+    says it."""
 
     def __post_init__(self) -> None:
         shape = self.chart.shape
@@ -92,6 +93,16 @@ class CognitiveMap:
         """All sheets of arrivals (1 + m, ...) [s]; a first-arrival map has one."""
         first = self.arrival[None]
         return first if self.later is None else np.ma.concatenate([first, self.later])
+
+    @property
+    def met(self) -> int:
+        """Flat index into the sheets of the arrival in whose span a target was met, -1 if none."""
+        if self.interception is None:
+            return -1
+        cell = np.ravel_multi_index(self.interception.cell, self.chart.shape)
+        arrival = self.sheets.reshape(-1, self.arrival.size)[:, cell].filled(np.inf)
+        sheet = np.count_nonzero(arrival <= self.interception.time) - 1
+        return int(max(sheet, 0) * self.arrival.size + cell)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the map as in Fig. 4D; returns the axes."""

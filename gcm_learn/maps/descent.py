@@ -125,7 +125,8 @@ def descend(
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Path from the hand to a point of the map, with the front's arrival along it (Sect. 2.3.4).
 
-    Over a lattice it is smooth; over other charts it runs from node to node.
+    Over a lattice in the plane it is smooth; over other charts it runs from node to node, and where
+    the hand may wait, through the spans in which they are free.
 
     Parameters
     ----------
@@ -141,13 +142,13 @@ def descend(
         When the front was there [s].
         None instead of both if there is no path.
     """
+    lattice = cognitive_map.chart
+    if not isinstance(lattice, Lattice):
+        return _over_nodes(cognitive_map, start)
     if start is None:
         if cognitive_map.interception is None:
             return None
         start = cognitive_map.interception.position
-    lattice = cognitive_map.chart
-    if not isinstance(lattice, Lattice):
-        return _over_nodes(cognitive_map, start)
     h, reach = lattice.spacing, lattice.upper_arm + 1.0
     ends = (np.array([*start, *cognitive_map.hand]) + reach) / h - 0.5
     points = np.empty((40 * lattice.n, 3))
@@ -161,18 +162,21 @@ def descend(
 
 
 def _over_nodes(
-    cognitive_map: CognitiveMap, start: tuple[float, ...]
+    cognitive_map: CognitiveMap, start: tuple[float, ...] | None
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """`descend` over any chart, from the earliest of the nodes whose hand is nearest to `start`."""
-    arrival, chart = cognitive_map.arrival.filled(np.inf).ravel(), cognitive_map.chart
-    nearest = _nearest(chart, start)
-    node = int(nearest[np.argmin(arrival[nearest])])
-    if not np.isfinite(arrival[node]):
+    """`descend` over any chart, from the interception or from the earliest node at `start`."""
+    chart, sheets = cognitive_map.chart, cognitive_map.sheets.filled(np.inf).ravel()
+    state = cognitive_map.met
+    if start is not None:
+        nearest = _nearest(chart, start)
+        state = int(nearest[np.argmin(sheets[nearest])])
+    if state < 0 or not np.isfinite(sheets[state]):
         return None
-    nodes = nodes_to(cognitive_map, node)
+    states = np.array(chain_to(cognitive_map, state))
+    nodes = states % cognitive_map.arrival.size
     if isinstance(chart, SpaceLattice):
-        return np.array([chart.hand_at(n) for n in nodes]), arrival[nodes].astype(float)
-    return chart.hands[nodes], arrival[nodes]
+        return np.array([chart.hand_at(n) for n in nodes]), sheets[states].astype(float)
+    return chart.hands[nodes], sheets[states]
 
 
 def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
@@ -184,12 +188,16 @@ def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
     return np.flatnonzero(away <= away.min() + 1e-9)
 
 
-def nodes_to(cognitive_map: CognitiveMap, node: int) -> list[int]:
-    """Nodes by which the front came to one that it reached, the last of them."""
+def chain_to(cognitive_map: CognitiveMap, state: int) -> list[int]:
+    """Arrivals by which the front came to one of them, that one the last: indices into the sheets.
+
+    Those of the first sheet, and so all of a map without waits, are nodes; `state` modulo the
+    number of nodes always is one.
+    """
     if cognitive_map.via is None:
         raise ValueError("this map does not say where its front came from")
-    nodes, via = [], cognitive_map.via.ravel()
-    while node >= 0:
-        nodes.append(node)
-        node = int(via[node])
-    return nodes[::-1]
+    chain, via = [], cognitive_map.via.ravel()
+    while state >= 0:
+        chain.append(state)
+        state = int(via[state])
+    return chain[::-1]

@@ -8,9 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.collision import desk_of
+from gcm_learn.collision.intervals import target_ways
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, hand_space, ring_leap
 from gcm_learn.scene import Scene
-from gcm_learn.wave import agenda, general, layered, marching
+from gcm_learn.wave import agenda, general, layered, layered_in_space, marching
 from gcm_learn.wave import marching_in_space as space
 from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.kernels import CONTACT, FROZEN
@@ -88,6 +89,8 @@ def march_layers(
 
     The others and what is returned are as for `march`.
     """
+    if isinstance(chart, SpaceLattice):
+        return _march_layers_in_space(scene, chart, params, ignore, widening)
     if not isinstance(chart, Lattice):
         return general.spread(scene, chart, params, True, ignore, widening)
     n, crossing = chart.n, chart.spacing / fastest(scene)
@@ -128,19 +131,7 @@ def _march_in_space(
     ignore: float,
     widening: np.ndarray | None,
 ) -> Front:
-    nodes, fast, count = chart.nodes, fastest(scene), chart.size
-    ask = space.Ask(
-        scene,
-        nodes,
-        _pace(scene, chart, fast),
-        terms_of(scene, chart, params, 1.0, ignore),
-        desk_of(scene),
-        np.empty(0) if widening is None else widening,
-        params.margin,
-        space.fastest_obstacle(scene),
-        np.empty(4),
-        np.empty(4),
-    )
+    ask, count = _ask(scene, chart, params, ignore, widening), chart.size
     field = space.Field(
         np.full(count, space.NEVER),
         np.zeros(count, np.uint8),
@@ -159,6 +150,70 @@ def _march_in_space(
         horizon=scene.limits.horizon,
         steps=accepted,
         via=via,
+    )
+
+
+def _march_layers_in_space(
+    scene: Scene,
+    chart: SpaceLattice,
+    params: MarchingParams,
+    ignore: float,
+    widening: np.ndarray | None,
+) -> Front:
+    ask, count = _ask(scene, chart, params, ignore, widening), chart.size
+    table = layered_in_space.Table(
+        np.full(count, layered_in_space.UNKNOWN, np.int32),
+        np.zeros(count, np.uint8),
+        np.zeros(count, np.bool_),
+        target_ways(scene.bodies, ask.terms.grasp, ask.terms.end),
+    )
+    contact, states = layered_in_space.march_layers(ask, chart.start(scene), table)
+    (state, body), known = contact.which, int(states.size[0])
+    reached = np.flatnonzero(states.tries[:known] == layered_in_space.ACCEPTED)
+    reached = reached[np.argsort(states.arrival[reached], kind="stable")]
+    rank = np.full(known + 1, -1)  # the last entry is that of "none", -1
+    rank[reached] = np.arange(len(reached))
+    nodes, met = states.node[reached].astype(np.int64), np.zeros(count, dtype=np.bool_)
+    if state >= 0:
+        met[states.node[state]] = True
+    return Front(
+        chart=chart,
+        waits=True,
+        nodes=nodes,
+        via=rank[states.via[reached]],
+        arrival=states.arrival[reached],
+        end=states.span[reached, 1],
+        refused=table.refused.reshape(chart.shape),
+        met=met.reshape(chart.shape),
+        met_state=int(rank[state]),
+        met_body=int(body),
+        met_time=float(contact.when[0]),
+        steps=len(reached),
+    )
+
+
+def _ask(
+    scene: Scene,
+    chart: SpaceLattice,
+    params: MarchingParams,
+    ignore: float,
+    widening: np.ndarray | None,
+) -> space.Ask:
+    """What marching in space asks of a scene."""
+    fast = fastest(scene)
+    return space.Ask(
+        scene,
+        chart.nodes,
+        _pace(scene, chart, fast),
+        terms_of(scene, chart, params, 1.0, ignore)._replace(
+            shortest=general.SHORTEST * chart.spacing / fast
+        ),
+        desk_of(scene),
+        np.empty(0) if widening is None else widening,
+        params.margin,
+        space.fastest_obstacle(scene),
+        np.empty(4),
+        np.empty(4),
     )
 
 

@@ -71,6 +71,22 @@ class Front:
         out = out.reshape(-1, *self.chart.shape)
         return out, out < 0.0
 
+    def came_from(self) -> np.ndarray | None:
+        """From which arrival (s, ...) the front came to every one of its sheets, -1 for the start.
+
+        As flat indices into the sheets; None where its map is to be descended instead.
+        """
+        if self.via is None:
+            return None
+        if not self.waits:
+            return self.via.reshape(1, *self.chart.shape)
+        order, sheet = self._intervals()
+        place = np.full(len(self.nodes) + 1, -1)  # the last entry is that of the start
+        place[order] = sheet * self.refused.size + self.nodes[order]
+        out = np.full((sheet.max(initial=0) + 1) * self.refused.size, -1)
+        out[place[order]] = place[self.via[order]]
+        return out.reshape(-1, *self.chart.shape)
+
     def chain(self) -> list[int]:
         """States on the path from the hand to where the target is met."""
         assert self.via is not None, "its map is to be descended instead"

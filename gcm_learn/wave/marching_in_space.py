@@ -139,6 +139,16 @@ def put(node, slot, queue, counts):
     counts[FIRST + slot] = entry
 
 
+@njit(_nrt=False, forceinline=True)
+def take(slot, queue, counts):
+    """Take a node out of a bucket that has one."""
+    entry = counts[FIRST + slot]
+    node = queue[entry, 0]
+    counts[FIRST + slot], queue[entry, 1] = queue[entry, 1], counts[SPARE]
+    counts[SPARE], counts[LEFT] = entry, counts[LEFT] + 1
+    return node
+
+
 @njit(_nrt=False)
 def offer(ask, field, node, bucket, queue, counts):
     """Offer the front of an accepted node to its neighbours.
@@ -295,15 +305,12 @@ def march(ask, start, field):
             put(start[0][i], slot, queue, counts)
     met, body, when, accepted, bucket, empty = -1, -1, terms.end, 0, 0, 0
     while empty <= BUCKETS and bucket <= terms.end * pace.buckets and (met < 0 or terms.explore):
-        slot = FIRST + bucket % BUCKETS
+        slot = bucket % BUCKETS
         empty += 1
-        while counts[slot] >= 0:
+        while counts[FIRST + slot] >= 0:
             if counts[LEFT] + queue.shape[0] - counts[COUNT] < NEIGHBOURS + 4:
                 queue = np.concatenate((queue, np.empty_like(queue)))
-            empty, entry = 0, counts[slot]
-            node = queue[entry, 0]
-            counts[slot], queue[entry, 1] = queue[entry, 1], counts[SPARE]
-            counts[SPARE], counts[LEFT] = entry, counts[LEFT] + 1
+            empty, node = 0, take(slot, queue, counts)
             now = field.arrival[node]
             if state[node] != OPEN or now > terms.end:
                 continue

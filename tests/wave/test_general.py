@@ -15,7 +15,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import Chart, Lattice
-from gcm_learn.maps import build_map, descend, explore, nodes_to
+from gcm_learn.maps import build_map, chain_to, descend, explore
 from gcm_learn.scene import pack
 from gcm_learn.situation import Arm, Body, Plane, Situation, SolidQuadratic, Sphere
 from gcm_learn.wave import MarchingParams, WaveParams, march, march_layers
@@ -223,7 +223,7 @@ def test_it_is_descended_and_the_path_holds(cube, wall):
     assert made.interception is not None and made.interception.body == "goal"
     points, arrival = descend(made)
     node = np.ravel_multi_index(made.interception.cell, cube.shape)
-    nodes = nodes_to(made, int(node))
+    nodes = chain_to(made, int(node))
     np.testing.assert_allclose(points, cube.hands[nodes])
     np.testing.assert_allclose(arrival, made.arrival.ravel()[nodes])
     assert np.linalg.norm(points[-1] - cube.hands[-1]) <= 0.05 + 0.71 * cube.spacing

@@ -11,7 +11,7 @@ import pytest
 from gcm_learn import build_map
 from gcm_learn.collision.postures import desk_of, distance_at, move_is_free
 from gcm_learn.handspace import SpaceLattice
-from gcm_learn.maps import CognitiveMap, descend, nodes_to
+from gcm_learn.maps import CognitiveMap, chain_to, descend
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene import HAND, PART, pack
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, read_situations
@@ -140,7 +140,7 @@ def test_the_first_node_near_a_target_is_met_and_the_way_there_holds(k):
     assert len(sooner) > 5
     assert not any(meets(m, arrival[m]) for m in sooner)
     points, times = descend(made)
-    nodes = nodes_to(made, node)
+    nodes = chain_to(made, node)
     np.testing.assert_allclose(points, chart.hands[nodes])
     assert (np.diff(times) > 0.0).all() and times[-1] == pytest.approx(made.interception.time)
     steps = chart.steps(scene.limits)

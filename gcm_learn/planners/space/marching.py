@@ -9,7 +9,7 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.handspace import SpaceLattice, space_of
-from gcm_learn.maps import CognitiveMap, build_map, nodes_to
+from gcm_learn.maps import CognitiveMap, build_map, chain_to
 from gcm_learn.motion import Failure, Reason, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
 from gcm_learn.planners.plan import Plan
@@ -44,6 +44,8 @@ class FrontInSpace:
     """How fronts spread, and postures in a cell."""
     trials: int = 3
     """Interceptions that are tried on each of them."""
+    wait: bool = False
+    """Whether the hand may wait: maps then have sheets."""
 
     takes_space: ClassVar[bool] = True
 
@@ -65,7 +67,9 @@ class FrontInSpace:
         for params, postures in self.levels:
             chart, ignore = space_of(situation.arm, params.n, postures), 0.0
             for trial in range(self.trials):
-                found = build_map(situation, params, chart=chart, scene=scene, ignore=ignore)
+                found = build_map(
+                    situation, params, chart=chart, scene=scene, ignore=ignore, wait=self.wait
+                )
                 if found.interception is None:
                     reason = reason or Reason(Failure.NO_INTERCEPTION)
                     break
@@ -76,10 +80,12 @@ class FrontInSpace:
         return problem.answer(reason or Failure.NO_INTERCEPTION, found)
 
 
-def marching_in_space(postures: tuple[int, ...] = (1, 4, 8)) -> FrontInSpace:
-    """Marching over cells of ever more postures."""
+def marching_in_space(
+    postures: tuple[int, ...] = (1, 4, 8), *, wait: bool = False
+) -> FrontInSpace:
+    """Marching over cells of ever more postures; the hand may `wait`."""
     params = MarchingParams(n=40, margin=0.0)
-    return FrontInSpace("marching", tuple((params, count) for count in postures))
+    return FrontInSpace("marching", tuple((params, count) for count in postures), wait=wait)
 
 
 def gcm_in_space(params: WaveParams | None = None) -> FrontInSpace:
@@ -109,16 +115,15 @@ def followed(
     """
     chart = found.chart
     assert isinstance(chart, SpaceLattice) and found.interception is not None
-    nodes = nodes_to(found, int(np.ravel_multi_index(found.interception.cell, chart.shape)))
-    joints, times = (
-        chart.joints_at(np.array(nodes)),
-        found.arrival.ravel()[nodes].filled(0.0).astype(float),
-    )
+    states = np.array(chain_to(found, found.met))
+    joints = chart.joints_at(states % chart.size)
+    times = found.sheets.ravel()[states].filled(0.0).astype(float)
     body = [b.name for b in problem.situation.bodies].index(found.interception.body)
     way, out = new_way(), new_way()
-    if len(nodes) + 2 > MOST or not lay(study, joints, times, way):
+    if len(states) + 2 > MOST or not lay(study, joints, times, found.engine == "layered", way):
         return None, Reason(Failure.NO_ENDING)
-    if not end(study, way, body, LATER * chart.spacing / fastest(problem.scene)):
+    later = LATER * chart.spacing / fastest(problem.scene)
+    if not end(study, way, body, found.interception.time, later):
         return None, Reason(Failure.NO_ENDING)
     shorten(study, way, out)
     hasten(study, out)
@@ -129,9 +134,10 @@ def followed(
 
 
 @njit(_nrt=False)
-def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: Way) -> bool:
+def lay(study: Study, joints: np.ndarray, times: np.ndarray, waits: bool, way: Way) -> bool:
     """Write the way through joints (m, 4), wanted at times (m,), as soon as limits allow.
 
+    Where there is time left the limb waits before the move, or moves more slowly without `waits`.
     Returns whether it comes before the horizon.
     """
     limits, now = study.scene.limits, 0.0
@@ -139,23 +145,27 @@ def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: Way) -> bool:
     for k in range(times.size):
         took, _ = time_of(study, way.joints[k], joints[k])
         now = max(now + took, times[k])
+        if waits and k > 0:
+            way.left[k] = now - took
         write(way, k + 1, joints[k], now, now)
     return now < limits.horizon
 
 
 @njit(_nrt=False)
-def end(study: Study, way: Way, body: int, later: float) -> bool:
+def end(study: Study, way: Way, body: int, wanted: float, later: float) -> bool:
     """Let a way end on a body, by a straight move from its last posture; whether there is one.
 
     Parameters
     ----------
+    wanted : float
+        When the body is expected at the last posture [s].
     later : float
         From one moment that is tried to the next [s].
     """
     last, horizon = way.size[0] - 1, study.scene.limits.horizon
     q, since, goal = way.joints[last], way.reached[last], study.goal
     for k in range(1, ENDINGS + 1):
-        t = min(since + k * later, horizon)
+        t = min(max(since, wanted) + k * later, horizon)
         if met_from(study, q, since, body, q, t) > 0:
             begin, arrive = reach(study, q, since, t, goal, t)
             if begin >= 0.0:
