@@ -1,4 +1,4 @@
-"""Marching over any chart, by steps from node to node: what other charts than the plane's use.
+"""Marching over any chart, by steps from node to node: what other charts than hand-spaces use.
 
 It is label setting over nodes and their safe intervals (Phillips and Likhachev, ICRA 2011), in
 order of time.  When a node is free is asked when the front first comes next to it.  Marching in the

@@ -27,7 +27,6 @@ from gcm_learn.wave.marching_in_space import (
     FIRST,
     LEFT,
     NEIGHBOURS,
-    SPARE,
     START,
     before,
     neighbour,
@@ -178,7 +177,7 @@ def _step_is_free(ask, states, home, s, time, code):
 
 @njit(_nrt=False)
 def enter(ask, table, states, s):
-    """Whether state `s` can be entered at its time; if not, its time is when to try again, or NEVER.
+    """Whether state `s` can be entered at its time; if not, that is when to try again, or NEVER.
 
     First it is tried from where its front comes, then from wherever else the hand may be by then.
     """

@@ -80,9 +80,7 @@ class FrontInSpace:
         return problem.answer(reason or Failure.NO_INTERCEPTION, found)
 
 
-def marching_in_space(
-    postures: tuple[int, ...] = (1, 4, 8), *, wait: bool = False
-) -> FrontInSpace:
+def marching_in_space(postures: tuple[int, ...] = (1, 4, 8), *, wait: bool = False) -> FrontInSpace:
     """Marching over cells of ever more postures; the hand may `wait`."""
     params = MarchingParams(n=40, margin=0.0)
     return FrontInSpace("marching", tuple((params, count) for count in postures), wait=wait)
