@@ -8,7 +8,6 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.collision import desk_of
-from gcm_learn.collision.intervals import target_ways
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, hand_space, ring_leap
 from gcm_learn.scene import Scene
 from gcm_learn.wave import agenda, general, layered, layered_in_space, marching
@@ -161,12 +160,7 @@ def _march_layers_in_space(
     widening: np.ndarray | None,
 ) -> Front:
     ask, count = _ask(scene, chart, params, ignore, widening), chart.size
-    table = layered_in_space.Table(
-        np.full(count, layered_in_space.UNKNOWN, np.int32),
-        np.zeros(count, np.uint8),
-        np.zeros(count, np.bool_),
-        target_ways(scene.bodies, ask.terms.grasp, ask.terms.end),
-    )
+    table = layered_in_space.new_table(ask, count)
     contact, states = layered_in_space.march_layers(ask, chart.start(scene), table)
     (state, body), known = contact.which, int(states.size[0])
     reached = np.flatnonzero(states.tries[:known] == layered_in_space.ACCEPTED)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.intervals import NEVER, last_use
+from gcm_learn.collision.intervals import NEVER, last_use, target_ways
 from gcm_learn.collision.postures import free_spans, move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.space import hand_of_node, is_there
@@ -28,6 +28,7 @@ from gcm_learn.wave.marching_in_space import (
     LEFT,
     NEIGHBOURS,
     START,
+    Ask,
     before,
     neighbour,
     put,
@@ -70,6 +71,16 @@ class Contact(NamedTuple):
 
     which: np.ndarray  # (2,): state and target, -1 if there is none
     when: np.ndarray  # (1,): horizon if there is none [s]
+
+
+def new_table(ask: Ask, count: int) -> Table:
+    """A table of so many nodes of which nothing is known."""
+    return Table(
+        np.full(count, UNKNOWN, np.int32),
+        np.zeros(count, np.uint8),
+        np.zeros(count, np.bool_),
+        target_ways(ask.scene.bodies, ask.terms.grasp, ask.terms.end),
+    )
 
 
 @njit
