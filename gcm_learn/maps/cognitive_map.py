@@ -101,8 +101,8 @@ class CognitiveMap:
             return -1
         cell = np.ravel_multi_index(self.interception.cell, self.chart.shape)
         arrival = self.sheets.reshape(-1, self.arrival.size)[:, cell].filled(np.inf)
-        sheet = np.count_nonzero(arrival <= self.interception.time) - 1
-        return int(max(sheet, 0) * self.arrival.size + cell)
+        sheet = max(int((arrival <= self.interception.time).sum()) - 1, 0)
+        return sheet * self.arrival.size + int(cell)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the map as in Fig. 4D; returns the axes."""

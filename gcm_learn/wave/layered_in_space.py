@@ -49,7 +49,7 @@ class Table(NamedTuple):
     """What is known of the nodes."""
 
     first: np.ndarray  # (nodes,) int32: the first of a node's states, UNKNOWN
-    count: np.ndarray  # (nodes,) uint8: how many there are, or USELESS
+    found: np.ndarray  # (nodes,) uint8: how many there are, or USELESS
     refused: np.ndarray  # (nodes,) bool: an obstacle was there when a front came
     ways: np.ndarray  # (instants, targets, 4): where targets are; none if that does not matter
 
@@ -113,7 +113,7 @@ def _grown(states):
 def look(ask, table, states, node, now):
     """Ask when a node is free from `now` on; not if no target can be met from there any more."""
     terms, k = ask.terms, states.size[0]
-    table.first[node], table.count[node] = k, USELESS
+    table.first[node], table.found[node] = k, USELESS
     if not is_there(ask.nodes, node):
         return
     if not terms.explore:
@@ -124,7 +124,7 @@ def look(ask, table, states, node, now):
         ask.far[j] = ask.nodes.joints[node, j]
     touch, room = ask.scene.limb.thickness, states.span[k : k + SPANS]
     found = free_spans(ask.scene, ask.far, now, terms.end, touch, terms.shortest, ask.desk, room)
-    table.count[node], states.size[0] = found, k + found
+    table.found[node], states.size[0] = found, k + found
     for i in range(k, k + found):
         states.node[i], states.arrival[i], states.tries[i] = node, NEVER, 0
         if states.span[i, 0] > now:  # no step ends where it just touches
@@ -149,7 +149,7 @@ def offer(ask, table, states, s, bound, bucket, queue, counts):
             continue
         if table.first[other] == UNKNOWN:
             look(ask, table, states, other, now)
-        k, count = table.first[other], table.count[other]
+        k, count = table.first[other], table.found[other]
         if count == USELESS:
             continue
         soonest, last = now + pace.hand[code], k + count - 1
@@ -199,10 +199,10 @@ def enter(ask, table, states, s):
     later, pause = NEVER, 2.0 ** states.tries[s] / pace.buckets
     for code in range(NEIGHBOURS + (2 if nodes.rule.postures > 1 else 0)):
         other = before(nodes, pace, node, code)
-        if other < 0 or table.first[other] == UNKNOWN or table.count[other] == USELESS:
+        if other < 0 or table.first[other] == UNKNOWN or table.found[other] == USELESS:
             continue
         took = np.float64(step(nodes, pace, other, node, code)[0])
-        for i in range(table.first[other], table.first[other] + table.count[other]):
+        for i in range(table.first[other], table.first[other] + table.found[other]):
             if states.tries[i] != ACCEPTED:
                 continue
             first, last = states.arrival[i] + took, states.span[i, 1] + took
@@ -244,10 +244,10 @@ def _begin(ask, table, states, node, time, queue, counts):
     """Let the front begin in a node at some time, if the limb is free there."""
     if table.first[node] == UNKNOWN:
         look(ask, table, states, node, 0.0)
-    if table.count[node] == USELESS:
+    if table.found[node] == USELESS:
         return
     blocked = True
-    for i in range(table.first[node], table.first[node] + table.count[node]):
+    for i in range(table.first[node], table.first[node] + table.found[node]):
         if states.span[i, 0] <= time <= states.span[i, 1]:
             states.arrival[i], states.via[i], states.code[i], blocked = time, -1, START, False
             _await(i, time, ask.pace, 0, queue, counts)
