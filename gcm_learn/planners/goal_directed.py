@@ -6,7 +6,7 @@ import numpy as np
 
 from gcm_learn.collision import postures_of
 from gcm_learn.handspace import LARGEST_LATTICE, Lattice, hand_space
-from gcm_learn.motion import Failure, straight_path
+from gcm_learn.motion import Failure, refine, straight_path
 from gcm_learn.planners.completion import (
     Attempt,
     Problem,
@@ -95,5 +95,5 @@ def _attempt(problem: Problem, ground: Ground, labels: Labels, caught: Catch) ->
     if leave > time[-1]:
         time, hand = np.append(time, leave), np.vstack([hand, hand[-1:]])
     last = straight_path(hand[-1], np.array([caught.x, caught.y]))
-    times = np.linspace(leave, max(caught.time, leave), len(last))
+    times, last = refine(arm, np.linspace(leave, max(caught.time, leave), len(last)), last)
     return go_on(problem, time, hand, (times, last, caught.body))

@@ -132,3 +132,13 @@ def test_what_passes_by_stays_away():
                 away = np.hypot(*(poses[b, :2] - hand)) - scene.bodies.rows[b, 5]
                 assert away > 0.05
     assert passed > 30
+
+
+@pytest.mark.parametrize(
+    ("family", "index"), [("late-target", 2), ("late-target", 12), ("behind-mover", 9)]
+)
+def test_joints_that_are_linear_between_samples_stay_on_a_last_leg_past_the_shoulder(family, index):
+    """Near the shoulder joints turn far while the hand goes a little: that takes more samples."""
+    situation = families.draw(family, 33, index)
+    plan = PLANNER.plan(situation)
+    assert plan.caught and judge(situation, plan).complaints == []
