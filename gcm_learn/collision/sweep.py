@@ -282,29 +282,7 @@ def least_in_segment(scene, work, b, k, d0, d1, best, when, looks):
 
 
 @njit(_nrt=False)
-def _steady_sweep(x0, y0, x1, y1, rho):
-    """`limb_sweep`, larger: it bounds the sweep of every part of the segment by the part's share.
-
-    With b the angle of `_bend` at radius r, |db/dr| = |r^2 - rho^2 + 1| / (2 rho r^2 sin b), and
-    sin b is least at an end of the radii on the way or where b is stationary.
-    """
-    dx, dy = x1 - x0, y1 - y0
-    far = np.sqrt(max(x0 * x0 + y0 * y0, x1 * x1 + y1 * y1))
-    s = min(max(-(x0 * dx + y0 * dy) / max(dx * dx + dy * dy, 1e-300), 0.0), 1.0)
-    near = np.sqrt((x0 + s * dx) ** 2 + (y0 + s * dy) ** 2)
-    least = 1.0
-    for r in (near, far):
-        c = (r * r + rho * rho - 1.0) / max(2.0 * rho * r, 1e-300)
-        least = min(least, 1.0 - c * c)
-    if near < _SHOULDER or least <= 0.0:
-        return 1e300
-    slope = max(abs(near * near - rho * rho + 1.0), abs(far * far - rho * rho + 1.0))
-    slope /= 2.0 * rho * near * near * np.sqrt(least)
-    return np.sqrt(dx * dx + dy * dy) * max(1.0, rho * (slope + 1.0 / near))
-
-
-@njit(_nrt=False)
-def leg_is_free(scene, work):
+def leg_is_free(scene, work, sweeps):
     """Tell whether the limb stays farther than `work.floor` from all obstacles on one segment.
 
     What comes within HAIR of the floor may count as touching.
@@ -314,11 +292,13 @@ def leg_is_free(scene, work):
     scene : Scene
     work : Sweep
         Of a path of two samples, with a resolution that does not count.
+    sweeps : (m,) ndarray
+        Room for how far the limb moves on pieces of the segment, which all bodies ask for.
     """
     bodies, limb, time, hand, poses = scene.bodies, scene.limb, work.time, work.hand, work.poses
     x0, y0 = hand[0, 0], hand[0, 1]
-    sweep = limb_sweep(x0, y0, hand[1, 0], hand[1, 1], limb.rho)
-    steady = _steady_sweep(x0, y0, hand[1, 0], hand[1, 1], limb.rho)
+    sweeps[:] = -1.0
+    sweeps[1] = sweep = limb_sweep(x0, y0, hand[1, 0], hand[1, 1], limb.rho)
     ex, ey = elbow_of(x0, y0, limb.rho, limb.side)
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
@@ -332,41 +312,43 @@ def leg_is_free(scene, work):
         d = arm_distance(bodies, poses, b, x0, y0, ex, ey)
         if d - slip - sweep > work.floor:
             continue
-        if steady > 2.0 * sweep:  # the limb turns much faster somewhere than elsewhere
-            d1 = limb_distance(scene, b, time[1], hand[1, 0], hand[1, 1], poses)
-            if min(d, d1) <= work.floor:
-                return False
-            if least_in_segment(scene, work, b, 0, d, d1, d, 0.0, 0)[0] <= work.floor:
-                return False
-            continue
-        if not _keeps_away(scene, b, work, d, slip + steady):
+        if not _keeps_away(scene, b, work, sweeps, d, slip):
             return False
     return True
 
 
 @njit(_nrt=False)
-def _keeps_away(scene, b, work, d0, way):
+def _keeps_away(scene, b, work, sweeps, d0, slip):
     """`leg_is_free` of body b, at d0 when the leg begins, by bisection.
 
-    No part of the leg brings limb and body nearer by more than its share of `way`.
+    The whole leg is piece 1, the halves of piece k are 2 k and 2 k + 1.  On each share of the leg
+    the body moves by at most as large a share of `slip`.
     """
     time, hand, poses, stack = work.time, work.hand, work.poses, work.stack
     x0, y0, dx, dy = hand[0, 0], hand[0, 1], hand[1, 0] - hand[0, 0], hand[1, 1] - hand[0, 1]
     s0, top = 0.0, 1
-    stack[0, 0], stack[0, 1] = 1.0, -1.0
+    stack[0, 0], stack[0, 1], stack[0, 2] = 1.0, -1.0, 1.0
     while top > 0:
-        s1, d1 = stack[top - 1, 0], stack[top - 1, 1]
+        s1, d1, piece = stack[top - 1, 0], stack[top - 1, 1], stack[top - 1, 2]
+        x, y = x0 + s1 * dx, y0 + s1 * dy
         if d1 < 0.0:
             t = time[0] + s1 * (time[1] - time[0])
-            d1 = stack[top - 1, 1] = limb_distance(scene, b, t, x0 + s1 * dx, y0 + s1 * dy, poses)
+            d1 = stack[top - 1, 1] = limb_distance(scene, b, t, x, y, poses)
             if d1 <= work.floor + HAIR:
                 return False
-        if 0.5 * (d0 + d1 - way * (s1 - s0)) > work.floor:
+        way = sweeps[int(piece)] if piece < sweeps.size else -1.0
+        if way < 0.0:
+            way = limb_sweep(x0 + s0 * dx, y0 + s0 * dy, x, y, scene.limb.rho)
+            if piece < sweeps.size:
+                sweeps[int(piece)] = way
+        way += slip * (s1 - s0)
+        if 0.5 * (d0 + d1 - way) > work.floor:
             s0, d0 = s1, d1
             top -= 1
-        elif way * (s1 - s0) < HAIR or top > DEEPEST:
+        elif way < HAIR or top > DEEPEST:
             return False
         else:
-            stack[top, 0], stack[top, 1] = 0.5 * (s0 + s1), -1.0
+            stack[top - 1, 2] = 2.0 * piece + 1.0
+            stack[top, 0], stack[top, 1], stack[top, 2] = 0.5 * (s0 + s1), -1.0, 2.0 * piece
             top += 1
     return True

@@ -18,11 +18,19 @@ from gcm_learn.planners.completion import (
 )
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.sipp import search
-from gcm_learn.planners.sipp_labels import Catch, Ground, Labels, leg_room, room_for, unasked
+from gcm_learn.planners.sipp_labels import (
+    PIECES,
+    Catch,
+    Ground,
+    Labels,
+    leg_room,
+    room_for,
+    unasked,
+)
 from gcm_learn.scene import elbow_of
 
 MOST = 40_000  # labels that are taken up at most
-BRIEF = 1_200  # of them on the finer lattice
+BRIEF = 4_000  # of them on the finer lattice
 FINER = 3  # its cells a side, for two of the other
 GAIN = 0.01  # share of the horizon by which a catch must be earlier to be looked for
 INSTANT = 0.1  # resolution of interceptions [crossings of a cell]
@@ -77,6 +85,7 @@ def ground_of(problem: Problem, lattice: Lattice) -> Ground:
         spacing=lattice.spacing,
         hole=hole_of(problem.situation.arm),
         sweep=leg_room(bodies, touch),
+        sweeps=np.empty(PIECES),
         first=first,
         size=size,
         soonest=soonest,

@@ -16,12 +16,13 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.collision.distance import segment_point2
-from gcm_learn.collision.intervals import INSTANTS, NEVER, last_use, next_free, target_ways
+from gcm_learn.collision.intervals import NEVER, next_free
 from gcm_learn.collision.occupancy import first_touch, passes_by
 from gcm_learn.collision.sweep import leg_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.handspace import START_RADIUS
 from gcm_learn.motion.interception import first_interception
+from gcm_learn.planners.meetings import aim_at, comes_near, last_use, outlook
 from gcm_learn.planners.sipp_labels import Aim, Catch, pop, push, queue_of
 from gcm_learn.scene.bodies import HAND, PART
 from gcm_learn.wave.plane import STEP_I, STEP_J
@@ -33,24 +34,6 @@ NEAR = 1.0  # cells from a target: interceptions are tried from there
 GAIN = 0.1  # crossings that an arrival must be sooner to open a label again
 FINE = 0.2  # resolution of the end of a safe interval [crossings]
 LATE = 0.5  # and of its beginning, which is late by that much
-
-
-@njit(_nrt=False)
-def outlook(aim, speed, x, y, t):
-    """When a hand at (x, y) at time t can meet a target before the bound: F and the time to move.
-
-    Both NEVER if it cannot; F is not late by more than the instants are apart.
-    """
-    ways, end, step = aim.ways, aim.bound, aim.bound / INSTANTS
-    for i in range(max(int(t / step) - 1, 0), ways.shape[0]):
-        late, best = min(step * (i + 1), end), NEVER
-        for b in range(ways.shape[1]):
-            dx, dy, dz = x - ways[i, b, 0], y - ways[i, b, 1], ways[i, b, 2]
-            away = np.sqrt(dx * dx + dy * dy + dz * dz) - ways[i, b, 3]
-            best = min(best, max(away, 0.0) / speed)
-        if t + best <= late:
-            return max(step * i, t + best), best
-    return NEVER, NEVER
 
 
 @njit(_nrt=False)
@@ -75,7 +58,7 @@ def ask(m, total, aim, ground, labels):
     limb, resolution = postures.limb, FINE * ground.spacing / speed
     x, y = limb[m, 0], limb[m, 1]
     t = np.sqrt((x - limb[start, 0]) ** 2 + (y - limb[start, 1]) ** 2) / speed
-    last = last_use(aim.ways, aim.bound, speed, x, y)
+    last = last_use(aim, speed, x, y)
     ground.first[m] = total
     while t <= last and total < labels.node.size and ground.size[m] < MOST_SPANS:
         t = next_free(postures, m, t, last, LATE * ground.spacing / speed)
@@ -110,7 +93,7 @@ def leg(ground, t0, x0, y0, t1, x1, y1):
         return False
     time[0], time[1] = t0, t1
     hand[0, 0], hand[0, 1], hand[1, 0], hand[1, 1] = x0, y0, x1, y1
-    return leg_is_free(ground.scene, ground.sweep)
+    return leg_is_free(ground.scene, ground.sweep, ground.sweeps)
 
 
 @njit(_nrt=False)
@@ -162,28 +145,18 @@ def another_way(j, ground, labels):
     return best, by
 
 
-@njit(_nrt=False)
-def comes_near(s, i, aim, ground, labels):
-    """From instant i on, the first at which a target comes near label s; -1 if none does."""
-    limb, m, ways, near = ground.postures.limb, labels.node[s], aim.ways, NEAR * ground.spacing
-    for k in range(i, INSTANTS):
-        for b in range(ways.shape[1]):
-            dx, dy, dz = limb[m, 0] - ways[k, b, 0], limb[m, 1] - ways[k, b, 1], ways[k, b, 2]
-            if dx * dx + dy * dy + dz * dz <= (ways[k, b, 3] + near) ** 2:
-                return k
-    return -1
-
-
 @njit
 def ending(s, aim, ground, labels):
     """Go straight from label s to a target that comes near it before the bound."""
-    step, arrival = aim.bound / INSTANTS, labels.arrival[s]
-    i = comes_near(s, int(arrival / step), aim, ground, labels)
+    step, arrival, limb, m = aim.step, labels.arrival[s], ground.postures.limb, labels.node[s]
+    x, y, near = limb[m, 0], limb[m, 1], NEAR * ground.spacing
+    i = comes_near(aim, x, y, near, int(arrival / step))
     while i >= 0:
-        found = dash(s, max(arrival, step * i), step * (i + 1), ground, labels)
+        end = min(step * (i + 1), aim.bound)
+        found = dash(s, max(arrival, step * i), end, ground, labels)
         if found.time < NEVER:
             return found
-        i = comes_near(s, i + 1, aim, ground, labels)
+        i = comes_near(aim, x, y, near, i + 1)
     return Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
 
 
@@ -224,9 +197,9 @@ def search(ground, labels, bound, gain, most):
     taken : int
         Labels that were taken up.
     """
-    bodies, speed, n = ground.scene.bodies, ground.rules.speed, ground.n
-    grasp, limb, start = ground.scene.limits.grasp, ground.postures.limb, n * n
-    aim = Aim(target_ways(bodies, grasp, bound), bound)
+    speed, limb, start = ground.rules.speed, ground.postures.limb, ground.n * ground.n
+    near = NEAR * ground.spacing
+    aim = aim_at(ground, bound)
     caught = Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
     labels.node[0], labels.since[0], labels.arrival[0] = start, 0.0, 0.0
     labels.until[0] = free_until(ground.postures, start, 0.0, bound, FINE * ground.spacing / speed)
@@ -252,13 +225,13 @@ def search(ground, labels, bound, gain, most):
                 put(s, t, aim, queue, ground, labels)
             continue
         labels.arrival[s], labels.via[s] = t, labels.by[s]
-        if comes_near(s, int(t * INSTANTS / aim.bound), aim, ground, labels) >= 0:
+        if comes_near(aim, limb[m, 0], limb[m, 1], near, int(t / aim.step)) >= 0:
             found = ending(s, aim, ground, labels)
             if found.time < NEVER:
                 caught = found
                 if found.time <= gain:
                     break
-                aim = Aim(target_ways(bodies, grasp, found.time - gain), found.time - gain)
+                aim = Aim(aim.ways, aim.step, found.time - gain)
         offers(s, aim, queue, ground, labels)
     return caught, taken
 

@@ -14,6 +14,7 @@ from gcm_learn.motion.rules import Rules
 from gcm_learn.scene import Scene
 
 ANY = 1e9  # resolution of a clearance of which only the sign matters
+PIECES = 64  # of a leg, whose sweeps are found out once
 
 
 class Ground(NamedTuple):
@@ -27,6 +28,7 @@ class Ground(NamedTuple):
     spacing: float  # [forearm lengths]
     hole: float  # distance that legs keep from the shoulder
     sweep: Sweep  # room to ask for a leg
+    sweeps: np.ndarray  # (PIECES,): and for what its pieces sweep
     first: np.ndarray  # (n * n + 1,) int: a node's first label, -1 before it is asked for
     size: np.ndarray  # (n * n + 1,) int: of its labels
     soonest: np.ndarray  # (n * n + 1,): when it is queued to be asked for
@@ -57,7 +59,8 @@ class Queue(NamedTuple):
 class Aim(NamedTuple):
     """What is searched for."""
 
-    ways: np.ndarray  # (INSTANTS + 1, targets, 4): `target_ways` until the bound
+    ways: np.ndarray  # (spans, targets, 4): centre, and how far off the hand meets the target
+    step: float  # of time that is a span [s]
     bound: float
 
 

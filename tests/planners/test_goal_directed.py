@@ -11,9 +11,11 @@ from gcm_learn import families, seeding
 from gcm_learn.collision.occupancy import passes_by
 from gcm_learn.collision.sweep import DEEPEST, Sweep, least_distance, leg_is_free
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.handspace import Lattice
 from gcm_learn.planners import layered
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.goal_directed import GAIN, searched
+from gcm_learn.planners.goal_directed import GAIN, ground_of, searched
+from gcm_learn.planners.meetings import aim_at
 from gcm_learn.scene import elbow_of, pack
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, poses_at
 from gcm_learn.situation import Arm
@@ -85,6 +87,38 @@ def queued_in_time(problem):
     return len(queued)
 
 
+def test_spans_are_shut_only_where_no_hand_can_be_at_a_target():
+    rng, there, shut = seeding.rng(84), 0, 0
+    for situation in MIXED:
+        problem = Problem(situation, "meetings")
+        scene, end = problem.scene, situation.horizon
+        ground = ground_of(problem, Lattice(N, situation.arm.upper_arm, situation.arm.elbow))
+        aim = aim_at(ground, end)
+        shut += (aim.ways[..., 3] < 0.0).sum()
+        targets = np.flatnonzero(scene.bodies.rows[:, PART] == HAND)
+        poses = np.zeros((len(scene.bodies.rows), 12))
+        for t in rng.uniform(0.0, end, 300):
+            poses_at(scene.bodies, t, poses)
+            for k, b in enumerate(targets):
+                away = scene.limits.grasp * rng.uniform(-1.0, 1.0, 2)
+                hand = poses[b, :2] + away
+                if np.linalg.norm([*away, poses[b, 2]]) > scene.limits.grasp:
+                    continue
+                if not scene.limb.near + 0.02 < np.hypot(*hand) < scene.limb.far - 0.02:
+                    continue
+                if rests(scene, t, hand) < 0.03:
+                    continue
+                there += 1
+                assert aim.ways[int(t / aim.step), k, 3] >= 0.0
+    assert there > 500 and shut > 50
+
+
+def rests(scene, t, hand):
+    """Clearance of a limb at rest at t."""
+    touch = scene.limb.thickness
+    return least_distance(scene, np.array([t]), hand[None], -1.0, 1e-6)[0] - touch
+
+
 def test_a_leg_is_free_when_its_least_distance_says_so():
     counts = np.sum([legs(k) for k in range(20)], axis=0)
     assert counts[0] > 800 and 50 < counts[1] < counts[0] - 50
@@ -104,7 +138,7 @@ def legs(k):
         if np.hypot(*hand[1]) > scene.limb.far or np.hypot(*hand[1]) < scene.limb.near:
             continue
         work = Sweep(time, hand, floor, 1e9, np.zeros((bodies, 12)), np.empty((DEEPEST + 2, 3)))
-        ours = leg_is_free(scene, work)
+        ours = leg_is_free(scene, work, np.empty(64))
         least = least_distance(scene, time, hand, -1.0, 1e-6)[0]
         assert not ours or least > floor - 1e-9
         assert ours or least <= floor + 1e-3
