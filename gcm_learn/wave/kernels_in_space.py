@@ -41,12 +41,8 @@ SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [c
 @njit(_nrt=False)
 def _ask(iz, iy, b, ground):
     """Find the postures and elbows of a block's cells."""
-    n, nodes, elbows, q = (
-        ground.n,
-        ground.found.nodes,
-        ground.found.elbows,
-        ground.found.nodes.scratch,
-    )
+    n, elbows, nodes = ground.n, ground.found.elbows, ground.found.nodes
+    q = nodes.scratch
     state = WHOLE
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         m = ((iz - 1) * n + iy - 1) * n + ix
