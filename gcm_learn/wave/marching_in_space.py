@@ -89,13 +89,20 @@ def neighbour(nodes, pace, node, code):
     return ((z * n + y) * n + x) * K + node - cell * K
 
 
+@njit(_nrt=False, forceinline=True)
+def reverse(code):
+    """Code of the step back."""
+    return NEIGHBOURS - 1 - code if code < RING else RING + RING + 1 - code
+
+
 @njit(_nrt=False)
 def before(nodes, pace, node, code):
-    """Node that a step with some code comes from; -1 for the arm's posture at t = 0."""
+    """Node from which a step with some code came; -1 for the arm's posture at t = 0."""
     if code == START:
         return -1
-    back = NEIGHBOURS - 1 - code if code < RING else RING + RING + 1 - code
-    return neighbour(nodes, pace, node, back)
+    if code < RING:
+        return node - pace.ahead[code]
+    return neighbour(nodes, pace, node, reverse(code))
 
 
 @njit(_nrt=False)
@@ -161,7 +168,8 @@ def offer(ask, field, node, bucket, queue, counts):
     now, K, n, leap = arrival[node], nodes.rule.postures, nodes.n, np.float32(nodes.leap)
     q0, q1, q2, q3 = q[node, 0], q[node, 1], q[node, 2], q[node, 3]
     row = node // K // n
-    x, y, z = node // K - row * n, row % n, row // n
+    z = row // n
+    x, y = node // K - row * n, row - z * n
     inner = 0 < x < n - 1 and 0 < y < n - 1 and 0 < z < n - 1
     for code in range(NEIGHBOURS + (2 if K > 1 else 0)):
         if inner and code < RING:
@@ -197,7 +205,7 @@ def retry(ask, field, node, bucket, queue, counts):
     late, nodes, pace = field.arrival[node], ask.nodes, ask.pace
     field.arrival[node] = NEVER
     for code in range(NEIGHBOURS + (2 if nodes.rule.postures > 1 else 0)):
-        other = before(nodes, pace, node, code)
+        other = neighbour(nodes, pace, node, reverse(code))
         if other >= 0 and field.state[other] == ACCEPTED:
             time = np.float32(field.arrival[other] + step(nodes, pace, other, node, code)[0])
             if late < time < field.arrival[node]:
@@ -205,6 +213,12 @@ def retry(ask, field, node, bucket, queue, counts):
     if field.arrival[node] < NEVER:
         slot = max(int(field.arrival[node] * pace.buckets), bucket)
         put(node, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+
+
+@njit(_nrt=False, forceinline=True)
+def least_between(before, after, ways):
+    """Distance that is kept at least between two ends that are at most `ways` from each other."""
+    return 0.5 * (max(before, after - ways) + after - ways)
 
 
 @njit(_nrt=False)
@@ -230,16 +244,14 @@ def judge(ask, field, node):
         room = distance_at(scene, ask.far, now, ask.desk)
         if room <= touch:
             return FROZEN
-        if home >= 0:
-            # half way the limb is half a step away from either end
-            left = max(min(room, field.room[home]) - 0.5 * ways, room - ways) - bent
+        if home >= 0 and least_between(field.room[home], room, ways) - bent <= touch:
+            since = field.arrival[home]
             for j in range(4):
                 ask.near[j] = nodes.joints[home, j]
-            since = field.arrival[home]
-            if left <= touch and not move_is_free(
-                scene, ask.near, since, ask.far, now, touch, ask.desk
-            ):
-                return OPEN
+            field.room[home] = distance_at(scene, ask.near, since, ask.desk)
+            if least_between(field.room[home], room, ways) - bent <= touch:
+                if not move_is_free(scene, ask.near, since, ask.far, now, touch, ask.desk):
+                    return OPEN
     field.room[node] = room
     return ACCEPTED
 
@@ -274,6 +286,51 @@ def fastest_obstacle(scene):
     return fastest
 
 
+@njit(_nrt=False, forceinline=True)
+def left_in(queue, counts):
+    """How many nodes a queue has room for."""
+    return counts[LEFT] + queue.shape[0] - counts[COUNT]
+
+
+@njit(_nrt=False)
+def empty_bucket(ask, field, bucket, queue, counts):
+    """Judge the nodes of a bucket until it is empty, or the queue has to grow.
+
+    Returns
+    -------
+    node, body : int
+        First contact among them, -1 if none.
+    time : float
+        When [s].
+    accepted : int
+    """
+    pace, end, state, slot = ask.pace, ask.terms.end, field.state, FIRST + bucket % BUCKETS
+    met, body, when, accepted = -1, -1, end, 0
+    while counts[slot] >= 0 and left_in(queue, counts) >= NEIGHBOURS + 4:
+        node = take(bucket % BUCKETS, queue, counts)
+        now = field.arrival[node]
+        if state[node] != OPEN or now > end:
+            continue
+        ahead = int(now * pace.buckets)
+        if ahead > bucket:  # it was too far ahead for the buckets, or was held up
+            put(node, min(ahead, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+            continue
+        state[node] = judge(ask, field, node)
+        if state[node] == OPEN:
+            retry(ask, field, node, bucket, queue, counts)
+        if state[node] != ACCEPTED:
+            continue
+        accepted += 1
+        target = target_at(ask, node, now)
+        if target >= 0:
+            state[node] = MET
+            if met < 0 or now < when:
+                met, body, when = node, target, float(now)
+        else:
+            offer(ask, field, node, bucket, queue, counts)
+    return met, body, when, accepted
+
+
 @njit
 def march(ask, start, field):
     """March over the nodes.
@@ -294,7 +351,7 @@ def march(ask, start, field):
         When [s].
     accepted : int
     """
-    pace, terms, state = ask.pace, ask.terms, field.state
+    pace, terms = ask.pace, ask.terms
     queue = np.empty((4096, 2), dtype=np.int32)
     counts = np.full(FIRST + BUCKETS, -1, dtype=np.int64)
     counts[COUNT], counts[LEFT] = 0, 0
@@ -305,32 +362,15 @@ def march(ask, start, field):
             put(start[0][i], slot, queue, counts)
     met, body, when, accepted, bucket, empty = -1, -1, terms.end, 0, 0, 0
     while empty <= BUCKETS and bucket <= terms.end * pace.buckets and (met < 0 or terms.explore):
-        slot = bucket % BUCKETS
         empty += 1
-        while counts[FIRST + slot] >= 0:
-            if counts[LEFT] + queue.shape[0] - counts[COUNT] < NEIGHBOURS + 4:
+        while counts[FIRST + bucket % BUCKETS] >= 0:
+            if left_in(queue, counts) < NEIGHBOURS + 4:
                 queue = np.concatenate((queue, np.empty_like(queue)))
-            empty, node = 0, take(slot, queue, counts)
-            now = field.arrival[node]
-            if state[node] != OPEN or now > terms.end:
-                continue
-            ahead = int(now * pace.buckets)
-            if ahead > bucket:  # it was too far ahead for the buckets, or was held up
-                put(node, min(ahead, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
-                continue
-            state[node] = judge(ask, field, node)
-            if state[node] == OPEN:
-                retry(ask, field, node, bucket, queue, counts)
-            if state[node] != ACCEPTED:
-                continue
-            accepted += 1
-            target = target_at(ask, node, now)
-            if target >= 0:
-                state[node] = MET
-                if met < 0 or now < when:
-                    met, body, when = node, target, float(now)
-            else:
-                offer(ask, field, node, bucket, queue, counts)
+            empty = 0
+            node, target, now, count = empty_bucket(ask, field, bucket, queue, counts)
+            accepted += count
+            if node >= 0 and (met < 0 or now < when):
+                met, body, when = node, target, now
         bucket += 1
     return met, body, when, accepted
 
