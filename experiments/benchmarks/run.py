@@ -3,8 +3,8 @@
     make bench             this (about 4 minutes), then datasets (`dataset.py`) and `arena.py`
     python experiments/benchmarks/run.py --situations 2000      fewer random situations
 
-Ratios are medians of paired runs in this one process: A, B, A, B, ...  Absolute times are only as
-good as the machine is quiet.
+Times are those of the process, not the wall clock's.  Ratios are medians of paired runs in this one
+process: A, B, A, B, ...  Absolute times are only as good as the machine is quiet.
 """
 
 from __future__ import annotations
@@ -98,9 +98,9 @@ def paired(
 def _ms(f: Callable[[], object]) -> float:
     """Time of one call after another call that finds compiled code and caches [ms]."""
     f()
-    start = time.perf_counter()
+    start = time.process_time()
     f()
-    return 1e3 * (time.perf_counter() - start)
+    return 1e3 * (time.process_time() - start)
 
 
 def over_scenes(pair: Callable[[Situation], tuple[float, float, float]]) -> tuple[float, ...]:
@@ -203,9 +203,9 @@ def wave_in_space_against_stencil() -> str:
     _, flat, other = paired(
         lambda: propagate(scene, lattice, EXPLORE), lambda: _diffuse(a, b, steps // 2), 5
     )
-    began = time.perf_counter()
+    began = time.process_time()
     propagate(scene, SpaceLattice(situation.arm, 80), EXPLORE)
-    first = 1e3 * (time.perf_counter() - began)
+    first = 1e3 * (time.process_time() - began)
     return (
         f"{ratio:.2f} x  ({wave:.0f} ms against {bare:.0f} ms); {other:.2f} x a bare Laplacian "
         f"({flat:.0f} ms); {first:.0f} ms where no posture is known yet"
