@@ -20,6 +20,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -203,8 +204,9 @@ def wave_in_space_against_stencil() -> str:
     _, flat, other = paired(
         lambda: propagate(scene, lattice, EXPLORE), lambda: _diffuse(a, b, steps // 2), 5
     )
+    other_arm = replace(situation.arm, grasp=0.06)  # of which nothing is kept
     began = time.process_time()
-    propagate(scene, SpaceLattice(situation.arm, 80), EXPLORE)
+    propagate(scene, SpaceLattice(other_arm, 80), EXPLORE)
     first = 1e3 * (time.process_time() - began)
     return (
         f"{ratio:.2f} x  ({wave:.0f} ms against {bare:.0f} ms); {other:.2f} x a bare Laplacian "
