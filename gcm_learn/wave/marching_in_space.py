@@ -89,20 +89,19 @@ def neighbour(nodes, pace, node, code):
     return ((z * n + y) * n + x) * K + node - cell * K
 
 
-@njit(_nrt=False, forceinline=True)
-def reverse(code):
-    """Code of the step back."""
-    return NEIGHBOURS - 1 - code if code < RING else RING + RING + 1 - code
+@njit(_nrt=False)
+def before(nodes, pace, node, code):
+    """Node that a step with some code comes from; -1 for the arm's posture at t = 0."""
+    if code == START:
+        return -1
+    back = NEIGHBOURS - 1 - code if code < RING else RING + RING + 1 - code
+    return neighbour(nodes, pace, node, back)
 
 
 @njit(_nrt=False)
-def before(nodes, pace, node, code):
-    """Node from which a step with some code came; -1 for the arm's posture at t = 0."""
-    if code == START:
-        return -1
-    if code < RING:
-        return node - pace.ahead[code]
-    return neighbour(nodes, pace, node, reverse(code))
+def home_of(nodes, pace, node, code):
+    """`before` of a step that was made, so that it is in the lattice."""
+    return node - pace.ahead[code] if code < RING else before(nodes, pace, node, code)
 
 
 @njit(_nrt=False)
@@ -205,7 +204,7 @@ def retry(ask, field, node, bucket, queue, counts):
     late, nodes, pace = field.arrival[node], ask.nodes, ask.pace
     field.arrival[node] = NEVER
     for code in range(NEIGHBOURS + (2 if nodes.rule.postures > 1 else 0)):
-        other = neighbour(nodes, pace, node, reverse(code))
+        other = before(nodes, pace, node, code)
         if other >= 0 and field.state[other] == ACCEPTED:
             time = np.float32(field.arrival[other] + step(nodes, pace, other, node, code)[0])
             if late < time < field.arrival[node]:
@@ -228,7 +227,7 @@ def judge(ask, field, node):
     It stays open if the limb was touched on the step there only.
     """
     nodes, scene, now = ask.nodes, ask.scene, field.arrival[node]
-    home = before(nodes, ask.pace, node, field.via[node])
+    home = home_of(nodes, ask.pace, node, field.via[node])
     touch, moved, bent, room = scene.limb.thickness, 0.0, 0.0, -1.0
     if home >= 0:
         _, moved, bent = step(nodes, ask.pace, home, node, field.via[node])
@@ -383,4 +382,4 @@ def finish(ask, field, via):
         if field.state[node] == OPEN:
             field.arrival[node] = -1.0
         else:
-            via[node] = before(ask.nodes, ask.pace, node, field.via[node])
+            via[node] = home_of(ask.nodes, ask.pace, node, field.via[node])
