@@ -34,8 +34,6 @@ class Occasion(NamedTuple):
     """What is left of what is followed, on a clock of its own; it ends at rest."""
     thoughts: int
     """How often the agent thought before."""
-    found: int
-    """How often that led to a plan."""
 
 
 class Mind(Protocol):
@@ -115,14 +113,9 @@ class _Episode:
         """Take up the plan that is due, and think of another if the agent wants."""
         self._take_up(look)
         if self.pending is None and self.belief.looks >= self.loop.looks:
-            now = look * self.period
-            found = sum(thought.found for thought in self.thoughts)
-            since = clock.process_time()
-            if self.mind.wants(
-                Occasion(
-                    self._believed(now), rest_of(self.followed, now), len(self.thoughts), found
-                )
-            ):
+            now, since = look * self.period, clock.process_time()
+            left = rest_of(self.followed, now)
+            if self.mind.wants(Occasion(self._believed(now), left, len(self.thoughts))):
                 self._plan(look, clock.process_time() - since)
                 self._take_up(look)  # where thinking takes no time
 
@@ -197,4 +190,5 @@ def run_closed_loop(
             episode.think(look)
         look += 1
         plant.follow(episode.followed, look * period)
-    return Course(plant.outcome, plant.time, tuple(episode.thoughts))
+    ended = plant.time if plant.catch_time is None else plant.catch_time
+    return Course(plant.outcome, ended, tuple(episode.thoughts))

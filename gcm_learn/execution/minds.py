@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -35,16 +34,8 @@ class Planning:
     habit: Literal["once", "always", "broken"] = "broken"
     """When it thinks: once; whenever it is done with the last thought; or when what is followed
     does not catch any more, in the world as it is believed to be."""
-    grasp: float = 1.0
-    """Share of the arm's grasp that plans use where they can; at 0 they end at the target."""
-    room: float = 0.0
-    """What they keep between limb and obstacles where they can [forearms]."""
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.grasp <= 1.0:
-            raise ArenaError(f"grasp: must be from 0 to 1 (got {self.grasp!r})")
-        if not 0.0 <= self.room < math.inf:
-            raise ArenaError(f"room: must be from 0 on (got {self.room!r})")
         if self.habit not in HABITS:
             raise ArenaError(f"habit: must be one of {', '.join(HABITS)} (got {self.habit!r})")
 
@@ -55,17 +46,9 @@ class Planning:
         return self.habit == "always" or not holds(occasion)
 
     def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
-        """The planner's movement: the careful one, if there is one."""
-        careful = self._careful(believed)
-        found: SpatialTrajectory | None = None
-        for situation in (careful, believed) if careful != believed else (believed,):
-            found = found or self.planner.plan(situation).trajectory
+        """The planner's movement."""
+        found: SpatialTrajectory | None = self.planner.plan(believed).trajectory
         return found
-
-    def _careful(self, believed: Situation[SpatialArm]) -> Situation[SpatialArm]:
-        arm = believed.arm
-        thicker = arm.thickness + self.room * math.hypot(*arm.forearm)
-        return replace(believed, arm=replace(arm, grasp=self.grasp * arm.grasp, thickness=thicker))
 
 
 def holds(occasion: Occasion) -> bool:
