@@ -13,15 +13,17 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.planners.baselines import st_rrt_star
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner, task_of
 from gcm_learn.planners.baselines.st_rrt_star_moves import draw_goal, leg_holds
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle.bounds import bounds
-from gcm_learn.situation import Arm, Body, Disc, Situation
+from gcm_learn.situation import Arm, Body, Disc, Situation, read_situations
 from tests.extras import INSTALLED
 from tests.planners.test_baselines import FREE, GATE, OPENS, TRAP, body, goal, scene
 from tests.referee import judge
+from tests.spatial import EXAMPLES
 
 needs_ompl = pytest.mark.skipif(
     "st-rrt-star" not in INSTALLED, reason="st-rrt-star needs ompl (extra `peers`)"
@@ -208,6 +210,19 @@ def without_ompl(code):
     return subprocess.run(
         [sys.executable, "-c", hidden], capture_output=True, text=True, check=False
     )
+
+
+@pytest.mark.parametrize("spatial", [False, True])
+def test_paths_on_which_time_goes_back_do_not_count(spatial, monkeypatch):
+    """OMPL offers one now and then; seen in space, with 12 s for one of the late targets."""
+    situation = read_situations(EXAMPLES)[0] if spatial else FREE
+    width = 4 if spatial else 2
+    back = np.zeros((3, width + 1))
+    back[:, -1] = (0.0, 0.3, 0.2)
+    monkeypatch.setattr(st_rrt_star, "_warmed", lambda: None)
+    monkeypatch.setattr(st_rrt_star, "told", lambda work, longest: ([(1.0, back), (2.0, None)], 0))
+    monkeypatch.setattr(st_rrt_star, "_library", lambda: None)
+    assert not STRRTStarPlanner().plan_anytime(situation, (100.0,))[0].caught
 
 
 def test_without_ompl_the_planner_is_listed_and_names_the_extra():

@@ -178,8 +178,14 @@ def _search(task: SpaceTime) -> tuple[list[Improvement], float]:
         tell((search.used_ms, None))
 
     things, _ = told(work, longest=2.0 + 2e-3 * task.budget_ms)
-    found = [(when, path) for when, path in things if path is not None]
+    # Now and then OMPL offers a path on which time goes back where its two trees meet.
+    found = [(when, path) for when, path in things if path is not None and _forward(path)]
     return found, things[-1][0] if things else 0.0
+
+
+def _forward(path: np.ndarray) -> bool:
+    """Whether time, the last number of each state (n, k), never goes back."""
+    return bool((np.diff(path[:, -1]) >= 0.0).all())
 
 
 def _best(problem: Task[Movement], attempts: Iterable[Attempt[Movement] | None]) -> Plan[Movement]:
