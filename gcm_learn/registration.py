@@ -14,7 +14,12 @@ from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-ID = "CatchArm-v0"
+ENTRIES = {
+    "CatchArm-v0": ("gcm_learn.envs.catch_arm:CatchArm", "gcm_learn.envs.vector:CatchArms"),
+    "CatchArm3D-v0": (
+        "gcm_learn.envs.catch_arm_3d:CatchArm3D", "gcm_learn.envs.vector:CatchArms3D",
+    ),
+}  # fmt: skip
 LIBRARY = "gymnasium"
 
 
@@ -30,12 +35,9 @@ def register() -> None:
     """Register the environments, if they are not yet."""
     import gymnasium
 
-    if ID not in gymnasium.registry:
-        gymnasium.register(
-            ID,
-            entry_point="gcm_learn.envs.catch_arm:CatchArm",
-            vector_entry_point="gcm_learn.envs.vector:CatchArms",
-        )
+    for name, (one, many) in ENTRIES.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(name, entry_point=one, vector_entry_point=many)
 
 
 class _Waiter(MetaPathFinder):

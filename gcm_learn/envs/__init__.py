@@ -10,30 +10,42 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gcm_learn.envs.catch_arm import CatchArm, box
-    from gcm_learn.envs.vector import CatchArms
+    from gcm_learn.envs.catch_arm import CatchArm
+    from gcm_learn.envs.catch_arm_3d import CatchArm3D
+    from gcm_learn.envs.one_arm import box, commands
+    from gcm_learn.envs.vector import CatchArms, CatchArms3D
     from gcm_learn.envs.views import WithMap, map_image
-    from gcm_learn.execution import Pool, Settings, Weights
+    from gcm_learn.execution import Pool, Settings, SpatialPool, SpatialSettings, Weights
 
 __all__ = [
     "CatchArm",
+    "CatchArm3D",
     "CatchArms",
+    "CatchArms3D",
     "Pool",
     "Settings",
+    "SpatialPool",
+    "SpatialSettings",
     "Weights",
     "WithMap",
     "box",
+    "commands",
     "map_image",
 ]
 
 _HOMES = {
     "CatchArm": "envs.catch_arm",
+    "CatchArm3D": "envs.catch_arm_3d",
     "CatchArms": "envs.vector",
+    "CatchArms3D": "envs.vector",
     "Pool": "execution",
     "Settings": "execution",
+    "SpatialPool": "execution",
+    "SpatialSettings": "execution",
     "Weights": "execution",
     "WithMap": "envs.views",
-    "box": "envs.catch_arm",
+    "box": "envs.one_arm",
+    "commands": "envs.one_arm",
     "map_image": "envs.views",
 }
 

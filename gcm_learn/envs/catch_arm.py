@@ -1,40 +1,19 @@
-"""The arm as a Gymnasium environment: one arm, one situation an episode."""
+"""The planar arm as a Gymnasium environment: one arm, one situation an episode."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium import spaces
 
-from gcm_learn.errors import ArenaError
-from gcm_learn.execution import (
-    CAUGHT,
-    COLLIDED,
-    LATE,
-    OUTCOMES,
-    RUNNING,
-    KinematicPlant,
-    Pool,
-    Settings,
-    Source,
-    pool_of,
-    settings_of,
-)
+from gcm_learn.envs.one_arm import POOL, OneArm, known_mode
+from gcm_learn.execution import KinematicPlant, Pool, Settings, Source, pool_of, settings_of
 from gcm_learn.motion import Trajectory
 from gcm_learn.situation import Frame, Situation
 
-POOL = 256  # situations that an environment draws from a family, by default
 
-
-def box(plant: KinematicPlant) -> spaces.Box:
-    """The space of observations."""
-    return spaces.Box(-plant.bounds, plant.bounds, dtype=np.float32)
-
-
-class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
+class CatchArm(OneArm):
     """A two-joint arm that catches a moving target among moving obstacles.
 
     An episode is one situation (`gcm_learn.Situation`), its bodies moving by their laws whatever
@@ -127,7 +106,7 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         These three for short.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
+    plant: KinematicPlant
 
     def __init__(
         self,
@@ -141,27 +120,12 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         fan: bool | None = None,
         embedding: bool | None = None,
     ) -> None:
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")
-        self.settings = settings_of(settings, control, fan, embedding)
+        known_mode(render_mode)
+        chosen = settings_of(settings, control, fan, embedding)
         made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        self.plant = KinematicPlant(made, 1, self.settings)
-        self.pool = self.plant.pool
-        self.render_mode = render_mode
-        self.observation_space = box(self.plant)
-        self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self._path: list[tuple[float, float, float]] = []
+        super().__init__(KinematicPlant(made, 1, chosen), render_mode)
         self._turns = dict[int, list[list[float]]]()
         self._turn = [[1.0, 0.0], [0.0, 1.0]]
-        self._viewer: Any = None
-        self._actions = np.zeros((1, 2))
-        self._everyone = np.zeros(1, dtype=np.int64)
-        self._places = np.zeros(1, dtype=np.int64)
-
-    @property
-    def situation(self) -> Situation:
-        """The present one, in its canonical form."""
-        return self.plant.pool.situations[int(self.plant.state.place[0])]
 
     @property
     def frame(self) -> Frame:
@@ -174,85 +138,33 @@ class CatchArm(gymnasium.Env[np.ndarray, np.ndarray]):
         path = np.array(self._path)
         return Trajectory.of_hand(path[:, 0], path[:, 1:], self.situation.arm.upper_arm)
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode; see the class for the options."""
-        super().reset(seed=seed)
-        wanted = dict(options or {})
-        situation, index = wanted.pop("situation", None), wanted.pop("index", None)
-        if wanted:
-            raise ArenaError(f"options: {sorted(wanted)[0]!r} is not one of situation, index")
-        self.plant.pool = self.pool
-        if situation is not None:
-            if not isinstance(situation, Situation):
-                raise ArenaError(f"options.situation: must be a situation (got {situation!r})")
-            self.plant.pool, index = Pool.of([situation]).prepared(self.settings), 0
-        elif index is None:
-            index = int(self.np_random.integers(len(self.pool)))
-        elif not 0 <= index < len(self.pool):
-            raise ArenaError(f"options.index: must be from 0 to {len(self.pool) - 1} (got {index})")
-        self._places[0] = index
-        self.plant.put(self._everyone, self._places)
-        self._path = [self._where()]
-        self._turn = self._turn_of(int(index))
-        if self.render_mode == "human":
-            self.render()
-        return self.plant.observations[0].copy(), self._info(RUNNING)
+    def _pool_of(self, situation: Situation) -> Pool:
+        return Pool.of([situation])
 
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Move for `dt` seconds."""
-        if not self._path:
-            raise ArenaError("step: reset comes first")
-        self._actions[0] = action
-        outcome = self.plant.move(self._actions).item()
-        observation = self.plant.observations[0].copy()
-        self._path.append(self._where())
-        info, terms = self._info(outcome), self.plant.terms[0].tolist()
-        catch, touch, haste, guide = terms  # a literal costs a fourth of what a zip does
-        info["reward_terms"] = {"catch": catch, "touch": touch, "haste": haste, "guide": guide}
-        if outcome != RUNNING:
-            info["is_success"] = outcome == CAUGHT
-        if self.render_mode == "human":
-            self.render()
-        ended = outcome in (CAUGHT, COLLIDED)
-        return observation, sum(terms), ended, outcome == LATE, info
-
-    def _turn_of(self, index: int) -> list[list[float]]:
-        """How a situation's frame turns vectors, as rows; noted for those of the pool."""
+    def _begin(self, index: int) -> None:
+        """Note how the situation's frame turns vectors, as rows; kept for those of the pool."""
         if self.plant.pool is not self.pool:
-            return self.frame.original(np.eye(2)).T.tolist()
+            self._turn = self.frame.original(np.eye(2)).T.tolist()
+            return
         if index not in self._turns:
             self._turns[index] = self.frame.original(np.eye(2)).T.tolist()
-        return self._turns[index]
+        self._turn = self._turns[index]
 
-    def _where(self) -> tuple[float, float, float]:
+    def _where(self) -> tuple[float, ...]:
         state = self.plant.state
         return (state.time.item(0), state.hand.item(0), state.hand.item(1))
 
-    def _info(self, outcome: int) -> dict[str, Any]:
-        time, x, y = self._path[-1]
+    def _in_world(self) -> np.ndarray:
+        _, x, y = self._path[-1]
         (a, b), (c, d) = self._turn
-        hand = np.array((a * x + b * y, c * x + d * y))
-        return {"time": time, "hand": hand, "outcome": OUTCOMES[outcome]}
+        return np.array((a * x + b * y, c * x + d * y))
 
-    def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """A picture (480, 480, 3) uint8 of the moment, or a window that shows it."""
-        if self.render_mode is None:
-            return None
-        if self._viewer is None:
-            from gcm_learn.envs.viewer import Viewer
+    def _new_viewer(self, window: bool) -> Any:
+        from gcm_learn.envs.viewer import Viewer
 
-            self._viewer = Viewer(self.render_mode == "human")
-        time, path = self._path[-1][0], np.array(self._path)[:, 1:]
-        return self._viewer.show(self.situation, time, path)
+        return Viewer(window)
 
-    def close(self) -> None:
-        """Close the window."""
-        if self._viewer is not None:
-            self._viewer.close()
-            self._viewer = None
-
-    def __getstate__(self) -> dict[str, Any]:
-        """All but the window."""
-        return {**self.__dict__, "_viewer": None}
+    def _drawn(self, viewer: Any) -> np.ndarray | None:
+        path = np.array(self._path)
+        picture: np.ndarray | None = viewer.show(self.situation, path[-1, 0], path[:, 1:])
+        return picture

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from gcm_learn.envs.catch_arm import POOL, box
+from gcm_learn.envs.one_arm import IN_SPACE, POOL, box, commands
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
     CAUGHT,
@@ -22,56 +21,33 @@ from gcm_learn.execution import (
     Pool,
     Settings,
     Source,
+    SpatialPlant,
+    SpatialPool,
+    SpatialSettings,
+    made_of,
     pool_of,
     settings_of,
+    spatial_pool_of,
 )
 
 
-class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """Many `CatchArm`s in compiled code, step by step equal to single ones.
+class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
+    """What `CatchArms` and `CatchArms3D` have in common.
 
-    ``gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=64,
-    vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards and ends are
-    those of `CatchArm`, and so are the arguments; `threads` of them share the arms, which pays from
-    some hundred arms on.
-
-    An arm whose episode ends begins another one within the same step (`AutoresetMode.SAME_STEP`):
-    the observation is the new episode's first, the old one's last is in ``info["final_obs"]``, and
-    ``info["final_info"]`` holds `time`, `outcome` and `is_success` of those that ended.
+    Parameters
+    ----------
+    plant : Batch
     """
 
     metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": AutoresetMode.SAME_STEP}
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        situations: Source | Pool = "random-planar",
-        *,
-        pool: int = POOL,
-        pool_seed: int = 0,
-        settings: Settings | Mapping[str, Any] | None = None,
-        control: str | None = None,
-        fan: bool | None = None,
-        embedding: bool | None = None,
-        threads: int = 1,
-        render_mode: str | None = None,
-    ) -> None:
-        if num_envs < 1:
-            raise ArenaError(f"num_envs: must be at least 1 (got {num_envs})")
-        if threads < 1:
-            raise ArenaError(f"threads: must be at least 1 (got {threads})")
-        if render_mode is not None:
-            raise ArenaError("render_mode: many arms are not drawn; use CatchArm")
-        self.num_envs, self.render_mode = num_envs, None
-        self.settings = settings_of(settings, control, fan, embedding)
-        made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        self.plant = KinematicPlant(made, num_envs, self.settings, threads)
-        self.pool = self.plant.pool
-        self.single_observation_space = box(self.plant)
-        self.single_action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self._everyone = np.arange(num_envs)
+    def __init__(self, plant: Any) -> None:
+        self.num_envs, self.render_mode = plant.count, None
+        self.plant, self.pool, self.settings = plant, plant.pool, plant.settings
+        self.single_observation_space, self.single_action_space = box(plant), commands(plant)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._everyone = np.arange(self.num_envs)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -118,6 +94,74 @@ class CatchArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         }
         info["_final_info"] = over
         plant.put(arms, self._drawn(len(arms)))
+
+
+class CatchArms(ManyArms):
+    """Many `CatchArm`s in compiled code, step by step equal to single ones.
+
+    ``gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=64,
+    vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards and ends are
+    those of `CatchArm`, and so are the arguments; `threads` of them share the arms, which pays from
+    some hundred arms on.
+
+    An arm whose episode ends begins another one within the same step (`AutoresetMode.SAME_STEP`):
+    the observation is the new episode's first, the old one's last is in ``info["final_obs"]``, and
+    ``info["final_info"]`` holds `time`, `outcome` and `is_success` of those that ended.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        situations: Source | Pool = "random-planar",
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        settings: Settings | Mapping[str, Any] | None = None,
+        control: str | None = None,
+        fan: bool | None = None,
+        embedding: bool | None = None,
+        threads: int = 1,
+        render_mode: str | None = None,
+    ) -> None:
+        _check(num_envs, threads, render_mode)
+        chosen = settings_of(settings, control, fan, embedding)
+        made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
+        super().__init__(KinematicPlant(made, num_envs, chosen, threads))
+
+
+class CatchArms3D(ManyArms):
+    """Many `CatchArm3D`s in compiled code, as `CatchArms` are of `CatchArm`.
+
+    ``gymnasium.make_vec("gcm_learn:CatchArm3D-v0", num_envs=64,
+    vectorization_mode="vector_entry_point")`` makes it.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        situations: Source | SpatialPool = IN_SPACE,
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        settings: SpatialSettings | Mapping[str, Any] | None = None,
+        threads: int = 1,
+        render_mode: str | None = None,
+    ) -> None:
+        _check(num_envs, threads, render_mode)
+        chosen, made = made_of(SpatialSettings, settings), situations
+        if not isinstance(made, SpatialPool):
+            made = spatial_pool_of(made, pool, pool_seed, chosen.dt)
+        super().__init__(SpatialPlant(made, num_envs, chosen, threads))
+
+
+def _check(num_envs: int, threads: int, render_mode: str | None) -> None:
+    """Refuse what a batch cannot do."""
+    if num_envs < 1:
+        raise ArenaError(f"num_envs: must be at least 1 (got {num_envs})")
+    if threads < 1:
+        raise ArenaError(f"threads: must be at least 1 (got {threads})")
+    if render_mode is not None:
+        raise ArenaError("render_mode: many arms are not drawn; make one of them")
 
 
 def _generator(seed: int) -> tuple[np.random.Generator, int]:

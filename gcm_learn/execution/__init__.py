@@ -5,6 +5,7 @@
 >>> run_episode(agent, plant, np.arange(len(situations))).outcomes           # doctest: +SKIP
 """
 
+from gcm_learn.execution.batch import Batch
 from gcm_learn.execution.belief import Belief
 from gcm_learn.execution.closed_loop import Course, Loop, Mind, Occasion, Thought, run_closed_loop
 from gcm_learn.execution.embedding import encoder
@@ -16,6 +17,7 @@ from gcm_learn.execution.episode import (
     Steps,
     into_frame,
     run_episode,
+    way_of,
 )
 from gcm_learn.execution.exact import ExactPlant
 from gcm_learn.execution.fan import RAYS
@@ -31,13 +33,34 @@ from gcm_learn.execution.physics.motors import motor_accelerations, with_motor_l
 from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
 from gcm_learn.execution.physics.tube import measured_tube
 from gcm_learn.execution.plant import KinematicPlant
-from gcm_learn.execution.pool import Pool
-from gcm_learn.execution.settings import OUTCOMES, TERMS, Settings, Weights, settings_of
-from gcm_learn.execution.sources import Source, pool_of, situations_of
+from gcm_learn.execution.plants import AnyPool, AnySettings, plant_of
+from gcm_learn.execution.pool import Pool, SpatialPool
+from gcm_learn.execution.settings import (
+    OUTCOMES,
+    TERMS,
+    Settings,
+    SpatialSettings,
+    Weights,
+    made_of,
+    settings_of,
+)
+from gcm_learn.execution.sources import (
+    Source,
+    pool_of,
+    situations_of,
+    spatial_pool_of,
+    spatial_situations_of,
+)
+from gcm_learn.execution.space.observation import AIM
+from gcm_learn.execution.space.plant import SpatialPlant
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 
 __all__ = [
+    "AIM",
     "Agent",
+    "AnyPool",
+    "AnySettings",
+    "Batch",
     "Belief",
     "CAUGHT",
     "COLLIDED",
@@ -68,6 +91,9 @@ __all__ = [
     "RUNNING",
     "Settings",
     "Source",
+    "SpatialPlant",
+    "SpatialPool",
+    "SpatialSettings",
     "Steps",
     "TERMS",
     "Thought",
@@ -77,8 +103,10 @@ __all__ = [
     "execute",
     "execution_to_json",
     "into_frame",
+    "made_of",
     "measured_tube",
     "motor_accelerations",
+    "plant_of",
     "pool_of",
     "read_body",
     "run_closed_loop",
@@ -86,5 +114,8 @@ __all__ = [
     "settings_of",
     "shipped_bodies",
     "situations_of",
+    "spatial_pool_of",
+    "spatial_situations_of",
+    "way_of",
     "with_motor_limits",
 ]

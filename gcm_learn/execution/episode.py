@@ -9,6 +9,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from gcm_learn.execution.world import RUNNING
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.situation import JOINTS, SpatialArm
 
 
 class Moment(NamedTuple):
@@ -17,27 +19,40 @@ class Moment(NamedTuple):
     time: np.ndarray
     """(n,) [s]"""
     hand: np.ndarray
-    """(n, 2), canonical coordinates of t = 0 [forearm lengths]."""
+    """(n, 2), canonical coordinates of t = 0 [forearm lengths]; (n, 3) in space, in those of the
+    arm's base."""
     observations: np.ndarray
-    """(n, width) float32, as `envs.CatchArm` lists them."""
+    """(n, width) float32, as `envs.CatchArm` and `envs.CatchArm3D` list them."""
     running: np.ndarray
     """Whose episode is not over (n,) bool."""
+    posture: np.ndarray
+    """(n, k): hands; in space joints, then their rates."""
 
 
 class Agent(Protocol):
     """Whatever acts: it sees a moment and gives commands."""
 
     def act(self, moment: Moment) -> np.ndarray:
-        """Commands (n, 2); those to arms whose episode is over do not matter."""
+        """Commands (n, 2), in space (n, 4); those to arms whose episode is over do not matter."""
 
 
 class Plant(Protocol):
     """Whatever carries commands out: arms, each in a situation of its own."""
 
-    time: np.ndarray
-    """As `Moment` has it, and so the next two."""
-    hand: np.ndarray
     observations: np.ndarray
+    """As `Moment` has it."""
+
+    @property
+    def time(self) -> np.ndarray:
+        """As `Moment` has it."""
+
+    @property
+    def hand(self) -> np.ndarray:
+        """Likewise."""
+
+    @property
+    def posture(self) -> np.ndarray:
+        """Likewise."""
 
     @property
     def rewards(self) -> np.ndarray:
@@ -47,7 +62,7 @@ class Plant(Protocol):
         """Put arms (m,) at the start of situations (m,)."""
 
     def move(self, actions: np.ndarray) -> np.ndarray:
-        """Carry commands (n, 2) out for a step: the outcomes (n,)."""
+        """Carry commands out for a step: the outcomes (n,)."""
 
     def hold(self, arms: np.ndarray) -> None:
         """Let arms (m,) whose episode is over stay where they are."""
@@ -61,7 +76,7 @@ class Steps(NamedTuple):
     told: np.ndarray
     """Before (m, width) float32."""
     actions: np.ndarray
-    """(m, 2) float32."""
+    """(m, 2) float32, in space (m, 4)."""
     rewards: np.ndarray
     """(m,) float32."""
     following: np.ndarray
@@ -85,12 +100,14 @@ class Episodes:
     time: np.ndarray
     """Samples [s] (most + 1, n); after the end all are the last one."""
     hand: np.ndarray
-    """The same of the hand, canonical coordinates (most + 1, n, 2)."""
+    """The same of the hand, as `Moment` has it (most + 1, n, 2 or 3)."""
+    posture: np.ndarray
+    """The same of what trajectories are made of (most + 1, n, k)."""
 
     def path(self, e: int) -> tuple[np.ndarray, np.ndarray]:
-        """Time (m,) and hand (m, 2) of an episode."""
+        """Time (m,) and hand (m, 2) of an episode; in space joints and rates (m, 8)."""
         last = int(self.steps[e]) + 1
-        return self.time[:last, e], self.hand[:last, e]
+        return self.time[:last, e], self.posture[:last, e]
 
 
 def run_episode(
@@ -114,10 +131,11 @@ def run_episode(
     plant.put(np.arange(n), places)
     running, outcomes = np.ones(n, bool), np.full(n, RUNNING)
     steps = np.zeros(n, np.int64)
-    time, hand = [plant.time.copy()], [plant.hand.copy()]
+    time, hand, posture = [[now.copy()] for now in (plant.time, plant.hand, plant.posture)]
     while running.any():
         arms = np.flatnonzero(running)
-        actions = agent.act(Moment(plant.time, plant.hand, plant.observations, running))
+        moment = Moment(plant.time, plant.hand, plant.observations, running, plant.posture)
+        actions = agent.act(moment)
         told = None if watch is None else plant.observations[arms]
         outcomes[arms] = plant.move(actions)[arms]
         if watch is not None and told is not None:
@@ -127,9 +145,19 @@ def run_episode(
         steps[arms] += 1
         time.append(np.where(running, plant.time, time[-1]))
         hand.append(np.where(running[:, None], plant.hand, hand[-1]))
+        posture.append(np.where(running[:, None], plant.posture, posture[-1]))
         running = outcomes == RUNNING
         plant.hold(np.flatnonzero(~running))
-    return Episodes(places, outcomes, time[-1], steps, np.array(time), np.array(hand))
+    courses = np.array(time), np.array(hand), np.array(posture)
+    return Episodes(places, outcomes, time[-1], steps, *courses)
+
+
+def way_of(arm: SpatialArm, time: np.ndarray, posture: np.ndarray) -> SpatialTrajectory:
+    """The trajectory of an arm in space whose plant told times (m,) and postures (m, 8)."""
+    new = np.append(True, np.diff(time) > 0.0)  # a catch at t = 0 takes no time
+    joints, rates = posture[new, :JOINTS], posture[new, JOINTS:]
+    limited = arm.max_joint_acceleration is not None
+    return SpatialTrajectory(arm, time[new], joints, rates if limited else None)
 
 
 def into_frame(hand: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.settings import Settings
+from gcm_learn.execution.settings import Settings, SpatialSettings
+from gcm_learn.execution.space.stepping import can_stop
+from gcm_learn.execution.space.world import SpatialWorld, spatial_world_of
 from gcm_learn.execution.world import World, world_of
 from gcm_learn.motion import HOLE_MARGIN, Rules, opening
 from gcm_learn.scene import Limits, Scene, pack
-from gcm_learn.situation import Frame, Situation, canonical, planar
+from gcm_learn.situation import Frame, Situation, SpatialArm, canonical, planar, spatial
 
 _SPEED = Limits._fields.index("speed")
 HUB = 0.015  # distance that hands keep from the shoulder, where joints jump [forearm lengths]
@@ -47,8 +49,7 @@ class Pool:
         ArenaError
             With the name of the first that does not.
         """
-        if not situations:
-            raise ArenaError("situations: there is none")
+        _some(situations)
         turned = [canonical(planar(situation, "the arena")) for situation in situations]
         scenes = [pack(situation) for situation, _ in turned]
         rules = [_rules_of(scene, s.name) for scene, (s, _) in zip(scenes, turned, strict=True)]
@@ -81,6 +82,58 @@ class Pool:
         if len(self.world.fields):
             made = made.guided(self.world.fields[rows])
         return replace(made, frames=frames, embeddings=self.embeddings[rows])
+
+
+@dataclass(frozen=True)
+class SpatialPool:
+    """Situations in space in which episodes begin."""
+
+    situations: tuple[Situation[SpatialArm], ...]
+    """As they were given."""
+    world: SpatialWorld
+
+    def __len__(self) -> int:
+        return len(self.situations)
+
+    @classmethod
+    def of(cls, situations: Sequence[Situation[SpatialArm]]) -> SpatialPool:
+        """Pack situations; each must begin with a limb that touches nothing.
+
+        Raises
+        ------
+        ArenaError
+            With the name of the first that does not.
+        """
+        _some(situations)
+        scenes = [pack(spatial(situation, "the arena in space")) for situation in situations]
+        named = zip(scenes, situations, strict=True)
+        rules = [_rules_of(scene, situation.name) for scene, situation in named]
+        return cls(tuple(situations), spatial_world_of(scenes, rules))
+
+    def prepared(self, settings: SpatialSettings) -> SpatialPool:
+        """The same; refuses what is too fast at t = 0 to be stopped in steps as long as these."""
+        for situation in self.situations:
+            if not stops(situation, settings.dt):
+                name, dt = situation.name, settings.dt
+                raise ArenaError(f"situation {name!r}: the arm cannot stop in steps of {dt} s")
+        return self
+
+    def part(self, chosen: Sequence[int] | np.ndarray) -> SpatialPool:
+        """Some of the situations, packed anew."""
+        return SpatialPool.of([self.situations[int(i)] for i in chosen])
+
+
+def stops(situation: Situation[SpatialArm], dt: float) -> bool:
+    """Whether an arm keeps its limits if it brakes from t = 0 on, in steps of `dt` [s]."""
+    if situation.arm.joint_rates is None or not any(situation.arm.joint_rates):
+        return True
+    scene = pack(situation)
+    return can_stop(scene, opening(scene).rules.speed, dt)
+
+
+def _some(situations: Sequence[object]) -> None:
+    if not situations:
+        raise ArenaError("situations: there is none")
 
 
 def _rules_of(scene: Scene, name: str) -> Rules:

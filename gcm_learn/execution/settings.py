@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import fan as rays
 from gcm_learn.execution import observation as o
+from gcm_learn.execution.space import observation as space
+from gcm_learn.execution.space.world import SpatialOptions
 from gcm_learn.execution.world import HAND_VELOCITY, JOINT_VELOCITY, Options
 
 CONTROLS = {"hand": HAND_VELOCITY, "joint": JOINT_VELOCITY}
@@ -40,34 +42,49 @@ class Weights:
 
 
 @dataclass(frozen=True)
-class Settings:
-    """What can be chosen; the defaults are those of ``CatchArm-v0``."""
+class CommonSettings:
+    """What can be chosen about arms in the plane and in space."""
 
-    control: Literal["hand", "joint"] = "hand"
-    """Whether actions are velocities of the hand or of the joints."""
     dt: float = 0.02
     """A step [s]; the last one of an episode may be shorter."""
     slots: int = 4
-    """Obstacles that are told, those that come nearest on the straight way first."""
-    fan: bool = False
-    """Whether the observation ends with how far the hand can go in each of 24 directions."""
-    embedding: bool = False
-    """Whether the observation ends with an encoder's embedding of the situation."""
-    joint_rate: float = 2.0
-    """Fastest joint under joint control, if the situation has no limit [hand speeds / forearm]."""
+    """Obstacles that are told: in the plane those that come nearest on the straight way, in space
+    those that are nearest to the limb."""
     discount: float = 0.99
     """Of the learner, for the shaping."""
     weights: Weights = field(default_factory=Weights)
 
     def __post_init__(self) -> None:
-        if self.control not in CONTROLS:
-            raise ArenaError(f"control: {self.control!r} is not one of {', '.join(CONTROLS)}")
         if not 1e-4 <= self.dt <= 1.0:
             raise ArenaError(f"dt: must be from 0.0001 to 1 s (got {self.dt!r})")
         if not isinstance(self.slots, int) or not 0 <= self.slots <= 64:
             raise ArenaError(f"slots: must be a whole number from 0 to 64 (got {self.slots!r})")
         if not 0.0 < self.discount <= 1.0:
             raise ArenaError(f"discount: must be above 0 and at most 1 (got {self.discount!r})")
+
+    @property
+    def weighted(self) -> np.ndarray:
+        """The weights (4,), in the order of TERMS."""
+        return np.array([float(getattr(self.weights, name)) for name in TERMS])
+
+
+@dataclass(frozen=True)
+class Settings(CommonSettings):
+    """What can be chosen; the defaults are those of ``CatchArm-v0``."""
+
+    control: Literal["hand", "joint"] = "hand"
+    """Whether actions are velocities of the hand or of the joints."""
+    fan: bool = False
+    """Whether the observation ends with how far the hand can go in each of 24 directions."""
+    embedding: bool = False
+    """Whether the observation ends with an encoder's embedding of the situation."""
+    joint_rate: float = 2.0
+    """Fastest joint under joint control, if the situation has no limit [hand speeds / forearm]."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.control not in CONTROLS:
+            raise ArenaError(f"control: {self.control!r} is not one of {', '.join(CONTROLS)}")
         if not 0.0 < self.joint_rate < 1e3:
             raise ArenaError(f"joint_rate: must be above 0 (got {self.joint_rate!r})")
 
@@ -80,12 +97,29 @@ class Settings:
     @property
     def options(self) -> tuple[Any, ...]:
         """`Options`, as a plain tuple."""
-        weights = np.array([float(getattr(self.weights, name)) for name in TERMS])
         made = Options(
-            CONTROLS[self.control], self.joint_rate, self.dt, weights, self.discount, self.slots,
-            self.fan,
+            CONTROLS[self.control], self.joint_rate, self.dt, self.weighted, self.discount,
+            self.slots, self.fan,
         )  # fmt: skip
         return tuple(made)
+
+
+@dataclass(frozen=True)
+class SpatialSettings(CommonSettings):
+    """What can be chosen about arms in space; the defaults are those of ``CatchArm3D-v0``."""
+
+    @property
+    def width(self) -> int:
+        """Length of an observation."""
+        return space.ARM + space.TARGET + self.slots * space.OBSTACLE
+
+    @property
+    def options(self) -> tuple[Any, ...]:
+        """`SpatialOptions`, as a plain tuple."""
+        return tuple(SpatialOptions(self.dt, self.weighted, self.discount, self.slots))
+
+
+Chosen = TypeVar("Chosen", Settings, SpatialSettings)
 
 
 def settings_of(
@@ -94,24 +128,32 @@ def settings_of(
     fan: bool | None = None,
     embedding: bool | None = None,
 ) -> Settings:
-    """Settings from their fields.
+    """Settings in the plane from their fields.
 
     Raises
     ------
     ArenaError
         With the field that is not known or out of its range.
     """
-    if settings is None or isinstance(settings, Mapping):
-        values = dict(settings or {})
-        unknown = sorted(set(values) - set(Settings.__dataclass_fields__))
-        if unknown:
-            raise ArenaError(f"settings: {unknown[0]!r} is not a known field")
-        weights = values.get("weights")
-        if isinstance(weights, Mapping):
-            strange = sorted(set(weights) - set(TERMS))
-            if strange:
-                raise ArenaError(f"settings.weights: {strange[0]!r} is not one of {TERMS}")
-            values["weights"] = Weights(**weights)
-        settings = Settings(**values)
     given: dict[str, Any] = {"control": control, "fan": fan, "embedding": embedding}
-    return replace(settings, **{name: v for name, v in given.items() if v is not None})
+    known = {name: value for name, value in given.items() if value is not None}
+    return replace(made_of(Settings, settings), **known)
+
+
+def made_of(kind: type[Chosen], settings: Chosen | Mapping[str, Any] | None) -> Chosen:
+    """Settings of a kind from their fields; raises as `settings_of`."""
+    if isinstance(settings, kind):
+        return settings
+    if not isinstance(settings, Mapping | None):
+        raise ArenaError(f"settings: must be {kind.__name__} (got {type(settings).__name__})")
+    values: dict[str, Any] = dict(settings or {})
+    unknown = sorted(set(values) - set(kind.__dataclass_fields__))
+    if unknown:
+        raise ArenaError(f"settings: {unknown[0]!r} is not a known field")
+    weights = values.get("weights")
+    if isinstance(weights, Mapping):
+        strange = sorted(set(weights) - set(TERMS))
+        if strange:
+            raise ArenaError(f"settings.weights: {strange[0]!r} is not one of {TERMS}")
+        values["weights"] = Weights(**weights)
+    return kind(**values)

@@ -7,13 +7,20 @@ from pathlib import Path
 
 from gcm_learn import seeding
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.pool import Pool
+from gcm_learn.execution.pool import Pool, SpatialPool, stops
 from gcm_learn.families import Family, draw, family_names, get_family
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import pack
-from gcm_learn.situation import AnySituation, Situation, planar, read_situations
+from gcm_learn.situation import (
+    AnySituation,
+    Situation,
+    SpatialArm,
+    planar,
+    read_situations,
+    spatial,
+)
 
-Source = str | Path | Family | Situation | Sequence[Situation]
+Source = str | Path | Family | AnySituation | Sequence[Situation] | Sequence[Situation[SpatialArm]]
 SALT = 77  # of the draws for pools, so that item k of a family is not in all of them
 
 
@@ -40,6 +47,11 @@ def situations_of(source: Source, count: int, seed: int) -> list[Situation]:
     return [planar(situation, "the arena") for situation in _found(source, count, seed)]
 
 
+def spatial_situations_of(source: Source, count: int, seed: int) -> list[Situation[SpatialArm]]:
+    """The same of arms in space; planar ones are refused."""
+    return [spatial(made, "the arena in space") for made in _found(source, count, seed)]
+
+
 def _found(source: Source, count: int, seed: int) -> Sequence[AnySituation]:
     if isinstance(source, Situation):
         return [source]
@@ -49,7 +61,7 @@ def _found(source: Source, count: int, seed: int) -> Sequence[AnySituation]:
         return _drawn(get_family(source), count, seed)
     if isinstance(source, str | Path):
         return _read(Path(source), count)
-    found = list(source)
+    found: list[AnySituation] = list(source)
     if not found or not all(isinstance(s, Situation) for s in found):
         raise ArenaError("situations: must be situations, at least one")
     return found
@@ -61,6 +73,14 @@ def pool_of(source: Source, count: int, seed: int) -> Pool:
     if not isinstance(source, Situation):
         found = [s for s in found if start_clearance(pack(s)) > 0.0]
     return Pool.of(found)
+
+
+def spatial_pool_of(source: Source, count: int, seed: int, dt: float) -> SpatialPool:
+    """The same of arms in space, also without those that move too fast to stop in steps of `dt`."""
+    found = spatial_situations_of(source, count, seed)
+    if not isinstance(source, Situation):
+        found = [s for s in found if start_clearance(pack(s)) > 0.0 and stops(s, dt)]
+    return SpatialPool.of(found)
 
 
 def _drawn(family: Family, count: int, seed: int) -> list[AnySituation]:

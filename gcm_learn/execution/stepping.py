@@ -174,20 +174,34 @@ def step(world, state, e, actions, options, told, workspace):
         Row e of outcomes and terms is written.
     workspace : Workspace
     """
-    s, weights, terms = state.place[e], options.weights, told.terms
+    s, weights = state.place[e], options.weights
     guided = world.fields.shape[0] > 0 and weights[GUIDE] != 0.0
     before = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1]) if guided else 0.0
     since = state.time[e]
     first, second = float(actions[e, 0]), float(actions[e, 1])
     outcome = advance(world, state, e, first, second, options, workspace)
+    after = 0.0
+    if guided and outcome == RUNNING:
+        after = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1])
+    share = (state.time[e] - since) / world.limits[s, HORIZON]
+    pay(told, e, outcome, share, weights, before - options.discount * after)
+
+
+@njit(_nrt=False)
+def pay(told, e, outcome, share, weights, nearer):
+    """Write how a step of arm e ended, and the terms of its reward.
+
+    Parameters
+    ----------
+    share : float
+        Of the horizon that it took.
+    nearer : float
+        The potential before the step less the discounted one after it: what is left to go. That of
+        what comes after an end is 0, or the optimum would change.
+    """
+    terms = told.terms
     told.outcomes[e] = outcome
     terms[e, CATCH] = weights[CATCH] if outcome == CAUGHT else 0.0
     terms[e, TOUCH] = -weights[TOUCH] if outcome == COLLIDED else 0.0
-    share = (state.time[e] - since) / world.limits[s, HORIZON]
     terms[e, HASTE] = -weights[HASTE] * share
-    terms[e, GUIDE] = 0.0
-    if guided:  # the potential of what comes after the end is 0, or the optimum would change
-        after = 0.0
-        if outcome == RUNNING:
-            after = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1])
-        terms[e, GUIDE] = weights[GUIDE] * (before - options.discount * after)
+    terms[e, GUIDE] = weights[GUIDE] * nearer

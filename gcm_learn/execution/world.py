@@ -107,7 +107,7 @@ def rules_in(world, s):
 
 
 def world_of(scenes: Sequence[Scene], rules: Sequence[Rules]) -> World:
-    """Pack scenes side by side; indices into vertices and pendulums move along.
+    """Pack scenes side by side.
 
     Parameters
     ----------
@@ -115,7 +115,23 @@ def world_of(scenes: Sequence[Scene], rules: Sequence[Rules]) -> World:
         Of situations in their canonical form.
     rules : sequence of Rules
     """
-    packed = [scene.bodies for scene in scenes]
+    return World(
+        **side_by_side([scene.bodies for scene in scenes]),
+        limbs=np.array([scene.limb for scene in scenes], dtype=float),
+        limits=np.array([scene.limits for scene in scenes], dtype=float),
+        rules=np.array(rules, dtype=float),
+        fields=np.zeros((0, 2, 2), dtype=np.float32),
+    )
+
+
+def side_by_side(packed: Sequence[Bodies]) -> dict[str, np.ndarray]:
+    """Bodies of many situations; indices into vertices and pendulums move along.
+
+    Returns
+    -------
+    dict
+        What `World` says of them, by its names.
+    """
     longest = max(b.angles.shape[1] for b in packed)
     angles = np.zeros((sum(len(b.angles) for b in packed), longest, 2))
     rows, first = [], [0]
@@ -130,14 +146,10 @@ def world_of(scenes: Sequence[Scene], rules: Sequence[Rules]) -> World:
         rows.append(row)
         corners, swings = corners + len(bodies.vertices), swings + len(bodies.angles)
         first.append(first[-1] + len(row))
-    return World(
-        rows=np.vstack(rows),
-        vertices=np.vstack([bodies.vertices for bodies in packed]),
-        angles=angles,
-        angle_steps=np.array([float(bodies.angle_step) for bodies in packed]),
-        first=np.array(first),
-        limbs=np.array([scene.limb for scene in scenes], dtype=float),
-        limits=np.array([scene.limits for scene in scenes], dtype=float),
-        rules=np.array(rules, dtype=float),
-        fields=np.zeros((0, 2, 2), dtype=np.float32),
-    )
+    return {
+        "rows": np.vstack(rows),
+        "vertices": np.vstack([bodies.vertices for bodies in packed]),
+        "angles": angles,
+        "angle_steps": np.array([float(bodies.angle_step) for bodies in packed]),
+        "first": np.array(first),
+    }

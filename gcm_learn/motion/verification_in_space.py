@@ -103,7 +103,7 @@ def piece_fault(scene, curve, span, q):
         if max(abs(first), abs(second)) > most:
             return FORCED
     if limits.speed != np.inf:
-        if _hand_too_fast(limb, curve, limits.speed * span * (1.0 + TOLERANCE), q):
+        if hand_too_fast(limb, curve, limits.speed * span * (1.0 + TOLERANCE), q):
             return FAST
     return NOTHING
 
@@ -166,7 +166,7 @@ def _rate(curve, j, s):
 
 
 @njit(_nrt=False)
-def _hand_too_fast(limb, curve, most, q):
+def hand_too_fast(limb, curve, most, q):
     """Whether the hand's way per share of a move exceeds `most` anywhere.
 
     The hand's velocity strays from a straight line between those at the ends of a span by at most

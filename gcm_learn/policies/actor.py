@@ -11,19 +11,22 @@ import numpy as np
 
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import (
+    AnyPool,
+    AnySettings,
     Episodes,
-    KinematicPlant,
     Moment,
-    Pool,
     Settings,
+    SpatialSettings,
+    made_of,
+    plant_of,
     run_episode,
-    settings_of,
 )
-from gcm_learn.policies.directions import turned, velocities
+from gcm_learn.policies.directions import steered, turned, velocities
 from gcm_learn.storage import whole_file
 
 FORMAT = "gcm-learn/actor@1"
 FILE = "actor.npz"
+FILE_IN_SPACE = "actor3d.npz"
 CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
 
 
@@ -43,9 +46,14 @@ class Actor:
     squash: bool
     """Whether the velocity is the tanh of the last layer."""
     spread: np.ndarray
-    """Logarithm of the deviations of sampled actions (2,); of no use to choices."""
-    settings: Settings
+    """Logarithm of the deviations of sampled actions (2,), in space (4,); of no use to choices."""
+    settings: AnySettings
     """Of the arms with which it was trained."""
+
+    @property
+    def in_space(self) -> bool:
+        """Whether it moves arms in space."""
+        return isinstance(self.settings, SpatialSettings)
 
     def scores(self, observations: np.ndarray) -> np.ndarray:
         """Last layer (n, out) for observations (n, width)."""
@@ -57,7 +65,7 @@ class Actor:
         return x @ weights.T + bias
 
     def act(self, observations: np.ndarray, rng: np.random.Generator | None = None) -> np.ndarray:
-        """Actions (n, 2): the most likely ones, or drawn if there is a generator."""
+        """Actions (n, 2), in space (n, 4): the most likely, or drawn if there is a generator."""
         scores = self.scores(observations)
         if self.head == "choice":
             if rng is not None:  # Gumbel's trick draws from the softmax
@@ -66,16 +74,16 @@ class Actor:
         if rng is not None:
             scores = scores + np.exp(self.spread) * rng.standard_normal(scores.shape)
         aimed = np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)
-        return turned(observations, aimed)
+        return (steered if self.in_space else turned)(observations, aimed)
 
     def play(
-        self, pool: Pool, places: np.ndarray, rng: np.random.Generator | None = None
+        self, pool: AnyPool, places: np.ndarray, rng: np.random.Generator | None = None
     ) -> Episodes:
         """Play one episode in each of some situations (n,) of a pool.
 
         With a generator, actions are drawn; else they are the most likely ones.
         """
-        plant = KinematicPlant(pool, len(places), self.settings)
+        plant = plant_of(pool, len(places), self.settings)
         return run_episode(_Acting(self, rng), plant, places)
 
     def save(self, folder: Path) -> Path:
@@ -90,7 +98,7 @@ class Actor:
         }
         arrays: dict[str, Any] = {f"w{k}": w for k, (w, _) in enumerate(self.layers)}
         arrays |= {f"b{k}": b for k, (_, b) in enumerate(self.layers)}
-        path = folder / FILE
+        path = folder / (FILE_IN_SPACE if self.in_space else FILE)
         with whole_file(path) as place:
             np.savez_compressed(
                 place, header=np.array(json.dumps(header)), mean=self.mean,
@@ -100,7 +108,7 @@ class Actor:
 
     @classmethod
     def load(cls, folder: Path) -> Actor:
-        """Read it.
+        """Read it; which kind of arm it moves is in the file's name.
 
         Raises
         ------
@@ -108,6 +116,9 @@ class Actor:
             One line, if there is none.
         """
         path = folder / FILE
+        kind: type[AnySettings] = Settings
+        if not path.exists() and (folder / FILE_IN_SPACE).exists():
+            path, kind = folder / FILE_IN_SPACE, SpatialSettings
         if not path.exists():
             raise PolicyError(f"{path}: there is no trained policy")
         with np.load(path, allow_pickle=False) as file:
@@ -115,7 +126,7 @@ class Actor:
             if header.get("format") != FORMAT:
                 raise PolicyError(f"{path}: is not {FORMAT} but {header.get('format')!r}")
             count = sum(name.startswith("w") for name in file.files)
-            settings = settings_of(header["settings"])
+            settings = made_of(kind, header["settings"])
             _check_encoder(path, settings, header.get("encoder", ""))
             return cls(
                 layers=tuple((file[f"w{k}"], file[f"b{k}"]) for k in range(count)),
@@ -137,19 +148,19 @@ class _Acting:
     rng: np.random.Generator | None
 
     def act(self, moment: Moment) -> np.ndarray:
-        """Its actions (n, 2)."""
+        """Its actions."""
         return self.actor.act(moment.observations, self.rng)
 
 
-def _check_encoder(path: Path, settings: Settings, key: str) -> None:
+def _check_encoder(path: Path, settings: AnySettings, key: str) -> None:
     """Refuse an actor that has learned from another encoder's embeddings."""
-    if settings.embedding and key != _encoder_key(settings):
+    if _encoder_key(settings) and key != _encoder_key(settings):
         raise PolicyError(f"{path}: was trained with another encoder than that of the models")
 
 
-def _encoder_key(settings: Settings) -> str:
+def _encoder_key(settings: AnySettings) -> str:
     """Of the encoder whose embeddings are told; empty if there is none."""
-    if not settings.embedding:
+    if not (isinstance(settings, Settings) and settings.embedding):
         return ""
     from gcm_learn.execution import encoder
 

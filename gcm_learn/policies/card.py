@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-from gcm_learn.execution import CAUGHT, COLLIDED, Pool
-from gcm_learn.policies.actor import FILE, Actor
+from gcm_learn.execution import CAUGHT, COLLIDED, AnyPool
+from gcm_learn.policies.actor import FILE, FILE_IN_SPACE, Actor
 from gcm_learn.policies.plan import Share, TrainingPlan
 from gcm_learn.storage import content_hash, write_whole
 
 CARD = "card.md"
 
 
-def score(actor: Actor, pool: Pool, groups: Sequence[str]) -> dict[str, float]:
+def score(actor: Actor, pool: AnyPool, groups: Sequence[str]) -> dict[str, float]:
     """Shares of catches and touches, over all situations and by group."""
     episodes = actor.play(pool, np.arange(len(pool)))
     caught, touched = episodes.outcomes == CAUGHT, episodes.outcomes == COLLIDED
@@ -34,7 +34,8 @@ def write_card(
     sizes: Mapping[str, int],
 ) -> Path:
     """Write the card; returns its path."""
-    digest = content_hash((folder / FILE).read_bytes())[:16]
+    file = FILE_IN_SPACE if plan.in_space else FILE
+    digest = content_hash((folder / file).read_bytes())[:16]
     sources = "; ".join(_told(share) for share in plan.situations)
     judged = "; ".join(_told(share) for share in plan.validation)
     lines = [
@@ -46,7 +47,7 @@ def write_card(
         f"- steps: {steps} (of {plan.n_timesteps}; the best on the validation situations is kept)",
         f"- trained on: {sources}",
         f"- begun with: {plan.start or 'nothing'}",
-        f"- `{FILE}`: sha256 {digest}...",
+        f"- `{file}`: sha256 {digest}...",
         "",
         f"Validation situations ({judged}), most likely actions, 95 % intervals (Wilson):",
         "",

@@ -6,15 +6,19 @@ observation's fan, so what is told of a ray is told of a choice. A choice can ha
 answers, left and right of an obstacle; a mean of them would lead into it. A velocity has its first
 axis in the first direction, so that (1, 0) catches where nothing is in the way: who has to find out
 about targets and about the frame of the moment at once hardly ever meets one at first.
+
+In space policies say likewise how to differ from the command that goes straight, which is told: 0
+goes there. Half of the largest difference stops a joint, all of it turns it about.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.execution import MEETING, RAYS
+from gcm_learn.execution import AIM, MEETING, RAYS
 
 REST = RAYS - 1
+STEER = 2.0  # largest difference from the straight command in space [greatest joint speeds]
 _SLOW = 0.25  # hands slower than this rest [hand speeds]
 
 
@@ -41,6 +45,12 @@ def turned(observations: np.ndarray, aimed: np.ndarray) -> np.ndarray:
 def aimed_of(observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
     """The reverse of `turned`."""
     return _rotated(actions, -_straight(observations))
+
+
+def steered(observations: np.ndarray, aimed: np.ndarray) -> np.ndarray:
+    """Commands (n, 4) of arms in space of differences (n, 4) from the straight ones."""
+    straight = observations[:, AIM : AIM + aimed.shape[1]].astype(float)
+    return np.clip(straight + STEER * aimed, -1.0, 1.0)
 
 
 def _rotated(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -14,9 +14,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from gcm_learn.errors import FileFormatError, GcmError, MissingExtraError, PolicyError
-from gcm_learn.execution import Settings, settings_of
+from gcm_learn.execution import AnySettings, Settings, SpatialSettings, made_of
 
-ENVIRONMENT = "CatchArm-v0"
+ENVIRONMENTS: dict[str, type[AnySettings]] = {
+    "CatchArm-v0": Settings,
+    "CatchArm3D-v0": SpatialSettings,
+}
 ALGORITHMS = ("clone", "ppo", "sac", "tqc")
 
 
@@ -56,9 +59,10 @@ class TrainingPlan:
     normalize: bool = True
     """Whether observations are scaled by their running mean and deviation."""
     actions: Literal["choice", "velocity"] = "choice"
-    """Both as seen from the straight way to the target; see `directions`."""
+    """Both as seen from the straight way to the target; see `directions`. In space there are no
+    choices."""
     seed: int = 0
-    settings: Settings = field(default_factory=lambda: Settings(fan=True))
+    settings: AnySettings = field(default_factory=lambda: Settings(fan=True))
     """Of the arena."""
     demonstrations: bool = False
     """Whether the replay buffer begins with catches that are acted out (sac, tqc)."""
@@ -69,11 +73,20 @@ class TrainingPlan:
     hyperparameters: Mapping[str, Any] = field(default_factory=dict)
     """Of the algorithm, as Stable-Baselines3 or `Cloning` name them."""
 
+    @property
+    def in_space(self) -> bool:
+        """Whether arms are spatial."""
+        return isinstance(self.settings, SpatialSettings)
+
     def __post_init__(self) -> None:
         if self.algo not in ALGORITHMS:
             raise PolicyError(f"algo: {self.algo!r} is not one of {', '.join(ALGORITHMS)}")
         if self.actions not in ("choice", "velocity"):
             raise PolicyError(f"actions: {self.actions!r} is not one of choice, velocity")
+        if self.in_space and (self.algo == "clone" or self.demonstrations):
+            raise PolicyError("algo: there are no demonstrations in space")
+        if self.in_space and self.actions == "choice":
+            raise PolicyError("actions: in space there is only velocity")
         if self.algo in ("sac", "tqc") and self.actions == "choice":
             raise PolicyError(f"actions: {self.algo} needs velocity")
         if self.demonstrations and self.algo not in ("sac", "tqc"):
@@ -112,15 +125,16 @@ def read_plan(path: Path) -> TrainingPlan:
         mark = getattr(error, "problem_mark", None)
         line = 1 if mark is None else mark.line + 1
         raise FileFormatError(f"{path}:{line}: not valid YAML") from None
-    if not isinstance(content, Mapping) or ENVIRONMENT not in content:
-        raise FileFormatError(f"{path}:1: must hold an entry {ENVIRONMENT}")
+    named = [name for name in ENVIRONMENTS if isinstance(content, Mapping) and name in content]
+    if len(named) != 1:
+        raise FileFormatError(f"{path}:1: must hold an entry {' or '.join(ENVIRONMENTS)}")
     try:
-        return plan_of(content[ENVIRONMENT])
+        return plan_of(content[named[0]], named[0])
     except (GcmError, TypeError, ValueError) as error:
-        raise FileFormatError(f"{path}:1: {ENVIRONMENT}.{error}") from None
+        raise FileFormatError(f"{path}:1: {named[0]}.{error}") from None
 
 
-def plan_of(entry: Mapping[str, Any]) -> TrainingPlan:
+def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> TrainingPlan:
     """A plan from the entry of a hyperparameter file; numbers may be written as 1e6."""
     values = dict(entry)
     known = {f.name for f in dataclasses.fields(TrainingPlan)} - {"hyperparameters"}
@@ -132,8 +146,11 @@ def plan_of(entry: Mapping[str, Any]) -> TrainingPlan:
     for name in ("n_timesteps", "n_envs", "seed", "evaluate_every"):
         if name in given:
             given[name] = int(float(given[name]))
-    if "settings" in given:
-        given["settings"] = settings_of(given["settings"])
+    kind = ENVIRONMENTS[environment]
+    if "settings" in given or kind is SpatialSettings:
+        given["settings"] = made_of(kind, given.get("settings"))
+    if kind is SpatialSettings:
+        given.setdefault("actions", "velocity")
     rest = {k: v if k == "net_arch" else _number(v) for k, v in values.items()}  # "64" is a list
     return TrainingPlan(**given, hyperparameters=rest)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -55,7 +56,8 @@ class ActorPlanner:
         if answer is not None:
             return answer
         turned, frame = canonical(situation)
-        pool, here = Pool.of([turned]).prepared(self.actor.settings), np.zeros(1, np.int64)
+        settings: Any = self.actor.settings
+        pool, here = Pool.of([turned]).prepared(settings), np.zeros(1, np.int64)
         found = [self.actor.play(pool, here)]
         if self.tries > 1:
             source = seeding.rng(self.seed, _number(turned))

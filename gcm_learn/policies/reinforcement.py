@@ -14,7 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
 from gcm_learn.errors import MissingExtraError, PolicyError
-from gcm_learn.execution import RUNNING, Pool, Steps
+from gcm_learn.execution import RUNNING, AnyPool, Steps
 from gcm_learn.policies.actor import CLIP, Actor
 from gcm_learn.policies.cloning import layers_of
 from gcm_learn.policies.directions import aimed_of
@@ -39,7 +39,7 @@ def algorithm(name: str) -> type[BaseAlgorithm]:
     return {"ppo": PPO, "sac": SAC}[name]
 
 
-def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
+def make(plan: TrainingPlan, pool: AnyPool, logs: Path) -> BaseAlgorithm:
     """A learner at its beginning."""
     env = normalised(plan, pool)
     wanted = dict(plan.hyperparameters)
@@ -62,7 +62,7 @@ def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
     return model
 
 
-def normalised(plan: TrainingPlan, pool: Pool) -> VecNormalize:
+def normalised(plan: TrainingPlan, pool: AnyPool) -> VecNormalize:
     """The batched arena; observations are scaled by running statistics if the plan says so."""
     env = ArenaVecEnv(pool, plan.n_envs, plan.settings, plan.seed, choices=plan.actions == "choice")
     gamma = float(plan.hyperparameters.get("gamma", 0.99))
@@ -129,7 +129,7 @@ def actor_of(model: BaseAlgorithm, plan: TrainingPlan) -> Actor:
     mean, deviation = np.zeros(width), np.ones(width)
     if plan.normalize:
         mean, deviation = env.obs_rms.mean.copy(), np.sqrt(env.obs_rms.var + _EPSILON)
-    choice, spread = plan.actions == "choice", np.zeros(2)
+    choice, spread = plan.actions == "choice", np.zeros(4 if plan.in_space else 2)
     if isinstance(model, PPO) and not choice:
         spread = model.policy.log_std.detach().numpy().astype(float)
     layers = [layers_of(part) for part in acting(model)]
@@ -153,7 +153,7 @@ def keep(model: BaseAlgorithm, folder: Path) -> None:
             model.save_replay_buffer(place)
 
 
-def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
+def go_on(plan: TrainingPlan, pool: AnyPool, folder: Path) -> BaseAlgorithm:
     """The learner that was kept in a folder."""
     fresh = normalised(plan, pool)
     env = VecNormalize.load(str(folder / STATISTICS), fresh.venv)

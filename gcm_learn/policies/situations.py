@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import Pool, situations_of
-from gcm_learn.motion import Trajectory
-from gcm_learn.planners import Plan, get_planner
+from gcm_learn.execution import AnyPool, Pool, SpatialPool, situations_of, spatial_situations_of
+from gcm_learn.planners import AnyPlan, get_planner
 from gcm_learn.policies.plan import Share
-from gcm_learn.situation import Situation, canonical
+from gcm_learn.situation import AnySituation, canonical, planar
 
 PLANNER = "layered"  # whose catches are shown
 Told = Callable[[str], object]
@@ -21,17 +21,18 @@ Told = Callable[[str], object]
 class Lot:
     """Situations, what is known of them, and catches where they were asked for."""
 
-    situations: list[Situation]
-    """In their canonical form."""
+    situations: list[Any]
+    """In their canonical form; in space as they are."""
     groups: list[str]
     """Stratum, or the source where it is not known."""
-    paths: list[Trajectory | None]
+    paths: list[Any]
     """Of the planner's catch, in canonical coordinates; None if there is none."""
 
     @property
-    def pool(self) -> Pool:
+    def pool(self) -> AnyPool:
         """Packed for the arena."""
-        return Pool.of(self.situations)
+        spatial = self.situations[0].is_spatial
+        return SpatialPool.of(self.situations) if spatial else Pool.of(self.situations)
 
     def shown(self) -> Lot:
         """Only what has a catch."""
@@ -43,12 +44,16 @@ class Lot:
         )
 
 
-def gather(shares: Sequence[Share], *, plans: bool, tell: Told | None = None) -> Lot:
+def gather(
+    shares: Sequence[Share], *, plans: bool, space: bool = False, tell: Told | None = None
+) -> Lot:
     """Draw or read situations; in all of them the limb starts free.
 
     Parameters
     ----------
     shares : sequence of Share
+    space : bool
+        Whether the arms are spatial.
     plans : bool
         Whether catches are wanted: those of a dataset's records, or planned now.
     tell : callable, optional
@@ -56,7 +61,10 @@ def gather(shares: Sequence[Share], *, plans: bool, tell: Told | None = None) ->
     """
     lot = Lot([], [], [])
     for share in shares:
-        part = _records(share) if Path(share.source).is_dir() else _drawn(share, plans)
+        if Path(share.source).is_dir() and not space:
+            part = _records(share)
+        else:
+            part = _drawn(share, plans, space)
         if not part.situations:
             raise PolicyError(f"situations: nothing of {share.source!r} fits")
         for mine, more in zip(_lists(lot), _lists(part), strict=True):
@@ -89,12 +97,15 @@ def _records(share: Share) -> Lot:
     return lot
 
 
-def _drawn(share: Share, plans: bool) -> Lot:
+def _drawn(share: Share, plans: bool, space: bool) -> Lot:
     """Situations of a family or file, in canonical form; planned for if need be."""
     lot, planner = Lot([], [], []), get_planner(PLANNER)
-    for drawn in situations_of(share.source, share.count, share.seed):
-        situation, _ = canonical(drawn)
-        plan: Plan | None = None
+    found: Sequence[AnySituation] = (spatial_situations_of if space else situations_of)(
+        share.source, share.count, share.seed
+    )
+    for drawn in found:
+        situation: Any = drawn if space else canonical(planar(drawn, "training"))[0]
+        plan: Any = None
         if plans or share.reachable:
             plan = planner.plan(situation)
             if share.reachable and not plan.caught:
@@ -105,5 +116,5 @@ def _drawn(share: Share, plans: bool) -> Lot:
     return lot
 
 
-def _path(plan: Plan | None) -> Trajectory | None:
+def _path(plan: AnyPlan | None) -> Any:
     return plan.trajectory if plan is not None and plan.caught else None

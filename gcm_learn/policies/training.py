@@ -69,9 +69,11 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
     run = Run(plan, folder, tell, time.perf_counter())
     _claim(run)
     torch.set_num_threads(1)
-    judged = gather(plan.validation, plans=False, tell=lambda s: tell(f"validation: {s}"))
-    asked = plan.algo == "clone" or plan.demonstrations
-    shown = gather(plan.situations, plans=asked, tell=lambda s: tell(s))
+    space, asked = plan.in_space, plan.algo == "clone" or plan.demonstrations
+    judged = gather(
+        plan.validation, plans=False, space=space, tell=lambda s: tell(f"validation: {s}")
+    )
+    shown = gather(plan.situations, plans=asked, space=space, tell=lambda s: tell(s))
     judge = _Judge(run, judged.pool, judged.groups)
     if plan.algo == "clone":
         _clone(run, shown.shown(), judge)
@@ -115,7 +117,7 @@ def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
 class _Judge:
     """Scores actors on the validation situations and keeps the best."""
 
-    def __init__(self, run: Run, pool: Pool, groups: list[str]) -> None:
+    def __init__(self, run: Run, pool: Any, groups: list[str]) -> None:
         # Maps are for learning only: without them an actor is judged, kept and used.
         weights = replace(run.plan.settings.weights, guide=0.0)
         self.plain = replace(run.plan.settings, weights=weights)
@@ -146,8 +148,9 @@ class _Judge:
 def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
     """Act catches out and clone them."""
     plan = run.plan
+    settings: Any = plan.settings  # of planar arms: plans refuse the others
     demonstrations = Demonstrations.joined(
-        act_out(pool, paths, plan.settings) for pool, paths in _parts(shown)
+        act_out(pool, paths, settings) for pool, paths in _parts(shown)
     )
     run.tell(
         f"{len(demonstrations.actions)} steps of {demonstrations.caught.sum()} catches; "
@@ -166,7 +169,7 @@ def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
         run.tell(f"epoch {row['epoch']:.0f}: loss {row['held_out_loss']:.3f} on what is held out")
 
     choices = plan.actions == "choice"
-    made = clone(demonstrations, plan.settings, how, plan.seed, report, choices=choices)
+    made = clone(demonstrations, settings, how, plan.seed, report, choices=choices)
     judge.see(made, 0, {})
 
 
@@ -185,7 +188,9 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     plan, folder = run.plan, run.folder
     if plan.settings.weights.guide != 0.0:
         run.tell(f"making maps of {len(lot.situations)} situations")
-    pool = lot.pool.prepared(plan.settings)
+    settings: Any = plan.settings
+    whole: Any = lot.pool
+    pool = whole.prepared(settings)
     if (folder / rl.MODEL).exists():
         model = rl.go_on(plan, pool, folder)
         run.tell(f"going on after {model.num_timesteps} steps")
@@ -193,7 +198,7 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
         model = rl.make(plan, pool, folder / "tensorboard")
         if plan.demonstrations:
             for part, paths in _parts(lot.shown()):
-                rl.show(model, transitions(part, paths, plan.settings))
+                rl.show(model, transitions(part, paths, settings))
             run.tell(f"{model.replay_buffer.size() * plan.n_envs} steps of catches are shown")
         judge.see(rl.actor_of(model, plan), 0, {})
     while model.num_timesteps < plan.n_timesteps:

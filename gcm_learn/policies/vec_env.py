@@ -9,9 +9,18 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnv
 
-from gcm_learn.envs import box
-from gcm_learn.execution import CAUGHT, OUTCOMES, RAYS, RUNNING, KinematicPlant, Pool, Settings
-from gcm_learn.policies.directions import turned, velocities
+from gcm_learn.envs import box, commands
+from gcm_learn.execution import (
+    CAUGHT,
+    OUTCOMES,
+    RAYS,
+    RUNNING,
+    AnyPool,
+    AnySettings,
+    SpatialSettings,
+    plant_of,
+)
+from gcm_learn.policies.directions import steered, turned, velocities
 from gcm_learn.seeding import rng
 
 
@@ -23,10 +32,10 @@ class ArenaVecEnv(VecEnv):
 
     Parameters
     ----------
-    pool : Pool
+    pool : Pool or SpatialPool
     count : int
         Number of arms.
-    settings : Settings
+    settings : Settings or SpatialSettings
     seed : int
         Of the order in which situations come.
     choices : bool
@@ -36,14 +45,15 @@ class ArenaVecEnv(VecEnv):
     render_mode = None
 
     def __init__(
-        self, pool: Pool, count: int, settings: Settings, seed: int, *, choices: bool
+        self, pool: AnyPool, count: int, settings: AnySettings, seed: int, *, choices: bool
     ) -> None:
-        self.plant, self.choices = KinematicPlant(pool, count, settings), choices
-        velocity = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        actions = spaces.Discrete(RAYS) if choices else velocity
+        self.plant: Any = plant_of(pool, count, settings)
+        straight = steered if isinstance(settings, SpatialSettings) else turned
+        self._commands = velocities if choices else straight
+        actions = spaces.Discrete(RAYS) if choices else commands(self.plant)
         super().__init__(count, box(self.plant), actions)
         self._source = rng(seed)
-        self._actions = np.zeros((count, 2))
+        self._actions = np.zeros((count, self.plant.commands))
         self._sums, self._lengths = np.zeros(count), np.zeros(count, np.int64)
 
     def reset(self) -> np.ndarray:
@@ -57,8 +67,7 @@ class ArenaVecEnv(VecEnv):
 
     def step_async(self, actions: np.ndarray) -> None:
         """Note what to do."""
-        observations = self.plant.observations
-        self._actions = (velocities if self.choices else turned)(observations, actions)
+        self._actions = self._commands(self.plant.observations, actions)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Do it."""

@@ -1,0 +1,167 @@
+"""The arm in space as a Gymnasium environment: one arm, one situation an episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArm, known_mode
+from gcm_learn.execution import (
+    Source,
+    SpatialPlant,
+    SpatialPool,
+    SpatialSettings,
+    made_of,
+    spatial_pool_of,
+    way_of,
+)
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.situation import Situation, SpatialArm, rotation_of
+
+
+class CatchArm3D(OneArm):
+    """A four-joint arm in space that catches a moving target among moving obstacles.
+
+    An episode is one situation (`gcm_learn.Situation`) with a spatial arm, its bodies moving by
+    their laws whatever the arm does. ``gymnasium.make("gcm_learn:CatchArm3D-v0")`` makes it;
+    arguments of the constructor go to `make`. Importing `gcm_learn` registers it.
+
+    **Action**, ``Box(-1, 1, (4,))``: rates of the joints for the next `dt` seconds, 1 being the
+    joint's greatest speed. Ranges end a joint's turn. Where the hand's speed is limited, what would
+    be too fast is scaled down. Where accelerations are limited, the rates are those at the end of
+    the step, as near as the joints get, and such that they can always stop before their ranges end
+    and keep the hand's limit meanwhile.
+
+    **Observation**, ``Box(-10, 10, (65 + 20 slots,))``, 145 numbers by default. Vectors are in the
+    frame of the arm's base, the shoulder at the origin. Unit of lengths: the arm's reach, both
+    bones in line. Unit of velocities: the fastest that the hand can be, by its own limit or by what
+    the joints allow at most. Unit of times: that in which such a hand makes a reach. What is larger
+    than 10 is told as 10.
+
+    ===== ============================================================== ============== =======
+    from  the arm                                                        range          unit
+    ===== ============================================================== ============== =======
+    0     joints (4)                                                     -10 ... 10     rad
+    4     their rates (4)                                                -1 ... 1       speed
+    8     hand (3)                                                       -1 ... 1       reach
+    11    elbow (3)                                                      -1 ... 1       reach
+    14    from the lowest angles of the joints' ranges (4)               0 ... 10       rad
+    18    to the highest (4)                                             0 ... 10       rad
+    22    how far the joints turn in a unit of time at most (4)          0 ... 10       rad
+    26    how long they take to full speed, 0 without limits (4)         0 ... 10       time
+    30    length of the upper arm                                        0 ... 1        reach
+    31    thickness, grasp                                               -10 ... 10     reach
+    33    time left, time of a step                                      0 ... 10       time
+    35    the target that can be met first: centre, from the hand (3)    -10 ... 10     reach
+    38    its velocity (3)                                               -10 ... 10     speed
+    41    its acceleration (3)                                           -10 ... 10     s. / t.
+    44    its centre after 0.5, 1 and 2 units of time, but not after     -10 ... 10     reach
+          the horizon, from the hand as it is now (3 x 3)
+    53    radius of its ball                                             0 ... 10       reach
+    54    distance that is missing for a catch, below 0 inside           -10 ... 10     reach
+    55    whether the hand can meet it in time, as it seems              0 or 1
+    56    where, from the hand (3); at the horizon, if it cannot         -10 ... 10     reach
+    59    when                                                           0 ... 10       time
+    60    how far that is from the shoulder                              0 ... 10       reach
+    61    the action that takes the hand straight there at full speed    -1 ... 1       action
+          (4): damped least squares, joints at an end left out
+    65    `slots` obstacles, those nearest to the limb first, 20 each:
+    +0    there is one (else all are 0)                                  0 or 1
+    +1    the limb's nearest point (3)                                   -1 ... 1       reach
+    +4    from there to the obstacle's nearest point (3)                 -10 ... 10     reach
+    +7    distance before it counts as a touch                           -10 ... 10     reach
+    +8    velocity of its nearest point, seen from the limb's (3)        -10 ... 10     speed
+    +11   its centre, from the hand (3)                                  -10 ... 10     reach
+    +14   radii of the balls about its centre that hold it, and that     0 ... 10       reach
+          it holds
+    +16   distance to the limb if that rests, after 0.5 and 1 units of   -10 ... 10     reach
+          time, but not after the horizon
+    +18   the same if the limb follows the action at 61 meanwhile        -10 ... 10     reach
+    ===== ============================================================== ============== =======
+
+    Distances above half a reach are those of the ball that holds an obstacle. Everything is a
+    function of situation, time, joints and rates (`execution.space.observe_in_space`).
+
+    **End.** A catch or a touch terminates the episode, the horizon truncates it. Both are found by
+    the functions that verify plans, between steps too: a catch that is reported here is one that
+    `gcm_learn.planners` would report.
+
+    **Reward**, the sum of ``info["reward_terms"]``:
+
+    ===== ================================================================================
+    catch `weights.catch` at a catch
+    touch minus `weights.touch` at a touch
+    haste minus `weights.haste` for each horizon's time
+    guide `weights.guide` times how much nearer the step brought the hand to where it can
+          meet the target, in two reaches (potential-based)
+    ===== ================================================================================
+
+    **Info**: `reward_terms`; `time` [s]; `hand` (3), in the world; `outcome` (running, caught,
+    touched or late); at the end `is_success`.
+
+    **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts
+    in that situation, ``options={"index": k}`` in the pool's k-th.
+
+    Parameters
+    ----------
+    situations : str, Path, Family, Situation or sequence of Situation
+        A family's name, a dataset's folder, a file, or situations, with spatial arms.
+    render_mode : {"rgb_array", "human"}, optional
+        Neither needs a graphics card.
+    pool : int
+        How many situations are drawn or read.
+    pool_seed : int
+        Of what is drawn.
+    settings : SpatialSettings or mapping, optional
+        Fields of `SpatialSettings`, and of `Weights` under "weights".
+    """
+
+    plant: SpatialPlant
+
+    def __init__(
+        self,
+        situations: Source | SpatialPool = IN_SPACE,
+        render_mode: str | None = None,
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        settings: SpatialSettings | Mapping[str, Any] | None = None,
+    ) -> None:
+        known_mode(render_mode)
+        chosen, made = made_of(SpatialSettings, settings), situations
+        if not isinstance(made, SpatialPool):
+            made = spatial_pool_of(made, pool, pool_seed, chosen.dt)
+        super().__init__(SpatialPlant(made, 1, chosen), render_mode)
+        self._turn, self._origin = np.eye(3), np.zeros(3)
+
+    @property
+    def trajectory(self) -> SpatialTrajectory:
+        """The arm's way so far."""
+        path = np.array(self._path)
+        return way_of(self.situation.arm, path[:, 0], path[:, 1:])
+
+    def _pool_of(self, situation: Situation[SpatialArm]) -> SpatialPool:
+        return SpatialPool.of([situation])
+
+    def _begin(self, index: int) -> None:
+        base = self.situation.arm.base
+        self._turn, self._origin = rotation_of(base.rotation), np.asarray(base.origin)
+
+    def _where(self) -> tuple[float, ...]:
+        state = self.plant.state
+        return (state.time.item(0), *state.posture[0].tolist())
+
+    def _in_world(self) -> np.ndarray:
+        hand: np.ndarray = self._turn @ self.plant.hand[0] + self._origin
+        return hand
+
+    def _new_viewer(self, window: bool) -> Any:
+        from gcm_learn.envs.viewer_in_space import ViewerInSpace
+
+        return ViewerInSpace(window)
+
+    def _drawn(self, viewer: Any) -> np.ndarray | None:
+        picture: np.ndarray | None = viewer.show(self.situation, self.trajectory)
+        return picture

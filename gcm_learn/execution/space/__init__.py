@@ -1,0 +1,1 @@
+"""Arms in space that act step by step: their world, their steps, what they are told."""

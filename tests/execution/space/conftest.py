@@ -1,0 +1,42 @@
+"""Situations that the tests of the arena in space share."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from gcm_learn import families, read_situations
+from gcm_learn.execution.pool import stops
+from gcm_learn.motion.rules import start_clearance
+from gcm_learn.scene.packing import pack
+from tests.spatial import EXAMPLES
+
+NAMES = ("static-clutter-space", "falling-space", "pendulum-space", "crossing-swarm-space")
+RAMP = 0.15  # in which joints come to their full speed, where accelerations are limited [s]
+
+
+def limited(situation):
+    """Return the situation with limits of acceleration, the arm moving a little at first."""
+    arm = situation.arm
+    joints = range(4)
+    rates = tuple((-0.2) ** (j + 1) * arm.max_joint_speed[j] for j in joints)
+    most = tuple(arm.max_joint_speed[j] / RAMP for j in joints)
+    return replace(situation, arm=replace(arm, max_joint_acceleration=most, joint_rates=rates))
+
+
+def good(situation):
+    """Return whether an episode can begin."""
+    return start_clearance(pack(situation)) > 0.0 and stops(situation, 0.02)
+
+
+@pytest.fixture(scope="session")
+def arms():
+    """Return situations of several families and arms, with and without limits of acceleration."""
+    drawn = [families.draw(name, 5, k) for name in NAMES for k in range(5)]
+    read = read_situations(EXAMPLES)[::5]
+    quick = [s for s in [*drawn, *read] if good(s)]
+    slow = [s for s in map(limited, drawn[::3]) if good(s)]
+    one = quick[0]
+    other = replace(quick[1].targets[0], name="another")
+    return (*quick, *slow, replace(one, bodies=(*one.bodies, other)))
