@@ -2,7 +2,8 @@
 
     python experiments/benchmarks/arena.py [--rounds 12]      the end of `make bench`
 
-Random actions, three bodies (a target and two obstacles drawn anywhere). The time of one core is
+Random actions, three bodies (a target and two obstacles drawn anywhere); in space the bodies of
+`crossing-swarm-space`. The time of one core is
 what its thread was busy, so it is good on a shared machine too; of all cores it is the clock's,
 which is not. Rounds take turns, so that what the machine does meanwhile meets all alike; medians
 are told, first those that have a target.
@@ -23,12 +24,14 @@ import gymnasium
 import numpy as np
 
 from gcm_learn import families, rng
-from gcm_learn.envs import CatchArms, Pool
+from gcm_learn.envs import CatchArms, CatchArms3D, Pool
+from gcm_learn.envs.vector import ManyArms
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
 
 BODIES, SITUATIONS = 3, 256
+FAMILY = "crossing-swarm-space"
 CORES = os.cpu_count() or 1
 ARMS, STEPS = 512, 64  # of a core in a round of the batch
 SINGLE = 4000  # steps of a round of a single environment
@@ -47,9 +50,10 @@ def situations() -> list[Situation]:
     return found
 
 
-def batch(arms: CatchArms, clock: Clock) -> float:
+def batch(arms: ManyArms, clock: Clock) -> float:
     """Steps a second of a round of all arms."""
-    actions = rng(0).uniform(-1.0, 1.0, (STEPS, arms.num_envs, 2)).astype(np.float32)
+    shape = (STEPS, arms.num_envs, arms.plant.commands)
+    actions = rng(0).uniform(-1.0, 1.0, shape).astype(np.float32)
     since = clock()
     for action in actions:
         arms.step(action)
@@ -76,16 +80,22 @@ def main() -> None:
     pool = Pool.of(situations())
     one, crew = CatchArms(ARMS, pool), CatchArms(CORES * ARMS, pool, threads=CORES)
     fan = CatchArms(ARMS, pool, fan=True)
+    many = CatchArms3D(ARMS, FAMILY, pool=SITUATIONS)
+    space = CatchArms3D(CORES * ARMS, many.pool, threads=CORES)
     made = gymnasium.make("gcm_learn:CatchArm-v0", situations=pool)
+    made_3d = gymnasium.make("gcm_learn:CatchArm3D-v0", situations=many.pool)
     pendulum = gymnasium.make("Pendulum-v1")
     rows: dict[str, Callable[[], float]] = {
         "batch, a core": lambda: batch(one, time.thread_time),
         "batch, all cores, by the clock": lambda: batch(crew, time.perf_counter),
         "batch with the fan, a core": lambda: batch(fan, time.thread_time),
+        "batch in space, a core": lambda: batch(many, time.thread_time),
+        "batch in space, all cores": lambda: batch(space, time.perf_counter),
         "one CatchArm-v0": lambda: single(made),
+        "one CatchArm3D-v0": lambda: single(made_3d),
         "one Pendulum-v1": lambda: single(pendulum),
     }
-    for arms in (one, crew, fan):
+    for arms in (one, crew, fan, many, space):
         arms.reset(seed=0)
     seen: dict[str, list[float]] = {name: [] for name in rows}
     for k in range(rounds + 1):
@@ -97,6 +107,8 @@ def main() -> None:
     print(f"one CatchArm-v0 / one Pendulum-v1   [at least 1 x]\n    {np.median(ratio):.2f} x")
     print("batch on all cores   [at least 500,000 steps/s on two]")
     print(f"    {np.median(seen['batch, all cores, by the clock']):,.0f} steps/s on {CORES}")
+    print("batch in space on all cores   [at least 150,000 steps/s on two]")
+    print(f"    {np.median(seen['batch in space, all cores']):,.0f} steps/s on {CORES}")
     for name, rates in seen.items():
         low, middle, high = np.quantile(rates, [0.0, 0.5, 1.0])
         print(f"    {name:30} {middle:>9,.0f} steps/s ({low:,.0f} to {high:,.0f})")

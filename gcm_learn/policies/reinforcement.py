@@ -46,6 +46,9 @@ def make(plan: TrainingPlan, pool: AnyPool, logs: Path) -> BaseAlgorithm:
     layers = [int(n) for n in str(wanted.pop("net_arch", _NETWORK)).split(",")]
     policy = str(wanted.pop("policy", "MlpPolicy"))
     networks: Any = {"pi": layers, "vf": layers} if plan.algo == "ppo" else layers
+    made: dict[str, Any] = {"net_arch": networks, "activation_fn": nn.ReLU}
+    if "log_std_init" in wanted:
+        made["log_std_init"] = float(wanted.pop("log_std_init"))
     for name in ("n_steps", "batch_size", "n_epochs", "buffer_size", "learning_starts",
                  "train_freq", "gradient_steps"):  # fmt: skip
         if name in wanted:
@@ -53,7 +56,7 @@ def make(plan: TrainingPlan, pool: AnyPool, logs: Path) -> BaseAlgorithm:
     try:
         model = algorithm(plan.algo)(
             policy, env, seed=plan.seed, tensorboard_log=str(logs), device="cpu",
-            policy_kwargs={"net_arch": networks, "activation_fn": nn.ReLU}, **wanted,
+            policy_kwargs=made, **wanted,
         )  # fmt: skip
     except TypeError as error:
         raise PolicyError(str(error).replace("\n", " ")) from None
