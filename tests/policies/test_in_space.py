@@ -1,0 +1,118 @@
+"""Policies for arms in space: plans of training, learners, actors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcm_learn.errors import ArmKindError, FileFormatError, PolicyError
+from gcm_learn.execution import AIM, CAUGHT, SpatialPool, SpatialSettings, spatial_pool_of
+from gcm_learn.policies import Actor, plan_of, read_plan
+from gcm_learn.policies.actor import FILE_IN_SPACE
+from gcm_learn.policies.directions import STEER, steered
+
+CONFIGS = Path(__file__).parents[2] / "experiments" / "04_policies"
+FAMILY = "static-clutter-space"
+
+
+def entry(**more):
+    """Return the entry of a small run."""
+    return {
+        "algo": "ppo", "n_timesteps": 256, "n_envs": 8, "net_arch": "16", "n_steps": 16,
+        "batch_size": 64, "log_std_init": -1.0, "evaluate_every": 128,
+        "situations": [{"source": FAMILY, "count": 6}],
+        "validation": [{"source": FAMILY, "count": 4, "seed": 1}], **more,
+    }  # fmt: skip
+
+
+def straight_actor(width):
+    """Return an actor that never differs from the straight way."""
+    layer = (np.zeros((4, width), np.float32), np.zeros(4, np.float32))
+    return Actor(
+        layers=(layer,), mean=np.zeros(width), deviation=np.ones(width), head="velocity",
+        activation="relu", squash=False, spread=np.zeros(4), settings=SpatialSettings(),
+    )  # fmt: skip
+
+
+def test_shipped_configurations_are_plans():
+    for path in sorted(CONFIGS.glob("*-space.yml")):
+        plan = read_plan(path)
+        assert plan.in_space and plan.actions == "velocity"
+
+
+def test_bad_plans_are_refused_in_one_line(tmp_path):
+    with pytest.raises(PolicyError, match="in space there is only velocity"):
+        plan_of(entry(actions="choice"), "CatchArm3D-v0")
+    with pytest.raises(PolicyError, match="there are no demonstrations in space"):
+        plan_of(entry(algo="clone"), "CatchArm3D-v0")
+    path = tmp_path / "other.yml"
+    path.write_text("Pendulum-v1: {}\n")
+    with pytest.raises(FileFormatError, match="must hold an entry CatchArm-v0 or CatchArm3D-v0"):
+        read_plan(path)
+    path.write_text("CatchArm3D-v0: {algo: ppo, settings: {fan: true}}\n")
+    with pytest.raises(FileFormatError, match=r"CatchArm3D-v0.settings: 'fan' is not a known"):
+        read_plan(path)
+
+
+def test_actions_are_differences_from_the_straight_way():
+    told = np.zeros((2, 145), np.float32)
+    told[:, AIM : AIM + 4] = [1.0, -0.5, 0.25, 0.0]
+    still = steered(told, np.zeros((2, 4)))
+    np.testing.assert_allclose(still, told[:, AIM : AIM + 4])
+    other = steered(told, np.array([[-0.5, 0.0, 0.0, 1.0]] * 2))
+    np.testing.assert_allclose(other[0], [1.0 - 0.5 * STEER, -0.5, 0.25, 1.0])
+
+
+def test_an_actor_is_kept_and_acts(tmp_path):
+    pool = spatial_pool_of(FAMILY, 30, 0, 0.02)
+    actor = straight_actor(145)
+    actor.save(tmp_path)
+    assert (tmp_path / FILE_IN_SPACE).exists()
+    back = Actor.load(tmp_path)
+    assert back.in_space and back.settings == actor.settings
+    first, second = (a.play(pool, np.arange(len(pool))) for a in (actor, back))
+    np.testing.assert_array_equal(first.posture, second.posture)
+    assert (first.outcomes == CAUGHT).any()
+    drawn = [back.play(pool, np.arange(4), np.random.default_rng(k)).times for k in (1, 1, 2)]
+    np.testing.assert_array_equal(drawn[0], drawn[1])
+    assert (drawn[0] != drawn[2]).any()
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_learners_run_and_go_on(tmp_path, algo):
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies import train
+
+    given = entry(settings={"weights": {"guide": 1.0}})
+    if algo == "sac":
+        for name in ("n_steps", "log_std_init"):
+            given.pop(name)
+        given |= {"algo": "sac", "learning_starts": 50, "buffer_size": 1000}
+    plan = plan_of(given, "CatchArm3D-v0")
+    scores = train(plan, tmp_path / "made", lambda text: None)
+    assert 0.0 <= scores["caught"] <= 1.0
+    actor = Actor.load(tmp_path / "made")
+    assert actor.in_space and actor.settings.weights.guide == 0.0
+    assert FILE_IN_SPACE in (tmp_path / "made" / "card.md").read_text("utf-8")
+    more = plan_of(given | {"n_timesteps": 384}, "CatchArm3D-v0")
+    train(more, tmp_path / "made", lambda text: None)
+    log = (tmp_path / "made" / "log.jsonl").read_text("utf-8").splitlines()
+    assert len(log) >= 4
+
+
+def test_planar_situations_are_not_trained_on_in_space(tmp_path):
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies import train
+
+    plan = plan_of(entry(situations=[{"source": "random-planar", "count": 2}]), "CatchArm3D-v0")
+    with pytest.raises(ArmKindError, match="takes spatial arms only"):
+        train(plan, tmp_path, lambda text: None)
+
+
+def test_pools_of_parts_are_the_same_situations():
+    pool = spatial_pool_of(FAMILY, 4, 0, 0.02)
+    part = pool.part([2, 0])
+    assert isinstance(part, SpatialPool)
+    assert part.situations == (pool.situations[2], pool.situations[0])
