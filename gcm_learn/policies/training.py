@@ -186,7 +186,7 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     from gcm_learn.policies import reinforcement as rl
 
     plan, folder = run.plan, run.folder
-    if plan.settings.weights.guide != 0.0:
+    if plan.settings.weights.guide != 0.0 and not plan.in_space:
         run.tell(f"making maps of {len(lot.situations)} situations")
     settings: Any = plan.settings
     whole: Any = lot.pool
