@@ -39,6 +39,7 @@ class Counter:
 
     def __init__(self, count):
         self.time, self.hand = np.zeros(count), np.zeros((count, 2))
+        self.posture = self.hand
         self.observations, self.rewards = np.zeros((count, 1), "f4"), np.ones(count)
         self.held = []
 
