@@ -35,7 +35,7 @@ from gcm_learn.execution import (  # noqa: E402
 )
 from gcm_learn.families import paper_scene  # noqa: E402
 from gcm_learn.motion import start_clearance  # noqa: E402
-from gcm_learn.planners import get_planner  # noqa: E402
+from gcm_learn.planners import InTube, Tube, get_planner  # noqa: E402
 from gcm_learn.scene import forward_in_space, pack, pose  # noqa: E402
 from gcm_learn.situation import (  # noqa: E402
     Capsule,
@@ -118,19 +118,27 @@ def met(situation: Spatial, plan: Any) -> float:
     return float(times[within[0]]) if within.size else float(plan.catch_time)
 
 
+def tube() -> Tube:
+    """The tube about NAO's plans, measured on other situations by run.py."""
+    known = json.loads((HERE / "tubes.json").read_text())["nao"]["known"]
+    return Tube(known["still"], known["per_speed"])
+
+
 def measured(index: int) -> dict[str, Any]:
-    """What is planned for a variation, and what becomes of it, with two controls."""
+    """What is planned for a variation, and what becomes of it, with three others beside it."""
     free = varied(index)
     limited = with_motor_limits(free, body_for(free.arm))
     planner, since = get_planner("layered"), process_time()
     plan: Any = planner.plan(limited)
     ms = 1e3 * (process_time() - since)
     loose: Any = planner.plan(free)
+    wide: Any = InTube(planner, tube()).plan(limited)
     return {
         "index": index,
         "ms": round(ms, 1),
         "clearance": plan.clearance,
         "executed": told(execute(plan, limited), plan),
+        "tube": told(execute(wide, limited), wide),
         "gravity": told(execute(plan, limited, controller=Controller("gravity")), plan),
         "kinematic": told(execute(loose, free), loose),
     }
@@ -186,10 +194,11 @@ def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
             "box ahead, aside [m]": BOX,
             "start [rad]": START,
         },
+        "tube [m, s]": [tube().still, tube().per_speed],
         "planning_ms": spread([row["ms"] for row in rows]),
         **{
             name: summed([row[name] for row in rows])
-            for name in ("executed", "gravity", "kinematic")
+            for name in ("executed", "tube", "gravity", "kinematic")
         },
         "clear": [
             sum(row["executed"]["status"] == status for row in rows if clear(row))
