@@ -40,12 +40,13 @@ format: $(VENV)/.dev  ## rewrite the sources in the house style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets and the arena
+bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets, the arena and the arm with mass
 	$(BIN)/python experiments/benchmarks/run.py
 	$(BIN)/python experiments/benchmarks/space.py
 	$(BIN)/python experiments/benchmarks/dataset.py
 	$(BIN)/python experiments/benchmarks/arena.py
 	$(BIN)/python experiments/benchmarks/first_catch.py
+	$(BIN)/python experiments/benchmarks/body.py
 
 clean:  ## remove what was built, except .venv
 	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -84,8 +84,9 @@ class SpatialTrajectory:
 
         At a sample they are those of the piece that begins there.
         """
-        joints = self.joints_at(t)
         inside = (t >= self.time[0]) & (t < self.time[-1])
+        if self.rates is None or self.time.size == 1 or not inside.any():
+            joints = self.joints_at(t)
         if self.time.size == 1 or not inside.any():
             return joints, np.zeros_like(joints), np.zeros_like(joints)
         k = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
@@ -95,7 +96,8 @@ class SpatialTrajectory:
             return joints, np.where(inside[:, None], rise / span, 0.0), np.zeros_like(joints)
         first, last = self.rates[k], self.rates[k + 1]
         c, d = 3.0 * rise / span - 2.0 * first - last, first + last - 2.0 * rise / span
-        s = ((t - self.time[k]) / span[:, 0])[:, None]
+        s = np.clip((t - self.time[k])[:, None] / span, 0.0, 1.0)
+        joints = self.joints[k] + span * s * (first + s * (c + s * d))
         rates, forces = first + s * (2.0 * c + 3.0 * s * d), (2.0 * c + 6.0 * s * d) / span
         return joints, np.where(inside[:, None], rates, 0.0), np.where(inside[:, None], forces, 0.0)
 

@@ -169,7 +169,8 @@ def _errors(
     plan: SpatialTrajectory, plant: PhysicalPlant, steps: np.ndarray
 ) -> tuple[float, float, float]:
     there = forward_in_space(plan.arm, plant.joints_log[steps])[1]
-    off = np.linalg.norm(there - plan.hand_at(steps * STEP), axis=1) * plant.body.metres
+    wanted = forward_in_space(plan.arm, plan.states_at(steps * STEP)[0])[1]
+    off = np.linalg.norm(there - wanted, axis=1) * plant.body.metres
     return float(np.median(off)), float(off.max()), float(off[-1])
 
 

@@ -25,39 +25,62 @@ class Laws(NamedTuple):
 
 def laws(scene: Scene, time: np.ndarray, metres: float) -> Laws:
     """Tabulate the motion laws of a scene's bodies at equidistant times (n,) [s]."""
-    from scipy.spatial.transform import Rotation
-
     poses = np.zeros((time.size, len(scene.bodies.rows), 12))
     poses[:, :, 3::4] = 1.0  # spheres are not turned
-    _tabulate(scene.bodies, time, poses)
-    places = poses[:, :, :3] * metres
-    turned = Rotation.from_matrix(poses[:, :, 3:].reshape(-1, 3, 3))
-    turns = np.roll(turned.as_quat(), 1, axis=1).reshape(*poses.shape[:2], 4)
+    turns = np.empty((*poses.shape[:2], 4))
+    _tabulate(scene.bodies, time, poses, turns)
     met = scene.bodies.rows[:, PART] == HAND
-    step = time[1] - time[0]
-    speeds = np.gradient(places[:, met], step, axis=0, edge_order=2)
-    spins = _spins(poses[:, met, 3:].reshape(time.size, -1, 3, 3), step)
+    places, step = poses[:, :, :3] * metres, time[1] - time[0]
+    moves = np.empty((time.size, met.sum(), 6))
+    moves[..., :3] = np.gradient(places[:, met], step, axis=0, edge_order=2)
+    _spin(turns[:, met], step, moves)
+    moves[-1, :, 3:] = moves[-2, :, 3:]
     targets = np.concatenate([places[:, met], turns[:, met]], axis=-1)
-    moves = np.concatenate([speeds, spins], axis=-1)
     return Laws(
         places[:, ~met], turns[:, ~met],
         targets.reshape(time.size, -1), moves.reshape(time.size, -1),
     )  # fmt: skip
 
 
-def _spins(turns: np.ndarray, step: float) -> np.ndarray:
-    """Angular velocities (n, m, 3) of rotations (n, m, 3, 3), each until the next one [rad/s]."""
-    from scipy.spatial.transform import Rotation
-
-    between = np.swapaxes(turns[:-1], -1, -2) @ turns[1:]
-    if not between.size or (between == np.eye(3)).all():
-        return np.zeros(turns.shape[:-1])
-    spins = Rotation.from_matrix(between.reshape(-1, 3, 3)).as_rotvec() / step
-    spins = spins.reshape(*between.shape[:2], 3)
-    return np.concatenate([spins, spins[-1:]])
-
-
 @njit
-def _tabulate(bodies, time, poses):
+def _tabulate(bodies, time, poses, turns):
     for k in range(time.size):
         poses_at(bodies, time[k], poses[k])
+        for b in range(poses.shape[1]):
+            _quaternion(poses[k, b, 3:], turns[k, b])
+
+
+@njit(_nrt=False)
+def _quaternion(r, out):
+    """Write the unit quaternion w, x, y, z of a rotation (9,); see `situation.quaternion_of`."""
+    trace = r[0] + r[4] + r[8]
+    if trace >= max(r[0], r[4], r[8]):
+        out[0], out[1], out[2], out[3] = 1.0 + trace, r[7] - r[5], r[2] - r[6], r[3] - r[1]
+    else:
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            if r[4 * a] == max(r[0], r[4], r[8]):
+                out[0] = r[3 * c + b] - r[3 * b + c]
+                out[1 + a] = 1.0 + r[4 * a] - r[4 * b] - r[4 * c]
+                out[1 + b] = r[3 * b + a] + r[3 * a + b]
+                out[1 + c] = r[3 * c + a] + r[3 * a + c]
+                break
+    out /= np.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
+
+
+@njit(_nrt=False)
+def _spin(turns, step, moves):
+    """Write angular velocities in the bodies' frames [rad/s] to moves (n, m, 3:), but the last.
+
+    Each leads to the next instant: it is the logarithm of the turn between.
+    """
+    for k in range(turns.shape[0] - 1):
+        for b in range(turns.shape[1]):
+            p, q, out = turns[k, b], turns[k + 1, b], moves[k, b, 3:]
+            w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
+            out[0] = p[0] * q[1] - p[1] * q[0] - p[2] * q[3] + p[3] * q[2]
+            out[1] = p[0] * q[2] - p[2] * q[0] - p[3] * q[1] + p[1] * q[3]
+            out[2] = p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1]
+            sine = np.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2)
+            angle = np.arctan2(sine, abs(w)) / sine if sine > 0.0 else 1.0
+            out *= np.copysign(2.0 / step * angle, w)  # q and -q are the same turn

@@ -69,7 +69,7 @@ def model_xml(arm: SpatialArm, body: ArmBody, things: Sequence[Body] | None = No
     root = Xml.Element("mujoco", model="gcm_learn")
     gravity = rotation_of(arm.base.rotation).T @ np.array(body.gravity)
     option = _add(root, "option", timestep=STEP, gravity=gravity, integrator="implicitfast")
-    _add(option, "flag", autoreset="disable")
+    _add(option, "flag", autoreset="disable", constraint="disable" if alone else "enable")
     _add(root, "compiler", angle="radian", autolimits="true")
     world = _add(root, "worldbody")
     _add_arm(world, arm, body, alone)

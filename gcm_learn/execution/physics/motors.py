@@ -54,12 +54,13 @@ class Dynamics:
         joints, rates, forces : (n, 4) ndarray
             Angles, rates and accelerations.
         """
-        library, model, data = self._library, self._model, self._data
+        model, data, inverse = self._model, self._data, self._library.mj_inverse
+        qpos, qvel, qacc, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         out = np.empty(np.shape(joints))
-        for k in range(len(out)):
-            data.qpos[:], data.qvel[:], data.qacc[:] = joints[k], rates[k], forces[k]
-            library.mj_inverse(model, data)
-            out[k] = data.qfrc_inverse
+        for at, moving, asked, row in zip(joints, rates, forces, out, strict=True):
+            qpos[:], qvel[:], qacc[:] = at, moving, asked
+            inverse(model, data)
+            row[:] = force
         return out
 
     def inertia(self, joints: np.ndarray) -> np.ndarray:

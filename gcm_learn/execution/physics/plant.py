@@ -21,8 +21,10 @@ from gcm_learn.situation import JOINTS, ArmBody, Situation, SpatialArm
 AFTER = 0.5
 """How long the world goes on after the horizon [s]."""
 HAND_GEOM, ARM_GEOMS = 2, 3  # in the order in which the model has them; bodies come next
-CHUNK = 10
+CHUNK = 15
 """Steps after which it is asked whether the episode is over."""
+BLOCK = 4 * CHUNK
+"""Steps for which a plan's torques are found at once: after a catch they are not needed."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,8 @@ class PhysicalPlant:
         """Torques during every step [N m]."""
         self.targets_log = np.empty((count, self._laws.targets.shape[1]))
         """Of every target position [m] and quaternion, in the frame of the base."""
+        self._states = np.empty((CHUNK, self._model.nq))  # after every step of a chunk
+        self._speeds = np.empty((CHUNK, self._model.nv))
         self.steps = 0
         """How many have been made."""
         self.outcome = RUNNING
@@ -123,11 +127,16 @@ class PhysicalPlant:
         if times.size < 2:
             return
         joints, rates, forces = plan.states_at(times)
-        # damping acts on the rate at the end of a step, everything else on the state before it
-        wanted = self.motors.commands(joints[:-1], rates[:-1], forces[:-1])
-        wanted += self.motors.kd * (rates[1:] - rates[:-1])
         self._gains(self.motors.kp, self.motors.kd)
-        self._advance(wanted)
+        going = self.outcome == RUNNING
+        for k in range(0, times.size - 1, BLOCK):
+            now = slice(k, min(k + BLOCK, times.size - 1))
+            wanted = self.motors.commands(joints[now], rates[now], forces[now])
+            # damping acts on the rate at the end of a step, everything else on the state before it
+            wanted += self.motors.kd * (rates[now.start + 1 : now.stop + 1] - rates[now])
+            self._advance(wanted)
+            if going and self.outcome != RUNNING:
+                return
 
     def push(self, torques: np.ndarray, until: float) -> None:
         """Apply torques (4,) [N m], cut at the motors' limits."""
@@ -200,25 +209,35 @@ class PhysicalPlant:
     def _run(self, commands: np.ndarray) -> tuple[int, int] | None:
         """Steps of the physics; the first obstacle that the limb touches, and at which step."""
         model, data, step = self._model, self._data, self._library.mj_step
+        first, last = self.steps, self.steps + len(commands)
+        inside, after = slice(first, last), slice(first + 1, last + 1)
         qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
-        places, turns = data.mocap_pos, data.mocap_quat
-        law, found = self._laws, None
-        for row in commands:
-            k = self.steps
-            ctrl[:] = row
-            places[:], turns[:] = law.obstacles[k], law.turns[k]
+        places, turns, at, moving = data.mocap_pos, data.mocap_quat, qpos[JOINTS:], qvel[JOINTS:]
+        found, law, held = (
+            None,
+            [table[inside] for table in self._laws],
+            first if self._free else last,
+        )
+        rows = zip(
+            commands, *law, self.torques_log[inside], self._states, self._speeds, strict=False
+        )
+        for k, (command, place, turn, target, move, torque, state, speed) in enumerate(rows, first):
+            ctrl[:], places[:], turns[:] = command, place, turn
             if not self._free:
-                qpos[JOINTS:], qvel[JOINTS:] = law.targets[k], law.moves[k]
+                at[:], moving[:] = target, move
             step(model, data)
-            self.torques_log[k] = force
+            torque[:], state[:], speed[:] = force, qpos, qvel
             if data.ncon:
                 limb, hand = self._contacts()
-                self._free = self._free or hand
+                if hand and not self._free:
+                    self._free, held = True, k
                 if found is None and limb >= 0:
                     found = limb, k
-            self.steps = k + 1
-            self.joints_log[k + 1], self.rates_log[k + 1] = qpos[:JOINTS], qvel[:JOINTS]
-            self.targets_log[k + 1] = qpos[JOINTS:] if self._free else law.targets[k + 1]
+        self.steps, n = last, last - first
+        self.joints_log[after] = self._states[:n, :JOINTS]
+        self.rates_log[after] = self._speeds[:n, :JOINTS]
+        self.targets_log[after] = self._states[:n, JOINTS:]
+        self.targets_log[first + 1 : held + 1] = self._laws.targets[first + 1 : held + 1]
         if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
             raise PhysicsError(f"physics: some numbers are none any more at t = {self.time:.3f} s")
         return found

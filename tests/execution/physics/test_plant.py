@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution import (
@@ -20,16 +21,18 @@ from gcm_learn.execution import (
     read_body,
     with_motor_limits,
 )
+from gcm_learn.execution.physics.laws import laws
 from gcm_learn.execution.physics.model import STEP, compiled, model_xml, mujoco
 from gcm_learn.execution.physics.motors import Dynamics
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE
 from gcm_learn.families import paper_scene
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import get_planner
-from gcm_learn.scene import forward_in_space, pose
+from gcm_learn.scene import forward_in_space, pack, pose
 from gcm_learn.situation import (
     Base,
     Body,
+    Capsule,
     Motor,
     Pendulum,
     Situation,
@@ -181,6 +184,28 @@ def test_targets_keep_their_laws_until_they_are_touched(swung):
         assert plant.targets_log[k, :3] == pytest.approx(place, abs=1e-9)
         w, x, y, z = plant.targets_log[k, 3:7]
         assert rotation_of((w, x, y, z)) == pytest.approx(turn, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("spin", "largest"), [((9, 0, 0), {0, 1}), ((0, -9, 0), {0, 2}), ((0, 0, 9), {0, 3})]
+)
+def test_tumbling_targets_are_turned_and_spin_as_their_laws_say(spin, largest):
+    """Over several turns, so that two of a quaternion's numbers are the largest in turn."""
+    aside = (0.98, 0.1, -0.1, 0.14)
+    tumble = SolidQuadratic((5.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -2.0), aside, spin)
+    bar = Body("target", "bar", Capsule(0.02, 0.1), tumble)
+    situation, time = Situation("tumbling", 2.0, NAO.arm, (bar,)), np.arange(1001) * STEP
+    table = laws(pack(situation), time, 2.0)
+    places, turns = (
+        np.array(part) for part in zip(*(pose(situation, 0, t) for t in time), strict=True)
+    )
+    assert table.targets[:, :3] == pytest.approx(2.0 * places, abs=1e-12)
+    turned = Rotation.from_quat(table.targets[:, [4, 5, 6, 3]])
+    assert turned.as_matrix() == pytest.approx(turns, abs=1e-9)
+    assert set(np.abs(table.targets[:, 3:]).argmax(axis=1)) == largest
+    then = turned[:-1] * Rotation.from_rotvec(table.moves[:-1, 3:] * STEP)
+    assert then.as_matrix() == pytest.approx(turns[1:], abs=1e-9)
+    assert table.moves[500, :3] == pytest.approx((0.0, 2.0, -4.0), abs=1e-6)
 
 
 def test_a_ball_that_is_hit_flies_off_and_falls():
