@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.cli.failures import one_line
+from gcm_learn.cli.failures import CommandFailure, one_line
 from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.solve import plan_one, read
 
@@ -45,6 +46,19 @@ class Execute:
     planner: Annotated[str, arg(metavar="NAME")] = "layered"
     """who plans; an unknown name lists all of them"""
 
+    plant: Literal["mujoco", "kinematic"] = "mujoco"
+    """who follows: physics, or an arm without mass that does at once what it is told"""
+
+    noise: Annotated[float, arg(metavar="S", help_behavior_hint="(default: all is known)")] = 0.0
+    """standard deviation of the places that are seen, 50 times a second [m]; the arm plans again
+    while it moves"""
+
+    replan: Literal["once", "broken", "always"] = "broken"
+    """with --noise: when plans are made; `broken` is when the one that is followed fails"""
+
+    seed: int = 0
+    """of the noise"""
+
     out: Annotated[
         Path | None, arg(metavar="FILE", help_behavior_hint="(default: lines for people only)")
     ] = None
@@ -61,6 +75,10 @@ class Execute:
         from gcm_learn.planners import get_planner
         from gcm_learn.situation import spatial
 
+        if not 0.0 <= self.noise < 1e6:
+            raise CommandFailure(f"--noise {self.noise:g}: must be from 0 on")
+        if self.film is not None and self.plant != "mujoco":
+            raise CommandFailure("--film: is of arms with mass; animate shows plans")
         planner = get_planner(self.planner)
         situations = [spatial(item, "execute") for item in read(self.file, planner)]
         body = None if self.body is None else read_body(self.body)
@@ -85,18 +103,31 @@ class Execute:
     def _executed(self, planner: Planner, situation: Spatial, body: ArmBody | None) -> Execution:
         """What came of a situation; whatever physics cannot do is told, and the rest goes on."""
         from gcm_learn.errors import PhysicsError
-        from gcm_learn.execution import Execution, body_for, execute, with_motor_limits
+        from gcm_learn.execution import Execution, body_for, with_motor_limits
 
         try:
             chosen = body_for(situation.arm, body)
             limited = with_motor_limits(situation, chosen)
-            plan: Any = plan_one(planner, limited, self.file)
-            done = execute(plan, limited, chosen)
+            done = self._followed(planner, limited, chosen)
         except PhysicsError as error:
             return Execution(situation.name, planner.name, "failed", message=one_line(str(error)))
         if limited is situation:
             return done
-        return replace(done, limits=limited.arm.max_joint_acceleration)
+        most = limited.arm.max_joint_acceleration
+        return replace(done, limits=most, body=chosen.name)
+
+    def _followed(self, planner: Any, situation: Spatial, body: ArmBody) -> Execution:
+        """What came of a situation under limits of acceleration."""
+        from gcm_learn.execution import Loop, Perception, Planning, execute, execute_seen
+
+        exact = self.plant == "kinematic"
+        if self.noise == 0.0:
+            plan: Any = plan_one(planner, situation, self.file)
+            return execute(plan, situation, body, kinematic=exact)
+        forearm = body.metres * math.hypot(*situation.arm.forearm)
+        loop = Loop(Perception(self.noise / forearm))
+        mind, name = Planning(planner, self.replan), planner.name
+        return execute_seen(mind, situation, loop, self.seed, name=name, body=body, kinematic=exact)
 
 
 def told(done: Execution) -> str:
@@ -122,9 +153,9 @@ def told(done: Execution) -> str:
 
 def _outcome(done: Execution) -> str:
     if done.status == "caught":
-        return (
-            f"caught {done.catch_body!r} at {done.catch_time:.3f} s (planned {done.planned:.3f} s)"
-        )
+        what = "" if done.catch_body is None else f" {done.catch_body!r}"
+        planned = "" if done.planned is None else f" (planned {done.planned:.3f} s)"
+        return f"caught{what} at {done.catch_time:.3f} s{planned}"
     if done.contact is not None:
         return f"collided with {done.contact.name!r} at {done.contact.time:.3f} s"
     return f"{done.status}{': ' if done.message else ''}{done.message}"

@@ -28,7 +28,12 @@ from gcm_learn.execution.observation import MEETING
 from gcm_learn.execution.perception import Percept, Perception
 from gcm_learn.execution.physics.bodies import body_for, read_body, shipped_bodies
 from gcm_learn.execution.physics.control import Controller
-from gcm_learn.execution.physics.executing import Execution, execute, execution_to_json
+from gcm_learn.execution.physics.executing import (
+    Execution,
+    execute,
+    execute_seen,
+    execution_to_json,
+)
 from gcm_learn.execution.physics.motors import motor_accelerations, with_motor_limits
 from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
 from gcm_learn.execution.physics.tube import measured_tube
@@ -101,6 +106,7 @@ __all__ = [
     "body_for",
     "encoder",
     "execute",
+    "execute_seen",
     "execution_to_json",
     "into_frame",
     "made_of",

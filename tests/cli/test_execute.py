@@ -73,3 +73,37 @@ def test_films_are_written(file, tmp_path, monkeypatch):
     assert main(["execute", str(file), "--film", str(tmp_path / "films")]) == 1
     assert [path.name for path in (tmp_path / "films").iterdir()] == ["fig8-space.gif"]
     assert [done["status"] for done in shown] == ["caught"]
+
+
+def test_an_arm_without_mass_does_what_was_planned(file, capsys):
+    assert main(["execute", str(file), "--plant", "kinematic", "--out", "-"]) == 1
+    done = json.loads(capsys.readouterr().out.splitlines()[1])
+    assert done["status"] == "caught"
+    assert done["catch_time"] == pytest.approx(done["planned_catch_time"], abs=1e-3)
+    assert done["torque"] is None
+
+
+@pytest.mark.parametrize("plant", ["mujoco", "kinematic"])
+def test_a_world_that_is_seen_inexactly_is_planned_for_while_the_arm_moves(file, plant, capsys):
+    argv = ["execute", str(file), "--noise", "0.002", "--plant", plant, "--out", "-"]
+    assert main(argv) == 1
+    odd, done = (json.loads(line) for line in capsys.readouterr().out.splitlines())
+    assert odd["status"] == "failed"
+    assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
+    assert done["planned_catch_time"] is None
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--noise", "-1"], "--noise -1: must be from 0 on"),
+        (["--noise", "nan"], "--noise nan: must be"),
+        (["--plant", "kinematic", "--film", "films"], "--film: is of arms with mass"),
+        (["--body", "none.json"], "none.json:1: cannot be read"),
+        (["--planner", "layered-wave"], "does not take spatial arms"),
+    ],
+)
+def test_what_makes_no_sense_is_one_line(options, said, file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["execute", str(file), *options]) == 2
+    assert said in capsys.readouterr().err

@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.errors import PhysicsError
+from gcm_learn.execution.closed_loop import Loop, Mind, run_closed_loop
+from gcm_learn.execution.exact import ExactPlant
+from gcm_learn.execution.following import begun
 from gcm_learn.execution.physics.bodies import body_for
 from gcm_learn.execution.physics.control import Controller
 from gcm_learn.execution.physics.model import STEP
@@ -24,6 +27,8 @@ FORMAT = "gcm-learn/execution@1"
 STAYS = 0.2
 """How long a caught target has to stay within grasp to have stayed [s]."""
 
+STATUS = {CAUGHT: "caught", COLLIDED: "collided"}
+"""By outcome; all others are late."""
 AT_REST = 0.05
 """Joints that are slower than this rest [rad/s]."""
 
@@ -77,6 +82,8 @@ class Execution:
         PhysicsError
             If there was no plan to follow.
         """
+        if self.plant is None and self.plan is not None:
+            return self.plan
         if self.plant is None:
             raise PhysicsError(f"{self.name!r}: nothing was executed ({self.status})")
         plant = self.plant
@@ -98,6 +105,7 @@ def execute(
     controller: Controller | None = None,
     *,
     believed: ArmBody | None = None,
+    kinematic: bool = False,
 ) -> Execution:
     """Carry out a plan with an arm that has mass and motors.
 
@@ -113,12 +121,16 @@ def execute(
     controller : Controller, optional
     believed : ArmBody, optional
         What the controller takes the body for, if not for what it is.
+    kinematic : bool
+        Whether the arm does at once what it is told, and has no mass; no body is asked for then.
 
     Raises
     ------
     PhysicsError
         If the body does not fit, or the physics fails.
     """
+    if kinematic:
+        return _exactly(plan, situation)
     chosen = body_for(situation.arm, body)
     if plan.trajectory is None:
         why = plan.message
@@ -134,26 +146,93 @@ def execute(
     return _report(plan, whole, plant, ended)
 
 
-def _report(
-    plan: Plan[SpatialTrajectory], whole: SpatialTrajectory, plant: PhysicalPlant, ended: int
+def execute_seen(
+    mind: Mind,
+    situation: Situation[SpatialArm],
+    loop: Loop,
+    seed: int,
+    *,
+    name: str = "",
+    body: ArmBody | str | Path | None = None,
+    controller: Controller | None = None,
+    kinematic: bool = False,
 ) -> Execution:
-    names: dict[int, str] = {CAUGHT: "caught", COLLIDED: "collided"}
-    steps = np.arange(ended + 1)
+    """Let an agent act that sees the world inexactly, and goes on thinking while the arm moves.
+
+    Parameters
+    ----------
+    mind : Mind
+    situation : Situation
+        The world as it is.
+    loop : Loop
+    seed : int
+        Of the errors of perception.
+    name : str
+        Of the agent.
+    body, controller
+        As for `execute`.
+    kinematic : bool
+        Whether the arm does at once what it is told, and has no mass.
+
+    Raises
+    ------
+    PhysicsError
+        If the body does not fit, or the physics fails.
+    """
+    if kinematic:
+        exact = ExactPlant(situation)
+        course = run_closed_loop(mind, exact, situation, loop, seed)
+        return Execution(
+            situation.name, name, STATUS.get(course.outcome, "late"), catch_time=exact.catch_time
+        )
+    chosen = body_for(situation.arm, body)
+    plant = PhysicalPlant(situation, chosen, controller or Controller())
+    run_closed_loop(mind, plant, situation, loop, seed)
+    return _seen(plant, name, plant.steps if plant.catch_time is None else _step_of(plant))
+
+
+def _exactly(plan: Plan[SpatialTrajectory], situation: Situation[SpatialArm]) -> Execution:
+    if plan.trajectory is None:
+        return Execution(situation.name, plan.planner, "no plan", message=plan.message)
+    exact = ExactPlant(situation)
+    exact.follow(begun(situation.arm, plan.trajectory, 0.0), situation.horizon)
+    return Execution(
+        situation.name, plan.planner, STATUS.get(exact.outcome, "late"),
+        planned=plan.catch_time, catch_time=exact.catch_time, plan=plan.trajectory,
+    )  # fmt: skip
+
+
+def _step_of(plant: PhysicalPlant) -> int:
+    assert plant.catch_time is not None
+    return round(plant.catch_time / STEP)
+
+
+def _seen(plant: PhysicalPlant, planner: str, ended: int) -> Execution:
+    """What can be said of a movement, whatever it followed."""
     torque = np.array([motor.torque for motor in plant.body.joints])
     used = np.abs(plant.torques_log[: max(ended, 1)]) / torque
-    out = Execution(
-        plan.name,
-        plan.planner,
-        names.get(plant.outcome, "late"),
+    return Execution(
+        plant.situation.name,
+        planner,
+        STATUS.get(plant.outcome, "late"),
         body=plant.body.name,
-        planned=plan.catch_time,
         catch_time=plant.catch_time,
         catch_body=plant.catch_body,
         contact=plant.contact,
-        error=_errors(whole, plant, steps),
         torque=float(used.max()),
-        plan=whole,
         plant=plant,
+    )
+
+
+def _report(
+    plan: Plan[SpatialTrajectory], whole: SpatialTrajectory, plant: PhysicalPlant, ended: int
+) -> Execution:
+    """What can be said of a movement that followed a plan."""
+    out = replace(
+        _seen(plant, plan.planner, ended),
+        planned=plan.catch_time,
+        error=_errors(whole, plant, np.arange(ended + 1)),
+        plan=whole,
     )
     if plant.catch_time is None:
         return out
