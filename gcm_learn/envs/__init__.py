@@ -12,16 +12,29 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gcm_learn.envs.catch_arm import CatchArm
     from gcm_learn.envs.catch_arm_3d import CatchArm3D
+    from gcm_learn.envs.catch_arm_physics import CatchArmPhysics
     from gcm_learn.envs.one_arm import box, commands
-    from gcm_learn.envs.vector import CatchArms, CatchArms3D
+    from gcm_learn.envs.vector import CatchArms, CatchArms3D, CatchArmsPhysics
     from gcm_learn.envs.views import WithMap, map_image
-    from gcm_learn.execution import Pool, Settings, SpatialPool, SpatialSettings, Weights
+    from gcm_learn.execution import (
+        PhysicalPool,
+        PhysicalSettings,
+        Pool,
+        Settings,
+        SpatialPool,
+        SpatialSettings,
+        Weights,
+    )
 
 __all__ = [
     "CatchArm",
     "CatchArm3D",
+    "CatchArmPhysics",
     "CatchArms",
     "CatchArms3D",
+    "CatchArmsPhysics",
+    "PhysicalPool",
+    "PhysicalSettings",
     "Pool",
     "Settings",
     "SpatialPool",
@@ -36,8 +49,12 @@ __all__ = [
 _HOMES = {
     "CatchArm": "envs.catch_arm",
     "CatchArm3D": "envs.catch_arm_3d",
+    "CatchArmPhysics": "envs.catch_arm_physics",
     "CatchArms": "envs.vector",
     "CatchArms3D": "envs.vector",
+    "CatchArmsPhysics": "envs.vector",
+    "PhysicalPool": "execution",
+    "PhysicalSettings": "execution",
     "Pool": "execution",
     "Settings": "execution",
     "SpatialPool": "execution",

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArm, known_mode
+from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArmInSpace, known_mode
 from gcm_learn.execution import (
     Source,
     SpatialPlant,
@@ -18,10 +18,10 @@ from gcm_learn.execution import (
     way_of,
 )
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import Situation, SpatialArm, rotation_of
+from gcm_learn.situation import Situation, SpatialArm
 
 
-class CatchArm3D(OneArm):
+class CatchArm3D(OneArmInSpace):
     """A four-joint arm in space that catches a moving target among moving obstacles.
 
     An episode is one situation (`gcm_learn.Situation`) with a spatial arm, its bodies moving by
@@ -134,7 +134,6 @@ class CatchArm3D(OneArm):
         if not isinstance(made, SpatialPool):
             made = spatial_pool_of(made, pool, pool_seed, chosen.dt)
         super().__init__(SpatialPlant(made, 1, chosen), render_mode)
-        self._turn, self._origin = np.eye(3), np.zeros(3)
 
     @property
     def trajectory(self) -> SpatialTrajectory:
@@ -144,24 +143,3 @@ class CatchArm3D(OneArm):
 
     def _pool_of(self, situation: Situation[SpatialArm]) -> SpatialPool:
         return SpatialPool.of([situation])
-
-    def _begin(self, index: int) -> None:
-        base = self.situation.arm.base
-        self._turn, self._origin = rotation_of(base.rotation), np.asarray(base.origin)
-
-    def _where(self) -> tuple[float, ...]:
-        state = self.plant.state
-        return (state.time.item(0), *state.posture[0].tolist())
-
-    def _in_world(self) -> np.ndarray:
-        hand: np.ndarray = self._turn @ self.plant.hand[0] + self._origin
-        return hand
-
-    def _new_viewer(self, window: bool) -> Any:
-        from gcm_learn.envs.viewer_in_space import ViewerInSpace
-
-        return ViewerInSpace(window)
-
-    def _drawn(self, viewer: Any) -> np.ndarray | None:
-        picture: np.ndarray | None = viewer.show(self.situation, self.trajectory)
-        return picture

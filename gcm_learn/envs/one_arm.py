@@ -11,7 +11,8 @@ from gymnasium import spaces
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import CAUGHT, COLLIDED, LATE, OUTCOMES, RUNNING, Batch
-from gcm_learn.situation import Situation
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.situation import Situation, rotation_of
 
 POOL = 256  # situations that an environment draws from a family, by default
 IN_SPACE = "static-clutter-space"  # where they are drawn in space, by default
@@ -28,7 +29,7 @@ def commands(plant: Batch) -> spaces.Box:
 
 
 class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
-    """What `CatchArm` and `CatchArm3D` have in common.
+    """What all arenas of one arm have in common.
 
     Parameters
     ----------
@@ -145,6 +146,40 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
     def __getstate__(self) -> dict[str, Any]:
         """All but the window."""
         return {**self.__dict__, "_viewer": None}
+
+
+class OneArmInSpace(OneArm):
+    """What `CatchArm3D` and `CatchArmPhysics` have in common."""
+
+    def __init__(self, plant: Any, render_mode: str | None) -> None:
+        super().__init__(plant, render_mode)
+        self._turn, self._origin = np.eye(3), np.zeros(3)
+
+    @property
+    @abstractmethod
+    def trajectory(self) -> SpatialTrajectory:
+        """The arm's way so far."""
+
+    def _begin(self, index: int) -> None:
+        base = self.situation.arm.base
+        self._turn, self._origin = rotation_of(base.rotation), np.asarray(base.origin)
+
+    def _where(self) -> tuple[float, ...]:
+        state = self.plant.state
+        return (state.time.item(0), *state.posture[0].tolist())
+
+    def _in_world(self) -> np.ndarray:
+        hand: np.ndarray = self._turn @ self.plant.hand[0] + self._origin
+        return hand
+
+    def _new_viewer(self, window: bool) -> Any:
+        from gcm_learn.envs.viewer_in_space import ViewerInSpace
+
+        return ViewerInSpace(window)
+
+    def _drawn(self, viewer: Any) -> np.ndarray | None:
+        picture: np.ndarray | None = viewer.show(self.situation, self.trajectory)
+        return picture
 
 
 def known_mode(render_mode: str | None) -> None:

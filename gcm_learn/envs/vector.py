@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,6 +19,9 @@ from gcm_learn.execution import (
     RUNNING,
     TERMS,
     KinematicPlant,
+    PhysicalArms,
+    PhysicalPool,
+    PhysicalSettings,
     Pool,
     Settings,
     Source,
@@ -25,14 +29,16 @@ from gcm_learn.execution import (
     SpatialPool,
     SpatialSettings,
     made_of,
+    physical_pool_of,
     pool_of,
     settings_of,
     spatial_pool_of,
 )
+from gcm_learn.situation import ArmBody
 
 
 class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """What `CatchArms` and `CatchArms3D` have in common.
+    """What all arenas of many arms have in common.
 
     Parameters
     ----------
@@ -152,6 +158,31 @@ class CatchArms3D(ManyArms):
         if not isinstance(made, SpatialPool):
             made = spatial_pool_of(made, pool, pool_seed, chosen.dt)
         super().__init__(SpatialPlant(made, num_envs, chosen, threads))
+
+
+class CatchArmsPhysics(ManyArms):
+    """Many `CatchArmPhysics` one after the other, told in compiled code; else as `CatchArms`.
+
+    ``gymnasium.make_vec("gcm_learn:CatchArmPhysics-v0", num_envs=16,
+    vectorization_mode="vector_entry_point")`` makes it.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        situations: Source | PhysicalPool = IN_SPACE,
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        body: ArmBody | str | Path | None = None,
+        settings: PhysicalSettings | Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        _check(num_envs, 1, render_mode)
+        chosen, made = made_of(PhysicalSettings, settings), situations
+        if not isinstance(made, PhysicalPool):
+            made = physical_pool_of(made, pool, pool_seed, body)
+        super().__init__(PhysicalArms(made, num_envs, chosen))
 
 
 def _check(num_envs: int, threads: int, render_mode: str | None) -> None:

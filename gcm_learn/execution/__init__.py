@@ -26,6 +26,7 @@ from gcm_learn.execution.following import LedPlant
 from gcm_learn.execution.minds import Commanding, Planning
 from gcm_learn.execution.observation import MEETING
 from gcm_learn.execution.perception import Percept, Perception
+from gcm_learn.execution.physics.arms import PhysicalArms
 from gcm_learn.execution.physics.bodies import body_for, read_body, shipped_bodies
 from gcm_learn.execution.physics.control import Controller
 from gcm_learn.execution.physics.executing import (
@@ -36,13 +37,15 @@ from gcm_learn.execution.physics.executing import (
 )
 from gcm_learn.execution.physics.motors import motor_accelerations, with_motor_limits
 from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
+from gcm_learn.execution.physics.pool import PhysicalPool
 from gcm_learn.execution.physics.tube import measured_tube
 from gcm_learn.execution.plant import KinematicPlant
-from gcm_learn.execution.plants import AnyPool, AnySettings, plant_of
+from gcm_learn.execution.plants import AnyPool, AnySettings, plant_of, pool_for, situations_for
 from gcm_learn.execution.pool import Pool, SpatialPool
 from gcm_learn.execution.settings import (
     OUTCOMES,
     TERMS,
+    PhysicalSettings,
     Settings,
     SpatialSettings,
     Weights,
@@ -51,6 +54,7 @@ from gcm_learn.execution.settings import (
 )
 from gcm_learn.execution.sources import (
     Source,
+    physical_pool_of,
     pool_of,
     situations_of,
     spatial_pool_of,
@@ -88,7 +92,10 @@ __all__ = [
     "Occasion",
     "Percept",
     "Perception",
+    "PhysicalArms",
     "PhysicalPlant",
+    "PhysicalPool",
+    "PhysicalSettings",
     "Planning",
     "Plant",
     "Pool",
@@ -112,13 +119,16 @@ __all__ = [
     "made_of",
     "measured_tube",
     "motor_accelerations",
+    "physical_pool_of",
     "plant_of",
+    "pool_for",
     "pool_of",
     "read_body",
     "run_closed_loop",
     "run_episode",
     "settings_of",
     "shipped_bodies",
+    "situations_for",
     "situations_of",
     "spatial_pool_of",
     "spatial_situations_of",

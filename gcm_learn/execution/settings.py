@@ -11,6 +11,7 @@ import numpy as np
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import fan as rays
 from gcm_learn.execution import observation as o
+from gcm_learn.execution.physics.model import STEP
 from gcm_learn.execution.space import observation as space
 from gcm_learn.execution.space.world import SpatialOptions
 from gcm_learn.execution.world import HAND_VELOCITY, JOINT_VELOCITY, Options
@@ -114,12 +115,42 @@ class SpatialSettings(CommonSettings):
         return space.ARM + space.TARGET + self.slots * space.OBSTACLE
 
     @property
+    def straight(self) -> int:
+        """Where the command that goes straight begins in an observation."""
+        return space.AIM
+
+    @property
     def options(self) -> tuple[Any, ...]:
         """`SpatialOptions`, as a plain tuple."""
         return tuple(SpatialOptions(self.dt, self.weighted, self.discount, self.slots))
 
 
-Chosen = TypeVar("Chosen", Settings, SpatialSettings)
+@dataclass(frozen=True)
+class PhysicalSettings(SpatialSettings):
+    """What can be chosen about arms with mass; the defaults are those of ``CatchArmPhysics-v0``."""
+
+    control: Literal["joint", "torque"] = "joint"
+    """Whether actions are rates of the joints, which motors servo, or torques."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.control not in ("joint", "torque"):
+            raise ArenaError(f"control: {self.control!r} is not one of joint, torque")
+        if abs(self.dt / STEP - round(self.dt / STEP)) > 1e-9:
+            raise ArenaError(f"dt: must be whole steps of physics, of {STEP} s (got {self.dt!r})")
+
+    @property
+    def width(self) -> int:
+        """Length of an observation."""
+        return super().width + (8 if self.control == "torque" else 0)
+
+    @property
+    def straight(self) -> int:
+        """Where the command that goes straight begins."""
+        return self.width - 4 if self.control == "torque" else super().straight
+
+
+Chosen = TypeVar("Chosen", Settings, SpatialSettings, PhysicalSettings)
 
 
 def settings_of(

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from gcm_learn import seeding
 from gcm_learn.errors import ArenaError
+from gcm_learn.execution.physics.pool import PhysicalPool
 from gcm_learn.execution.pool import Pool, SpatialPool, stops
-from gcm_learn.families import Family, draw, family_names, get_family
+from gcm_learn.families import Family, SpatialFamily, draw, family_names, get_family
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import pack
 from gcm_learn.situation import (
     AnySituation,
+    ArmBody,
     Situation,
     SpatialArm,
     planar,
@@ -52,6 +55,17 @@ def spatial_situations_of(source: Source, count: int, seed: int) -> list[Situati
     return [spatial(made, "the arena in space") for made in _found(source, count, seed)]
 
 
+def physical_situations_of(source: Source, count: int, seed: int) -> list[Situation[SpatialArm]]:
+    """The same of arms with mass: of families only arms are drawn for which there is a body."""
+    family = get_family(source) if isinstance(source, str) and source in family_names() else source
+    if isinstance(family, SpatialFamily):
+        human, nao = family.arm.human, family.arm.nao
+        if human + nao > 0.0:
+            share = human / (human + nao)
+            family = replace(family, arm=replace(family.arm, human=share, nao=1.0 - share))
+    return spatial_situations_of(family, count, seed)
+
+
 def _found(source: Source, count: int, seed: int) -> Sequence[AnySituation]:
     if isinstance(source, Situation):
         return [source]
@@ -81,6 +95,16 @@ def spatial_pool_of(source: Source, count: int, seed: int, dt: float) -> Spatial
     if not isinstance(source, Situation):
         found = [s for s in found if start_clearance(pack(s)) > 0.0 and stops(s, dt)]
     return SpatialPool.of(found)
+
+
+def physical_pool_of(
+    source: Source, count: int, seed: int, body: ArmBody | str | Path | None = None
+) -> PhysicalPool:
+    """A pool of arms with mass; `body` as `body_for` has it, the rest as `pool_of`."""
+    found = physical_situations_of(source, count, seed)
+    if not isinstance(source, Situation):
+        found = [s for s in found if start_clearance(pack(s)) > 0.0]
+    return PhysicalPool.of(found, body)
 
 
 def _drawn(family: Family, count: int, seed: int) -> list[AnySituation]:

@@ -23,6 +23,7 @@ from gcm_learn.families.registry import (
     item_name,
     read_family,
 )
+from gcm_learn.families.space.family import SpatialFamily
 from gcm_learn.families.space.paper import SPATIAL_SCENES
 from gcm_learn.situation import AnySituation
 
@@ -35,6 +36,7 @@ __all__ = [
     "SPATIAL_SCENES",
     "Sizes",
     "SpaceRanges",
+    "SpatialFamily",
     "WayRanges",
     "draw",
     "family_from_dict",

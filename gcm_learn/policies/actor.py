@@ -15,18 +15,24 @@ from gcm_learn.execution import (
     AnySettings,
     Episodes,
     Moment,
+    PhysicalSettings,
     Settings,
     SpatialSettings,
     made_of,
     plant_of,
     run_episode,
 )
-from gcm_learn.policies.directions import steered, turned, velocities
+from gcm_learn.policies.directions import moved, velocities
 from gcm_learn.storage import whole_file
 
 FORMAT = "gcm-learn/actor@1"
 FILE = "actor.npz"
-FILE_IN_SPACE = "actor3d.npz"
+FILES: dict[type[AnySettings], str] = {
+    Settings: FILE,
+    SpatialSettings: "actor3d.npz",
+    PhysicalSettings: "actor-physics.npz",
+}
+"""By what is chosen about the arms that a policy moves."""
 CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
 
 
@@ -74,7 +80,7 @@ class Actor:
         if rng is not None:
             scores = scores + np.exp(self.spread) * rng.standard_normal(scores.shape)
         aimed = np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)
-        return (steered if self.in_space else turned)(observations, aimed)
+        return moved(self.settings, observations, aimed)
 
     def play(
         self, pool: AnyPool, places: np.ndarray, rng: np.random.Generator | None = None
@@ -98,7 +104,7 @@ class Actor:
         }
         arrays: dict[str, Any] = {f"w{k}": w for k, (w, _) in enumerate(self.layers)}
         arrays |= {f"b{k}": b for k, (_, b) in enumerate(self.layers)}
-        path = folder / (FILE_IN_SPACE if self.in_space else FILE)
+        path = folder / file_of(self.settings)
         with whole_file(path) as place:
             np.savez_compressed(
                 place, header=np.array(json.dumps(header)), mean=self.mean,
@@ -115,12 +121,10 @@ class Actor:
         PolicyError
             One line, if there is none.
         """
-        path = folder / FILE
-        kind: type[AnySettings] = Settings
-        if not path.exists() and (folder / FILE_IN_SPACE).exists():
-            path, kind = folder / FILE_IN_SPACE, SpatialSettings
-        if not path.exists():
-            raise PolicyError(f"{path}: there is no trained policy")
+        there = [kind for kind, name in FILES.items() if (folder / name).exists()]
+        if not there:
+            raise PolicyError(f"{folder / FILE}: there is no trained policy")
+        kind, path = there[0], folder / FILES[there[0]]
         with np.load(path, allow_pickle=False) as file:
             header = json.loads(str(file["header"]))
             if header.get("format") != FORMAT:
@@ -138,6 +142,11 @@ class Actor:
                 spread=file["spread"],
                 settings=settings,
             )
+
+
+def file_of(settings: AnySettings) -> str:
+    """Name of the file of a policy that moves such arms."""
+    return FILES[type(settings)]
 
 
 @dataclass(frozen=True)

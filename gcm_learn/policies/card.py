@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from gcm_learn.execution import CAUGHT, COLLIDED, AnyPool
-from gcm_learn.policies.actor import FILE, FILE_IN_SPACE, Actor
+from gcm_learn.policies.actor import Actor, file_of
 from gcm_learn.policies.plan import Share, TrainingPlan
 from gcm_learn.storage import content_hash, write_whole
 
@@ -34,7 +34,7 @@ def write_card(
     sizes: Mapping[str, int],
 ) -> Path:
     """Write the card; returns its path."""
-    file = FILE_IN_SPACE if plan.in_space else FILE
+    file = file_of(plan.settings)
     digest = content_hash((folder / file).read_bytes())[:16]
     sources = "; ".join(_told(share) for share in plan.situations)
     judged = "; ".join(_told(share) for share in plan.validation)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.execution import AIM, MEETING, RAYS
+from gcm_learn.execution import MEETING, RAYS, AnySettings, SpatialSettings
 
 REST = RAYS - 1
 STEER = 2.0  # largest difference from the straight command in space [greatest joint speeds]
@@ -47,9 +47,16 @@ def aimed_of(observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
     return _rotated(actions, -_straight(observations))
 
 
-def steered(observations: np.ndarray, aimed: np.ndarray) -> np.ndarray:
-    """Commands (n, 4) of arms in space of differences (n, 4) from the straight ones."""
-    straight = observations[:, AIM : AIM + aimed.shape[1]].astype(float)
+def moved(settings: AnySettings, observations: np.ndarray, aimed: np.ndarray) -> np.ndarray:
+    """Actions of the arena of what policies say: `turned`, in space `steered`."""
+    if isinstance(settings, SpatialSettings):
+        return steered(observations, aimed, settings.straight)
+    return turned(observations, aimed)
+
+
+def steered(observations: np.ndarray, aimed: np.ndarray, at: int) -> np.ndarray:
+    """Commands (n, 4) of arms in space of differences (n, 4) from the straight ones, told `at`."""
+    straight = observations[:, at : at + aimed.shape[1]].astype(float)
     return np.clip(straight + STEER * aimed, -1.0, 1.0)
 
 

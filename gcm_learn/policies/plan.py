@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from gcm_learn.errors import FileFormatError, GcmError, MissingExtraError, PolicyError
-from gcm_learn.execution import AnySettings, Settings, SpatialSettings, made_of
+from gcm_learn.execution import AnySettings, PhysicalSettings, Settings, SpatialSettings, made_of
 
 ENVIRONMENTS: dict[str, type[AnySettings]] = {
     "CatchArm-v0": Settings,
     "CatchArm3D-v0": SpatialSettings,
+    "CatchArmPhysics-v0": PhysicalSettings,
 }
 ALGORITHMS = ("clone", "ppo", "sac", "tqc")
 
@@ -147,9 +148,9 @@ def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> Train
         if name in given:
             given[name] = int(float(given[name]))
     kind = ENVIRONMENTS[environment]
-    if "settings" in given or kind is SpatialSettings:
+    if "settings" in given or issubclass(kind, SpatialSettings):
         given["settings"] = made_of(kind, given.get("settings"))
-    if kind is SpatialSettings:
+    if issubclass(kind, SpatialSettings):
         given.setdefault("actions", "velocity")
     rest = {k: v if k == "net_arch" else _number(v) for k, v in values.items()}  # "64" is a list
     return TrainingPlan(**given, hyperparameters=rest)

@@ -8,10 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import AnyPool, Pool, SpatialPool, situations_of, spatial_situations_of
+from gcm_learn.execution import (
+    AnyPool,
+    AnySettings,
+    Settings,
+    SpatialSettings,
+    pool_for,
+    situations_for,
+)
 from gcm_learn.planners import AnyPlan, get_planner
 from gcm_learn.policies.plan import Share
-from gcm_learn.situation import AnySituation, canonical, planar
+from gcm_learn.situation import canonical, planar
 
 PLANNER = "layered"  # whose catches are shown
 Told = Callable[[str], object]
@@ -27,12 +34,13 @@ class Lot:
     """Stratum, or the source where it is not known."""
     paths: list[Any]
     """Of the planner's catch, in canonical coordinates; None if there is none."""
+    settings: AnySettings
+    """Of the arms."""
 
     @property
     def pool(self) -> AnyPool:
         """Packed for the arena."""
-        spatial = self.situations[0].is_spatial
-        return SpatialPool.of(self.situations) if spatial else Pool.of(self.situations)
+        return pool_for(self.settings, self.situations)
 
     def shown(self) -> Lot:
         """Only what has a catch."""
@@ -41,30 +49,35 @@ class Lot:
             [self.situations[i] for i in rows],
             [self.groups[i] for i in rows],
             [self.paths[i] for i in rows],
+            self.settings,
         )
 
 
 def gather(
-    shares: Sequence[Share], *, plans: bool, space: bool = False, tell: Told | None = None
+    shares: Sequence[Share],
+    settings: AnySettings = Settings(),  # noqa: B008 -- frozen
+    *,
+    plans: bool,
+    tell: Told | None = None,
 ) -> Lot:
     """Draw or read situations; in all of them the limb starts free.
 
     Parameters
     ----------
     shares : sequence of Share
-    space : bool
-        Whether the arms are spatial.
+    settings : AnySettings
+        Of the arms.
     plans : bool
         Whether catches are wanted: those of a dataset's records, or planned now.
     tell : callable, optional
         Called with a sentence for each share.
     """
-    lot = Lot([], [], [])
+    lot = Lot([], [], [], settings)
     for share in shares:
-        if Path(share.source).is_dir() and not space:
-            part = _records(share)
+        if Path(share.source).is_dir() and not isinstance(settings, SpatialSettings):
+            part = _records(share, settings)
         else:
-            part = _drawn(share, plans, space)
+            part = _drawn(share, plans, settings)
         if not part.situations:
             raise PolicyError(f"situations: nothing of {share.source!r} fits")
         for mine, more in zip(_lists(lot), _lists(part), strict=True):
@@ -78,7 +91,7 @@ def _lists(lot: Lot) -> tuple[list, list, list]:
     return lot.situations, lot.groups, lot.paths
 
 
-def _records(share: Share) -> Lot:
+def _records(share: Share, settings: AnySettings) -> Lot:
     """Records of a dataset."""
     from gcm_learn import dataset  # needs pyarrow
 
@@ -87,7 +100,7 @@ def _records(share: Share) -> Lot:
         found = found.where(stratum=share.strata)
     if share.families:
         found = found.where(family=share.families)
-    lot = Lot([], [], [])
+    lot = Lot([], [], [], settings)
     for k in range(min(share.count, len(found))):
         record = found[k]
         plan = record.plans.get(PLANNER)
@@ -97,13 +110,11 @@ def _records(share: Share) -> Lot:
     return lot
 
 
-def _drawn(share: Share, plans: bool, space: bool) -> Lot:
+def _drawn(share: Share, plans: bool, settings: AnySettings) -> Lot:
     """Situations of a family or file, in canonical form; planned for if need be."""
-    lot, planner = Lot([], [], []), get_planner(PLANNER)
-    found: Sequence[AnySituation] = (spatial_situations_of if space else situations_of)(
-        share.source, share.count, share.seed
-    )
-    for drawn in found:
+    lot, planner = Lot([], [], [], settings), get_planner(PLANNER)
+    space = isinstance(settings, SpatialSettings)
+    for drawn in situations_for(settings, share.source, share.count, share.seed):
         situation: Any = drawn if space else canonical(planar(drawn, "training"))[0]
         plan: Any = None
         if plans or share.reachable:

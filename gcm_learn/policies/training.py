@@ -69,11 +69,11 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
     run = Run(plan, folder, tell, time.perf_counter())
     _claim(run)
     torch.set_num_threads(1)
-    space, asked = plan.in_space, plan.algo == "clone" or plan.demonstrations
+    asked = plan.algo == "clone" or plan.demonstrations
     judged = gather(
-        plan.validation, plans=False, space=space, tell=lambda s: tell(f"validation: {s}")
+        plan.validation, plan.settings, plans=False, tell=lambda s: tell(f"validation: {s}")
     )
-    shown = gather(plan.situations, plans=asked, space=space, tell=lambda s: tell(s))
+    shown = gather(plan.situations, plan.settings, plans=asked, tell=lambda s: tell(s))
     judge = _Judge(run, judged.pool, judged.groups)
     if plan.algo == "clone":
         _clone(run, shown.shown(), judge)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,9 @@ from gcm_learn.execution import (
     RUNNING,
     AnyPool,
     AnySettings,
-    SpatialSettings,
     plant_of,
 )
-from gcm_learn.policies.directions import steered, turned, velocities
+from gcm_learn.policies.directions import moved, velocities
 from gcm_learn.seeding import rng
 
 
@@ -48,8 +48,7 @@ class ArenaVecEnv(VecEnv):
         self, pool: AnyPool, count: int, settings: AnySettings, seed: int, *, choices: bool
     ) -> None:
         self.plant: Any = plant_of(pool, count, settings)
-        straight = steered if isinstance(settings, SpatialSettings) else turned
-        self._commands = velocities if choices else straight
+        self._commands = velocities if choices else partial(moved, settings)
         actions = spaces.Discrete(RAYS) if choices else commands(self.plant)
         super().__init__(count, box(self.plant), actions)
         self._source = rng(seed)

@@ -7,13 +7,14 @@ on the state.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
 from gcm_learn.errors import PhysicsError
+from gcm_learn.execution.physics.model import rested
 from gcm_learn.execution.physics.motors import Dynamics, load_of
 from gcm_learn.situation import JOINTS, ArmBody, SpatialArm
 
@@ -59,10 +60,11 @@ class Following:
     def __init__(self, controller: Controller, arm: SpatialArm, body: ArmBody) -> None:
         self._dynamics = Dynamics(arm, body)
         self._computed = controller.feedforward == "computed-torque"
-        inertia = np.median(np.einsum("njj->nj", load_of(arm, body).inertia), axis=0)
-        self.kp = controller.bandwidth**2 * inertia
+        self.inertia = np.median(np.einsum("njj->nj", load_of(arm, body).inertia), axis=0)
+        """That joints feel alone (4,) [kg m^2]"""
+        self.kp = controller.bandwidth**2 * self.inertia
         """(4,) [N m/rad]"""
-        self.kd = 2.0 * controller.bandwidth * inertia
+        self.kd = 2.0 * controller.bandwidth * self.inertia
         """(4,) [N m s]"""
 
     def holding(self, joints: np.ndarray) -> np.ndarray:
@@ -82,9 +84,7 @@ class Following:
 
 def following(controller: Controller, arm: SpatialArm, body: ArmBody) -> Following:
     """A controller made for an arm, wherever that begins; kept for the next one like it."""
-    start: Any = tuple(low for low, _ in arm.joint_range)
-    rested = replace(arm, joints=start, joint_rates=None, max_joint_acceleration=None)
-    return _kept(controller, rested, body)
+    return _kept(controller, *rested(arm, body))
 
 
 @lru_cache(maxsize=64)

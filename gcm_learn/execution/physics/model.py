@@ -9,7 +9,9 @@ their motion law has them until something touches them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, NamedTuple
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -17,10 +19,12 @@ import numpy as np
 from gcm_learn.errors import MissingExtraError, PhysicsError
 from gcm_learn.situation import (
     ArmBody,
+    Base,
     Body,
     Box,
     Capsule,
     Cylinder,
+    SolidShape,
     SpatialArm,
     Sphere,
     rotation_of,
@@ -40,6 +44,14 @@ AXES = ("0 1 0", "0 0 1", "1 0 0", "0 0 1")
 LIMB, CATCHER = 1, 2  # bits of what may touch
 
 
+class Thing(NamedTuple):
+    """What a model knows of a body."""
+
+    name: str
+    role: str
+    shape: SolidShape
+
+
 def mujoco() -> Any:
     """The library.
 
@@ -54,14 +66,14 @@ def mujoco() -> Any:
     return library
 
 
-def model_xml(arm: SpatialArm, body: ArmBody, things: Sequence[Body] | None = None) -> str:
+def model_xml(arm: SpatialArm, body: ArmBody, things: Sequence[Body | Thing] | None = None) -> str:
     """The model in MuJoCo's own format (MJCF).
 
     Parameters
     ----------
     arm : SpatialArm
     body : ArmBody
-    things : sequence of Body, optional
+    things : sequence of Body or Thing, optional
         What moves about the arm. Without it the arm has neither contacts nor limits of joints, as
         inverse dynamics wants it.
     """
@@ -98,6 +110,27 @@ def compiled(xml: str) -> Any:
         raise PhysicsError(f"MuJoCo cannot make a model of it: {reason}") from None
 
 
+def model_of(arm: SpatialArm, body: ArmBody, bodies: Sequence[Body]) -> Any:
+    """The model of an arm among bodies; kept for the next one like it, wherever that moves."""
+    things = tuple(Thing(one.name, one.role, one.shape) for one in bodies)
+    return _kept(*rested(arm, body), things)
+
+
+@lru_cache(maxsize=256)
+def _kept(arm: SpatialArm, body: ArmBody, things: tuple[Thing, ...]) -> Any:
+    model = compiled(model_xml(arm, body, things))
+    model.actuator_gainprm[:, 0] = 1.0
+    return model
+
+
+def rested(arm: SpatialArm, body: ArmBody) -> tuple[SpatialArm, ArmBody]:
+    """What models are of: the arm wherever it stands and begins, its body with gravity turned."""
+    start: Any = tuple(low for low, _ in arm.joint_range)
+    still = replace(arm, base=Base(), joints=start, joint_rates=None, max_joint_acceleration=None)
+    pull: Any = rotation_of(arm.base.rotation).T @ np.array(body.gravity)
+    return still, replace(body, gravity=tuple(pull.round(12).tolist()))
+
+
 def _add_arm(world: Xml.Element, arm: SpatialArm, body: ArmBody, alone: bool) -> None:
     radius = max(arm.thickness * body.metres, SMALLEST)
     parent, place, ends = world, np.zeros(3), (arm.upper_arm, arm.forearm)
@@ -128,7 +161,7 @@ def _add_joint(parent: Xml.Element, arm: SpatialArm, body: ArmBody, j: int, alon
          damping=motor.damping, **limits)  # fmt: skip
 
 
-def _add_thing(world: Xml.Element, thing: Body, name: str, metres: float) -> None:
+def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float) -> None:
     """A target as a free body, an obstacle as one that is moved from outside."""
     free = thing.role == "target"
     held = _add(world, "body", name=name, **({} if free else {"mocap": "true"}))
@@ -139,7 +172,7 @@ def _add_thing(world: Xml.Element, thing: Body, name: str, metres: float) -> Non
          contype=0, conaffinity=CATCHER if free else LIMB)  # fmt: skip
 
 
-def _solid(thing: Body) -> tuple[str, tuple[float, ...]]:
+def _solid(thing: Body | Thing) -> tuple[str, tuple[float, ...]]:
     shape = thing.shape
     if isinstance(shape, Sphere):
         return "sphere", (shape.radius,)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.physics.model import compiled, model_xml, mujoco
+from gcm_learn.execution.physics.model import compiled, model_xml, mujoco, rested
 from gcm_learn.situation import JOINTS, ArmBody, Situation, SpatialArm
 
 SAMPLES = 400
@@ -98,6 +99,11 @@ def motor_accelerations(arm: SpatialArm, body: ArmBody) -> np.ndarray:
     PhysicsError
         If a motor cannot hold the arm.
     """
+    return np.array(_limits(*rested(arm, body)))
+
+
+@lru_cache(maxsize=64)
+def _limits(arm: SpatialArm, body: ArmBody) -> tuple[float, ...]:
     load, torque = load_of(arm, body), np.array([motor.torque for motor in body.joints])
     alone = torque / np.median(np.einsum("njj->nj", load.inertia), axis=0)
     asked = np.abs(load.inertia) @ alone
@@ -110,7 +116,7 @@ def motor_accelerations(arm: SpatialArm, body: ArmBody) -> np.ndarray:
             f"body {body.name!r}: joints[{weak}].torque of {torque[weak]:g} N m leaves nothing to "
             f"accelerate with (the arm's weight asks for up to {need:.3g} N m)"
         )
-    return least * alone
+    return tuple((least * alone).tolist())
 
 
 def with_motor_limits(situation: Situation[SpatialArm], body: ArmBody) -> Situation[SpatialArm]:

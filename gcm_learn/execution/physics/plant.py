@@ -10,7 +10,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.control import Controller, following
 from gcm_learn.execution.physics.laws import laws
-from gcm_learn.execution.physics.model import STEP, compiled, model_xml, mujoco
+from gcm_learn.execution.physics.model import STEP, model_of, mujoco
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.motion.interception_in_space import met_at, room_in_pose
@@ -25,6 +25,8 @@ CHUNK = 15
 """Steps after which it is asked whether the episode is over."""
 BLOCK = 4 * CHUNK
 """Steps for which a plan's torques are found at once: after a catch they are not needed."""
+BRINK = 0.5
+"""Share of what a joint lacks to its greatest speed that a pushing motor may add in a step."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +72,13 @@ class PhysicalPlant:
         if misfit:
             raise PhysicsError(f"body {body.name!r}: does not fit: {misfit}")
         self.situation, self.body = situation, body
+        self.fastest = np.array(situation.arm.max_joint_speed)
+        """Of the joints (4,) [rad/s]."""
+        self.strongest = np.array([motor.torque for motor in body.joints])
+        """Torques of the motors (4,) [N m]."""
         self.motors = following(controller, situation.arm, believed or body)
-        self._library = mujoco()
-        self._model = compiled(model_xml(situation.arm, body, situation.bodies))
-        self._data = self._library.MjData(self._model)
-        self._model.actuator_gainprm[:, 0] = 1.0
+        self._model = model_of(situation.arm, body, situation.bodies)
+        self._data = mujoco().MjData(self._model)
         count = round((situation.horizon + AFTER) / STEP) + 1
         times = np.arange(count) * STEP
         self._scene = pack(replace(situation, horizon=float(times[-1])))
@@ -121,6 +125,19 @@ class PhysicalPlant:
         """(3,) in the world, in the arm's unit."""
         return forward_in_space(self.situation.arm, self.joints)[1]
 
+    @property
+    def ended(self) -> int:
+        """The step of the catch or of the contact, the last one if there was neither."""
+        if self.catch_time is not None:
+            return round(self.catch_time / STEP)
+        return self.steps if self.contact is None else round(self.contact.time / STEP)
+
+    @property
+    def movement(self) -> SpatialTrajectory:
+        """What the arm did until it `ended`; linear between steps."""
+        steps = np.arange(self.ended + 1)
+        return SpatialTrajectory(self.situation.arm, steps * STEP, self.joints_log[steps].copy())
+
     def follow(self, plan: SpatialTrajectory, until: float) -> None:
         """Follow a plan, whose times are this plant's, until a time [s] or until it is over."""
         times = np.arange(self.steps, self._steps_until(until) + 1) * STEP
@@ -139,13 +156,18 @@ class PhysicalPlant:
                 return
 
     def push(self, torques: np.ndarray, until: float) -> None:
-        """Apply torques (4,) [N m], cut at the motors' limits."""
+        """Apply torques (4,) [N m], cut at the motors' limits.
+
+        A motor never pushes a joint beyond its `max_joint_speed`: near it the torque outward falls
+        to none. Gravity, other joints and what was before may still be faster.
+        """
         self._gains(np.zeros(JOINTS), np.zeros(JOINTS))
-        self._advance(np.tile(torques, (self._steps_until(until) - self.steps, 1)))
+        given = np.tile(torques, (self._steps_until(until) - self.steps, 1))
+        self._advance(given, pushed=True)
 
     def turn(self, rates: np.ndarray, until: float) -> None:
         """Servo the joints to rates (4,) [rad/s], the arm's weight being held."""
-        rates = np.clip(rates, *self._fastest)
+        rates = np.clip(rates, -self.fastest, self.fastest)
         torques = self.motors.holding(self.joints) + self.motors.kd * rates
         self._gains(np.zeros(JOINTS), self.motors.kd)
         self._advance(np.tile(torques, (self._steps_until(until) - self.steps, 1)))
@@ -166,11 +188,6 @@ class PhysicalPlant:
         b = [body.name for body in self.situation.bodies].index(self.catch_body)
         return bool(_within(self._scene, b, self.joints_log[first : last + 1], poses))
 
-    @property
-    def _fastest(self) -> tuple[np.ndarray, np.ndarray]:
-        top = np.array(self.situation.arm.max_joint_speed)
-        return -top, top
-
     def _start(self) -> None:
         arm, data = self.situation.arm, self._data
         data.qpos[:JOINTS] = arm.joints
@@ -186,19 +203,20 @@ class PhysicalPlant:
     def _gains(self, kp: np.ndarray, kd: np.ndarray) -> None:
         self._model.actuator_biasprm[:, 1], self._model.actuator_biasprm[:, 2] = -kp, -kd
 
-    def _advance(self, commands: np.ndarray) -> None:
+    def _advance(self, commands: np.ndarray, pushed: bool = False) -> None:
         """Steps with commands (n, 4), until the episode is over; beyond it all of them."""
-        self._library.set_mju_user_warning(_quiet)  # what goes wrong becomes an error
+        library = mujoco()
+        library.set_mju_user_warning(_quiet)  # what goes wrong becomes an error
         try:
-            self._make(commands)
+            self._make(commands, pushed)
         finally:
-            self._library.set_mju_user_warning(None)
+            library.set_mju_user_warning(None)
 
-    def _make(self, commands: np.ndarray) -> None:
+    def _make(self, commands: np.ndarray, pushed: bool) -> None:
         going = self.outcome == RUNNING
         for k in range(0, len(commands), CHUNK):
             before = self.steps
-            touched = self._run(commands[k : k + CHUNK])
+            touched = self._run(commands[k : k + CHUNK], pushed)
             if going:
                 self._judge(before + 1, touched)
                 if self.outcome != RUNNING:
@@ -206,9 +224,9 @@ class PhysicalPlant:
             elif touched is not None:
                 self._note_late(touched)
 
-    def _run(self, commands: np.ndarray) -> tuple[int, int] | None:
+    def _run(self, commands: np.ndarray, pushed: bool) -> tuple[int, int] | None:
         """Steps of the physics; the first obstacle that the limb touches, and at which step."""
-        model, data, step = self._model, self._data, self._library.mj_step
+        model, data, step = self._model, self._data, mujoco().mj_step
         first, last = self.steps, self.steps + len(commands)
         inside, after = slice(first, last), slice(first + 1, last + 1)
         qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
@@ -221,7 +239,10 @@ class PhysicalPlant:
         rows = zip(
             commands, *law, self.torques_log[inside], self._states, self._speeds, strict=False
         )
+        top, slope = self.fastest, BRINK * self.motors.inertia / STEP
         for k, (command, place, turn, target, move, torque, state, speed) in enumerate(rows, first):
+            if pushed:
+                _spare(command, qvel, top, slope)
             ctrl[:], places[:], turns[:] = command, place, turn
             if not self._free:
                 at[:], moving[:] = target, move
@@ -271,6 +292,14 @@ class PhysicalPlant:
     def _note_late(self, touched: tuple[int, int]) -> None:
         if self.later_contact is None:
             self.later_contact = Contact(self.situation.bodies[touched[0]].name, touched[1] * STEP)
+
+
+@njit
+def _spare(torques, rates, top, slope):
+    """Cut torques (4,) that would push joints beyond their greatest speeds (4,)."""
+    for j in range(torques.size):
+        high, low = slope[j] * (top[j] - rates[j]), -slope[j] * (top[j] + rates[j])
+        torques[j] = min(max(torques[j], min(low, 0.0)), max(high, 0.0))
 
 
 def _quiet(message: str) -> None:

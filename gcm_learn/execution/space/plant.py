@@ -65,7 +65,7 @@ class SpatialPlant(Batch):
         state.place[arms] = places
         state.posture[arms] = self.pool.world.limbs[places, _START]
         state.time[arms] = 0.0
-        _observe_all(self._world, self._arms, arms, self._options, self.observations)
+        observe_all(self._world, self._arms, arms, self._options, self.observations)
 
     def _play(self, actions: np.ndarray, first: int, last: int) -> None:
         _play(self._world, self._arms, actions, self._options, self._told, first, last)
@@ -76,7 +76,7 @@ class SpatialPlant(Batch):
 
 
 @njit(nogil=True)
-def _observe_all(world, state, chosen, options, out):
+def observe_all(world, state, chosen, options, out):
     """Write what the arms `chosen` (k,) are told into their rows of `out`, and where hands are."""
     worlds, states, how = SpatialWorld(*world), SpatialState(*state), SpatialOptions(*options)
     room = views_for(worlds, states, 0, states.place.size)

@@ -1,0 +1,115 @@
+"""The arm with mass as a Gymnasium environment: one arm, one situation an episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArmInSpace, known_mode
+from gcm_learn.execution import (
+    PhysicalArms,
+    PhysicalPool,
+    PhysicalSettings,
+    Source,
+    made_of,
+    physical_pool_of,
+)
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.situation import ArmBody, Situation, SpatialArm
+
+
+class CatchArmPhysics(OneArmInSpace):
+    """A four-joint arm with masses and motors, in MuJoCo, that catches among moving obstacles.
+
+    `CatchArm3D` with a body: the same situations, numbers, rewards and outcomes, another plant
+    (`execution.PhysicalPlant`). ``gymnasium.make("gcm_learn:CatchArmPhysics-v0")`` makes it (extra
+    ``sim``); arguments of the constructor go to `make`.
+
+    **Action**, ``Box(-1, 1, (4,))``, for the next `dt` seconds. With `control` "joint": rates of
+    the joints, 1 being the joint's greatest speed, to which motors servo them, the arm's weight
+    being held. With "torque": torques, 1 being the motor's greatest; weight is not held, and a
+    motor does not push its joint beyond its greatest speed. Nothing keeps the limit of the hand's
+    speed that a situation may have: that is for planners.
+
+    **Observation**, ``Box(-10, 10, (65 + 20 slots,))``, 145 numbers by default, is that of
+    `CatchArm3D`, number by number, and with "torque" 8 more. Obstacles are as seen by the package,
+    not by MuJoCo. Two groups come out otherwise here:
+
+    ===== ============================================================== ============== =======
+    from  the arm                                                        range          unit
+    ===== ============================================================== ============== =======
+    4     rates of the joints (4): what is pushed may be too fast        -10 ... 10     speed
+    26    how long joints take to full speed (4), never 0: by the        0 ... 10       time
+          motors, where the situation has no limits
+          (`motor_accelerations`)
+    ===== ============================================================== ============== =======
+
+    With "torque", after the obstacles:
+
+    ===== ============================================================== ============== =======
+    -8    torques that hold the arm's weight here (4)                    -10 ... 10     action
+    -4    the action that servos the joints to the rates at 61 (4)       -1 ... 1       action
+    ===== ============================================================== ============== =======
+
+    **End.** A catch (the hand within grasp of a target, by the package's distance at every step of
+    the physics, 0.002 s) or a touch (MuJoCo's first contact of limb and obstacle) terminates the
+    episode, the horizon truncates it. A catch is one of physics, not one that is verified in
+    continuous time.
+
+    **Reward** and **info** are those of `CatchArm3D`: the sum of ``info["reward_terms"]`` (catch,
+    touch, haste, guide); `time`, `hand`, `outcome` and at the end `is_success`.
+
+    **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts
+    in that situation, ``options={"index": k}`` in the pool's k-th.
+
+    Parameters
+    ----------
+    situations : str, Path, Family, Situation or sequence of Situation
+        As `CatchArm3D` has them. Arms need a body; of families only arms are drawn that have one.
+    render_mode : {"rgb_array", "human"}, optional
+        Neither needs a graphics card.
+    pool : int
+        How many situations are drawn or read.
+    pool_seed : int
+        Of what is drawn.
+    body : ArmBody, str or Path, optional
+        Of all arms: a body, its file, or the name of one that comes with the package; by default
+        the one of these that fits.
+    settings : PhysicalSettings or mapping, optional
+        Fields of `PhysicalSettings`, and of `Weights` under "weights".
+
+    Raises
+    ------
+    PhysicsError
+        If an arm has no body.
+    MissingExtraError
+        Without MuJoCo.
+    """
+
+    plant: PhysicalArms
+
+    def __init__(
+        self,
+        situations: Source | PhysicalPool = IN_SPACE,
+        render_mode: str | None = None,
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        body: ArmBody | str | Path | None = None,
+        settings: PhysicalSettings | Mapping[str, Any] | None = None,
+    ) -> None:
+        known_mode(render_mode)
+        chosen, made = made_of(PhysicalSettings, settings), situations
+        if not isinstance(made, PhysicalPool):
+            made = physical_pool_of(made, pool, pool_seed, body)
+        self._body = body
+        super().__init__(PhysicalArms(made, 1, chosen), render_mode)
+
+    @property
+    def trajectory(self) -> SpatialTrajectory:
+        """The arm's way so far, linear between steps of the physics."""
+        return self.plant.plants[0].movement
+
+    def _pool_of(self, situation: Situation[SpatialArm]) -> PhysicalPool:
+        return PhysicalPool.of([situation], self._body)
