@@ -43,9 +43,8 @@ class Dynamics:
     """
 
     def __init__(self, arm: SpatialArm, body: ArmBody) -> None:
-        self._library = mujoco()
         self._model = compiled(model_xml(arm, body))
-        self._data = self._library.MjData(self._model)
+        self._data = mujoco().MjData(self._model)
 
     def torques(self, joints: np.ndarray, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Torques (n, 4) [N m] that give accelerations.
@@ -55,7 +54,7 @@ class Dynamics:
         joints, rates, forces : (n, 4) ndarray
             Angles, rates and accelerations.
         """
-        model, data, inverse = self._model, self._data, self._library.mj_inverse
+        model, data, inverse = self._model, self._data, mujoco().mj_inverse
         qpos, qvel, qacc, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         out = np.empty(np.shape(joints))
         for at, moving, asked, row in zip(joints, rates, forces, out, strict=True):

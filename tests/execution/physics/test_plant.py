@@ -276,6 +276,34 @@ def test_a_controller_checks_itself(given):
         Controller(**given)
 
 
+@pytest.mark.parametrize("name", ["fig5-space", "fig8-space"])
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_motors_do_not_push_joints_beyond_their_speed(name, way):
+    """At full torque without gravity joints come near their greatest speed, and not above it.
+
+    Unlimited, the same torques would make them faster; braking torques are not cut.
+    """
+    arm = paper_scene(name).arm
+    body = replace(body_for(arm), gravity=(0.0, 0.0, 0.0))
+    top, wide = np.array(arm.max_joint_speed), ((-99.0, 99.0),) * 4
+    near = []
+    for j in range(4):
+        plant = PhysicalPlant(
+            Situation("spin", 1.0, replace(arm, joint_range=wide), (far_target(),)), body
+        )
+        torque = np.zeros(4)
+        torque[j] = way * plant.strongest[j]
+        plant.push(torque, 0.5)
+        rates = way * plant.rates_log[: plant.steps + 1, j]
+        assert (np.diff(rates)[0] > 0.0) and rates.max() <= 1.002 * top[j]
+        near.append(rates.max() / top[j])
+        free = plant.strongest[j] * 0.5 / plant.motors.inertia[j]
+        assert free > 1.5 * top[j]  # what it would come to
+        plant.push(-torque, plant.time + STEP)
+        assert plant.torques_log[plant.steps - 1, j] == pytest.approx(-torque[j])
+    assert min(near) > 0.9
+
+
 def test_numbers_that_are_none_are_said():
     plant = PhysicalPlant(Situation("nan", 0.3, NAO.arm, (far_target(),)), read_body("nao"))
     with pytest.raises(PhysicsError, match="numbers are none any more"):
