@@ -24,7 +24,7 @@ from gcm_learn.situation import (
     Box,
     Capsule,
     Cylinder,
-    SolidShape,
+    Shape,
     SpatialArm,
     Sphere,
     rotation_of,
@@ -49,7 +49,7 @@ class Thing(NamedTuple):
 
     name: str
     role: str
-    shape: SolidShape
+    shape: Shape
 
 
 def mujoco() -> Any:
