@@ -61,7 +61,7 @@ def test_families_give_arms_that_have_a_body_under_the_limits_of_their_motors(po
 
 def test_every_arm_is_a_plant(played, pool):
     """What comes of commands is what the plant makes of them, up to the step of the end."""
-    _, _, episodes, steps = played
+    settings, _, episodes, steps = played
     for e in range(COUNT):
         plant = PhysicalPlant(pool.situations[e], pool.bodies[e])
         for k, step in enumerate(steps[: episodes.steps[e]]):
