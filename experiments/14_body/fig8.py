@@ -209,17 +209,18 @@ def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
         ),
         "no_plan": dict(
             Counter(
-                row["executed"]["message"]
-                for row in rows
-                if row["executed"]["status"] == "no plan"
+                row["executed"]["message"] for row in rows if row["executed"]["status"] == "no plan"
             )
         ),
-        "rows": [
-            [row["index"], row["executed"]["status"], row["executed"]["planned_catch_time"],
-             row["executed"]["catch_time"]]
-            for row in rows
-        ],
-    }  # fmt: skip
+        "rows": [_short(row) for row in rows],
+    }
+
+
+def _short(row: dict[str, Any]) -> list[Any]:
+    """Index, status, planned and real time of the catch [s]."""
+    done = row["executed"]
+    times = [done[key] for key in ("planned_catch_time", "catch_time")]
+    return [row["index"], done["status"], *(t if t is None else round(t, 4) for t in times)]
 
 
 def written(results: dict[str, Any]) -> str:

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.comparison import charged_figure, families_figure, rates_figure
-from gcm_learn.plots.figures.film import animate, animate_execution
+from gcm_learn.plots.figures.execution import animate_execution
+from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.maps import birth, plot_map, plot_plan
 from gcm_learn.plots.figures.paper import FIGURES, draw_figure
 from gcm_learn.plots.figures.plan import plan_figure

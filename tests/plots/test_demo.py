@@ -22,7 +22,7 @@ def test_demo_end_to_end(tmp_path):
     assert page == tmp_path / "demo" / "index.html"
     images = re.findall(r'src="([^"]+)"', text)
     for name in (
-        *(f"{figure}.png" for figure in FIGURES if not figure.endswith("-space")),
+        *(f"{figure}.png" for figure in FIGURES if not figure.endswith(("-space", "-body"))),
         "fig4.gif",
         "gate.gif",
         "gate.png",

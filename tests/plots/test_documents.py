@@ -49,6 +49,7 @@ def test_gallery_writes_readable_pictures(tmp_path):
         "space-wave.png",
         "space-map.png",
         "space-catch.gif",
+        "space-body.gif",
     ]
     for file in files:
         with Image.open(file) as picture:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
 from PIL import Image
 
 from gcm_learn.handspace import SpaceLattice
@@ -24,7 +25,6 @@ from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits,
 from gcm_learn.situation import AnySituation, Situation, SpatialArm
 
 if TYPE_CHECKING:
-    from gcm_learn.execution import Execution
     from gcm_learn.motion import SpatialTrajectory
     from gcm_learn.planners import AnyPlan
 
@@ -46,6 +46,7 @@ PALETTE = (
     style.FRONT,
     style.PATH,
     style.INK,
+    style.GOOD,
     "black",
     *(to_hex(TIME_COLOURS(share)) for share in (0.0, 0.25, 0.5, 0.75)),
 )
@@ -74,32 +75,6 @@ def animate(
     write_film(list(_frames(situation, plan, frames)), path)
 
 
-def animate_execution(
-    situation: Situation[SpatialArm], done: Execution, path: str | Path, *, frames: int = FRAMES
-) -> None:
-    """Write an animated GIF of what an arm with mass did until its catch, or until it was over.
-
-    Parameters
-    ----------
-    situation : Situation
-    done : Execution
-        Of this situation.
-    path : str or Path
-        File to write.
-
-    Other Parameters
-    ----------------
-    frames : int
-        Number of instants.
-    """
-    moves = done.movement
-    plan = Plan(
-        done.name, done.planner, "caught" if done.caught else "unreachable", done.message, 0.0,
-        catch_time=moves.duration, catch_body=done.catch_body, trajectory=moves,
-    )  # fmt: skip
-    animate(situation, plan, path, frames=frames)
-
-
 def write_film(
     frames: Sequence[Image.Image],
     target: str | Path | IO[bytes],
@@ -124,16 +99,26 @@ def _frames(situation: AnySituation, plan: AnyPlan, frames: int) -> Iterator[Ima
     """Draw frame after frame over one unchanging background."""
     figure = style.new_figure(WIDTH, HEIGHT)
     figure.set_dpi(FILM_DPI)
-    canvas = FigureCanvasAgg(figure)
     panels = figure.subplots(1, 2)
     scenes = (_spatial_scenes if situation.is_spatial else _planar_scenes)(situation, plan, panels)  # type: ignore[operator, arg-type]
-    canvas.draw()
-    figure.set_layout_engine("none")
-    background = canvas.copy_from_bbox(figure.bbox)
     last = _duration(situation, plan)
     moments = [(t, 0.0) for t in np.linspace(0.0, last, frames)]
     if situation.is_spatial and plan.caught:
         moments += [(last, turn) for turn in np.linspace(0.0, 360.0, ROUND + 1)[1:]]
+    yield from painted(figure, panels, scenes, moments)
+
+
+def painted(
+    figure: Figure,
+    panels: Sequence[Axes],
+    scenes: Sequence[Scene],
+    moments: Sequence[tuple[float, float]],
+) -> Iterator[Image.Image]:
+    """Draw what panels show at moments (time [s], turn [degrees]), all else once."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    figure.set_layout_engine("none")
+    background = canvas.copy_from_bbox(figure.bbox)
     for t, turn in moments:
         canvas.restore_region(background)
         for ax, scene in zip(panels, scenes, strict=True):

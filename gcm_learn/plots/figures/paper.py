@@ -10,11 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gcm_learn.errors import UnknownNameError
+from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, SPATIAL_SCENES
 from gcm_learn.handspace import extended_obstacle
 from gcm_learn.maps import build_map
+from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.execution import execution_figure
 from gcm_learn.plots.figures.handspace import draw_extended, draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_plan
 from gcm_learn.plots.figures.plan import plan_figure
@@ -197,9 +200,18 @@ def _in_space(name: str) -> Figure:
     return plan_figure(situation, solve(situation, "gcm"))
 
 
+def _in_a_body(name: str) -> Figure:
+    """Draw what an arm with mass and motors makes of the plan for a scene (extra ``sim``)."""
+    scene = SPATIAL_SCENES[name]()
+    situation = with_motor_limits(scene, body_for(scene.arm))
+    plan: Plan[SpatialTrajectory] = solve(situation, "layered")
+    return execution_figure(situation, execute(plan, situation))
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     **{draw.__name__: draw for draw in (fig1, fig2, fig3, fig4, fig5, fig6, fig7, fig8)},
     **{name: partial(_in_space, name) for name in SPATIAL_SCENES},
+    "fig8-body": partial(_in_a_body, "fig8-space"),
 }
 
 

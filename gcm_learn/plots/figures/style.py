@@ -20,6 +20,7 @@ PATH = "#5b2a86"  # dark purple
 EXPLORED = "#dbeaf5"  # behind the front
 FRONT = "#3f7fb5"
 INK = "#2d3748"  # text and outlines
+GOOD = "#2f855a"  # what was caught
 FAINT = "#a0aec0"  # rims and hints
 
 MAP_COLOURS = LinearSegmentedColormap.from_list(

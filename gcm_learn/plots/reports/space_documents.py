@@ -9,10 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gcm_learn.families import thrown_scene
+from gcm_learn.execution import body_for, execute, with_motor_limits
+from gcm_learn.families import SPATIAL_SCENES, thrown_scene
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.execution import animate_execution
 from gcm_learn.plots.figures.film import animate, palette_of
 from gcm_learn.plots.figures.rendering import Camera
 from gcm_learn.plots.figures.space import (
@@ -37,7 +39,7 @@ DPI = 140
 
 
 def write_space_gallery(folder: Path) -> list[Path]:
-    """Draw the five pictures of one situation in space into a folder that exists.
+    """Draw one situation in space, and the paper's with a body, into a folder that exists.
 
     Returns
     -------
@@ -62,6 +64,10 @@ def write_space_gallery(folder: Path) -> list[Path]:
         save_light(figure, out[-1])
     out.append(folder / "space-catch.gif")
     animate(situation, plan, out[-1], frames=FRAMES)
+    out.append(folder / "space-body.gif")
+    scene = SPATIAL_SCENES["fig8-space"]()
+    swung = with_motor_limits(scene, body_for(scene.arm))
+    animate_execution(swung, execute(solve(swung, "layered"), swung), out[-1], frames=FRAMES)
     return out
 
 

@@ -1,0 +1,348 @@
+"""What an arm with mass did: a film of it, and a figure beside the plan that it followed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from PIL import Image
+
+from gcm_learn.families import CAPTION_INSTANTS, KAPPA
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.film import (
+    FILM_DPI,
+    FRAMES,
+    ROUND,
+    note_in_corner,
+    painted,
+    write_film,
+)
+from gcm_learn.plots.figures.rendering import Camera, Faces, Window
+from gcm_learn.plots.figures.solids import placed, tube
+from gcm_learn.plots.figures.space import (
+    LINE,
+    SAMPLES,
+    TIME_COLOURS,
+    Scenery,
+    arm_faces,
+    body_faces,
+    body_poses,
+    key_in_space,
+    view_of,
+)
+from gcm_learn.plots.figures.staging import SpatialSituation, from_above, turned_view
+from gcm_learn.scene import forward_in_space
+from gcm_learn.situation import Box, Capsule, Cylinder, rotation_of
+
+if TYPE_CHECKING:
+    from gcm_learn.execution import Execution, PhysicalPlant
+    from gcm_learn.situation import SolidShape
+
+WIDTH, HEIGHT = 6.6, 3.95  # [inches] of a film
+WIDER = 1.25  # times what shows the arm: targets are seen to come and go
+STOP = 8  # frames for which a film stands still at the catch or the contact
+MET, HIT = style.GOOD, style.EFFECTIVE  # marks of a catch and of a contact
+JOINT_NAMES = ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")
+JOINT_COLOURS = (style.ARM, "#dd6b20", style.OBSTACLE, "#2c7a7b")
+MILLI = 1e3  # [1/1000]
+
+
+def animate_execution(
+    situation: SpatialSituation, done: Execution, path: str | Path, *, frames: int = FRAMES
+) -> None:
+    """Write an animated GIF of what an arm with mass did, braking and bouncing targets included.
+
+    The film stands still for a moment at the catch or at the contact, and looks around at its end.
+
+    Parameters
+    ----------
+    situation : Situation
+    done : Execution
+        Of this situation, and of a plan.
+    path : str or Path
+        File to write.
+
+    Other Parameters
+    ----------------
+    frames : int
+        Number of instants.
+    """
+    write_film(list(_frames(Replay(situation, done), frames)), path)
+
+
+class Replay(Scenery):
+    """A situation in which an arm with mass moved, as a camera sees it.
+
+    Parameters
+    ----------
+    situation : Situation
+    done : Execution
+        Of this situation, and of a plan.
+    view : Camera, optional
+        By default one that sees arm and hand's way from the side.
+    turns : bool
+        Whether it will be turned.
+    """
+
+    def __init__(
+        self,
+        situation: SpatialSituation,
+        done: Execution,
+        view: Camera | None = None,
+        *,
+        turns: bool = True,
+    ) -> None:
+        assert done.plant is not None
+        self.done, self.plant, until = done, done.plant, done.movement
+        self.step = self.plant.time / max(self.plant.steps, 1)
+        rows = np.arange(self.plant.steps + 1)
+        self.moves = SpatialTrajectory(until.arm, rows * self.step, self.plant.joints_log[rows])
+        self.mark: tuple[float, np.ndarray, str, str] | None = None
+        """When, where, colour and word of what the episode ended with."""
+        if done.catch_time is not None:
+            place = until.hand[-1]
+            self.mark = (done.catch_time, place, MET, f"caught at {done.catch_time:.3f} s")
+        elif done.contact is not None:
+            t, name = done.contact.time, done.contact.name
+            place = touched_at(situation, name, t, self.moves.joints_at(t))
+            self.mark = (t, place, HIT, f"touches {name!r} at {t:.3f} s")
+        super().__init__(situation, self.moves, view or view_of(situation, until), turns=turns)
+        self.window = Window(self.window.middle, WIDER * self.window.half)
+
+    def at(self, t: float) -> list[Faces]:
+        """Everything at time t [s], with the ways of hand and target until then."""
+        arm = self.situation.arm
+        things = list(body_faces(self.situation, t, roles=("obstacle",)))
+        things += [*self._targets(t), *arm_faces(arm, self.moves.joints_at(t))]
+        if t > 0.0:
+            times = np.linspace(0.0, t, SAMPLES)
+            things += way_faces(self.moves.hand_at(times), times / self.end, LINE * arm.reach)
+            for way in np.swapaxes(self.places(times), 0, 1):
+                things += way_faces(way, times / self.end, 0.8 * LINE * arm.reach, dashed=True)
+        return things
+
+    def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = 720) -> None:
+        """Draw time t [s], from a camera that is turned, with the mark if it is time."""
+        super().show(ax, t, turn, pixels)
+        if self.mark is None or t < self.mark[0] - 1e-9:
+            return
+        x, y, _ = turned_view(self.view, turn).see(self.mark[1])
+        ax.plot(
+            x, y, "o", ms=26, mfc="none", mec=self.mark[2], mew=2.2, zorder=18,
+            path_effects=[style.HALO],
+        )  # fmt: skip
+
+    def places(self, times: np.ndarray) -> np.ndarray:
+        """Where the targets really were (k, m, 3), in the world."""
+        return logged_targets(self.situation, self.plant, self.step, times)[0]
+
+    def _targets(self, t: float) -> Iterator[Faces]:
+        targets = [body for body in self.situation.bodies if body.role == "target"]
+        place, turn = logged_targets(self.situation, self.plant, self.step, np.array([t]))
+        for k, body in enumerate(targets):
+            colour = np.array(to_rgb(style.TARGET))
+            yield placed(body.shape, place[0, k], turn[0, k], colour)  # type: ignore[arg-type]
+
+
+def logged_targets(
+    situation: SpatialSituation, plant: PhysicalPlant, step: float, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where targets really were at the steps nearest to times (k,): places (k, m, 3), turns."""
+    rows = np.clip(np.rint(times / step).astype(int), 0, plant.steps)
+    log = plant.targets_log[rows].reshape(len(rows), -1, 7)
+    base = situation.arm.base
+    turn = rotation_of(base.rotation)
+    turns = np.array([[turn @ rotation_of(q) for q in row] for row in log[..., 3:]])
+    return log[..., :3] / plant.body.metres @ turn.T + base.origin, turns
+
+
+def way_faces(
+    way: np.ndarray, shares: np.ndarray, radius: float, *, dashed: bool = False
+) -> Iterator[Faces]:
+    """Yield a way (k, 3) as a tube, coloured by shares (k,) of the time; nothing if it is short."""
+    if np.ptp(way, axis=0).max() <= radius:
+        return
+    shades = TIME_COLOURS(0.5 * (shares[1:] + shares[:-1]))[:, :3]
+    shown = np.arange(len(shades)) % 3 != 2 if dashed else np.ones(len(shades), dtype=bool)
+    parts = tube(way, radius).reshape(len(shades), 6, 4, 3)[shown]
+    yield Faces(parts.reshape(-1, 4, 3), np.repeat(shades[shown], 6, axis=0)[:, None])
+
+
+def touched_at(situation: SpatialSituation, name: str, t: float, joints: np.ndarray) -> np.ndarray:
+    """The point (3,) of the bones that is nearest to a body at time t [s]."""
+    k = [body.name for body in situation.bodies].index(name)
+    centres, turns = body_poses(situation, [t])
+    elbow, hand = forward_in_space(situation.arm, joints)
+    share = np.linspace(0.0, 1.0, 60)[:, None]
+    shoulder = np.asarray(situation.arm.base.origin)
+    bones = np.concatenate([a + share * (b - a) for a, b in ((shoulder, elbow), (elbow, hand))])
+    away = _outside(situation.bodies[k].shape, (bones - centres[0, k]) @ turns[0, k])  # type: ignore[arg-type]
+    nearest: np.ndarray = bones[away.argmin()]
+    return nearest
+
+
+def _outside(shape: SolidShape, points: np.ndarray) -> np.ndarray:
+    """How far points (k, 3) in a solid's own frame are from it."""
+    if isinstance(shape, Box):
+        beyond = np.abs(points) - shape.half_extents
+    elif isinstance(shape, Cylinder):
+        round_off = np.linalg.norm(points[:, :2], axis=1) - shape.radius
+        beyond = np.stack([round_off, np.abs(points[:, 2]) - shape.half_length], axis=1)
+    else:
+        half = shape.half_length if isinstance(shape, Capsule) else 0.0
+        lifted = points - np.clip(points * (0.0, 0.0, 1.0), -half, half)
+        beyond = np.linalg.norm(lifted, axis=1, keepdims=True) - shape.radius
+    return np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+
+
+def _frames(replay: Replay, frames: int) -> Iterator[Image.Image]:
+    figure = style.new_figure(WIDTH, HEIGHT)
+    figure.set_dpi(FILM_DPI)
+    panels = figure.subplots(1, 2)
+    above = Replay(replay.situation, replay.done, from_above(replay.view), turns=False)
+    for ax, seen, name in zip(
+        panels, (replay, above), ("from the side", "from above"), strict=True
+    ):
+        left, right, bottom, top = seen.window.extent
+        ax.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
+        ax.axis("off")
+        style.title(ax, name)
+    figure.supxlabel(told(replay.done), fontsize=style.SMALL, color=style.INK)
+    size = round(WIDTH / 2 * FILM_DPI)
+
+    def show(ax: Axes, t: float, turn: float) -> None:
+        replay.show(ax, t, turn, size)
+        note_in_corner(ax, f"t = {t:.2f} s")
+        if replay.mark is not None and t >= replay.mark[0] - 1e-9:
+            ax.text(
+                0.99, 0.99, replay.mark[3], transform=ax.transAxes, ha="right", va="top", zorder=20,
+                fontsize=style.LABEL, color=replay.mark[2], path_effects=[style.HALO],
+            )  # fmt: skip
+
+    times = np.linspace(0.0, replay.end, frames)
+    moments = [(t, 0.0) for t in times]
+    if replay.mark is not None:
+        k = int(np.searchsorted(times, replay.mark[0]))
+        moments[k:k] = [(replay.mark[0], 0.0)] * STOP
+    moments += [(replay.end, turn) for turn in np.linspace(0.0, 360.0, ROUND + 1)[1:]]
+    yield from painted(
+        figure, panels, (show, lambda ax, t, _: above.show(ax, t, 0.0, size)), moments
+    )
+
+
+def told(done: Execution) -> str:
+    """What came of it, in two lines."""
+    planned = "" if done.planned is None else f" (planned {done.planned:.3f} s)"
+    if done.caught:
+        first = f"{done.name}: caught at {done.catch_time:.3f} s{planned}"
+    elif done.contact is not None:
+        first = f"{done.name}: touches {done.contact.name!r} at {done.contact.time:.3f} s{planned}"
+    else:
+        first = f"{done.name}: not caught{planned}"
+    if done.error is None or done.torque is None:
+        return first
+    _, most, end = (MILLI * error for error in done.error)
+    when = "at the catch" if done.caught else "at the end"
+    return (
+        f"{first}\nhand off its plan by at most {most:.2g} mm, {when} {end:.1g} mm; "
+        f"motors use up to {100 * done.torque:.0f} % of their torque"
+    )
+
+
+def execution_figure(situation: SpatialSituation, done: Execution) -> Figure:
+    """Draw an execution: the arm at instants, the hand's way beside its plan, error and torque.
+
+    Parameters
+    ----------
+    situation : Situation
+    done : Execution
+        Of this situation, and of a plan.
+
+    Returns
+    -------
+    Figure
+        Instants are those of the paper's Fig. 8 but the last, and the end of the movement.
+    """
+    replay = Replay(situation, done, turns=False)
+    end = done.movement.duration
+    figure = style.new_figure(10.2, 8.0)
+    figure.suptitle(told(done), fontsize=style.TITLE, color=style.INK)
+    grid = figure.add_gridspec(2, 6, height_ratios=(1.0, 0.92))
+    instants = [tau * KAPPA for tau in CAPTION_INSTANTS["fig8"][:2]]
+    for k, t in enumerate([*instants, end]):
+        ax = figure.add_subplot(grid[0, 2 * k : 2 * k + 2])
+        replay.show(ax, t)
+        style.title(ax, f"t = {t:.2f} s" + (f": {done.status}" if t == end else ""))
+    _draw_ways(figure.add_subplot(grid[1, :2]), replay, end)
+    _draw_error(figure.add_subplot(grid[1, 2:4]), replay, end)
+    _draw_torques(figure.add_subplot(grid[1, 4:]), replay, end)
+    key_in_space(figure)
+    return figure
+
+
+def _draw_ways(ax: Axes, replay: Replay, end: float) -> None:
+    """Draw the hand's way over the planned one, and how the target went on."""
+    times, after = np.linspace(0.0, end, SAMPLES), np.linspace(end, replay.end, SAMPLES)
+    plan = replay.done.plan
+    assert plan is not None
+    for points, colour, width, dash, label in (
+        (plan.hand_at(times), style.FAINT, 6.0, "-", "hand, planned"),
+        (replay.moves.hand_at(times), style.ARM, 1.8, "-", "hand"),
+        (replay.moves.hand_at(after), style.ARM, 1.8, ":", "hand, braking"),
+        (replay.places(times)[:, 0], style.TARGET, 1.8, "-", "ball"),
+        (replay.places(after)[:, 0], style.TARGET, 1.8, ":", "ball, afterwards"),
+    ):
+        seen = replay.view.see(points)[:, :2]
+        ax.plot(*seen.T, color=colour, lw=width, ls=dash, label=label, solid_capstyle="round")
+    hands = np.concatenate([plan.hand_at(times), replay.moves.hand_at(after)])
+    seen = replay.view.see(hands)[:, :2]
+    middle, half = 0.5 * (seen.min(axis=0) + seen.max(axis=0)), 0.8 * np.ptp(seen, axis=0).max()
+    (left, bottom), (right, top) = middle - half, middle + half
+    ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+    ax.set_xticks([])
+    ax.set_yticks([])
+    ax.spines[:].set_visible(False)
+    ax.legend(fontsize=style.SMALL, frameon=False, labelcolor=style.INK, loc="best")
+    style.title(ax, "ways, as seen above")
+
+
+def _draw_error(ax: Axes, replay: Replay, end: float) -> None:
+    """Draw how far the hand is from its plan over time."""
+    plan, plant = replay.done.plan, replay.plant
+    assert plan is not None
+    times = np.arange(plant.steps + 1) * replay.step
+    off = np.linalg.norm(replay.moves.hand - plan.hand_at(times), axis=1) * plant.body.metres
+    ax.plot(times, MILLI * off, color=style.PATH, lw=1.6)
+    ax.set_ylim(bottom=0.0)
+    _finish(ax, replay, end, "hand off its plan [mm]")
+
+
+def _draw_torques(ax: Axes, replay: Replay, end: float) -> None:
+    """Draw the share of its torque that each motor uses over time."""
+    plant = replay.plant
+    most = np.array([motor.torque for motor in plant.body.joints])
+    times = np.arange(plant.steps) * replay.step
+    for j, name in enumerate(JOINT_NAMES):
+        used = 100.0 * np.abs(plant.torques_log[: plant.steps, j]) / most[j]
+        ax.plot(times, used, color=JOINT_COLOURS[j], lw=1.4, label=name)
+    ax.axhline(100.0, color=style.FAINT, lw=1.0, ls=(0, (4, 3)))
+    ax.set_ylim(0.0, 135.0)
+    ax.legend(
+        fontsize=style.SMALL, frameon=False, labelcolor=style.INK, ncols=2, loc="upper center"
+    )
+    _finish(ax, replay, end, "torque, of each motor's most [%]")
+
+
+def _finish(ax: Axes, replay: Replay, end: float, title: str) -> None:
+    style.plain(ax)
+    style.title(ax, title)
+    ax.set_xlim(0.0, replay.end)
+    ax.set_xlabel("t [s]", fontsize=style.LABEL, color=style.INK)
+    colour = style.INK if replay.mark is None else replay.mark[2]
+    ax.axvline(end, color=colour, lw=1.2, ls=(0, (4, 3)))
