@@ -54,7 +54,12 @@ MILLI = 1e3  # [1/1000]
 
 
 def animate_execution(
-    situation: SpatialSituation, done: Execution, path: str | Path, *, frames: int = FRAMES
+    situation: SpatialSituation,
+    done: Execution,
+    path: str | Path,
+    *,
+    frames: int = FRAMES,
+    views: int = ROUND,
 ) -> None:
     """Write an animated GIF of what an arm with mass did, braking and bouncing targets included.
 
@@ -72,8 +77,10 @@ def animate_execution(
     ----------------
     frames : int
         Number of instants.
+    views : int
+        Number of frames of the look around.
     """
-    write_film(list(_frames(Replay(situation, done), frames)), path)
+    write_film(list(_frames(Replay(situation, done), frames, views)), path)
 
 
 class Replay(Scenery):
@@ -201,7 +208,7 @@ def _outside(shape: SolidShape, points: np.ndarray) -> np.ndarray:
     return np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
 
 
-def _frames(replay: Replay, frames: int) -> Iterator[Image.Image]:
+def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
     figure = style.new_figure(WIDTH, HEIGHT)
     figure.set_dpi(FILM_DPI)
     panels = figure.subplots(1, 2)
@@ -230,7 +237,7 @@ def _frames(replay: Replay, frames: int) -> Iterator[Image.Image]:
     if replay.mark is not None:
         k = int(np.searchsorted(times, replay.mark[0]))
         moments[k:k] = [(replay.mark[0], 0.0)] * STOP
-    moments += [(replay.end, turn) for turn in np.linspace(0.0, 360.0, ROUND + 1)[1:]]
+    moments += [(replay.end, turn) for turn in np.linspace(0.0, 360.0, views + 1)[1:]]
     yield from painted(
         figure, panels, (show, lambda ax, t, _: above.show(ax, t, 0.0, size)), moments
     )
@@ -309,7 +316,7 @@ def _draw_ways(ax: Axes, replay: Replay, end: float) -> None:
     ax.set_yticks([])
     ax.spines[:].set_visible(False)
     ax.legend(fontsize=style.SMALL, frameon=False, labelcolor=style.INK, loc="best")
-    style.title(ax, "ways, as seen above")
+    style.title(ax, "ways, in the same view")
 
 
 def _draw_error(ax: Axes, replay: Replay, end: float) -> None:

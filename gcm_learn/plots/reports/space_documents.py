@@ -33,7 +33,7 @@ ENGINE = "gcm"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
 INSTANTS = (0.2, 0.45, 0.7)  # of it: the wave's snapshots; the contact follows
 BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
-FRAMES = 24
+FRAMES, VIEWS = 24, 8
 WORD = "#b7791f"  # darker than what it names, to be readable
 DPI = 140
 
@@ -67,7 +67,8 @@ def write_space_gallery(folder: Path) -> list[Path]:
     out.append(folder / "space-body.gif")
     scene = SPATIAL_SCENES["fig8-space"]()
     swung = with_motor_limits(scene, body_for(scene.arm))
-    animate_execution(swung, execute(solve(swung, "layered"), swung), out[-1], frames=FRAMES)
+    done = execute(solve(swung, "layered"), swung)
+    animate_execution(swung, done, out[-1], frames=FRAMES, views=VIEWS)
     return out
 
 
