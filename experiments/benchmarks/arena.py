@@ -24,7 +24,7 @@ import gymnasium
 import numpy as np
 
 from gcm_learn import families, rng
-from gcm_learn.envs import CatchArms, CatchArms3D, Pool
+from gcm_learn.envs import CatchArms, CatchArms3D, CatchArmsPhysics, Pool
 from gcm_learn.envs.vector import ManyArms
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
@@ -84,6 +84,7 @@ def main() -> None:
     space = CatchArms3D(CORES * ARMS, many.pool, threads=CORES)
     made = gymnasium.make("gcm_learn:CatchArm-v0", situations=pool)
     made_3d = gymnasium.make("gcm_learn:CatchArm3D-v0", situations=many.pool)
+    physical = CatchArmsPhysics(16, FAMILY, pool=SITUATIONS)
     pendulum = gymnasium.make("Pendulum-v1")
     rows: dict[str, Callable[[], float]] = {
         "batch, a core": lambda: batch(one, time.thread_time),
@@ -91,11 +92,12 @@ def main() -> None:
         "batch with the fan, a core": lambda: batch(fan, time.thread_time),
         "batch in space, a core": lambda: batch(many, time.thread_time),
         "batch in space, all cores": lambda: batch(space, time.perf_counter),
+        "16 arms with mass, a core": lambda: batch(physical, time.thread_time),
         "one CatchArm-v0": lambda: single(made),
         "one CatchArm3D-v0": lambda: single(made_3d),
         "one Pendulum-v1": lambda: single(pendulum),
     }
-    for arms in (one, crew, fan, many, space):
+    for arms in (one, crew, fan, many, space, physical):
         arms.reset(seed=0)
     seen: dict[str, list[float]] = {name: [] for name in rows}
     for k in range(rounds + 1):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from gcm_learn.execution.world import LATE, RUNNING, Told
 from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.situation import JOINTS
 
+KEPT = 256
+"""Plants that wait for their situations to come again, at most; about a megabyte each."""
+
 
 class PhysicalArms(Batch):
     """Arms in MuJoCo, each a `PhysicalPlant`.
@@ -49,6 +53,7 @@ class PhysicalArms(Batch):
         )
         self.plants: dict[int, PhysicalPlant] = {}
         """Of the arms that were put somewhere."""
+        self._idle: dict[int, PhysicalPlant] = {}  # by their situations, the oldest first
         self._arms, self._options = tuple(self.state), settings.options
         self._told, self._world = tuple(self.told), tuple(pool.world)
         self._before = np.zeros(count)
@@ -70,11 +75,29 @@ class PhysicalArms(Batch):
         state, self._world = self.state, tuple(self.pool.world)  # the pool may be another now
         state.place[arms], state.time[arms] = places, 0.0
         for e, s in zip(arms.tolist(), np.asarray(places).tolist(), strict=True):
-            plant = PhysicalPlant(self.pool.situations[s], self.pool.bodies[s])
-            self.plants[e] = plant
+            plant = self._take(e, s)
             state.posture[e, :JOINTS], state.posture[e, JOINTS:] = plant.joints, plant.rates
         observe_all(self._world, self._arms, arms, self._options, self.observations)
         self._tell_torques(arms.tolist())
+
+    def _take(self, e: int, s: int) -> PhysicalPlant:
+        """The plant of situation s, for arm e, which lays its old one down for the next to come."""
+        situation, old = self.pool.situations[s], self.plants.pop(e, None)
+        if old is not None:
+            self._idle[id(old.situation)] = old
+            if len(self._idle) > KEPT:
+                self._idle.pop(next(iter(self._idle)))
+        plant = self._idle.pop(id(situation), None)
+        if plant is None:
+            plant = PhysicalPlant(situation, self.pool.bodies[s])
+        else:
+            plant.begin()
+        self.plants[e] = plant
+        return plant
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the threads and what is idle."""
+        return {**super().__getstate__(), "_idle": {}}
 
     def hold(self, arms: np.ndarray) -> None:
         """As `Batch` says."""

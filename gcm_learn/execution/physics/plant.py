@@ -14,7 +14,7 @@ from gcm_learn.execution.physics.model import STEP, model_of, mujoco
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.motion.interception_in_space import met_at, room_in_pose
-from gcm_learn.scene import forward_in_space, pack
+from gcm_learn.scene import Bodies, Scene, SpatialLimb, SpatialLimits, forward_in_space, pack
 from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.situation import JOINTS, ArmBody, Situation, SpatialArm
 
@@ -83,6 +83,7 @@ class PhysicalPlant:
         times = np.arange(count) * STEP
         self._scene = pack(replace(situation, horizon=float(times[-1])))
         self._laws = laws(self._scene, times, body.metres)
+        self._parts = tuple(map(tuple, self._scene))  # of named ones, finding the types takes long
         self._poses = np.zeros((len(situation.bodies), 12))
         self.joints_log = np.empty((count, JOINTS))
         """Joints at every step until now (`steps` + 1 rows are filled) [rad]."""
@@ -93,6 +94,11 @@ class PhysicalPlant:
         """Of every target position [m] and quaternion, in the frame of the base."""
         self._states = np.empty((CHUNK, self._model.nq))  # after every step of a chunk
         self._speeds = np.empty((CHUNK, self._model.nv))
+        self.begin()
+
+    def begin(self) -> None:
+        """Go back to t = 0; the logs are overwritten from then on."""
+        mujoco().mj_resetData(self._model, self._data)
         self.steps = 0
         """How many have been made."""
         self.outcome = RUNNING
@@ -103,7 +109,13 @@ class PhysicalPlant:
         self.later_contact: Contact | None = None
         """After it."""
         self._free = False  # whether targets go their own way
-        self._start()
+        arm, data = self.situation.arm, self._data
+        data.qpos[:JOINTS] = arm.joints
+        data.qvel[:JOINTS] = arm.joint_rates or (0.0,) * JOINTS
+        data.qpos[JOINTS:], data.qvel[JOINTS:] = self._laws.targets[0], self._laws.moves[0]
+        self.joints_log[0], self.rates_log[0] = data.qpos[:JOINTS], data.qvel[:JOINTS]
+        self.targets_log[0] = self._laws.targets[0]
+        self._judge(0, None)
 
     @property
     def time(self) -> float:
@@ -188,15 +200,6 @@ class PhysicalPlant:
         b = [body.name for body in self.situation.bodies].index(self.catch_body)
         return bool(_within(self._scene, b, self.joints_log[first : last + 1], poses))
 
-    def _start(self) -> None:
-        arm, data = self.situation.arm, self._data
-        data.qpos[:JOINTS] = arm.joints
-        data.qvel[:JOINTS] = arm.joint_rates or (0.0,) * JOINTS
-        data.qpos[JOINTS:], data.qvel[JOINTS:] = self._laws.targets[0], self._laws.moves[0]
-        self.joints_log[0], self.rates_log[0] = data.qpos[:JOINTS], data.qvel[:JOINTS]
-        self.targets_log[0] = self._laws.targets[0]
-        self._judge(0, None)
-
     def _steps_until(self, until: float) -> int:
         return min(round(until / STEP), len(self.joints_log) - 1)
 
@@ -277,7 +280,7 @@ class PhysicalPlant:
         """See whether the episode is over, after the steps from `first` on."""
         bodies, step = self.situation.bodies, -1 if touched is None else touched[1]
         last = min(self.steps, round(self.situation.horizon / STEP))
-        k, b = _first_met(self._scene, self.joints_log, first, last, STEP, self._poses)
+        k, b = _first_met(self._parts, self.joints_log, first, last, STEP, self._poses)
         if touched is not None and not 0 <= k < step:
             self.outcome = COLLIDED
             self.contact = Contact(bodies[touched[0]].name, step * STEP)
@@ -307,8 +310,9 @@ def _quiet(message: str) -> None:
 
 
 @njit
-def _first_met(scene, joints, first, last, step, poses):
+def _first_met(parts, joints, first, last, step, poses):
     """First step from `first` to `last` with a target within grasp, and which; -1 if none."""
+    scene = Scene(Bodies(*parts[0]), SpatialLimb(*parts[1]), SpatialLimits(*parts[2]))
     for k in range(first, last + 1):
         b = met_at(scene, joints[k], k * step, scene.limits.grasp, poses)
         if b >= 0:

@@ -113,6 +113,25 @@ def test_the_first_thing_told_is_what_kinematic_arms_are_told(pool):
         assert np.isfinite(told[e]).all() and moved.observations.shape[1] == told.shape[1]
 
 
+def test_a_plant_that_begins_anew_is_as_good_as_new(pool, monkeypatch):
+    """Plants wait for their situations to come again, not more of them than may be kept."""
+    monkeypatch.setattr("gcm_learn.execution.physics.arms.KEPT", 2)
+    arms, commands = PhysicalArms(pool, 1, PhysicalSettings()), np.full((12, 1, 4), 0.7)
+    one, seen, plants = np.zeros(1, int), [], []
+    for place in (0, 1, 0, 2, 3, 4, 0):
+        arms.put(one, one + place)
+        plants.append(arms.plants[0])
+        first = arms.observations.copy()
+        for command in commands:
+            arms.move(command)
+        if place == 0:
+            seen.append((first, arms.observations.copy(), arms.posture.copy(), arms.time.copy()))
+    assert plants[2] is plants[0] and plants[6] is not plants[0]
+    for again in seen[1:]:
+        for mine, its in zip(seen[0], again, strict=True):
+            np.testing.assert_array_equal(mine, its)
+
+
 def test_torques_that_are_told_hold_the_arm(pool):
     """An arm that gives what holds it hardly moves; one that gives nothing falls."""
     settings = PhysicalSettings(control="torque")
