@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn import get_planner, seeding, solve
+from gcm_learn import families, get_planner, seeding, solve
 from gcm_learn.handspace import joint_lattice
 from gcm_learn.handspace.joints import nearest, neighbour, posture_of
 from gcm_learn.planners import plan_to_json
@@ -97,6 +97,18 @@ def test_it_waits_until_a_cover_has_gone():
     plan = solve(situation, "layered")
     assert plan.caught and complaints(situation, plan) == []
     assert plan.catch_time > math.sqrt(2.0 * 0.05 / 2.0)
+
+
+@pytest.mark.parametrize(("family", "index"), [("bench-space", 10), ("crate-space", 6)])
+def test_a_target_that_can_only_be_grazed_is_caught(family, index):
+    """No posture with the hand at its centre, or where it is nearest, is free at any time."""
+    situation = families.draw(family, 1300, index)
+    arm = replace(situation.arm, max_joint_acceleration=None, joint_rates=None)
+    situation = replace(situation, arm=arm)
+    plan = LayeredInSpace().plan(situation)
+    assert plan.caught
+    told = referee_in_space.judge(situation_to_json(situation), plan_to_json(plan, situation))
+    assert told.complaints == []
 
 
 def test_what_is_shut_in_is_given_up_soon():

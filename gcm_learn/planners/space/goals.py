@@ -28,6 +28,7 @@ HALVINGS = 10  # of the time by which a catch may become earlier
 CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
 PLACES = 3
 RIM = 1e-6  # share of the reach that is not used
+GOLDEN = 1.1673039782614187  # root of x^5 = x + 1: its powers spread points evenly in four numbers
 
 
 class Goals(NamedTuple):
@@ -207,6 +208,34 @@ def add_goals(study, goals, b, t, swivels, turn, which):
         for i in range(found):
             if turning_time(scene.limits.joint_speed, limb.start, study.branches[i]) <= t:
                 _keep(study, goals, b, t, study.branches[i])
+
+
+@njit
+def add_spread(study, goals, times, count):
+    """Add goals from postures all over what joints reach in time, each pulled to the target.
+
+    A hand that may only graze its target from one side has no goal at that target's centre, nor
+    where it is nearest to hand or shoulder.
+
+    Parameters
+    ----------
+    times : (n,) ndarray
+        Increasing [s].
+    count : int
+        Of postures, for each target and time.
+    """
+    bodies, start = study.scene.bodies.rows, study.scene.limb.start
+    for n in range(times.size):
+        for b in range(bodies.shape[0]):
+            if bodies[b, PART] != HAND:
+                continue
+            box(study, start, times[n])
+            for k in range(count):
+                for j in range(4):
+                    share = (0.5 + (k + 1) * GOLDEN ** -(j + 1.0)) % 1.0
+                    study.goal[j] = study.low[j] + share * (study.high[j] - study.low[j])
+                if pulled(study, b, times[n], study.goal):
+                    _keep(study, goals, b, times[n], study.goal)
 
 
 @njit(_nrt=False)

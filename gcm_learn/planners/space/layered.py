@@ -11,7 +11,14 @@ from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.space.accelerated import plan_accelerated
-from gcm_learn.planners.space.goals import Goals, add_more, no_goals, straight, straight_to
+from gcm_learn.planners.space.goals import (
+    Goals,
+    add_more,
+    add_spread,
+    no_goals,
+    straight,
+    straight_to,
+)
 from gcm_learn.planners.space.moves import Study, study_of
 from gcm_learn.planners.space.sides import Effort, two_sided
 from gcm_learn.planners.space.straight import at_once, earliest_straight
@@ -21,6 +28,8 @@ from gcm_learn.situation import AnySituation
 
 COARSE = Effort(10**4, (600, 2400))
 FINE = Effort(10**4, (2000, 8000, 20_000))
+SPREAD = 72
+"""Postures that are pulled to a target without goals, at each of four times as many instants."""
 GAIN = 0.01  # of the horizon, by which a catch must be earlier to be looked for
 
 
@@ -111,6 +120,8 @@ class LayeredInSpace:
         if way is None:
             goals = self._room_for_goals(problem, 2)
             add_more(study, goals, self._times(end, 2), 2 * self.swivels)
+            if goals.size[0] == 0:
+                add_spread(study, goals, self._times(end, 4), SPREAD)
             goal = straight_to(study, goals, ends)
             if goal >= 0:
                 return _direct(study, goals, goal, ends)
