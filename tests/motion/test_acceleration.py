@@ -14,6 +14,7 @@ from gcm_learn.scene import pack
 from tests.motion.test_verification_in_space import ARM, situation
 
 FORCES = (30.0, 20.0, 40.0, 25.0)
+LIMITED = replace(ARM, max_joint_acceleration=FORCES)
 
 
 def scene_of(rates=(0.0,) * 4, speeds=(4.0,) * 4):
@@ -102,7 +103,7 @@ def test_a_movement_ends_at_rest_as_soon_as_it_can(seed):
     """Each joint with its limit, all the way; the others go on meanwhile."""
     rng = np.random.default_rng(seed)
     rates = rng.uniform(-3.0, 3.0, 4) * (rng.random(4) < 0.8)
-    plan = SpatialTrajectory(ARM, np.array([0.7]), np.zeros((1, 4)), rates[None])
+    plan = SpatialTrajectory(LIMITED, np.array([0.7]), np.zeros((1, 4)), rates[None])
     whole = braked(plan, np.array(FORCES))
     assert whole.duration == pytest.approx(0.7 + np.max(np.abs(rates) / FORCES))
     assert np.allclose(whole.rates[-1], 0.0, atol=1e-12)
@@ -118,7 +119,7 @@ def test_a_joint_that_brakes_stays_in_its_range():
     """Its end takes what speed is left, at once where there is no room at all."""
     high = np.array([pair[1] for pair in ARM.joint_range])
     near = high - [0.3, 0.01, 0.0, 0.0]
-    plan = SpatialTrajectory(ARM, np.zeros(1), near[None], np.full((1, 4), 3.0))
+    plan = SpatialTrajectory(LIMITED, np.zeros(1), near[None], np.full((1, 4), 3.0))
     whole = braked(plan, np.array(FORCES))
     fine = whole.states_at(np.linspace(0.0, whole.duration, 4001))[0]
     assert (fine <= high + 1e-6).all()
@@ -128,5 +129,5 @@ def test_a_joint_that_brakes_stays_in_its_range():
 def test_joints_that_stop_together_are_one_sample():
     """However rounding has it."""
     rates = np.array([0.3, 0.2 * (1.0 + 1e-15), 0.4, 0.25])
-    plan = SpatialTrajectory(ARM, np.array([1.1]), np.zeros((1, 4)), rates[None])
+    plan = SpatialTrajectory(LIMITED, np.array([1.1]), np.zeros((1, 4)), rates[None])
     assert braked(plan, np.array(FORCES)).time.size == 2
