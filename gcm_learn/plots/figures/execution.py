@@ -51,6 +51,7 @@ MET, HIT = style.GOOD, style.EFFECTIVE  # marks of a catch and of a contact
 JOINT_NAMES = ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")
 JOINT_COLOURS = (style.ARM, "#dd6b20", style.OBSTACLE, "#2c7a7b")
 MILLI = 1e3  # [1/1000]
+FINE = 1e-4  # [m] what is less is not told more exactly
 
 
 def animate_execution(
@@ -254,12 +255,16 @@ def told(done: Execution) -> str:
         first = f"{done.name}: not caught{planned}"
     if done.error is None or done.torque is None:
         return first
-    _, most, end = (MILLI * error for error in done.error)
+    _, most, end = (_millimetres(error) for error in done.error)
     when = "at the catch" if done.caught else "at the end"
     return (
-        f"{first}\nhand off its plan by at most {most:.2g} mm, {when} {end:.1g} mm; "
+        f"{first}\nhand off its plan by at most {most}, {when} {end}; "
         f"motors use up to {100 * done.torque:.0f} % of their torque"
     )
+
+
+def _millimetres(length: float) -> str:
+    return f"{MILLI * length:.1f} mm" if length >= FINE else "under 0.1 mm"
 
 
 def execution_figure(situation: SpatialSituation, done: Execution) -> Figure:
