@@ -8,9 +8,18 @@ import numpy as np
 import pytest
 
 from gcm_learn.errors import ArmKindError, FileFormatError, PolicyError
-from gcm_learn.execution import AIM, CAUGHT, SpatialPool, SpatialSettings, spatial_pool_of
+from gcm_learn.execution import (
+    AIM,
+    CAUGHT,
+    PhysicalArms,
+    PhysicalSettings,
+    SpatialPool,
+    SpatialSettings,
+    physical_pool_of,
+    spatial_pool_of,
+)
 from gcm_learn.policies import Actor, plan_of, read_plan
-from gcm_learn.policies.actor import FILE_IN_SPACE
+from gcm_learn.policies.actor import file_of
 from gcm_learn.policies.directions import STEER, steered
 
 CONFIGS = Path(__file__).parents[2] / "experiments" / "04_policies"
@@ -37,7 +46,9 @@ def straight_actor(width):
 
 
 def test_shipped_configurations_are_plans():
-    for path in sorted(CONFIGS.glob("*-space.yml")):
+    found = [*CONFIGS.glob("*-space.yml"), *CONFIGS.glob("*-physics.yml")]
+    assert len(found) > 1
+    for path in found:
         plan = read_plan(path)
         assert plan.in_space and plan.actions == "velocity"
 
@@ -59,9 +70,9 @@ def test_bad_plans_are_refused_in_one_line(tmp_path):
 def test_actions_are_differences_from_the_straight_way():
     told = np.zeros((2, 145), np.float32)
     told[:, AIM : AIM + 4] = [1.0, -0.5, 0.25, 0.0]
-    still = steered(told, np.zeros((2, 4)))
+    still = steered(told, np.zeros((2, 4)), AIM)
     np.testing.assert_allclose(still, told[:, AIM : AIM + 4])
-    other = steered(told, np.array([[-0.5, 0.0, 0.0, 1.0]] * 2))
+    other = steered(told, np.array([[-0.5, 0.0, 0.0, 1.0]] * 2), AIM)
     np.testing.assert_allclose(other[0], [1.0 - 0.5 * STEER, -0.5, 0.25, 1.0])
 
 
@@ -69,7 +80,7 @@ def test_an_actor_is_kept_and_acts(tmp_path):
     pool = spatial_pool_of(FAMILY, 30, 0, 0.02)
     actor = straight_actor(145)
     actor.save(tmp_path)
-    assert (tmp_path / FILE_IN_SPACE).exists()
+    assert (tmp_path / file_of(actor.settings)).exists()
     back = Actor.load(tmp_path)
     assert back.in_space and back.settings == actor.settings
     first, second = (a.play(pool, np.arange(len(pool))) for a in (actor, back))
@@ -80,26 +91,50 @@ def test_an_actor_is_kept_and_acts(tmp_path):
     assert (drawn[0] != drawn[2]).any()
 
 
-@pytest.mark.parametrize("algo", ["ppo", "sac"])
-def test_learners_run_and_go_on(tmp_path, algo):
+LEARNERS = [
+    ("ppo", "CatchArm3D-v0", {}),
+    ("sac", "CatchArm3D-v0", {}),
+    ("ppo", "CatchArmPhysics-v0", {}),
+    ("sac", "CatchArmPhysics-v0", {"control": "torque"}),
+]
+
+
+@pytest.mark.parametrize(("algo", "environment", "settings"), LEARNERS)
+def test_learners_run_and_go_on(tmp_path, algo, environment, settings):
     pytest.importorskip("stable_baselines3")
     from gcm_learn.policies import train
 
-    given = entry(settings={"weights": {"guide": 1.0}})
+    given = entry(settings={"weights": {"guide": 1.0}, **settings})
     if algo == "sac":
         for name in ("n_steps", "log_std_init"):
             given.pop(name)
         given |= {"algo": "sac", "learning_starts": 50, "buffer_size": 1000}
-    plan = plan_of(given, "CatchArm3D-v0")
+    plan = plan_of(given, environment)
     scores = train(plan, tmp_path / "made", lambda text: None)
     assert 0.0 <= scores["caught"] <= 1.0
     actor = Actor.load(tmp_path / "made")
     assert actor.in_space and actor.settings.weights.guide == 0.0
-    assert FILE_IN_SPACE in (tmp_path / "made" / "card.md").read_text("utf-8")
-    more = plan_of(given | {"n_timesteps": 384}, "CatchArm3D-v0")
+    assert type(actor.settings) is type(plan.settings)
+    assert file_of(actor.settings) in (tmp_path / "made" / "card.md").read_text("utf-8")
+    more = plan_of(given | {"n_timesteps": 384}, environment)
     train(more, tmp_path / "made", lambda text: None)
     log = (tmp_path / "made" / "log.jsonl").read_text("utf-8").splitlines()
     assert len(log) >= 4
+
+
+def test_policies_of_torques_differ_from_the_torques_that_go_straight():
+    pytest.importorskip("mujoco")
+    from gcm_learn.policies.vec_env import ArenaVecEnv
+
+    settings = PhysicalSettings(control="torque")
+    pool = physical_pool_of("crossing-swarm-space", 3, 0)
+    env, arms = ArenaVecEnv(pool, 3, settings, 0, choices=False), PhysicalArms(pool, 3, settings)
+    told = env.reset()
+    places = env.plant.state.place.copy()
+    arms.put(np.arange(3), places)
+    env.step(np.zeros((3, 4), np.float32))
+    arms.move(told[:, -4:].astype(float))
+    np.testing.assert_array_equal(env.plant.posture, arms.posture)
 
 
 def test_planar_situations_are_not_trained_on_in_space(tmp_path):
