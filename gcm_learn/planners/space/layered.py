@@ -88,7 +88,7 @@ class LayeredInSpace:
         study = study_of(problem.scene, problem.rules)
         best: Plan[SpatialTrajectory] | None = None
         while True:
-            way = self._way(problem, study, end)
+            way = self._way(problem, study, end, thorough=best is None)
             if way is None:
                 return best or problem.answer(Failure.NO_INTERCEPTION)
             plan = finished(problem, study, way)
@@ -110,8 +110,10 @@ class LayeredInSpace:
         targets = int((problem.bodies.rows[:, PART] == HAND).sum())
         return no_goals(targets, more * self.instants, more * self.swivels)
 
-    def _way(self, problem: SpatialProblem, study: Study, end: float) -> Way | None:
-        """A way to a catch before `end` [s]."""
+    def _way(
+        self, problem: SpatialProblem, study: Study, end: float, *, thorough: bool
+    ) -> Way | None:
+        """A way to a catch before `end` [s]; a thorough search also grazes targets."""
         goals, ends = self._room_for_goals(problem), np.zeros(2)
         goal = straight(study, goals, self._times(end), self.swivels, ends)
         if goal >= 0:
@@ -120,12 +122,14 @@ class LayeredInSpace:
         if way is None:
             goals = self._room_for_goals(problem, 2)
             add_more(study, goals, self._times(end, 2), 2 * self.swivels)
-            if goals.size[0] == 0:
+            effort = self.fine
+            if goals.size[0] == 0 and thorough:
                 add_spread(study, goals, self._times(end, 4), SPREAD)
+                effort = self.coarse
             goal = straight_to(study, goals, ends)
             if goal >= 0:
                 return _direct(study, goals, goal, ends)
-            way = two_sided(study, goals, self.fine)
+            way = two_sided(study, goals, effort)
         if way is None:
             return None
         short = new_way()
