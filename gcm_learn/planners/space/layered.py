@@ -27,7 +27,7 @@ from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
 
 COARSE = Effort(10**4, (600, 2400))
-FINE = Effort(10**4, (2000, 8000, 20_000))
+FINE = Effort(10**4, (2000, 8000))
 SPREAD = 72
 """Postures that are pulled to a target without goals, at each of four times as many instants."""
 GAIN = 0.01  # of the horizon, by which a catch must be earlier to be looked for
