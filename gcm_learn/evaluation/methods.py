@@ -9,11 +9,18 @@ from typing import Protocol
 import numpy as np
 
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.execution import OUTCOMES, Pool
+from gcm_learn.execution import OUTCOMES, Pool, SpatialPool, way_of
 from gcm_learn.motion import SpatialTrajectory, Trajectory
 from gcm_learn.planners import Planner, get_planner, plan_with, planner_names
 from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
-from gcm_learn.situation import AnySituation, canonical, planar
+from gcm_learn.situation import (
+    AnySituation,
+    Situation,
+    SpatialArm,
+    canonical,
+    planar,
+    spatial,
+)
 
 CLOCKED = ("st-rrt-star",)  # plan for a given time, in a process of their own
 
@@ -76,10 +83,16 @@ class ActorMethod:
 
     name: str
     actor: Actor
-    takes_space: bool = False
+
+    @property
+    def takes_space(self) -> bool:
+        """Whether arms in space are what it moves."""
+        return self.actor.in_space
 
     def run(self, situation: AnySituation) -> Result:
         """Play an episode."""
+        if self.actor.in_space:
+            return self._in_space(spatial(situation, f"policy {self.name!r}"))
         situation = planar(situation, f"policy {self.name!r}")
         turned, frame = canonical(situation)
         since = clock.process_time()
@@ -88,6 +101,13 @@ class ActorMethod:
         time, hand = episodes.path(0)
         arm = situation.arm
         path = Trajectory.of_hand(time, frame.original(hand), arm.upper_arm, arm.elbow)
+        return Result(OUTCOMES[int(episodes.outcomes[0])], latency, path)
+
+    def _in_space(self, situation: Situation[SpatialArm]) -> Result:
+        since = clock.process_time()
+        episodes = self.actor.play(SpatialPool.of([situation]), np.zeros(1, np.int64))
+        latency = 1e3 * (clock.process_time() - since) / max(int(episodes.steps[0]), 1)
+        path = way_of(situation.arm, *episodes.path(0))
         return Result(OUTCOMES[int(episodes.outcomes[0])], latency, path)
 
 
@@ -106,7 +126,7 @@ def get_method(name: str) -> Method:
         With the known names.
     """
     bare, _, tries = name.partition("@")
-    if bare in actor_names():
+    if bare in (*actor_names(), *actor_names(space=True)):
         actor = shipped_actor(bare)
         if not tries:
             return ActorMethod(name, actor)
@@ -116,7 +136,7 @@ def get_method(name: str) -> Method:
     try:
         return PlannerMethod(name, get_planner(name))
     except UnknownNameError as error:
-        actors = ", ".join(actor_names()) or "none"
+        actors = ", ".join([*actor_names(), *actor_names(space=True)]) or "none"
         known = ", ".join(planner_names())
         raise UnknownNameError(
             f"policy: {name!r} is not one of the planners ({known}), those with a memory, or the "

@@ -21,7 +21,7 @@ from gcm_learn.execution.episode import (
 )
 from gcm_learn.execution.exact import ExactPlant
 from gcm_learn.execution.fan import RAYS
-from gcm_learn.execution.follower import Follower
+from gcm_learn.execution.follower import Follower, FollowerInSpace
 from gcm_learn.execution.following import LedPlant
 from gcm_learn.execution.minds import Commanding, Planning
 from gcm_learn.execution.observation import MEETING
@@ -81,6 +81,7 @@ __all__ = [
     "ExactPlant",
     "Execution",
     "Follower",
+    "FollowerInSpace",
     "KinematicPlant",
     "LATE",
     "LedPlant",

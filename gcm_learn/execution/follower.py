@@ -1,4 +1,4 @@
-"""An agent that follows plans."""
+"""Agents that follow plans."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from gcm_learn.execution.episode import Moment, into_frame
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import SpatialTrajectory, Trajectory
+from gcm_learn.situation import JOINTS
 
 
 class Follower:
@@ -54,3 +55,46 @@ class Follower:
         share[~np.isfinite(t1)] = 0.0
         goal = self._hand[rows, k1 - 1] * (1.0 - share) + self._hand[rows, k1] * share
         return (goal - hand) / np.maximum(until - t, 1e-9)[:, None]
+
+
+class FollowerInSpace:
+    """Follows trajectories of arms in space step by step, one of each arm.
+
+    Parameters
+    ----------
+    plans : sequence of SpatialTrajectory
+        One for each arm.
+    dt : float
+        Of a step [s].
+    """
+
+    def __init__(self, plans: Sequence[SpatialTrajectory], dt: float) -> None:
+        self._dt = dt
+        self._top = np.array([plan.arm.max_joint_speed for plan in plans])
+        most = int(np.ceil(max(plan.duration for plan in plans) / dt)) + 1
+        self._joints = np.empty((len(plans), most + 1, JOINTS))
+        self._rates = np.full((len(plans), most + 1, JOINTS), np.nan)
+        for row, plan in enumerate(plans):
+            times = dt * np.arange(most + 1)
+            inside = np.minimum(times, plan.duration)
+            joints, rates, _ = plan.states_at(inside)
+            # a step in which a plan ends goes on beyond it, as fast as its last piece
+            over = np.argmax(times >= plan.duration)
+            if over > 0 and times[over] > plan.duration:
+                last = plan.duration - times[over - 1]
+                joints[over:] = joints[over - 1] + (joints[over] - joints[over - 1]) * dt / last
+            self._joints[row] = joints
+            if plan.rates is not None:
+                self._rates[row] = rates
+
+    def act(self, moment: Moment) -> np.ndarray:
+        """Rates (n, 4) that bring joints to where they should be in a step, in greatest speeds.
+
+        Where accelerations are limited, those that they should have then.
+        """
+        rows = np.arange(len(moment.time))
+        k = np.rint(moment.time / self._dt).astype(int) + 1
+        k = np.minimum(k, self._joints.shape[1] - 1)
+        even = (self._joints[rows, k] - moment.posture[:, :JOINTS]) / self._dt
+        rates = self._rates[rows, k]
+        return np.where(np.isnan(rates), even, rates) / self._top

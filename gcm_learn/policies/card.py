@@ -78,8 +78,8 @@ def _told(share: Share) -> str:
         text.append(f"strata {', '.join(share.strata)}")
     if share.families:
         text.append(f"families {', '.join(share.families)}")
-    if share.reachable:
-        text.append("only what `layered` catches")
+    if share.reachable or share.caught_by:
+        text.append(f"only what `{share.caught_by or 'layered'}` catches")
     return ", ".join(text)
 
 

@@ -10,10 +10,10 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.execution import RAYS, Settings
+from gcm_learn.execution import RAYS, AnySettings, SpatialSettings
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import Demonstrations
-from gcm_learn.policies.directions import aimed_of, choices_of
+from gcm_learn.policies.directions import choices_of, said
 from gcm_learn.seeding import rng
 
 LEAST_DEVIATION = 1e-3  # numbers that hardly vary are not blown up
@@ -38,7 +38,7 @@ class Cloning:
 
 def clone(
     demonstrations: Demonstrations,
-    settings: Settings,
+    settings: AnySettings,
     how: Cloning,
     seed: int,
     report: Report | None = None,
@@ -52,19 +52,21 @@ def clone(
     choices : bool
         Whether its actions are choices of a direction (by cross-entropy), or velocities (by
         squares), of which it learns the mean: where ways fork it is worse, but who acts by
-        velocities can begin with it.
+        velocities can begin with it. In space it learns differences from the straight way.
     report : callable, optional
         Called after every epoch with its losses and, of choices, the accuracy.
     """
     told = demonstrations.observations
-    done = (choices_of if choices else aimed_of)(told, demonstrations.actions)
+    shown = demonstrations.actions
+    done = choices_of(told, shown) if choices else said(settings, told, shown)
     mean, deviation = told.mean(axis=0), np.maximum(told.std(axis=0), LEAST_DEVIATION)
     source = rng(seed)
     order = source.permutation(len(told))
     held = order[: max(int(how.held_out * len(told)), 1)]
     rest = order[len(held) :]
     torch.manual_seed(seed)
-    network = perceptron(told.shape[1], how.layers, RAYS if choices else 2)
+    bounded = not isinstance(settings, SpatialSettings)  # PPO, which begins as it, has no tanh
+    network = perceptron(told.shape[1], how.layers, RAYS if choices else done.shape[1])
     optimiser = torch.optim.AdamW(network.parameters(), how.rate, weight_decay=how.decay)
     steps = how.epochs * -(-len(rest) // how.batch)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
@@ -76,7 +78,7 @@ def clone(
     def loss_of(scores: torch.Tensor, wanted: torch.Tensor) -> torch.Tensor:
         if choices:
             return nn.functional.cross_entropy(scores, wanted)
-        return nn.functional.mse_loss(torch.tanh(scores), wanted)
+        return nn.functional.mse_loss(torch.tanh(scores) if bounded else scores, wanted)
 
     for epoch in range(how.epochs):
         source.shuffle(rest)
@@ -100,8 +102,8 @@ def clone(
             report(row)
     return Actor(
         layers=layers_of(network), mean=mean, deviation=deviation,
-        head="choice" if choices else "velocity", activation="relu", squash=not choices,
-        spread=np.full(2, SPREAD), settings=settings,
+        head="choice" if choices else "velocity", activation="relu",
+        squash=bounded and not choices, spread=np.full(done.shape[-1], SPREAD), settings=settings,
     )  # fmt: skip
 
 

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from gcm_learn.execution import (
     CAUGHT,
+    Agent,
+    AnyPool,
+    AnySettings,
     Episodes,
     Follower,
-    KinematicPlant,
+    FollowerInSpace,
     Pool,
-    Settings,
     Steps,
+    plant_of,
     run_episode,
 )
-from gcm_learn.motion import Trajectory
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,8 @@ class Demonstrations:
     observations: np.ndarray
     """(m, width) float32."""
     actions: np.ndarray
-    """(m, 2) float32: velocities in the frame of the moment, in hand speeds."""
+    """(m, 2) float32: velocities in the frame of the moment, in hand speeds; in space (m, 4): rates
+    of the joints, in their greatest."""
     caught: np.ndarray
     """Which of the plans still catch when they are acted out in steps (n,)."""
 
@@ -38,15 +42,15 @@ class Demonstrations:
         return cls(*map(np.concatenate, columns))
 
 
-def act_out(pool: Pool, plans: Sequence[Trajectory], settings: Settings) -> Demonstrations:
+def act_out(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> Demonstrations:
     """Follow plans step by step.
 
     Parameters
     ----------
     pool : Pool
-    plans : sequence of Trajectory
-        One for each situation of the pool, in canonical coordinates.
-    settings : Settings
+    plans : sequence of Trajectory or SpatialTrajectory
+        One for each situation of the pool, in its coordinates.
+    settings : Settings or SpatialSettings
 
     Returns
     -------
@@ -59,7 +63,7 @@ def act_out(pool: Pool, plans: Sequence[Trajectory], settings: Settings) -> Demo
     return Demonstrations(steps.told[good], steps.actions[good], caught)
 
 
-def transitions(pool: Pool, plans: Sequence[Trajectory], settings: Settings) -> Steps:
+def transitions(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> Steps:
     """All steps of following plans, one after the other, for learners with a replay buffer.
 
     What fails because steps cut corners is told, too: it comes with its reward.
@@ -67,11 +71,12 @@ def transitions(pool: Pool, plans: Sequence[Trajectory], settings: Settings) -> 
     return _followed(pool, plans, settings)[1]
 
 
-def _followed(
-    pool: Pool, plans: Sequence[Trajectory], settings: Settings
-) -> tuple[Episodes, Steps]:
+def _followed(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> tuple[Episodes, Steps]:
     """Follow plans: what came of it, and all steps joined."""
-    plant, steps = KinematicPlant(pool, len(pool), settings), list[Steps]()
-    agent = Follower(plans, pool.speed, settings.dt)
+    plant, steps = plant_of(pool, len(pool), settings), list[Steps]()
+    if isinstance(pool, Pool):
+        agent: Agent = Follower(plans, pool.speed, settings.dt)
+    else:
+        agent = FollowerInSpace(plans, settings.dt)
     episodes = run_episode(agent, plant, np.arange(len(pool)), steps.append)
     return episodes, Steps(*map(np.concatenate, zip(*steps, strict=True)))

@@ -54,6 +54,15 @@ def moved(settings: AnySettings, observations: np.ndarray, aimed: np.ndarray) ->
     return turned(observations, aimed)
 
 
+def said(settings: AnySettings, observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
+    """The reverse of `moved`: what a policy says that acts so."""
+    if isinstance(settings, SpatialSettings):
+        at = settings.straight
+        straight = observations[:, at : at + actions.shape[1]]
+        return np.clip((actions - straight) / STEER, -1.0, 1.0)
+    return aimed_of(observations, actions)
+
+
 def steered(observations: np.ndarray, aimed: np.ndarray, at: int) -> np.ndarray:
     """Commands (n, 4) of arms in space of differences (n, 4) from the straight ones, told `at`."""
     straight = observations[:, at : at + aimed.shape[1]].astype(float)

@@ -38,6 +38,8 @@ class Share:
     """The same of families."""
     reachable: bool = False
     """Of a family or file, only what `layered` catches."""
+    caught_by: str = ""
+    """Likewise of another planner, e.g. `straight`."""
     split: str = "train"
     """Of a dataset."""
     seed: int = 0
@@ -84,8 +86,9 @@ class TrainingPlan:
             raise PolicyError(f"algo: {self.algo!r} is not one of {', '.join(ALGORITHMS)}")
         if self.actions not in ("choice", "velocity"):
             raise PolicyError(f"actions: {self.actions!r} is not one of choice, velocity")
-        if self.in_space and (self.algo == "clone" or self.demonstrations):
-            raise PolicyError("algo: there are no demonstrations in space")
+        if isinstance(self.settings, PhysicalSettings):
+            if self.algo == "clone" or self.demonstrations:
+                raise PolicyError("algo: there are no demonstrations of arms with mass")
         if self.in_space and self.actions == "choice":
             raise PolicyError("actions: in space there is only velocity")
         if self.algo in ("sac", "tqc") and self.actions == "choice":

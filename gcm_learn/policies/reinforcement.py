@@ -14,10 +14,10 @@ from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
 from gcm_learn.errors import MissingExtraError, PolicyError
-from gcm_learn.execution import RUNNING, AnyPool, Steps
+from gcm_learn.execution import RUNNING, AnyPool, AnySettings, Steps
 from gcm_learn.policies.actor import CLIP, Actor
 from gcm_learn.policies.cloning import layers_of
-from gcm_learn.policies.directions import aimed_of
+from gcm_learn.policies.directions import said
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.vec_env import ArenaVecEnv
 from gcm_learn.storage import whole_file
@@ -109,13 +109,13 @@ def acting(model: BaseAlgorithm) -> tuple[nn.Module, ...]:
     return model.policy.actor.latent_pi, model.policy.actor.mu
 
 
-def show(model: BaseAlgorithm, moves: Steps) -> None:
+def show(model: BaseAlgorithm, moves: Steps, settings: AnySettings) -> None:
     """Put steps of demonstrations into the replay buffer of a learner that has one."""
     env, buffer = model.get_env(), model.replay_buffer  # type: ignore[attr-defined]
     assert isinstance(env, VecNormalize)
     if env.obs_rms.count < _SEEN:
         env.obs_rms.update(moves.told)
-    aimed = aimed_of(moves.told, moves.actions).astype(np.float32)
+    aimed = said(settings, moves.told, moves.actions).astype(np.float32)
     ended = moves.outcomes != RUNNING
     nothing = [dict[str, bool]() for _ in range(env.num_envs)]
     for first in range(0, len(moves.arms) - env.num_envs + 1, env.num_envs):

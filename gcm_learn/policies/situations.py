@@ -113,9 +113,12 @@ def _records(share: Share, settings: AnySettings) -> Lot:
 def _drawn(share: Share, plans: bool, settings: AnySettings) -> Lot:
     """Situations of a family or file, in canonical form; planned for if need be."""
     lot, planner = Lot([], [], [], settings), get_planner(PLANNER)
+    judge = get_planner(share.caught_by) if share.caught_by else None
     space = isinstance(settings, SpatialSettings)
     for drawn in situations_for(settings, share.source, share.count, share.seed):
         situation: Any = drawn if space else canonical(planar(drawn, "training"))[0]
+        if judge is not None and not judge.plan(situation).caught:
+            continue
         plan: Any = None
         if plans or share.reachable:
             plan = planner.plan(situation)

@@ -13,8 +13,7 @@ import numpy as np
 import torch
 
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import Pool
-from gcm_learn.motion import Trajectory
+from gcm_learn.execution import AnyPool
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.card import score, write_card
 from gcm_learn.policies.cloning import Cloning, clone
@@ -148,9 +147,8 @@ class _Judge:
 def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
     """Act catches out and clone them."""
     plan = run.plan
-    settings: Any = plan.settings  # of planar arms: plans refuse the others
     demonstrations = Demonstrations.joined(
-        act_out(pool, paths, settings) for pool, paths in _parts(shown)
+        act_out(pool, paths, plan.settings) for pool, paths in _parts(shown)
     )
     run.tell(
         f"{len(demonstrations.actions)} steps of {demonstrations.caught.sum()} catches; "
@@ -169,16 +167,16 @@ def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
         run.tell(f"epoch {row['epoch']:.0f}: loss {row['held_out_loss']:.3f} on what is held out")
 
     choices = plan.actions == "choice"
-    made = clone(demonstrations, settings, how, plan.seed, report, choices=choices)
+    made = clone(demonstrations, plan.settings, how, plan.seed, report, choices=choices)
     judge.see(made, 0, {})
 
 
-def _parts(shown: Lot) -> Iterator[tuple[Pool, list[Trajectory]]]:
+def _parts(shown: Lot) -> Iterator[tuple[AnyPool, list[Any]]]:
     """Situations and their catches, some at a time."""
     for first in range(0, len(shown.situations), _PART):
         rows = slice(first, first + _PART)
-        paths = [path for path in shown.paths[rows] if path is not None]
-        yield Pool.of(shown.situations[rows]), paths
+        part = Lot(shown.situations[rows], shown.groups[rows], shown.paths[rows], shown.settings)
+        yield part.pool, [path for path in part.paths if path is not None]
 
 
 def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
@@ -198,7 +196,7 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
         model = rl.make(plan, pool, folder / "tensorboard")
         if plan.demonstrations:
             for part, paths in _parts(lot.shown()):
-                rl.show(model, transitions(part, paths, settings))
+                rl.show(model, transitions(part, paths, settings), settings)
             run.tell(f"{model.replay_buffer.size() * plan.n_envs} steps of catches are shown")
         judge.see(rl.actor_of(model, plan), 0, {})
     while model.num_timesteps < plan.n_timesteps:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gcm_learn import families, solve
 from gcm_learn.errors import ArmKindError, FileFormatError, PolicyError
 from gcm_learn.execution import (
     AIM,
@@ -18,12 +20,13 @@ from gcm_learn.execution import (
     physical_pool_of,
     spatial_pool_of,
 )
-from gcm_learn.policies import Actor, plan_of, read_plan
+from gcm_learn.policies import Actor, ActorPlanner, plan_of, read_plan
 from gcm_learn.policies.actor import file_of
-from gcm_learn.policies.directions import STEER, steered
+from gcm_learn.policies.directions import STEER, moved, said
 
 CONFIGS = Path(__file__).parents[2] / "experiments" / "04_policies"
-FAMILY = "static-clutter-space"
+FAMILY = "crossing-swarm-space"
+KEPT = ("algo", "situations", "validation", "net_arch", "epochs", "batch")
 
 
 def entry(**more):
@@ -56,8 +59,8 @@ def test_shipped_configurations_are_plans():
 def test_bad_plans_are_refused_in_one_line(tmp_path):
     with pytest.raises(PolicyError, match="in space there is only velocity"):
         plan_of(entry(actions="choice"), "CatchArm3D-v0")
-    with pytest.raises(PolicyError, match="there are no demonstrations in space"):
-        plan_of(entry(algo="clone"), "CatchArm3D-v0")
+    with pytest.raises(PolicyError, match="there are no demonstrations of arms with mass"):
+        plan_of(entry(algo="clone"), "CatchArmPhysics-v0")
     path = tmp_path / "other.yml"
     path.write_text("Pendulum-v1: {}\n")
     with pytest.raises(FileFormatError, match="must hold an entry CatchArm-v0 or CatchArm3D-v0"):
@@ -70,10 +73,14 @@ def test_bad_plans_are_refused_in_one_line(tmp_path):
 def test_actions_are_differences_from_the_straight_way():
     told = np.zeros((2, 145), np.float32)
     told[:, AIM : AIM + 4] = [1.0, -0.5, 0.25, 0.0]
-    still = steered(told, np.zeros((2, 4)), AIM)
+    settings = SpatialSettings()
+    still = moved(settings, told, np.zeros((2, 4)))
     np.testing.assert_allclose(still, told[:, AIM : AIM + 4])
-    other = steered(told, np.array([[-0.5, 0.0, 0.0, 1.0]] * 2), AIM)
+    other = moved(settings, told, np.array([[-0.5, 0.0, 0.0, 1.0]] * 2))
     np.testing.assert_allclose(other[0], [1.0 - 0.5 * STEER, -0.5, 0.25, 1.0])
+    commands = np.array([[0.5, 0.5, -0.5, 0.9]] * 2)
+    again = moved(settings, told, said(settings, told, commands))
+    np.testing.assert_allclose(again, commands, atol=1e-6)
 
 
 def test_an_actor_is_kept_and_acts(tmp_path):
@@ -135,6 +142,46 @@ def test_policies_of_torques_differ_from_the_torques_that_go_straight():
     env.step(np.zeros((3, 4), np.float32))
     arms.move(told[:, -4:].astype(float))
     np.testing.assert_array_equal(env.plant.posture, arms.posture)
+
+
+def test_clones_learn_the_difference_from_the_straight_way(tmp_path):
+    """What is shown is done nearly so, told of the same."""
+    pytest.importorskip("torch")
+    from gcm_learn.policies import train
+
+    given = {k: v for k, v in entry(algo="clone", epochs=60, batch=64).items() if k in KEPT}
+    given["net_arch"] = "64"
+    said: list[str] = []
+    train(plan_of(given, "CatchArm3D-v0"), tmp_path, said.append)
+    losses = [float(line.split("loss ")[1].split()[0]) for line in said if "loss" in line]
+    assert losses[-1] < 0.5 * losses[0]
+    assert any("catches" in line for line in said) and not any("maps" in line for line in said)
+    assert Actor.load(tmp_path).in_space
+
+
+def test_an_actor_plans_where_it_catches(tmp_path):
+    """What it would do is tried out and verified; arms in the plane are refused."""
+    pool = spatial_pool_of(FAMILY, 30, 0, 0.02)
+    actor = straight_actor(145)
+    caught = actor.play(pool, np.arange(len(pool))).outcomes == CAUGHT
+    planner = ActorPlanner(actor, "tried", tries=1)
+    plans = [planner.plan(situation) for situation in pool.situations[:10]]
+    assert [plan.caught for plan in plans] == caught[:10].tolist()
+    more = ActorPlanner(replace(actor, spread=np.full(4, -2.0)), "tried", tries=6)
+    found = [more.plan(situation).caught for situation in pool.situations[:10]]
+    assert all(now or not before for now, before in zip(found, caught[:10], strict=True))
+    with pytest.raises(ArmKindError, match="takes spatial arms only"):
+        planner.plan(families.draw("random-planar", 3, 0))
+
+
+def test_situations_that_another_planner_catches_are_chosen(tmp_path):
+    from gcm_learn.policies.plan import Share
+    from gcm_learn.policies.situations import gather
+
+    shares = [Share(FAMILY, 12, caught_by=name) for name in ("straight", "")]
+    easy, every = (gather([share], plans=False, settings=SpatialSettings()) for share in shares)
+    assert 0 < len(easy.situations) < len(every.situations) == 12
+    assert all(solve(situation, "straight").caught for situation in easy.situations)
 
 
 def test_planar_situations_are_not_trained_on_in_space(tmp_path):

@@ -134,7 +134,7 @@ def test_a_replay_buffer_begins_with_the_catches_it_is_shown(tmp_path):
     for mine, its in zip(actor.layers, start.layers, strict=True):
         np.testing.assert_array_equal(mine[0], its[0])
     moves = transitions(shown.pool, shown.paths, plan.settings)
-    rl.show(model, moves)
+    rl.show(model, moves, plan.settings)
     buffer, whole = model.replay_buffer, 4 * (len(moves.arms) // 4)
     assert buffer.size() * 4 == whole
     np.testing.assert_array_equal(buffer.observations[: buffer.size()].reshape(whole, -1),

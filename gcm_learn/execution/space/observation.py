@@ -68,8 +68,8 @@ def observe_in_space(view, time, posture, e, dt, slots, row):
     place = limb_at(view.scene.limb, view.joints[0])
     _tell_arm(view, time, posture, e, place, dt, row)
     _tell_target(view, time, posture, e, place, row)
-    _look_ahead(view)
-    _tell_obstacles(view, time, posture, e, place, slots, row)
+    ahead = (_ahead(view, 0), _ahead(view, 1))
+    _tell_obstacles(view, time, posture, e, place, ahead, slots, row)
 
 
 @njit(_nrt=False)
@@ -126,18 +126,17 @@ def _tell_target(view, time, posture, e, place, row):
 
 
 @njit(_nrt=False)
-def _look_ahead(view):
-    """Leave joints of a limb that follows its aim after some moments in the view."""
+def _ahead(view, k):
+    """Elbow and hand of a limb that follows its aim until moment k ahead."""
     limb, limits, unit = view.scene.limb, view.scene.limits, view.reach / view.pace
-    for k in range(2):
-        for j in range(4):
-            turn = view.rates[AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit
-            q = view.joints[0, j] + turn
-            view.joints[1 + k, j] = min(max(q, limb.low[j]), limb.high[j])
+    for j in range(4):
+        turn = view.rates[AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit
+        view.joints[1, j] = min(max(view.joints[0, j] + turn, limb.low[j]), limb.high[j])
+    return limb_at(limb, view.joints[1])
 
 
 @njit(_nrt=False)
-def _tell_obstacles(view, time, posture, e, place, slots, row):
+def _tell_obstacles(view, time, posture, e, place, ahead, slots, row):
     """Write the `slots` obstacles that are nearest to the limb now."""
     bodies, which, gaps = view.scene.bodies, view.desk.obstacles, view.gaps
     enough, at = _EXACTLY * view.reach, ARM + TARGET
@@ -154,13 +153,13 @@ def _tell_obstacles(view, time, posture, e, place, slots, row):
             for k in range(at, at + OBSTACLE):
                 row[k] = 0.0
         else:
-            _tell_obstacle(view, which[nearest], time, place, row, at)
+            _tell_obstacle(view, which[nearest], time, place, ahead, row, at)
             gaps[nearest] = 1e300
         at += OBSTACLE
 
 
 @njit(_nrt=False)
-def _tell_obstacle(view, b, time, place, row, at):
+def _tell_obstacle(view, b, time, place, ahead, row, at):
     bodies, poses, reach = view.scene.bodies, view.desk.poses, view.reach
     ex, ey, ez, hx, hy, hz = place
     pose_at(bodies, b, time, poses)
@@ -187,7 +186,7 @@ def _tell_obstacle(view, b, time, place, row, at):
     for k in range(2):
         later = min(time + AHEAD[k] * reach / view.pace, view.scene.limits.horizon)
         row[at + 16 + k] = _room(view, b, later, place)
-        row[at + 18 + k] = _room(view, b, later, limb_at(view.scene.limb, view.joints[1 + k]))
+        row[at + 18 + k] = _room(view, b, later, ahead[k])
 
 
 @njit(_nrt=False)

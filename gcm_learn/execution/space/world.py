@@ -61,7 +61,7 @@ class SpatialView(NamedTuple):
     reach: float  # of the arm [lengths]
     pace: float  # fastest that its hand can be [lengths/s]
     desk: Desk
-    joints: np.ndarray  # (3, 4): the present ones, then those at two moments ahead
+    joints: np.ndarray  # (2, 4): the present ones, and room for others
     rates: np.ndarray  # (4, 4): room for rates
     jacobian: np.ndarray  # (3, 4)
     gaps: np.ndarray  # (n,): distances of bodies
@@ -81,7 +81,7 @@ def views_for(world, state, first, last):
         np.zeros((most, 12)), spare.curve, spare.joints, spare.spans, spare.waiting,
         spare.obstacles,
     )  # fmt: skip
-    joints, rates, jacobian = np.zeros((3, 4)), np.zeros((4, 4)), np.zeros((3, 4))
+    joints, rates, jacobian = np.zeros((2, 4)), np.zeros((4, 4)), np.zeros((3, 4))
     return SpatialView(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, np.empty(most))
 
 
