@@ -1,6 +1,6 @@
 """Who catches what with an arm in space: kinematic, and with mass. Writes space.json.
 
-python experiments/11_comparison/space.py              240 situations, 20 of each family
+python experiments/11_comparison/space.py              144 situations, 12 of each family
 python experiments/11_comparison/space.py --minutes 8  what can be done in eight minutes
 
 What is done is kept in out/ and not done again; Ctrl-C is safe.
@@ -30,7 +30,7 @@ from gcm_learn.storage import write_whole  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
 
 SEED = 1420
-COUNT = 20  # situations of each family
+COUNT = 12  # situations of each family
 BUDGET_MS = 100.0  # of ST-RRT*
 PLANNERS = ("straight", "straight-wait", "potential", "gcm", "marching", "layered")
 KEEPING = ("marching", "layered")
