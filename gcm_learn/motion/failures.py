@@ -32,6 +32,7 @@ class Failure(Enum):
     JOINT_RANGE = "a joint would have to leave its range"
     JOINT_ACCELERATION = "a joint would have to exceed max_joint_acceleration"
     ACCELERATION_UNTAKEN = "accelerations are limited, which this planner cannot keep"
+    ASTRAY = "joints that are linear between samples lead the hand astray"
     MISSED = "the hand misses the target"
     NO_TARGET_MET = "no target is met in time"
     COLLISION = "the limb is touched at t = {when:.3f} s"

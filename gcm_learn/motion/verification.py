@@ -23,6 +23,7 @@ SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured
 LARGEST_TURN = 0.5  # of a joint between two samples: more is a jump, e.g. at the shoulder [rad]
 HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
+STRAY = 8e-4  # of hands on joints that are linear between samples, from the path [forearm lengths]
 _ROUNDING = 1e-9  # relative, of the ring's radii
 _RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
 
@@ -108,7 +109,7 @@ def nearest_to_shoulder(hand):
     return best
 
 
-NOTHING, ELSEWHERE, LATE, OUTSIDE, ROUND, FAST, TURNS, MISSED, TOUCHED = range(9)
+NOTHING, ELSEWHERE, LATE, OUTSIDE, ROUND, FAST, TURNS, MISSED, TOUCHED, ASTRAY = range(10)
 FAULTS = {
     ELSEWHERE: Failure.WRONG_START,
     LATE: Failure.LATE,
@@ -118,6 +119,7 @@ FAULTS = {
     TURNS: Failure.JOINT_SPEED,
     MISSED: Failure.MISSED,
     TOUCHED: Failure.COLLISION,
+    ASTRAY: Failure.ASTRAY,
 }
 
 
@@ -182,6 +184,22 @@ def _judge_in_space(
     return FAULTS_IN_SPACE.get(fault), distance, when
 
 
+@njit(_nrt=False)
+def _goes_astray(hand, joints, rho):
+    """Whether joints that are linear between samples lead the hand away from its straight way.
+
+    They do most of all about half way between two samples.
+    """
+    for k in range(hand.shape[0] - 1):
+        shoulder = 0.5 * (joints[k, 0] + joints[k + 1, 0])
+        forearm = shoulder + 0.5 * (joints[k, 1] + joints[k + 1, 1])
+        x = rho * np.cos(shoulder) + np.cos(forearm) - 0.5 * (hand[k, 0] + hand[k + 1, 0])
+        y = rho * np.sin(shoulder) + np.sin(forearm) - 0.5 * (hand[k, 1] + hand[k + 1, 1])
+        if x * x + y * y > STRAY * STRAY:
+            return True
+    return False
+
+
 @njit
 def _judge(scene, touch, time, hand, joints, body):
     """First promise that is not kept (NOTHING if all are), least distance, and when [s]."""
@@ -189,6 +207,8 @@ def _judge(scene, touch, time, hand, joints, body):
     fault = _hand_fault(scene, time, hand, joints)
     if fault == NOTHING and _turns_too_fast(scene, time, hand):
         fault = TURNS
+    if fault == NOTHING and _goes_astray(hand, joints, scene.limb.rho):
+        fault = ASTRAY
     if fault == NOTHING:
         poses = np.zeros((scene.bodies.rows.shape[0], 12))
         pose_at(scene.bodies, body, time[last], poses)
