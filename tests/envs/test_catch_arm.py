@@ -53,7 +53,7 @@ def to_target(observation, info):
 def fine(env):
     """Return the hand's way with as many samples as plans have."""
     way, arm = env.trajectory, env.situation.arm
-    time, hand = refine(arm, way.time, way.hand)
+    time, hand = refine(arm, *refine(arm, way.time, way.hand))  # wild actions pass the shoulder
     return Trajectory.of_hand(time, hand, arm.upper_arm)
 
 
