@@ -15,7 +15,7 @@ from gcm_learn.execution.following import begun
 from gcm_learn.execution.physics.bodies import body_for
 from gcm_learn.execution.physics.control import Controller
 from gcm_learn.execution.physics.model import STEP
-from gcm_learn.execution.physics.motors import motor_accelerations
+from gcm_learn.execution.physics.motors import with_motor_limits
 from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
 from gcm_learn.execution.world import CAUGHT, COLLIDED
 from gcm_learn.motion import SpatialTrajectory, braked
@@ -87,8 +87,7 @@ class Execution:
         if self.plant is None:
             raise PhysicsError(f"{self.name!r}: nothing was executed ({self.status})")
         plant = self.plant
-        last = plant.steps if self.catch_time is None else round(self.catch_time / STEP)
-        steps = np.arange(last + 1)
+        steps = np.arange(_ended(plant) + 1)
         arm = plant.situation.arm
         return SpatialTrajectory(arm, steps * STEP, plant.joints_log[steps].copy())
 
@@ -136,11 +135,10 @@ def execute(
         why = plan.message
         return Execution(situation.name, plan.planner, "no plan", message=why, body=chosen.name)
     plant = PhysicalPlant(situation, chosen, controller or Controller(), believed=believed)
-    limits = situation.arm.max_joint_acceleration
-    most = motor_accelerations(situation.arm, chosen) if limits is None else np.array(limits)
-    whole = braked(plan.trajectory, most)
+    limits = with_motor_limits(situation, chosen).arm.max_joint_acceleration
+    whole = braked(plan.trajectory, np.array(limits))
     plant.follow(whole, situation.horizon)
-    ended = plant.steps if plant.catch_time is None else round(plant.catch_time / STEP)
+    ended = _ended(plant)
     if plant.catch_time is not None:
         plant.follow(whole, plant.catch_time + STAYS + whole.duration - plan.trajectory.duration)
     return _report(plan, whole, plant, ended)
@@ -188,7 +186,7 @@ def execute_seen(
     chosen = body_for(situation.arm, body)
     plant = PhysicalPlant(situation, chosen, controller or Controller())
     run_closed_loop(mind, plant, situation, loop, seed)
-    return _seen(plant, name, plant.steps if plant.catch_time is None else _step_of(plant))
+    return _seen(plant, name, _ended(plant))
 
 
 def _exactly(plan: Plan[SpatialTrajectory], situation: Situation[SpatialArm]) -> Execution:
@@ -202,9 +200,9 @@ def _exactly(plan: Plan[SpatialTrajectory], situation: Situation[SpatialArm]) ->
     )  # fmt: skip
 
 
-def _step_of(plant: PhysicalPlant) -> int:
-    assert plant.catch_time is not None
-    return round(plant.catch_time / STEP)
+def _ended(plant: PhysicalPlant) -> int:
+    """The step of the catch, the last one if there was none."""
+    return plant.steps if plant.catch_time is None else round(plant.catch_time / STEP)
 
 
 def _seen(plant: PhysicalPlant, planner: str, ended: int) -> Execution:
