@@ -2,6 +2,7 @@
 
 python experiments/11_comparison/space.py              144 situations, 12 of each family
 python experiments/11_comparison/space.py --minutes 8  what can be done in eight minutes
+python experiments/11_comparison/space.py --only ppo-space,ppo-space@20   only these methods
 
 What is done is kept in out/ and not done again; Ctrl-C is safe.
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter, process_time
@@ -22,10 +24,19 @@ from scipy.stats import binomtest
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
-from gcm_learn.execution import body_for, execute, with_motor_limits  # noqa: E402
+from gcm_learn.evaluation import get_method  # noqa: E402
+from gcm_learn.execution import (  # noqa: E402
+    OUTCOMES,
+    PhysicalPool,
+    PhysicalSettings,
+    body_for,
+    execute,
+    with_motor_limits,
+)
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.planners import STRRTStarPlanner, get_planner, plan_to_json  # noqa: E402
-from gcm_learn.situation import Situation, SpatialArm, situation_to_json  # noqa: E402
+from gcm_learn.planners import Plan, STRRTStarPlanner, plan_to_json  # noqa: E402
+from gcm_learn.policies import actor_names, shipped_actor  # noqa: E402
+from gcm_learn.situation import ArmBody, Situation, SpatialArm, situation_to_json  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
 
@@ -33,7 +44,10 @@ SEED = 1420
 COUNT = 12  # situations of each family
 BUDGET_MS = 100.0  # of ST-RRT*
 PLANNERS = ("straight", "straight-wait", "potential", "gcm", "marching", "layered")
-KEEPING = ("marching", "layered")
+POLICIES = ("ppo-space", "ppo-space@20")
+"""A trained actor that acts as it goes, unverified, and the same tried out and verified first."""
+METHODS = (*PLANNERS, "st-rrt-star", *POLICIES)
+KEEPING = ("marching", "layered", "ppo-space@20")
 """Keep limits of acceleration; plans of the others are followed as they are, corners and all."""
 OUT = HERE / "out" / "space.jsonl"
 
@@ -55,32 +69,75 @@ def planned(name: str, situation: Spatial) -> tuple[Any, float]:
     """A planner's answer and its processor time [ms]; for ST-RRT* that is its budget."""
     if name == "st-rrt-star":
         return STRRTStarPlanner().plan_anytime(situation, (BUDGET_MS,))[0], BUDGET_MS
+    method: Any = get_method(name)
     since = process_time()
-    plan = get_planner(name).plan(situation)
+    plan = method.planner.plan(situation)
     return plan, 1e3 * (process_time() - since)
 
 
-def answer(family: str, index: int) -> dict[str, Any]:
-    """All methods on one situation, without mass and with it."""
+def followed(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
+    """A planner: what it finds, and what comes of that with mass."""
+    plan, ms = planned(name, free)
+    told: dict[str, Any] = {"caught": plan.caught, "ms": round(ms, 2)}
+    if plan.caught:
+        found = judge(situation_to_json(free), plan_to_json(plan, free)).complaints
+        told["complaints"] = found
+    limited = with_motor_limits(free, body)
+    if name in KEEPING:
+        plan, told["limited ms"] = planned(name, limited)
+        told["limited"] = plan.caught
+    done = execute(plan, limited if name in KEEPING else free, body)
+    told["body"] = done.status
+    told["error"] = None if done.error is None else round(1e3 * done.error[1], 2)
+    return told
+
+
+def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
+    """A policy, in the arena without mass and in that with mass; what it does is not verified."""
+    result = get_method(name).run(free)
+    told: dict[str, Any] = {
+        "caught": result.outcome == "caught",
+        "touched": result.outcome == "touched",
+        "ms": round(result.latency, 2),
+    }
+    if told["caught"]:
+        told["complaints"] = judged(free, result.trajectory)
+    actor = shipped_actor(name)
+    chosen = actor.settings
+    settings = PhysicalSettings(dt=chosen.dt, slots=chosen.slots, discount=chosen.discount)
+    arena = PhysicalPool.of([free], body)
+    done = replace(actor, settings=settings).play(arena, np.zeros(1, np.int64))
+    ended = OUTCOMES[int(done.outcomes[0])]
+    told["body"] = {"touched": "collided"}.get(ended, ended)
+    return told
+
+
+def judged(situation: Spatial, moves: Any) -> list[str]:
+    """What the referee has against a movement, with the target that it has least against.
+
+    It tells no clearance, so that one is not asked for.
+    """
+    plan = Plan(
+        situation.name, "policy", "caught", "", 0.0, catch_time=moves.duration, trajectory=moves
+    )
+    found = []
+    for target in situation.targets:
+        told = plan_to_json(replace(plan, catch_body=target.name), situation)
+        complaints = judge(situation_to_json(situation), told).complaints
+        found.append([text for text in complaints if not text.startswith("clearance")])
+    return min(found, key=len)
+
+
+def answer(family: str, index: int, methods: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
+    """Methods on one situation, without mass and with it, beside those that are in the row."""
     free = drawn(family, index)
     body = body_for(free.arm)
-    limited = with_motor_limits(free, body)
-    row: dict[str, Any] = {"family": family, "index": index, "body": body.name}
-    for name in (*PLANNERS, "st-rrt-star"):
-        plan, ms = planned(name, free)
-        told: dict[str, Any] = {"caught": plan.caught, "ms": round(ms, 2)}
-        if plan.caught:
-            found = judge(situation_to_json(free), plan_to_json(plan, free)).complaints
-            told["complaints"] = found
-        if name in KEEPING:
-            plan, told["limited ms"] = planned(name, limited)
-            told["limited"] = plan.caught
-        world = limited if name in KEEPING else free
-        done = execute(plan, world, body)
-        told["body"] = done.status
-        told["error"] = None if done.error is None else round(1e3 * done.error[1], 2)
-        row[name] = told
-    return row
+    new = {
+        name: (acted if name in actor_names(space=True) else followed)(name, free, body)
+        for name in methods
+        if name not in row
+    }
+    return {"family": family, "index": index, "body": body.name, **row, **new}
 
 
 def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -92,17 +149,27 @@ def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
     }
     for group, mine in groups.items():
         out[group] = {"situations": len(mine), "methods": {}}
-        for name in (*PLANNERS, "st-rrt-star"):
+        for name in (name for name in METHODS if all(name in row for row in mine)):
             told = [row[name] for row in mine]
-            ms = [one["ms"] for one in told]
+            ms, acts = [one["ms"] for one in told], all("touched" in one for one in told)
             out[group]["methods"][name] = {
                 "kinematic": share(sum(one["caught"] for one in told), len(told)),
                 "broken": sum(bool(one.get("complaints")) for one in told),
                 "with mass": share(sum(one["body"] == "caught" for one in told), len(told)),
                 "collided": sum(one["body"] == "collided" for one in told),
+                **({"touched": sum(one["touched"] for one in told)} if acts else {}),
                 "ms": [float(np.median(ms)), float(np.quantile(ms, 0.9))] if ms else None,
             }
     return out
+
+
+def beside(made: dict[str, Any], path: Path) -> dict[str, Any]:
+    """A table with the methods that only an older one of as many situations has."""
+    old: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
+    for group in ("straight", "rest"):
+        if old.get(group, {}).get("situations") == made[group]["situations"]:
+            made[group]["methods"] = old[group]["methods"] | made[group]["methods"]
+    return made
 
 
 def share(count: int, of: int) -> list[float] | None:
@@ -117,21 +184,27 @@ def main() -> None:
     """Answer what is missing, then write the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--minutes", type=float, default=np.inf, help="no new one after that")
+    parser.add_argument("--only", default=",".join(METHODS), help="methods, with commas")
     asked, started = parser.parse_args(), perf_counter()
+    there = (*PLANNERS, "st-rrt-star", *actor_names(space=True))
+    wanted = ("straight", *asked.only.split(","))  # by which situations are told apart
+    methods = [name for name in dict.fromkeys(wanted) if name.partition("@")[0] in there]
     OUT.parent.mkdir(exist_ok=True)
-    rows = [json.loads(line) for line in OUT.read_text().splitlines()] if OUT.exists() else []
-    known = {(row["family"], row["index"]) for row in rows}
-    answer(family_names("spatial")[0], 10_000)  # kernels are loaded now
+    lines = OUT.read_text().splitlines() if OUT.exists() else []
+    known = {(row["family"], row["index"]): row for row in map(json.loads, lines)}
+    answer(family_names("spatial")[0], 10_000, methods, {})  # kernels are loaded now
     with OUT.open("a") as stream:
         for index in range(COUNT):
             for family in family_names("spatial"):
+                row = known.get((family, index), {})
                 late = perf_counter() - started > 60.0 * asked.minutes
-                if late or (family, index) in known:
+                if late or all(name in row for name in methods):
                     continue
-                rows.append(answer(family, index))
-                stream.write(json.dumps(rows[-1]) + "\n")
+                known[family, index] = answer(family, index, methods, row)
+                stream.write(json.dumps(known[family, index]) + "\n")  # the last line counts
                 stream.flush()
-    made = table(rows)
+    rows = list(known.values())
+    made = beside(table(rows), HERE / "space.json")
     write_whole(HERE / "space.json", json.dumps(made, indent=1) + "\n")
     print(json.dumps(made, indent=1))
 

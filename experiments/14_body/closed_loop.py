@@ -3,6 +3,7 @@
 python experiments/14_body/closed_loop.py --minutes 9            as much as nine minutes allow
 python experiments/14_body/closed_loop.py --plant physical       the arm with mass
 python experiments/14_body/closed_loop.py --count 24             a quick look
+python experiments/14_body/closed_loop.py --policy NAME          another trained actor
 
 Development data.  What is done is kept in out/ and not done again; Ctrl-C is safe.  Thinking is
 charged by processor time, so numbers vary a little from machine to machine.
@@ -15,6 +16,7 @@ import json
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from time import monotonic, process_time
 from typing import Any, NamedTuple
@@ -29,6 +31,7 @@ from gcm_learn.execution import (  # noqa: E402
     OUTCOMES,
     ExactPlant,
     Loop,
+    Mind,
     Perception,
     PhysicalPlant,
     Planning,
@@ -37,6 +40,7 @@ from gcm_learn.execution import (  # noqa: E402
 )
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
+from gcm_learn.policies import actor_names, shipped_actor  # noqa: E402
 from gcm_learn.situation import Situation, SpatialArm  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 
@@ -48,6 +52,8 @@ CHOSEN = 0.0125  # that at which planning once loses 25 to 35 points
 DROPOUTS = 0.5  # that begin in a second
 LARGER = (0.025, 0.05)  # that replanning is tried with too
 HABITS = ("once", "broken", "always")
+POLICY = "ppo-space"
+"""A trained actor, which acts anew in every period."""
 FOLDER = HERE / "out"
 
 
@@ -57,14 +63,17 @@ class Case(NamedTuple):
     plant: str
     noise: float
     habit: str
+    """Of `layered`, or the name of a trained actor."""
     thinking: str
     """"charged", or "one period": every thought takes that long."""
     index: int
 
 
-def cases(plant: str, count: int) -> Iterator[Case]:
+def cases(plant: str, count: int, policy: str) -> Iterator[Case]:
     """All that is to be done, what matters most first."""
     rows = [(0.0, "once", "charged")] + [(CHOSEN, habit, "charged") for habit in HABITS]
+    if policy in actor_names(space=True):
+        rows += [(noise, policy, "charged") for noise in (0.0, CHOSEN)]
     if plant == "exact":
         rows += [(0.0, "broken", "charged"), (CHOSEN, "broken", "one period")]
         rows += [(noise, "broken", "charged") for noise in LARGER]
@@ -82,6 +91,14 @@ def situation_of(index: int) -> Situation[SpatialArm]:
     return draw(replace(family, arm=replace(family.arm, **arms)), SEED, index)
 
 
+@cache
+def mind_of(habit: str) -> Mind:
+    """Who acts."""
+    if habit in HABITS:
+        return Planning(get_planner("layered"), habit)
+    return shipped_actor(habit).mind()
+
+
 def play(case: Case) -> dict[str, Any]:
     """Play one episode."""
     situation = situation_of(case.index)
@@ -92,9 +109,7 @@ def play(case: Case) -> dict[str, Any]:
     else:
         plant = PhysicalPlant(situation, body_for(situation.arm))
     since = process_time()
-    course = run_closed_loop(
-        Planning(get_planner("layered"), case.habit), plant, situation, loop, SEED, case.index
-    )
+    course = run_closed_loop(mind_of(case.habit), plant, situation, loop, SEED, case.index)
     return case._asdict() | {
         "outcome": OUTCOMES[course.outcome],
         "time": course.time,
@@ -122,10 +137,11 @@ def write_table(rows: dict[Case, dict[str, Any]]) -> None:
     ]
     for plant in dict.fromkeys(case.plant for case in rows):
         ways = {case[:4] for case in rows if case.plant == plant}
-        best = (plant, 0.0, "once", "charged")
-        for way in sorted(ways, key=lambda way: (HABITS.index(way[2]), way[1:])):
+        order = (*HABITS, *sorted({way[2] for way in ways} - set(HABITS)))
+        for way in sorted(ways, key=lambda way: (order.index(way[2]), way[1:])):
             mine = {c.index: row for c, row in rows.items() if c[:4] == way}
-            exact = {c.index: row for c, row in rows.items() if c[:4] == best}
+            best = (plant, 0.0, "once" if way[2] in HABITS else way[2], "charged")
+            exact = {c.index: row for c, row in rows.items() if c[:4] == best != way}
             lines.append(_line(way, mine, exact))
     write_whole(HERE / "closed-loop.md", ("\n".join(lines) + "\n").encode())
 
@@ -137,7 +153,7 @@ def _line(way: tuple[Any, ...], mine: dict[int, Any], exact: dict[int, Any]) -> 
     touched = wilson(sum(row["outcome"] == "touched" for row in mine.values()), n)
     both = sorted(set(mine) & set(exact))
     lost = ""
-    if both and (noise, habit, thinking) != (0.0, "once", "charged"):
+    if both:
         first = np.array([exact[k]["outcome"] == "caught" for k in both])
         second = np.array([mine[k]["outcome"] == "caught" for k in both])
         gap = difference(first, second, np.array(both) % len(family_names("spatial")))
@@ -159,16 +175,18 @@ def main() -> None:
     parser.add_argument("--plant", choices=("exact", "physical"), default="exact")
     parser.add_argument("--count", type=int, default=COUNT)
     parser.add_argument("--minutes", type=float, default=1e9)
+    parser.add_argument("--only", help="rows of this habit or actor")
+    parser.add_argument("--policy", default=POLICY, help="left out where there is none")
     given = parser.parse_args()
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / "closed-loop.jsonl"
     rows, since = done(path), monotonic()
     get_planner("layered").plan(situation_of(0))  # compiled before anything is charged
     with path.open("a") as stream:
-        for case in cases(given.plant, given.count):
+        for case in cases(given.plant, given.count, given.policy):
             if monotonic() - since > 60.0 * given.minutes:
                 break
-            if case not in rows:
+            if case not in rows and given.only in (None, case.habit):
                 rows[case] = play(case)
                 stream.write(json.dumps(rows[case]) + "\n")
                 stream.flush()

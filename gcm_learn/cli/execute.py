@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from tyro.conf import Positional, arg
 
@@ -18,14 +18,25 @@ from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.solve import plan_one, read
 
 if TYPE_CHECKING:
-    from gcm_learn.execution import Execution
-    from gcm_learn.planners import Planner
+    from gcm_learn.execution import Execution, Mind
     from gcm_learn.situation import ArmBody, Situation, SpatialArm
 
     Spatial = Situation[SpatialArm]
     Draw = Callable[[Spatial, Execution], None]
 
 MILLI = 1e3  # [1/1000]
+EXACT_LOOKS = 2  # after which a policy acts whose eyes are exact: they tell accelerations
+
+
+class Who(NamedTuple):
+    """Who acts."""
+
+    name: str
+    takes_space: bool
+    planner: Any
+    """None of a policy."""
+    mind: Mind | None
+    """In the closed loop; None of a planner that knows all, and plans once."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +55,8 @@ class Execute:
     """masses and motors: a file of format gcm-learn/body@1, or `nao` or `human`"""
 
     planner: Annotated[str, arg(metavar="NAME")] = "layered"
-    """who plans; an unknown name lists all of them"""
+    """who plans, or a trained actor by its folder in models/: it acts anew in every period, by what
+    is seen 50 times a second; an unknown name lists all of them"""
 
     plant: Literal["mujoco", "kinematic"] = "mujoco"
     """who follows: physics, or an arm without mass that does at once what it is told"""
@@ -72,15 +84,14 @@ class Execute:
     def run(self) -> int:
         """Execute the file; 1 if the physics of any situation failed."""
         from gcm_learn.execution import execution_to_json, read_body
-        from gcm_learn.planners import get_planner
         from gcm_learn.situation import spatial
 
         if not 0.0 <= self.noise < 1e6:
             raise CommandFailure(f"--noise {self.noise:g}: must be from 0 on")
         if self.film is not None and self.plant != "mujoco":
             raise CommandFailure("--film: is of arms with mass; animate shows plans")
-        planner = get_planner(self.planner)
-        situations = [spatial(item, "execute") for item in read(self.file, planner)]
+        who = self._who()
+        situations = [spatial(item, "execute") for item in read(self.file, who)]
         body = None if self.body is None else read_body(self.body)
         draw = None if self.film is None else _films(made_folder(self.film, option="--film"))
         piped = self.out is not None and str(self.out) == "-"
@@ -88,7 +99,7 @@ class Execute:
         with contextlib.ExitStack() as stack:
             stream = None if self.out is None else stack.enter_context(output(self.out))
             for situation in situations:
-                done = self._executed(planner, situation, body)
+                done = self._executed(who, situation, body)
                 counts[done.status] += 1
                 if not piped:
                     print(told(done), flush=True)
@@ -100,7 +111,24 @@ class Execute:
             print(", ".join(f"{count} {status}" for status, count in counts.most_common()))
         return 1 if counts["failed"] else 0
 
-    def _executed(self, planner: Planner, situation: Spatial, body: ArmBody | None) -> Execution:
+    def _who(self) -> Who:
+        """Who acts, by name."""
+        from gcm_learn.errors import PolicyError
+        from gcm_learn.evaluation import ActorMethod, get_method
+        from gcm_learn.execution import Planning
+
+        method: Any = get_method(self.planner)
+        if not isinstance(method, ActorMethod):
+            mind = Planning(method.planner, self.replan) if self.noise else None
+            return Who(method.planner.name, method.takes_space, method.planner, mind)
+        if self.replan == "once":
+            raise CommandFailure("--replan once: a policy acts anew in every period")
+        try:
+            return Who(method.name, method.takes_space, None, method.actor.mind())
+        except PolicyError as error:
+            raise CommandFailure(f"--planner {self.planner}: {error}") from None
+
+    def _executed(self, who: Who, situation: Spatial, body: ArmBody | None) -> Execution:
         """What came of a situation; whatever physics cannot do is told, and the rest goes on."""
         from gcm_learn.errors import PhysicsError
         from gcm_learn.execution import Execution, body_for, with_motor_limits
@@ -108,26 +136,28 @@ class Execute:
         try:
             chosen = body_for(situation.arm, body)
             limited = with_motor_limits(situation, chosen)
-            done = self._followed(planner, limited, chosen)
+            done = self._followed(who, limited, chosen)
         except PhysicsError as error:
-            return Execution(situation.name, planner.name, "failed", message=one_line(str(error)))
+            return Execution(situation.name, who.name, "failed", message=one_line(str(error)))
         if limited is situation:
             return done
         most = limited.arm.max_joint_acceleration
         return replace(done, limits=most, body=chosen.name)
 
-    def _followed(self, planner: Any, situation: Spatial, body: ArmBody) -> Execution:
+    def _followed(self, who: Who, situation: Spatial, body: ArmBody) -> Execution:
         """What came of a situation under limits of acceleration."""
-        from gcm_learn.execution import Loop, Perception, Planning, execute, execute_seen
+        from gcm_learn.execution import Loop, Perception, execute, execute_seen
 
         exact = self.plant == "kinematic"
-        if self.noise == 0.0:
-            plan: Any = plan_one(planner, situation, self.file)
+        if who.mind is None:
+            plan: Any = plan_one(who.planner, situation, self.file)
             return execute(plan, situation, body, kinematic=exact)
         forearm = body.metres * math.hypot(*situation.arm.forearm)
-        loop = Loop(Perception(self.noise / forearm))
-        mind, name = Planning(planner, self.replan), planner.name
-        return execute_seen(mind, situation, loop, self.seed, name=name, body=body, kinematic=exact)
+        looks = {} if self.noise else {"looks": EXACT_LOOKS}
+        loop = Loop(Perception(self.noise / forearm), **looks)
+        return execute_seen(
+            who.mind, situation, loop, self.seed, name=who.name, body=body, kinematic=exact
+        )
 
 
 def told(done: Execution) -> str:

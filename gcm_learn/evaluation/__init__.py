@@ -11,7 +11,7 @@ from gcm_learn.evaluation.measures import (
     measured,
     pairs,
 )
-from gcm_learn.evaluation.methods import Method, Result, get_method
+from gcm_learn.evaluation.methods import ActorMethod, Method, Result, get_method
 from gcm_learn.evaluation.statistics import (
     Interval,
     chance,
@@ -32,6 +32,7 @@ from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.verdict import verdict, who
 
 __all__ = [
+    "ActorMethod",
     "Cost",
     "DELAYS",
     "Entry",

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.closed_loop import Occasion
+from gcm_learn.execution.episode import way_of
 from gcm_learn.execution.exact import ExactPlant
-from gcm_learn.execution.perception import PERIOD
+from gcm_learn.execution.settings import SpatialSettings
+from gcm_learn.execution.space.one_step import OneStep
 from gcm_learn.execution.world import CAUGHT
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.situation import Situation, SpatialArm
@@ -64,40 +66,23 @@ def holds(occasion: Occasion) -> bool:
 
 @dataclass(frozen=True)
 class Commanding:
-    """An agent that tells its joints how fast to turn, anew in every period: a learned policy."""
+    """An agent that tells its joints how fast to turn, anew in every period: a learned policy.
 
-    policy: Callable[[Situation[SpatialArm]], np.ndarray]
-    """Wanted rates (4,) of the joints [rad/s]; what the arm's limits forbid is cut off."""
-    period: float = PERIOD
-    """For which a command holds [s]."""
+    It is told what the arena would tell it in the world that is believed, and what the arm's
+    limits forbid is cut off as there.
+    """
+
+    policy: Callable[[np.ndarray], np.ndarray]
+    """Commands (1, 4) under observations (1, width), in greatest joint speeds."""
+    settings: SpatialSettings = field(default_factory=SpatialSettings)
+    """What it is told; a command holds for a step."""
 
     def wants(self, occasion: Occasion) -> bool:
         """It always does."""
         return True
 
     def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
-        """The movement of the next period; after it the arm would come to rest."""
-        arm, span = believed.arm, self.period
-        start, most = np.array(arm.joints), np.array(arm.max_joint_speed)
-        wanted = np.clip(self.policy(believed), -most, most)
-        low, high = np.array(arm.joint_range).T
-        if arm.max_joint_acceleration is None:
-            end = np.clip(start + span * wanted, low, high)
-            return SpatialTrajectory(arm, np.array([0.0, span]), np.stack([start, end]))
-        rates, force = np.array(arm.joint_rates), np.array(arm.max_joint_acceleration)
-        up = _fastest(high - start - 0.5 * span * rates, force, span)
-        down = _fastest(start - low + 0.5 * span * rates, force, span)
-        change = np.clip(np.clip(wanted, -down, up) - rates, -force * span, force * span)
-        end = np.clip(start + span * (rates + 0.5 * change), low, high)
-        return SpatialTrajectory(
-            arm, np.array([0.0, span]), np.stack([start, end]), np.stack([rates, rates + change])
-        )
-
-
-def _fastest(room: np.ndarray, force: np.ndarray, span: float) -> np.ndarray:
-    """Rates v (4,) from which a joint can still stop: v span + v^2 / (2 force) is the room.
-
-    That is what it turns until it has that rate, what it takes to brake, and half a period's way
-    since it is told in periods.
-    """
-    return force * (np.sqrt(span * span + 2.0 * np.maximum(room, 0.0) / force) - span)
+        """The movement of the next step; after it the arm would come to rest."""
+        step = OneStep(believed, self.settings)
+        posture = np.stack([step.posture, step.after(self.policy(step.told)[0])])
+        return way_of(believed.arm, np.array([0.0, self.settings.dt]), posture)

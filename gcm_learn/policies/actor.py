@@ -13,6 +13,7 @@ from gcm_learn.errors import PolicyError
 from gcm_learn.execution import (
     AnyPool,
     AnySettings,
+    Commanding,
     Episodes,
     Moment,
     PhysicalSettings,
@@ -91,6 +92,20 @@ class Actor:
         """
         plant = plant_of(pool, len(places), self.settings)
         return run_episode(_Acting(self, rng), plant, places)
+
+    def mind(self) -> Commanding:
+        """The actor in the closed loop, its most likely action in every period.
+
+        Raises
+        ------
+        PolicyError
+            If it moves arms in the plane, or tells motors their torques.
+        """
+        if not isinstance(self.settings, SpatialSettings):
+            raise PolicyError("moves arms in the plane; the closed loop is of arms in space")
+        if isinstance(self.settings, PhysicalSettings) and self.settings.control == "torque":
+            raise PolicyError("tells motors their torques; the closed loop leads joints")
+        return Commanding(self.act, self.settings)
 
     def save(self, folder: Path) -> Path:
         """Write it into a folder as arrays; returns the file."""

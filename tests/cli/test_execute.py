@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from gcm_learn.cli import main
-from gcm_learn.execution import execution_to_json, shipped_bodies
+from gcm_learn.execution import SpatialSettings, execution_to_json, shipped_bodies
 from gcm_learn.families import paper_scene
+from gcm_learn.policies import Actor
 from gcm_learn.situation import write_situations
 
 
@@ -91,6 +93,52 @@ def test_a_world_that_is_seen_inexactly_is_planned_for_while_the_arm_moves(file,
     assert odd["status"] == "failed"
     assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
     assert done["planned_catch_time"] is None
+
+
+@pytest.fixture
+def actor(tmp_path, monkeypatch):
+    """The name of an actor of the user's own that goes straight."""
+    layer = (np.zeros((4, 145), np.float32), np.zeros(4, np.float32))
+    made = Actor(
+        layers=(layer,), mean=np.zeros(145), deviation=np.ones(145), head="velocity",
+        activation="relu", squash=False, spread=np.zeros(4), settings=SpatialSettings(),
+    )  # fmt: skip
+    folder = tmp_path / "models" / "goes-straight"
+    folder.mkdir(parents=True)
+    made.save(folder)
+    monkeypatch.setenv("GCM_LEARN_MODELS", str(tmp_path / "models"))
+    return "goes-straight"
+
+
+@pytest.mark.parametrize("plant", ["mujoco", "kinematic"])
+@pytest.mark.parametrize("noise", ["0", "0.002"])
+def test_a_policy_acts_by_what_is_seen(file, actor, plant, noise, capsys):
+    argv = ["execute", str(file), "--planner", actor, "--plant", plant, "--noise", noise]
+    assert main([*argv, "--out", "-"]) == 1
+    odd, done = (json.loads(line) for line in capsys.readouterr().out.splitlines())
+    assert odd["status"] == "failed"
+    assert (done["planner"], done["planned_catch_time"]) == (actor, None)
+    assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
+
+
+def test_a_policy_can_be_tried_out_first(file, actor, capsys):
+    assert main(["execute", str(file), "--planner", f"{actor}@1", "--out", "-"]) == 1
+    done = json.loads(capsys.readouterr().out.splitlines()[1])
+    assert done["status"] in ("caught", "no plan")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--planner", "nobody"], "policy: 'nobody' is not one of the planners"),
+        (["--planner", "clone"], "--planner clone: moves arms in the plane; the closed loop is of"),
+        (["--replan", "once"], "--replan once: a policy acts anew in every period"),
+    ],
+)
+def test_policies_that_do_not_fit_are_one_line(file, actor, options, said, capsys):
+    assert main(["execute", str(file), "--planner", actor, *options]) == 2
+    err = capsys.readouterr().err
+    assert said in err and err.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -207,8 +207,8 @@ def test_joints_can_be_commanded(limited):
     arm = ARM if limited else replace(ARM, max_joint_acceleration=None, joint_rates=None)
     goal = np.array([-0.6, 1.9, 1.0, 0.3])
 
-    def policy(believed):
-        return 8.0 * (goal - np.array(believed.arm.joints))
+    def policy(told):
+        return 8.0 / 6.0 * (goal - told[:, :4])
 
     hand = SpatialTrajectory(arm, np.zeros(1), goal[None]).hand[0]
     motion = SolidQuadratic(tuple(hand.tolist()), (0.0,) * 3, (0.0,) * 3)
@@ -227,7 +227,7 @@ def test_commands_end_before_the_range_does():
     situation = falling()
     plant = Watched(situation)
     run_closed_loop(
-        Commanding(lambda believed: np.array([0.0, 9.0, -9.0, 9.0])), plant, situation,
+        Commanding(lambda told: np.array([[0.0, 9.0, -9.0, 9.0]])), plant, situation,
         Loop(EXACT, 2, thinking=0.02), 0,
     )  # fmt: skip
     rows = np.array(plant.rows)

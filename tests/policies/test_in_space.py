@@ -13,16 +13,23 @@ from gcm_learn.errors import ArmKindError, FileFormatError, PolicyError
 from gcm_learn.execution import (
     AIM,
     CAUGHT,
+    RUNNING,
+    ExactPlant,
+    Loop,
+    Perception,
     PhysicalArms,
     PhysicalSettings,
+    Settings,
     SpatialPool,
     SpatialSettings,
     physical_pool_of,
+    run_closed_loop,
     spatial_pool_of,
 )
 from gcm_learn.policies import Actor, ActorPlanner, plan_of, read_plan
 from gcm_learn.policies.actor import file_of
 from gcm_learn.policies.directions import STEER, moved, said
+from gcm_learn.scene import later
 
 CONFIGS = Path(__file__).parents[2] / "experiments" / "04_policies"
 FAMILY = "crossing-swarm-space"
@@ -172,6 +179,55 @@ def test_an_actor_plans_where_it_catches(tmp_path):
     assert all(now or not before for now, before in zip(found, caught[:10], strict=True))
     with pytest.raises(ArmKindError, match="takes spatial arms only"):
         planner.plan(families.draw("random-planar", 3, 0))
+
+
+class Watched(ExactPlant):
+    """A plant that notes where it was after every look."""
+
+    def __init__(self, situation):
+        super().__init__(situation)
+        self.rows = []
+
+    def follow(self, trajectory, until):
+        super().follow(trajectory, until)
+        self.rows.append((self.time, *self.joints, *self.rates))
+
+
+@pytest.mark.parametrize("family", ["falling-space", "door-space", "pendulum-space"])
+def test_in_the_closed_loop_it_acts_as_in_the_arena(family):
+    """With exact looks and no time to think: as in the world that there is after two looks."""
+    config = families.get_family(family)
+    config = replace(config, arm=replace(config.arm, human=1.0, ramp=(0.1, 0.1)))
+    weights = np.random.default_rng(0).standard_normal((4, 145)).astype(np.float32)
+    actor = replace(straight_actor(145), layers=((0.01 * weights, np.zeros(4, np.float32)),))
+    compared = 0
+    for k in range(8):
+        situation = families.draw(config, 11, k)
+        plant = Watched(situation)
+        loop = Loop(Perception(), 2, thinking=0.0)
+        course = run_closed_loop(actor.mind(), plant, situation, loop, 0)
+        if course.time < 0.1:
+            continue
+        arm = situation.arm
+        seen = later(situation, 0.04, joints=arm.joints, rates=arm.joint_rates)
+        arena = actor.play(SpatialPool.of([seen]), np.zeros(1, int))
+        assert arena.outcomes[0] == course.outcome != RUNNING
+        time, posture = arena.path(0)
+        rows = {round(row[0], 6): row[1:] for row in plant.rows[:-1]}
+        for t, there in zip(time[1:-1], posture[1:-1], strict=True):
+            np.testing.assert_allclose(rows[round(0.04 + t, 6)], there, atol=1e-5)
+        compared += len(time) > 3
+    assert compared >= 3
+
+
+def test_only_actors_that_lead_joints_of_arms_in_space_take_part_in_the_closed_loop():
+    actor = straight_actor(145)
+    torque = replace(actor, settings=PhysicalSettings(control="torque"))
+    with pytest.raises(PolicyError, match="tells motors their torques"):
+        torque.mind()
+    with pytest.raises(PolicyError, match="moves arms in the plane"):
+        replace(actor, settings=Settings()).mind()
+    assert replace(actor, settings=PhysicalSettings()).mind().settings.width == 145
 
 
 def test_situations_that_another_planner_catches_are_chosen(tmp_path):

@@ -1,0 +1,62 @@
+"""What an arm in space is told at t = 0 of a situation, and where a command leads it.
+
+The situation may be a belief, in which the limb touches something: nothing is judged here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+from gcm_learn.execution.settings import SpatialSettings
+from gcm_learn.execution.space.plant import observe_all
+from gcm_learn.execution.space.stepping import reach_out
+from gcm_learn.execution.space.world import (
+    SpatialOptions,
+    SpatialState,
+    SpatialWorld,
+    spatial_world_of,
+    view_in,
+    views_for,
+)
+from gcm_learn.motion import opening
+from gcm_learn.scene import pack
+from gcm_learn.situation import JOINTS, Situation, SpatialArm
+
+
+class OneStep:
+    """The first step of an arm in space.
+
+    Parameters
+    ----------
+    situation : Situation
+    settings : SpatialSettings
+    """
+
+    def __init__(self, situation: Situation[SpatialArm], settings: SpatialSettings) -> None:
+        scene = pack(situation)
+        posture = np.concatenate([scene.limb.start, scene.limb.rates])[None]
+        state = SpatialState(np.zeros(1, np.int64), posture, np.zeros((1, 3)), np.zeros(1))
+        self.told = np.zeros((1, settings.width), np.float32)
+        """As `envs.CatchArm3D` lists it (1, width)."""
+        self.posture = posture[0]
+        """Joints [rad] and their rates [rad/s] (8,)."""
+        self._world, self._arm = tuple(spatial_world_of([scene], [opening(scene).rules])), state
+        self._options = settings.options
+        observe_all(self._world, tuple(state), np.zeros(1, np.int64), self._options, self.told)
+
+    def after(self, command: np.ndarray) -> np.ndarray:
+        """The posture (8,) after the step, as nearly as the limits allow what is commanded (4,)."""
+        out = np.empty(2 * JOINTS)
+        _after(self._world, tuple(self._arm), command[None].astype(float), self._options, out)
+        return out
+
+
+@njit
+def _after(world, state, command, options, out):
+    """Write the posture (8,) after a step of the only arm."""
+    worlds, states, how = SpatialWorld(*world), SpatialState(*state), SpatialOptions(*options)
+    view = view_in(worlds, 0, views_for(worlds, states, 0, 1))
+    end, speed = view.joints[0], view.rules.speed
+    reach_out(view.scene, speed, states.posture, 0, command, how.dt, end, view)
+    out[:4], out[4:] = end, view.rates[0]
