@@ -90,7 +90,7 @@ class Execute:
             raise CommandFailure(f"--noise {self.noise:g}: must be from 0 on")
         if self.film is not None and self.plant != "mujoco":
             raise CommandFailure("--film: is of arms with mass; animate shows plans")
-        who = self._who()
+        who: Any = self._who()
         situations = [spatial(item, "execute") for item in read(self.file, who)]
         body = None if self.body is None else read_body(self.body)
         draw = None if self.film is None else _films(made_folder(self.film, option="--film"))
