@@ -56,6 +56,10 @@ class DatasetError(GcmError, RuntimeError):
     """A folder is not the dataset it should be: no shards, another schema, changed bytes."""
 
 
+class ClusterError(GcmError, RuntimeError):
+    """A cluster cannot be reached, has gone away, or would not do the same as this machine."""
+
+
 class MissingExtraError(GcmError, ImportError):
     """Something needs a library that is installed on request only.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import arg
 
+from gcm_learn.cli.crews import AllCores, Cluster, check_workers
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder, staged
 from gcm_learn.cli.progress import Progress
@@ -53,17 +54,17 @@ class Evaluate:
     ] = None
     """where drawn suites are kept"""
 
-    workers: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")] = (
-        None
-    )
+    workers: AllCores = None
     """processes on this machine"""
+
+    cluster: Cluster = None
+    """a Dask scheduler whose workers are used, tcp://HOST:PORT; latencies are theirs then"""
 
     def run(self) -> int:
         """Compare, and say where the report is."""
         if self.charge < 0:
             raise CommandFailure(f"--charge {self.charge}: must not be negative")
-        if self.workers is not None and self.workers < 1:
-            raise CommandFailure(f"--workers {self.workers}: must be at least 1")
+        check_workers(self.workers)
         names = list(dict.fromkeys(n for n in self.policies.split(",") if n))
         if not names:
             raise CommandFailure("--policies: names at least one")
@@ -84,13 +85,23 @@ class Evaluate:
             try:
                 with Progress(self.count, f"situations of {suite}") as progress:
                     entries += draw_suite(
-                        suite, self.count, self.suites, self.workers, progress.advance
+                        suite,
+                        self.count,
+                        self.suites,
+                        self.workers,
+                        cluster=self.cluster,
+                        progress=progress.advance,
                     )
             except ModuleNotFoundError as error:
                 raise MissingExtraError("drawing a suite", str(error.name), "data") from None
         with Progress(len(names) * len(entries), "answers") as progress:
             results = compare(
-                names, entries, charge=self.charge, workers=self.workers, progress=progress.advance
+                names,
+                entries,
+                charge=self.charge,
+                workers=self.workers,
+                cluster=self.cluster,
+                progress=progress.advance,
             )
         _save(results, folder / "results.parquet")
         seen = self._blurred(names, entries, deviations, folder) if deviations else None
@@ -114,7 +125,12 @@ class Evaluate:
         planners = [name for name in names if name not in actors]
         with Progress(episodes(planners, entries, deviations), "episodes") as progress:
             seen = compare_blurred(
-                planners, entries, deviations, workers=self.workers, progress=progress.advance
+                planners,
+                entries,
+                deviations,
+                workers=self.workers,
+                cluster=self.cluster,
+                progress=progress.advance,
             )
         _save(seen, folder / "noise.parquet")
         return seen

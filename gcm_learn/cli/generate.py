@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
+from gcm_learn.cli.crews import AllCores, Cluster, check_workers
 from gcm_learn.cli.extras import dataset_package
 from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.cli.progress import Progress
@@ -31,17 +32,13 @@ class Generate:
     out: Annotated[str, arg(metavar="DIR")]
     """folder for the dataset, or a URL that fsspec understands"""
 
-    workers: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")] = (
-        None
-    )
+    workers: AllCores = None
     """processes on this machine"""
 
     verify: bool = False
     """then check everything: hashes, and every plan anew"""
 
-    cluster: Annotated[
-        str | None, arg(metavar="ADDRESS", help_behavior_hint="(default: this machine)")
-    ] = None
+    cluster: Cluster = None
     """a Dask scheduler whose workers are used, tcp://HOST:PORT"""
 
     shards: Annotated[str | None, arg(metavar="I/N", help_behavior_hint="(default: all)")] = None
@@ -50,8 +47,7 @@ class Generate:
     def run(self) -> int:
         """Make what is missing and say what there is."""
         part = _part(self.shards)
-        if self.workers is not None and self.workers < 1:
-            raise CommandFailure(f"--workers {self.workers}: must be at least 1")
+        check_workers(self.workers)
         dataset = dataset_package()
         spec = dataset.read_spec(self.spec)
         total = sum(len(spec.indices(k)) for k in range(part[0], spec.shards, part[1]))

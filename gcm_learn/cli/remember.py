@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
+from gcm_learn.cli.crews import Cluster, check_workers
 from gcm_learn.cli.extras import dataset_package
 from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.cli.progress import Progress
@@ -43,12 +44,19 @@ class Remember:
     seed: Annotated[int, arg(metavar="N")] = 0
     """of what is drawn"""
 
+    workers: Annotated[int, arg(metavar="N")] = 1
+    """processes on this machine"""
+
+    cluster: Cluster = None
+    """a Dask scheduler whose workers are used, tcp://HOST:PORT"""
+
     def run(self) -> int:
         """Make the memory and say what is in it."""
         if self.most is not None and self.most < 1:
             raise CommandFailure(f"--most {self.most}: must be at least 1")
         if self.seed < 0:
             raise CommandFailure(f"--seed {self.seed}: must not be negative")
+        check_workers(self.workers)
         records = dataset_package().open(self.dataset)
         split = self.split or "train"
         if split != "all":
@@ -64,6 +72,8 @@ class Remember:
                 self.planner or "",
                 seed=self.seed,
                 most=self.most,
+                workers=self.workers,
+                cluster=self.cluster,
                 progress=progress.advance,
             )
         if len(memory) == 0:

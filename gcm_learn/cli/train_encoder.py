@@ -6,13 +6,18 @@ import importlib
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
+from gcm_learn.cli.crews import Cluster, check_workers
 from gcm_learn.cli.extras import dataset_package
 from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from gcm_learn.dataset import Dataset
+    from gcm_learn.processes import Crew
 
 PARTS = 1000  # of the training, for the line that shows how far it has come
 WORK = "work.tmp"  # folder of what it takes to go on
@@ -56,14 +61,30 @@ class TrainEncoder:
     seed: Annotated[int, arg(metavar="N")] = 0
     """of weights and lessons"""
 
+    workers: Annotated[int, arg(metavar="N")] = 1
+    """processes on this machine that read records and make labels"""
+
+    cluster: Cluster = None
+    """a Dask scheduler whose workers do that instead, tcp://HOST:PORT"""
+
     def run(self) -> int:
         """Train, write the model and say how good it is."""
+        from gcm_learn.processes import crew_of
+
+        self._check()
+        records, trainers = dataset_package().open(self.dataset), _training()
+        with crew_of(self.workers, self.cluster) as crew:
+            return self._train(records, trainers, crew)
+
+    def _check(self) -> None:
         if not self.minutes > 0.0:
             raise CommandFailure(f"--minutes {self.minutes}: must be positive")
         for name, value in (("turns", self.turns), ("most", self.most)):
             if value is not None and value < 1:
                 raise CommandFailure(f"--{name} {value}: must be at least 1")
-        records, trainers = dataset_package().open(self.dataset), _training()
+        check_workers(self.workers)
+
+    def _train(self, records: Dataset, trainers: ModuleType, crew: Crew) -> int:
         from gcm_learn.recall import EncoderConfig, TransferLabels, load_encoder, write_model
 
         config = EncoderConfig(dim=self.dim, memory=self.memory, seed=self.seed)
@@ -74,6 +95,7 @@ class TrainEncoder:
                 self.seed,
                 most=self.most,
                 maps=config.uses_maps,
+                crew=crew,
                 progress=reading.advance,
             )
         try:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from gcm_learn.dataset.cluster import ClusterPool
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import make_item, no_item
 from gcm_learn.dataset.manifest import (
@@ -21,10 +20,9 @@ from gcm_learn.dataset.manifest import (
 from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
 from gcm_learn.dataset.spec import DatasetSpec
-from gcm_learn.dataset.warming import warm_and_make, warm_up
-from gcm_learn.dataset.workers import LocalPool
+from gcm_learn.dataset.warming import warmed
 from gcm_learn.errors import DatasetError
-from gcm_learn.processes import cores
+from gcm_learn.processes import ClusterCrew, LocalCrew, cores
 
 BETWEEN_MANIFESTS = 60.0  # [s]
 DIED = "the process that made it died"
@@ -72,21 +70,24 @@ def generate(
     progress(sum(infos[shard].rows for shard in mine if shard in infos))
     workers = workers or cores()
     hands = {"cluster": cluster} if cluster else {"workers": workers}
+    crew = ClusterCrew(cluster) if cluster else LocalCrew(workers)  # never here: items may crash
     if len(infos) < spec.shards:  # whoever looks before the first shard is told what is planned
         write_manifest(folder, manifest_of(folder, spec, infos, runs))
     began = told = time.monotonic()
     fresh: set[int] = set()
     run: dict[str, Any] = {"records": 0, "seconds": 0.0, **hands}
-    for info in _made(spec, folder.url, missing, workers, cluster):
-        infos[info.shard] = info
-        fresh.add(info.shard)
-        run["records"] += info.rows
-        run["seconds"] = round(time.monotonic() - began, 1)
-        progress(info.rows)
-        if time.monotonic() - told > BETWEEN_MANIFESTS:
-            told = time.monotonic()
-            write_manifest(folder, manifest_of(folder, spec, infos, [*runs, run], fresh))
-            fresh.clear()
+    work = partial(warmed, spec, partial(make_shard, spec, url=folder.url))
+    with crew:
+        for _, info in crew.results(work, missing, partial(make_alone, spec, url=folder.url)):
+            infos[info.shard] = info
+            fresh.add(info.shard)
+            run["records"] += info.rows
+            run["seconds"] = round(time.monotonic() - began, 1)
+            progress(info.rows)
+            if time.monotonic() - told > BETWEEN_MANIFESTS:
+                told = time.monotonic()
+                write_manifest(folder, manifest_of(folder, spec, infos, [*runs, run], fresh))
+                fresh.clear()
     return _finish(folder, spec, infos, [*runs, run] if run["records"] else runs, fresh)
 
 
@@ -114,22 +115,11 @@ def _finish(
     return manifest
 
 
-def _made(
-    spec: DatasetSpec, url: str, shards: Iterable[int], workers: int, cluster: str | None
-) -> Iterator[ShardInfo]:
-    """Make shards; they come as they are ready."""
-    alone = partial(make_alone, spec, url=url)
-    if cluster is not None:
-        return ClusterPool(partial(warm_and_make, spec, url=url), cluster, alone).results(shards)
-    work = partial(make_shard, spec, url=url)
-    return LocalPool(work, workers, alone, prepare=partial(warm_up, spec)).results(shards)
-
-
 def make_alone(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
     """Make a shard whose processes died, item by item: one that kills its process is recorded."""
-    dead = partial(no_item, spec, error=DIED)
-    work = LocalPool(partial(make_item, spec), 1, dead, partial(warm_up, spec), ahead=1)
-    records = sorted(work.results(spec.indices(shard)), key=lambda record: record.index)
+    work = partial(warmed, spec, partial(make_item, spec))
+    with LocalCrew(1, ahead=1) as crew:
+        records = list(crew.map(work, spec.indices(shard), partial(no_item, spec, error=DIED)))
     if len(records) > 1 and all(record.error == DIED for record in records):
         raise DatasetError("processes die before they make anything (memory?)")
     return write_shard(spec, shard, records, url)

@@ -82,7 +82,7 @@ class _Shelf:
 
     def __getstate__(self) -> dict[str, Any]:
         """What is decoded stays in its process."""
-        return self.__dict__ | {"_groups": OrderedDict()}
+        return self.__dict__ | {"_groups": OrderedDict(), "_labels": {}}
 
 
 class Dataset(Sequence[Record]):
@@ -135,6 +135,10 @@ class Dataset(Sequence[Record]):
         if isinstance(k, slice | np.ndarray):
             return Dataset(self._shelf, self._places[k], self._all)
         return Record(self.spec, {}, self._shelf.row(int(self._places[k])))
+
+    def part(self, rows: np.ndarray) -> Dataset:
+        """Records by position (m,) as a dataset of their own, light enough to be sent elsewhere."""
+        return Dataset(self._shelf, self._places[rows])
 
     def __iter__(self) -> Iterator[Record]:
         return (self[k] for k in range(len(self)))

@@ -15,11 +15,10 @@ from gcm_learn.dataset.record import Record, rows_of
 from gcm_learn.dataset.shards import code_version, info_of, shard_name
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of
-from gcm_learn.dataset.warming import warm_up
-from gcm_learn.dataset.workers import LocalPool
+from gcm_learn.dataset.warming import warmed
 from gcm_learn.errors import DatasetError, GcmError
 from gcm_learn.motion import rules_of, verify
-from gcm_learn.processes import cores
+from gcm_learn.processes import LocalCrew, cores
 from gcm_learn.scene import pack
 
 MOST_FAULTS = 20  # that a report quotes
@@ -77,16 +76,16 @@ def verify_dataset(
     if manifest is None:
         raise DatasetError(f"{folder.url}: has no manifest to check it against")
     spec = spec_of(folder)
-    work = partial(verify_shard, spec, url=folder.url)
-    pool = LocalPool(work, workers or cores(), work, partial(warm_up, spec))
+    work = partial(warmed, spec, partial(verify_shard, spec, url=folder.url))
     expected = {entry["name"]: entry["sha256"] for entry in manifest["shards"]}
     shards = [k for k in range(spec.shards) if shard_name(k) in expected]
     report = Report()
-    for part, sha256, shard in pool.results(shards):
-        if part.records and sha256 != expected[shard_name(shard)]:
-            part += _fault(f"{shard_name(shard)}: its bytes are not those of the manifest")
-        report += part
-        progress(part.records)
+    with LocalCrew(workers or cores()) as crew:
+        for part, sha256, shard in crew.map(work, shards):
+            if part.records and sha256 != expected[shard_name(shard)]:
+                part += _fault(f"{shard_name(shard)}: its bytes are not those of the manifest")
+            report += part
+            progress(part.records)
     if len(expected) < spec.shards:
         report += _fault(f"{spec.shards - len(expected)} of {spec.shards} shards are missing")
     return report

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeVar
 
 from filelock import FileLock
 from llvmlite import binding
 
 from gcm_learn import compiled
 from gcm_learn.dataset.item import Case, make_item
-from gcm_learn.dataset.shards import ShardInfo, make_shard
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
 
 DRAWS = 2  # items of each family
 _WARM: set[str] = set()  # specifications that this process is ready for
+Task = TypeVar("Task")
+Result = TypeVar("Result")
 
 
 def warm_up(spec: DatasetSpec) -> None:
@@ -43,12 +46,12 @@ def warm_up(spec: DatasetSpec) -> None:
             done.touch()
 
 
-def warm_and_make(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
-    """Make a shard in a process that may be new."""
+def warmed(spec: DatasetSpec, work: Callable[[Task], Result], task: Task) -> Result:
+    """Do a task about a specification in a process that may be new."""
     if spec.digest not in _WARM:
         warm_up(spec)
         _WARM.add(spec.digest)
-    return make_shard(spec, shard, url)
+    return work(task)
 
 
 def _run(spec: DatasetSpec) -> None:

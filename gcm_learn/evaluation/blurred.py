@@ -32,6 +32,7 @@ def compare_blurred(
     deviations: Sequence[float],
     *,
     workers: int | None = None,
+    cluster: str | None = None,
     progress: Callable[[int], object] = lambda count: None,
 ) -> Results:
     """Let planners answer the same situations, seen with the same errors.
@@ -43,8 +44,8 @@ def compare_blurred(
     entries : sequence of Entry
     deviations : sequence of float
         Of places [forearms]; 0 is done too, for what is lost.
-    workers : int, optional
-        Processes; by default one for each core.
+    workers, cluster
+        See `processes.crew_of`.
     progress : callable
         Told how many episodes are new.
 
@@ -66,7 +67,7 @@ def compare_blurred(
         for way in (HABITS if place > 0.0 else (EXACT,))
         for first in range(0, len(ordered), _CHUNK)
     ]
-    return Results.of(rows_of(calls, workers, progress))
+    return Results.of(rows_of(calls, workers, cluster, progress))
 
 
 def episodes(names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]) -> int:

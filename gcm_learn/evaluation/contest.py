@@ -29,6 +29,7 @@ def compare(
     *,
     charge: int = 100,
     workers: int | None = None,
+    cluster: str | None = None,
     progress: Callable[[int], object] = lambda count: None,
 ) -> Results:
     """Let methods answer the same situations.
@@ -40,8 +41,8 @@ def compare(
     entries : sequence of Entry
     charge : int
         Situations of each stratum for which charged thinking is measured.
-    workers : int, optional
-        Processes; by default one for each core.
+    workers, cluster
+        See `processes.crew_of`.  Thinking takes the time that it takes there.
     progress : callable
         Told how many answers are new.
 
@@ -59,7 +60,7 @@ def compare(
         for name in names
         for first in range(0, len(ordered), _CHUNK)
     ]
-    return Results.of(rows_of(calls, workers, progress))
+    return Results.of(rows_of(calls, workers, cluster, progress))
 
 
 def check_arms(name: str, entries: Sequence[Entry]) -> None:

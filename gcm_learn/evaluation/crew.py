@@ -1,12 +1,11 @@
-"""Calls of a comparison, shared among processes that take one thread each."""
+"""Calls of a comparison, shared out."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
 from typing import Any
 
-from gcm_learn.processes import cores, pool
+from gcm_learn.processes import cores, crew_of
 
 Rows = list[dict[str, Any]]
 
@@ -14,6 +13,7 @@ Rows = list[dict[str, Any]]
 def rows_of(
     calls: Sequence[Callable[[], Rows]],
     workers: int | None,
+    cluster: str | None,
     progress: Callable[[int], object],
 ) -> Rows:
     """Rows of all calls, in their order.
@@ -21,21 +21,19 @@ def rows_of(
     Parameters
     ----------
     calls : sequence of callable
-        Each makes a row for each of some situations; processes get them pickled.
-    workers : int, optional
-        Processes; by default one for each core.
+        Each makes a row for each of some situations; whoever does it gets it pickled.
+    workers, cluster
+        See `processes.crew_of`.
     progress : callable
         Told how many rows are new.
     """
     rows: Rows = []
-    workers = min(workers or cores(), len(calls))
-    if workers <= 1:
-        for call in calls:
-            rows += (new := call())
+    with crew_of(min(workers or cores(), len(calls)) or 1, cluster) as crew:
+        for new in crew.map(_called, calls):
+            rows += new
             progress(len(new))
-        return rows
-    with pool(workers) as executor:
-        running = [executor.submit(call) for call in calls]
-        for future in as_completed(running):
-            progress(len(future.result()))
-    return [row for future in running for row in future.result()]
+    return rows
+
+
+def _called(call: Callable[[], Rows]) -> Rows:
+    return call()

@@ -20,6 +20,7 @@ from gcm_learn import artifacts
 from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
 from gcm_learn.evaluation import turns
 from gcm_learn.families import family_names
+from gcm_learn.processes import crew_of
 from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.storage import content_hash, write_whole
 
@@ -161,6 +162,8 @@ def draw_suite(
     count: int,
     folder: Path | None = None,
     workers: int | None = None,
+    *,
+    cluster: str | None = None,
     progress: Callable[[int], None] = lambda records: None,
 ) -> list[Entry]:
     """The first situations of a suite; what is not in the folder yet is drawn.
@@ -172,6 +175,8 @@ def draw_suite(
         At most 1000.
     folder : Path, optional
         Where suites are kept; by default they are found as `artifacts` says.
+    workers, cluster
+        Who draws, see `processes.crew_of`.
 
     Raises
     ------
@@ -185,7 +190,7 @@ def draw_suite(
     entries = _read(found) if found.exists() else []
     missing = len(entries) < count
     if missing:
-        entries = _drawn(name, count, kept, workers, progress)
+        entries = _drawn(name, count, kept, workers, cluster, progress)
     check_frozen(name, entries)
     if missing:
         kept.mkdir(parents=True, exist_ok=True)
@@ -203,16 +208,22 @@ def check_frozen(name: str, entries: Sequence[Entry]) -> None:
 
 
 def _drawn(
-    name: str, count: int, folder: Path, workers: int | None, progress: Callable[[int], None]
+    name: str,
+    count: int,
+    folder: Path,
+    workers: int | None,
+    cluster: str | None,
+    progress: Callable[[int], None],
 ) -> list[Entry]:
     """Draw a suite as a dataset, or from draws in turn; both go on where they were interrupted."""
     if name in turns.STRATA:
-        found = turns.first_of(name, count, folder, workers, progress)
+        with crew_of(workers, cluster) as crew:
+            found = turns.first_of(name, count, folder, crew, progress)
         return [_entry({"suite": name, **values}) for values in found]
     from gcm_learn import dataset  # needs pyarrow
 
     spec = SUITES[name].spec(name, -(-count // SHARD) * SHARD)
-    dataset.generate(spec, folder / name, workers, progress=progress)
+    dataset.generate(spec, folder / name, workers, cluster=cluster, progress=progress)
     records = dataset.open(folder / name)
     entries = []
     for k in range(len(records)):

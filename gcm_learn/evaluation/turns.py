@@ -12,13 +12,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from gcm_learn import families
 from gcm_learn.planners import Problem, StraightPlanner, bounds, marching, stratum
-from gcm_learn.processes import cores, pool
+from gcm_learn.processes import Crew
 from gcm_learn.situation import canonical, planar, situation_to_json
 from gcm_learn.storage import write_whole
 
@@ -67,7 +66,7 @@ def first_of(
     wanted: str,
     count: int,
     folder: Path,
-    workers: int | None = None,
+    crew: Crew,
     progress: Callable[[int], object] = lambda found: None,
 ) -> list[Draw]:
     """The first draws of a stratum; those that were looked at are kept in a folder.
@@ -79,13 +78,13 @@ def first_of(
     count : int
     folder : Path
         Of suites.
-    workers : int, optional
-        Processes; by default one for each core.
+    crew : Crew
+        Who draws.
     progress : callable
         Told how many more were found.
     """
     found: list[Draw] = []
-    for lines in _chunks(folder / FOLDER, workers or cores()):
+    for lines in _chunks(folder / FOLDER, crew):
         here = [d for d in map(json.loads, lines) if d is not None and d["stratum"] == wanted]
         found += here
         progress(len(here))
@@ -94,35 +93,23 @@ def first_of(
     return found[:count]
 
 
-def _chunks(folder: Path, workers: int) -> Iterator[list[str]]:
-    """The lines of one file after the other; several are made at once."""
+def _chunks(folder: Path, crew: Crew) -> Iterator[list[str]]:
+    """The lines of one file after the other; those that are not there are drawn and kept."""
     folder.mkdir(parents=True, exist_ok=True)
-    make, ahead = partial(_chunk, folder), 2 * workers
     firsts = range(0, MOST, CHUNK)
-    k = 0
-    while k < len(firsts) and _file(folder, firsts[k]).exists():
-        yield _file(folder, firsts[k]).read_text("utf-8").splitlines()
-        k += 1
-    if workers == 1:
-        yield from map(make, firsts[k:])
-        return
-    with pool(workers) as executor:
-        waiting = [executor.submit(make, first) for first in firsts[k : k + ahead]]
-        for first in firsts[k + ahead :]:
-            yield waiting.pop(0).result()
-            waiting.append(executor.submit(make, first))
-        for job in waiting:
-            yield job.result()
+    missing = [first for first in firsts if not _file(folder, first).exists()]
+    drawing = crew.results(_drawn, missing)
+    for first in firsts:
+        while not _file(folder, first).exists():
+            number, lines = next(drawing)
+            write_whole(_file(folder, missing[number]), "".join(line + "\n" for line in lines))
+        yield _file(folder, first).read_text("utf-8").splitlines()
 
 
 def _file(folder: Path, first: int) -> Path:
     return folder / f"draws_{first:07d}.jsonl"
 
 
-def _chunk(folder: Path, first: int) -> list[str]:
-    """Draw CHUNK situations and keep them (all or none)."""
-    path = _file(folder, first)
-    if not path.exists():
-        lines = [json.dumps(drawn(number)) for number in range(first, first + CHUNK)]
-        write_whole(path, "".join(line + "\n" for line in lines))
-    return path.read_text("utf-8").splitlines()
+def _drawn(first: int) -> list[str]:
+    """The lines of CHUNK situations."""
+    return [json.dumps(drawn(number)) for number in range(first, first + CHUNK)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.errors import RecallError
 from gcm_learn.planners import Plan, Planner, get_planner
+from gcm_learn.processes import crew_of
 from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory
@@ -37,6 +39,8 @@ def remember(
     *,
     seed: int = 0,
     most: int | None = None,
+    workers: int | None = 1,
+    cluster: str | None = None,
     progress: Callable[[int], None] = lambda done: None,
 ) -> Memory:
     """Make a memory of the catches of a dataset.
@@ -53,6 +57,9 @@ def remember(
         Decides the sample, and which records are taken if there are more than `most`.
     most : int, optional
         Records that are read at most.
+    workers, cluster
+        See `processes.crew_of`; by default this process.  Whoever reads must find the dataset
+        where it is found here.
     progress : callable
         Called with the number of records read since the last call.
     """
@@ -65,10 +72,12 @@ def remember(
     if isinstance(index, str):
         index = _fitted(records, index, order, seed)
     memory = Memory(index)
-    for start in range(0, len(order), CHUNK):
-        part = order[start : start + CHUNK]
-        _file(memory, (records[int(k)] for k in part), planner)
-        progress(len(part))
+    parts = [order[start : start + CHUNK] for start in range(0, len(order), CHUNK)]
+    with crew_of(workers, cluster) as crew:
+        filed = crew.map(partial(_filed, index, planner), map(records.part, parts))
+        for part, more in zip(parts, filed, strict=True):
+            memory.extend(more)
+            progress(len(part))
     return memory
 
 
@@ -81,7 +90,9 @@ def _fitted(records: Dataset, name: str, order: np.ndarray, seed: int) -> Index:
     return kind.fit([records[int(k)].situation for k in sample], seed)
 
 
-def _file(memory: Memory, records: Iterable[Record], planner: str) -> None:
+def _filed(index: Index, planner: str, records: Iterable[Record]) -> Memory:
+    """A memory of some records."""
+    memory = Memory(index)
     found = [(record, waypoints) for record in records if (waypoints := catch_of(record, planner))]
     memory.add(
         [record.situation for record, _ in found],
@@ -89,6 +100,7 @@ def _file(memory: Memory, records: Iterable[Record], planner: str) -> None:
         [record.family for record, _ in found],
         [record.stratum for record, _ in found],
     )
+    return memory
 
 
 def catch_of(record: Record, planner: str = "") -> Waypoints | None:

@@ -169,6 +169,14 @@ class Memory:
             raise RecallError(f"embeddings: shape {got}, expected {(count, self.index.dim)}")
         self._append(fresh, texts)
 
+    def extend(self, other: Memory, embeddings: np.ndarray | None = None) -> None:
+        """Remember what another memory does, by its embeddings or by others (n, dim)."""
+        fresh = {name: other._columns[name][: len(other)] for name in _COLUMNS}
+        words = [[self._word(other._words[w]) for w in row] for row in other.labels.tolist()]
+        fresh["labels"] = np.reshape(words, (-1, 2))
+        fresh["embeddings"] = other.embeddings if embeddings is None else embeddings
+        self._append(fresh, [other._text(k) for k in range(len(other))])
+
     def recall(self, query: np.ndarray, k: int = 20) -> np.ndarray:
         """Memories (min(k, n),) that fit an embedding (dim,) best, the best first."""
         if self._searcher is None or len(self._searcher.rows) != self._size:
@@ -220,10 +228,7 @@ class Memory:
         out = Memory(index, self.search)
         if len(self):
             trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
-            out._words = list(self._words)
-            fresh = {name: np.array(self._columns[name][: self._size]) for name in _COLUMNS}
-            fresh["embeddings"] = index.embed_memories(self.situations(), trajectories)
-            out._append(fresh, [self._text(k) for k in range(self._size)])
+            out.extend(self, index.embed_memories(self.situations(), trajectories))
         return out
 
     def save(self, folder: str | os.PathLike[str]) -> None:

@@ -12,6 +12,7 @@ import gc
 import io
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -22,8 +23,14 @@ from gcm_learn import seeding
 from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.planners import Problem, straight_plan
+from gcm_learn.processes import Crew, Here
 from gcm_learn.recall.adaptation import Adaptation, transfer
-from gcm_learn.recall.clearance_features import FeatureBatch, batched, clearance_features
+from gcm_learn.recall.clearance_features import (
+    FeatureBatch,
+    Features,
+    batched,
+    clearance_features,
+)
 from gcm_learn.recall.growth import catch_of
 from gcm_learn.recall.memory_features import map_features, path_features
 from gcm_learn.recall.waypoints import Waypoints
@@ -37,6 +44,7 @@ ANY = 160  # memories of a batch about any
 TOP, WIDE = 40, 16  # of a batch about the best: the first ones, and some of those that follow
 DEPTH = 600  # how far these follow
 EASY = 0.15  # share of situations that are kept although a straight line catches
+READ, TRIED = 500, 32  # records that are read at once, situations that are
 EXAMINED = 300  # situations of each stratum to validate with
 PLACES = (1, 5, 20)  # up to which a valid memory is looked for then
 PLAIN = Adaptation(repairs=0)  # how memories are tried
@@ -105,6 +113,8 @@ class TransferLabels:
         Records that are read at most; by default all.
     maps : bool
         Whether features of maps are wanted, which takes a march for each memory.
+    crew : Crew
+        Who reads the records and tries memories; by default this process.
     progress : callable
         Called with the number of records read since the last call.
     """
@@ -116,9 +126,10 @@ class TransferLabels:
         *,
         most: int | None = None,
         maps: bool = False,
+        crew: Crew | None = None,
         progress: Callable[[int], None] = lambda done: None,
     ) -> None:
-        self.spec, self.seed = records.spec, seed
+        self.spec, self.seed, self.crew = records.spec, seed, crew or Here()
         train, self._held = records.where(split="train"), records.where(split="validation")
         order = np.arange(len(train))
         if most is not None and most < len(order):
@@ -126,18 +137,16 @@ class TransferLabels:
         self.situations: list[Situation] = []
         paths: list[Waypoints] = []
         drawn, easy = [], []
+        parts = [order[k : k + READ] for k in range(0, len(order), READ)]
         with uncollected():
-            for k in order.tolist():
-                record = train[k]
-                progress(1)
-                waypoints = catch_of(record)
-                if waypoints is None:
-                    continue
-                paths.append(waypoints)
-                self.situations.append(record.situation)
-                easy.append(record.stratum == "L")
-                if maps:
-                    drawn.append(map_features(record.situation))
+            read = self.crew.map(partial(_lessons, maps), map(train.part, parts))
+            for part, lessons in zip(parts, read, strict=True):
+                progress(len(part))
+                for lesson in lessons:
+                    self.situations.append(lesson.situation)
+                    paths.append(lesson.waypoints)
+                    easy.append(lesson.easy)
+                    drawn.append(lesson.map)
         if len(paths) < 2:
             raise RecallError("the dataset has no catches to learn from")
         self.knots = np.array([path.knots for path in paths])
@@ -165,7 +174,7 @@ class TransferLabels:
         if len(problems) < size:
             problems += islice(self._drawn(index, rng), size - len(problems))
         problems += self._alone(problems, rng)
-        seen, column = _seen(problems), np.full(len(problems), -1)
+        seen, column = self._seen(problems), np.full(len(problems), -1)
         if best is None:
             others = np.setdiff1d(rng.permutation(len(self.knots))[: 2 * ANY], own)
             rows = np.concatenate([own[: ANY // 2], rng.permutation(others)])[:ANY]
@@ -183,7 +192,7 @@ class TransferLabels:
             return scores
         problems = [Problem(situation, "validation") for _, situation in self._exam]
         strata = np.array([stratum for stratum, _ in self._exam])
-        valid = self._valid(problems, best(_seen(problems), max(PLACES)))
+        valid = self._valid(problems, best(self._seen(problems), max(PLACES)))
         for stratum in np.unique(strata):
             some = valid[strata == stratum]
             for k in PLACES:
@@ -192,8 +201,18 @@ class TransferLabels:
 
     def _valid(self, problems: list[Problem], rows: np.ndarray) -> np.ndarray:
         """Which memories (n, m) are valid in situations (n): (n, m) bool."""
-        pairs = zip(problems, rows, strict=True)
-        return np.array([transfer(p, self.knots, self.goals, r, PLAIN) >= 0.0 for p, r in pairs])
+        firsts = range(0, len(problems), TRIED)
+        tries = (self._try(problems[k : k + TRIED], rows[k : k + TRIED]) for k in firsts)
+        return np.concatenate(list(self.crew.map(_tried, tries)))
+
+    def _try(self, problems: list[Problem], rows: np.ndarray) -> _Try:
+        """What it takes to try memories: those that are asked for, and where each stands."""
+        asked, where = np.unique(rows, return_inverse=True)
+        return _Try(problems, self.knots[asked], self.goals[asked], where.reshape(rows.shape))
+
+    def _seen(self, problems: list[Problem]) -> FeatureBatch:
+        parts = (problems[k : k + TRIED] for k in range(0, len(problems), TRIED))
+        return batched([one for some in self.crew.map(_looks, parts) for one in some])
 
     def _drawn(self, index: int, rng: np.random.Generator) -> Iterator[Problem]:
         """Situations of the specification that nothing is held out of, most of them not easy."""
@@ -227,8 +246,42 @@ class TransferLabels:
         return any(holdout.holds(family, quantities) for holdout in self.spec.holdouts)
 
 
-def _seen(problems: list[Problem]) -> FeatureBatch:
-    return batched([clearance_features(p.situation, p.scene) for p in problems])
+class _Lesson(NamedTuple):
+    """What is learned from a record."""
+
+    situation: Situation
+    waypoints: Waypoints
+    easy: bool
+    map: np.ndarray | None
+
+
+class _Try(NamedTuple):
+    """Memories, and which of them are to be tried in which situations."""
+
+    problems: list[Problem]
+    knots: np.ndarray
+    goals: np.ndarray
+    rows: np.ndarray
+
+
+def _lessons(maps: bool, records: Dataset) -> list[_Lesson]:
+    """The catches among some records."""
+    out = []
+    for record in records:
+        if (waypoints := catch_of(record)) is not None:
+            drawn = map_features(record.situation) if maps else None
+            out.append(_Lesson(record.situation, waypoints, record.stratum == "L", drawn))
+    return out
+
+
+def _tried(ask: _Try) -> np.ndarray:
+    """Which memories are valid (n, m) bool."""
+    pairs = zip(ask.problems, ask.rows, strict=True)
+    return np.array([transfer(p, ask.knots, ask.goals, r, PLAIN) >= 0.0 for p, r in pairs])
+
+
+def _looks(problems: list[Problem]) -> list[Features]:
+    return [clearance_features(p.situation, p.scene) for p in problems]
 
 
 def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from gcm_learn import dataset
 from gcm_learn.cli import main
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.shards import make_shard
+from gcm_learn.processes import Here
 from tests.dataset.conftest import SMALL, make_here
 
 
@@ -81,15 +82,15 @@ def test_gallery_shows_every_stratum_that_is_there(folder, tmp_path, capsys):
     assert main(["gallery", folder, "--split", "nothing", "--out", str(out)]) == 2
 
 
-class Interrupted:
-    """A pool that makes one shard in this process, and is then told to stop."""
+class Interrupted(Here):
+    """A crew that makes one shard in this process, and is then told to stop."""
 
-    def __init__(self, work, workers, alone, prepare):
-        self.work = work
+    def __init__(self, workers):
+        pass
 
-    def results(self, tasks):
+    def results(self, work, tasks, alone=None):
         """The first shard, then Ctrl-C."""
-        yield self.work(next(iter(tasks)))
+        yield 0, work(next(iter(tasks)))
         raise KeyboardInterrupt
 
 
@@ -104,7 +105,7 @@ def interrupted(tmp_path, monkeypatch):
     out, spec = tmp_path / "out", tmp_path / "spec.json"
     spec.write_text(json.dumps(dataset.spec_to_json(SMALL)))
     with monkeypatch.context() as patch:
-        patch.setattr("gcm_learn.dataset.generation.LocalPool", Interrupted)
+        patch.setattr("gcm_learn.dataset.generation.LocalCrew", Interrupted)
         assert main(["generate", str(spec), "--out", str(out)]) == 130
     return out, spec
 
@@ -118,10 +119,10 @@ def test_an_interrupted_dataset_says_what_is_missing(interrupted, capsys):
 
 
 def test_before_the_first_shard_there_is_a_manifest(tmp_path, monkeypatch, capsys):
-    def none(spec, url, shards, workers, cluster):
+    def none(self, work, tasks, alone=None):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("gcm_learn.dataset.generation._made", none)
+    monkeypatch.setattr("gcm_learn.processes.LocalCrew.results", none)
     with pytest.raises(KeyboardInterrupt):
         dataset.generate(SMALL, tmp_path)
     assert main(["inspect", str(tmp_path)]) == 0

@@ -23,6 +23,7 @@ from gcm_learn.dataset.manifest import read_manifest
 from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.shards import ShardInfo, make_shard, shard_name
 from gcm_learn.errors import DatasetError
+from gcm_learn.processes import Here
 from tests.dataset.conftest import make_here
 
 ROOT = Path(__file__).parents[2]
@@ -33,27 +34,25 @@ def hashes(folder: object) -> dict[str, str]:
     return {name: place.sha256(f"shards/{name}") for name in place.names("shards")}
 
 
-class Here:
-    """A pool that works in this process."""
+class Noting(Here):
+    """A crew that works in this process and notes at what."""
 
     made: ClassVar[list[int]] = []
 
-    def __init__(self, work, workers, alone, prepare):
-        self.work = work
+    def __init__(self, workers, ahead=2):
+        pass
 
-    def results(self, tasks):
+    def results(self, work, tasks, alone=None):
         """Do the tasks at once."""
-        for task in tasks:
-            self.made.append(task)
-            yield self.work(task)
+        return super().results(work, (self.made.append(task) or task for task in tasks))
 
 
 @pytest.fixture
 def here(monkeypatch):
     """Let shards be made in this process; returns those that were."""
-    monkeypatch.setattr("gcm_learn.dataset.generation.LocalPool", Here)
-    monkeypatch.setattr(Here, "made", [])
-    return Here
+    monkeypatch.setattr("gcm_learn.dataset.generation.LocalCrew", Noting)
+    monkeypatch.setattr(Noting, "made", [])
+    return Noting
 
 
 def test_only_what_is_missing_is_made(small, tmp_path, here, small_folder):

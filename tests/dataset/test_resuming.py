@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import dataset
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.shards import code_version, header_of, read_columns, shard_name
-from tests.dataset.test_generation import Here
+from tests.dataset.test_generation import Noting
 
 OLD = Path(__file__).parent / "data" / "half-made"
 """Four shards that an earlier version of the code made in one go."""
@@ -23,8 +23,8 @@ NEWER = ["plan_layered"]  # what a planner answers that has changed since
 def half_made(tmp_path, monkeypatch) -> Path:
     """Return a folder with the first two shards."""
     for module in ("generation", "verifying"):
-        monkeypatch.setattr(f"gcm_learn.dataset.{module}.LocalPool", Here)
-    monkeypatch.setattr(Here, "made", [])
+        monkeypatch.setattr(f"gcm_learn.dataset.{module}.LocalCrew", Noting)
+    monkeypatch.setattr(Noting, "made", [])
     (tmp_path / "shards").mkdir()
     for shard in THERE:
         shutil.copy(OLD / shard_name(shard), tmp_path / shard_name(shard))
@@ -35,7 +35,7 @@ def test_shards_of_older_code_are_kept_and_the_rest_is_made(half_made):
     spec = dataset.read_spec(OLD / "spec.toml")
     told = []
     manifest = dataset.generate(spec, half_made, progress=told.append)
-    assert tuple(Here.made) == MISSING and told == [4, 2, 2]
+    assert tuple(Noting.made) == MISSING and told == [4, 2, 2]
     assert manifest["complete"] and manifest["records"] == spec.count and not manifest["failed"]
     (older,) = {header_of(Folder(OLD), shard_name(k))["info"]["code"] for k in THERE}
     assert manifest["code"] == {older: 2, code_version(): 2}

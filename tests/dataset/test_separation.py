@@ -15,7 +15,7 @@ from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import make_shard, shard_name, write_shard
 from gcm_learn.dataset.spec import DatasetSpec as Spec
-from tests.dataset.test_generation import Here
+from tests.dataset.test_generation import Noting
 
 MIXED = DatasetSpec(
     name="mixed",
@@ -41,7 +41,7 @@ def mixed(tmp_path_factory) -> tuple[Spec, str]:
     """Return a dataset of a few families, one of them held out."""
     folder = str(tmp_path_factory.mktemp("mixed"))
     patch = pytest.MonkeyPatch()
-    patch.setattr(generation, "LocalPool", Here)
+    patch.setattr(generation, "LocalCrew", Noting)
     generation.generate(MIXED, folder)
     patch.undo()
     return MIXED, folder

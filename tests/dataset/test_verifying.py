@@ -19,23 +19,13 @@ from gcm_learn.dataset.record import Record, rows_of
 from gcm_learn.dataset.shards import KEY, shard_name, write_shard
 from gcm_learn.dataset.verifying import verify_dataset
 from tests.dataset.conftest import SMALL
-
-
-class Here:
-    """A pool that works in this process."""
-
-    def __init__(self, work, workers, alone, prepare=None):
-        self.work = work
-
-    def results(self, tasks):
-        """Do the tasks at once."""
-        return map(self.work, tasks)
+from tests.dataset.test_generation import Noting
 
 
 @pytest.fixture(autouse=True)
 def _here(monkeypatch):
-    monkeypatch.setattr("gcm_learn.dataset.verifying.LocalPool", Here)
-    monkeypatch.setattr("gcm_learn.dataset.generation.LocalPool", Here)
+    monkeypatch.setattr("gcm_learn.dataset.verifying.LocalCrew", Noting)
+    monkeypatch.setattr("gcm_learn.dataset.generation.LocalCrew", Noting)
 
 
 @pytest.fixture

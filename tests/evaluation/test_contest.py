@@ -11,6 +11,7 @@ from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
 from gcm_learn.cli import main
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
+from gcm_learn.evaluation.blurred import compare_blurred
 from gcm_learn.evaluation.contest import collided_part, collision_point, compare
 from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
 from gcm_learn.evaluation.methods import get_method
@@ -86,6 +87,23 @@ def test_rows_say_what_the_planners_say(results, entries):
                 assert mine["peak_hand"][k] <= limit * (1 + 1e-6)
     assert np.all(results["latency_ms"] > 0.0)
     assert not np.any(results["outcome"] == "touched")
+
+
+def test_a_cluster_gives_the_same_rows_but_for_the_time_that_it_took(results, entries, scheduler):
+    names = ["straight", "marching", "layered"]
+    there = compare(names, entries, charge=2, cluster=scheduler)
+    assert list(there.columns) == list(results.columns)
+    for name, column in results.columns.items():
+        if name not in ("latency_ms", "charged_own"):
+            np.testing.assert_array_equal(there[name], column, name)
+
+
+def test_inexact_sight_is_the_same_on_a_cluster(entries, scheduler):
+    here = compare_blurred(["straight"], entries[:4], [0.05], workers=1)
+    there = compare_blurred(["straight"], entries[:4], [0.05], cluster=scheduler)
+    assert {n: c.tolist() for n, c in here.columns.items()} == {
+        n: c.tolist() for n, c in there.columns.items()
+    }
 
 
 def test_clearances_are_those_of_the_verification(entries):

@@ -48,6 +48,21 @@ def test_what_is_drawn_for_one_is_drawn_for_all(asked, tmp_path):
     assert suites.hash_of(few) == suites.hash_of(many[:10])
 
 
+def test_a_cluster_draws_the_same_and_goes_on_where_another_stopped(asked, scheduler, tmp_path):
+    for folder, more in (("here", {}), ("there", {"cluster": scheduler})):
+        with pytest.raises(KeyboardInterrupt):
+            suites.draw_suite("W", 12, tmp_path / folder, 1, progress=stop, **more)
+        assert len(list((tmp_path / folder / turns.FOLDER).iterdir())) >= 1
+        assert len(suites.draw_suite("W", 12, tmp_path / folder, 1, **more)) == 12
+    files = [sorted(tmp_path.joinpath(f).rglob("draws_*")) for f in ("here", "there")]
+    for here, there in zip(*files, strict=False):
+        assert here.name == there.name and here.read_bytes() == there.read_bytes()
+
+
+def stop(found):
+    raise KeyboardInterrupt
+
+
 def test_draws_are_functions_of_their_number():
     first, again = turns.drawn(3), turns.drawn(3)
     assert json.dumps(first) == json.dumps(again)

@@ -119,6 +119,11 @@ class Watched:
         self.read.add(k)
         return self.records[k]
 
+    def part(self, rows):
+        """Some of them."""
+        self.read.update(rows.tolist())
+        return self.records.part(rows)
+
 
 def test_a_memory_of_some_records_has_seen_no_others(records):
     watched = Watched(records)

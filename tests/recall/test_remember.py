@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ pytest.importorskip("pyarrow")
 from gcm_learn import dataset
 from gcm_learn.cli import main
 from gcm_learn.errors import RecallError
-from gcm_learn.recall import Memory, RecallPlanner
+from gcm_learn.recall import Memory, RecallPlanner, growth
 from gcm_learn.recall.growth import remember
 from tests.dataset.conftest import SMALL, make_here
 
@@ -63,6 +64,21 @@ def test_on_the_command_line(folder, tmp_path, capsys):
     again = tmp_path / "again"
     assert main(["remember", folder, "--out", str(again), "--split", "all"]) == 0
     assert np.array_equal(Memory.load(again).embeddings, memory.embeddings)
+
+
+def test_a_cluster_makes_the_same_memory(folder, scheduler, tmp_path, monkeypatch):
+    monkeypatch.setattr(growth, "CHUNK", 6)
+    for index in ("raw", "models/encoder"):
+        given = ["remember", folder, "--split", "all", "--index", index, "--out"]
+        files = []
+        for name, more in (("here", []), ("there", ["--cluster", scheduler])):
+            assert main([*given, str(tmp_path / name), *more]) == 0
+            (data,) = (tmp_path / name).glob("data-*")
+            files.append({path.name: path.read_bytes() for path in data.iterdir()})
+            files[-1]["words"] = json.loads((tmp_path / name / "manifest.json").read_text())[
+                "words"
+            ]
+        assert files[0] == files[1] and len(files[0]) > 6
 
 
 @pytest.mark.parametrize(

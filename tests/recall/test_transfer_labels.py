@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,17 @@ pytest.importorskip("pyarrow")
 
 from gcm_learn import dataset
 from gcm_learn.cli import main
-from gcm_learn.recall import Adaptation, Memory, load_encoder, transfer, transfer_labels
+from gcm_learn.processes import crew_of
+from gcm_learn.recall import (
+    Adaptation,
+    Effort,
+    EncoderConfig,
+    Memory,
+    Trainer,
+    load_encoder,
+    transfer,
+    transfer_labels,
+)
 from gcm_learn.recall.clearance_features import clearance_features
 from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.transfer_labels import TransferLabels
@@ -94,6 +105,40 @@ class _Stops:
         if self.count < 0:
             raise LookupError
         return self.spec.choose(rng)
+
+
+def test_a_cluster_makes_the_same_encoder(folder, small, scheduler, tmp_path, monkeypatch):
+    """By its labels of all kinds: the first about any memories, later ones about the best."""
+    monkeypatch.setattr(transfer_labels, "READ", 7)
+    monkeypatch.setattr(transfer_labels, "TRIED", 9)
+    given = ["train-encoder", folder, "--turns", "8", "--dim", "4", "--memory", "both", "--out"]
+    for name, more in (("here", []), ("there", ["--cluster", scheduler])):
+        assert main([*given, str(tmp_path / name), *more]) == 0
+    for file in ("encoder.safetensors", "log.jsonl"):
+        here, there = ((tmp_path / name / file).read_text("latin-1") for name in ("here", "there"))
+        seconds = re.compile('"seconds": [0-9.]+')
+        assert seconds.sub("", here) == seconds.sub("", there)
+    kinds = [line for line in here.splitlines() if "binary" in line]
+    assert len(kinds) == 8
+
+
+def test_a_training_that_a_cluster_left_goes_on_here(folder, small, scheduler, tmp_path):
+    """Labels are kept with the checkpoint, whoever made them."""
+    config, effort = EncoderConfig(dim=4), Effort(turns=4)
+    records = dataset.open(folder)
+    with crew_of(cluster=scheduler) as crew:
+        first = Trainer(config, TransferLabels(records, crew=crew), tmp_path / "two", effort)
+
+        def stop(share):
+            if first.turn == 2:
+                first.save()
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            first.run(stop)
+    second = Trainer(config, TransferLabels(records), tmp_path / "two", effort)
+    whole = Trainer(config, TransferLabels(records), tmp_path / "one", effort)
+    assert second.turn == 2 and second.run().key == whole.run().key
 
 
 def test_a_model_on_the_command_line(folder, small, tmp_path, capsys):

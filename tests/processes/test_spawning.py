@@ -15,6 +15,7 @@ from gcm_learn import compiled, processes
 from gcm_learn.errors import PlatformError
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.baselines import isolation
+from gcm_learn.processes import spawning
 
 NOT_EVERYWHERE = [
     (os, "sched_getaffinity"), (os, "fork"), (signal, "pthread_sigmask"), (signal, "setitimer"),
@@ -26,7 +27,7 @@ def elsewhere(monkeypatch):
     """A system that lacks what macOS or Windows lack."""
     for module, name in NOT_EVERYWHERE:
         monkeypatch.delattr(module, name)
-    monkeypatch.setattr(processes.resource_tracker, "_HAVE_SIGMASK", False)
+    monkeypatch.setattr(spawning.resource_tracker, "_HAVE_SIGMASK", False)
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch):
@@ -121,14 +122,15 @@ def say() -> None:
     print("compiling", file=sys.stderr, flush=True)
 
 
-def compile_something() -> None:
+def compile_something(seconds) -> None:
     while compiled.on_compile:
         compiled.on_compile.pop()()
+    time.sleep(seconds)
 
 
 def test_of_many_processes_that_compile_one_says_so(monkeypatch, capfd):
     monkeypatch.setattr(compiled, "on_compile", [say])
-    with processes.pool(2, compile_something) as executor:
-        list(executor.map(time.sleep, [0.2] * 4))
+    with processes.pool(2) as executor:
+        list(executor.map(compile_something, [0.2] * 4))
     assert capfd.readouterr().err == "compiling\n"
     assert compiled.on_compile == []  # and this one need not say it again

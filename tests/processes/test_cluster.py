@@ -17,8 +17,9 @@ pytest.importorskip("distributed")
 
 from gcm_learn.dataset import generate
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.errors import DatasetError
-from tests.dataset.conftest import make_here
+from gcm_learn.errors import ClusterError
+from gcm_learn.processes import ClusterCrew
+from tests.dataset.conftest import SMALL, make_here
 
 ROOT = Path(__file__).parents[2]
 
@@ -54,9 +55,9 @@ def cluster():
 
 
 @pytest.mark.slow
-def test_a_killed_worker_of_a_cluster_costs_nothing_but_time(small, tmp_path, cluster):
+def test_a_killed_worker_of_a_cluster_costs_nothing_but_time(tmp_path, cluster):
     address, workers = cluster
-    spec = replace(small, count=1200)
+    spec = replace(SMALL, count=1200)
     make_here(spec, str(tmp_path / "here"))
     made = []
 
@@ -74,9 +75,15 @@ def test_a_killed_worker_of_a_cluster_costs_nothing_but_time(small, tmp_path, cl
     assert manifest["runs"][0]["cluster"] == address
 
 
-def test_no_scheduler_is_said_in_one_line(small, tmp_path, monkeypatch):
-    monkeypatch.setattr("gcm_learn.dataset.cluster.CONNECT", 1)
-    address = f"tcp://127.0.0.1:{free_port()}"
-    with pytest.raises(DatasetError, match="no scheduler answers") as caught:
-        generate(small, tmp_path, cluster=address)
-    assert "\n" not in str(caught.value)
+@pytest.mark.slow
+def test_a_cluster_that_goes_away_is_said_in_one_line(cluster):
+    address, _ = cluster
+
+    def shut(crew):
+        for _, result in crew.results(str, range(1000)):
+            yield result
+            crew._client.shutdown()
+
+    with ClusterCrew(address) as crew, pytest.raises(ClusterError) as caught:
+        list(shut(crew))
+    assert str(caught.value) == f"{address}: the cluster has gone away"

@@ -87,20 +87,12 @@ class Context(SpawnContext):
 
 
 @contextlib.contextmanager
-def pool(workers: int, prepare: Callable[[], None] | None = None) -> Iterator[ProcessPoolExecutor]:
-    """Processes of one thread each; they end when the block is left or this process dies.
-
-    Parameters
-    ----------
-    workers : int
-        How many, at most.
-    prepare : callable, optional
-        Run first in each; at the top level of a module, so that another process finds it.
-    """
+def pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """At most so many processes of one thread each; they end with the block or with this one."""
     context = Context()
     listening, speaking = context.Pipe(duplex=False)
     untold = context.Semaphore(1)
-    begin = partial(_begin, listening, tuple(compiled.on_compile), untold, prepare)
+    begin = partial(_begin, listening, tuple(compiled.on_compile), untold)
     executor = ProcessPoolExecutor(workers, context, initializer=begin)
     try:
         with _one_thread():
@@ -130,18 +122,11 @@ def _one_thread() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _begin(
-    line: Connection,
-    listeners: Sequence[Callable[[], object]],
-    untold: Semaphore,
-    prepare: Callable[[], None] | None,
-) -> None:
+def _begin(line: Connection, listeners: Sequence[Callable[[], object]], untold: Semaphore) -> None:
     """Start a process: Ctrl-C is for the parent, whose end is noticed on the line."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, args=(line,), daemon=True).start()
     compiled.on_compile += [partial(_tell_first, listeners, untold)] if listeners else []
-    if prepare is not None:
-        prepare()
 
 
 def _leave_with_parent(line: Connection) -> None:
