@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
+from itertools import islice
 from types import TracebackType
 from typing import Any, Self
 
@@ -15,6 +17,7 @@ from gcm_learn.processes.crew import STRIKES, Crew, Result, Task
 
 CONNECT = 30  # [s] until the scheduler must have answered
 AHEAD = 2  # tasks that wait for each thread of the cluster
+_LOGGERS = logging.getLogger("distributed"), logging.getLogger("distributed.client")
 _TURN = threading.Lock()  # kernels keep scratch space, which a worker's threads would share
 
 
@@ -41,11 +44,16 @@ class ClusterCrew(Crew):
     def __enter__(self) -> Self:
         try:
             from distributed import Client, as_completed
+            from distributed.client import ClosedClientError, FutureCancelledError
         except ImportError:
             raise MissingExtraError("--cluster", "dask and distributed", "cluster") from None
+        self._losses = (OSError, ClosedClientError, FutureCancelledError)
+        self._levels = [logger.level for logger in _LOGGERS]
+        self._hear(logging.CRITICAL, logging.CRITICAL)  # who dies is told by an error
         try:
             self._client = Client(self.address, set_as_default=False, timeout=CONNECT)
         except (OSError, ValueError) as error:
+            self._hear(*self._levels)
             raise ClusterError(f"{self.address}: no scheduler answers ({error})") from None
         self._as_completed = as_completed
         return self
@@ -58,6 +66,12 @@ class ClusterCrew(Crew):
     ) -> None:
         """Leave the cluster, which drops what it was asked for."""
         self._client.close()
+        self._hear(*self._levels)
+
+    def _hear(self, *levels: int) -> None:
+        """Let Dask's loggers tell what is of a level at least."""
+        for logger, level in zip(_LOGGERS, levels, strict=True):
+            logger.setLevel(level)
 
     def results(
         self,
@@ -70,29 +84,41 @@ class ClusterCrew(Crew):
         coming, window = enumerate(tasks), self._as_completed(loop=self._client.loop)
         running: dict[Any, tuple[int, Task]] = {}
 
-        def submit(task: tuple[int, Task] | None) -> None:
-            if task is not None:
-                future = self._client.submit(done, work, task[1], sources(), pure=False)
-                running[future] = task
-                window.add(future)
+        def submit(number: int, task: Task) -> None:
+            future = self._client.submit(done, work, task, sources(), pure=False)
+            running[future] = number, task
+            window.add(future)
 
-        for _ in range(AHEAD * max(sum(self._client.nthreads().values()), 1)):
-            submit(next(coming, None))
-        for future in window:
+        ahead = AHEAD * max(sum(self._asked(self._client.nthreads).values()), 1)
+        for number, task in islice(coming, ahead):
+            self._asked(submit, number, task)
+        while running:
+            future = self._asked(next, window)
             number, task = running.pop(future)
             if future.status == "finished":
-                yield number, future.result()
+                yield number, self._asked(future.result)
             elif future.status == "cancelled":
-                raise ClusterError(f"{self.address}: the cluster has gone away")
-            elif isinstance(error := future.exception(), ClusterError):
+                raise self._gone()
+            elif isinstance(error := self._asked(future.exception), ClusterError):
                 raise ClusterError(f"{self.address}: {error}")
             else:
                 strikes[number] += 1
                 if strikes[number] < STRIKES:
-                    submit((number, task))
+                    self._asked(submit, number, task)
                     continue
                 yield number, (alone or work)(task)
-            submit(next(coming, None))
+            for number, task in islice(coming, 1):
+                self._asked(submit, number, task)
+
+    def _asked(self, question: Callable[..., Any], *given: Any) -> Any:
+        """What the cluster answers, if it is still there."""
+        try:
+            return question(*given)
+        except self._losses:
+            raise self._gone() from None
+
+    def _gone(self) -> ClusterError:
+        return ClusterError(f"{self.address}: the cluster has gone away")
 
 
 def done(work: Callable[[Task], Result], task: Task, wanted: str) -> Result:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import pytest
@@ -41,14 +42,14 @@ def free_port() -> int:
 
 @pytest.fixture
 def cluster():
-    """Return the scheduler's address and the two workers."""
+    """Return the scheduler's address, its process and those of two workers."""
     port = free_port()
     address = f"tcp://127.0.0.1:{port}"
     parts = [start("dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")]
     time.sleep(1.0)
     for _ in range(2):
         parts.append(start("dask_worker", address, "--nthreads", "1", "--no-nanny"))
-    yield address, parts[1:]
+    yield address, *parts
     for part in reversed(parts):
         part.kill()
         part.wait()
@@ -56,7 +57,7 @@ def cluster():
 
 @pytest.mark.slow
 def test_a_killed_worker_of_a_cluster_costs_nothing_but_time(tmp_path, cluster):
-    address, workers = cluster
+    address, _, *workers = cluster
     spec = replace(SMALL, count=1200)
     make_here(spec, str(tmp_path / "here"))
     made = []
@@ -75,15 +76,14 @@ def test_a_killed_worker_of_a_cluster_costs_nothing_but_time(tmp_path, cluster):
     assert manifest["runs"][0]["cluster"] == address
 
 
-@pytest.mark.slow
-def test_a_cluster_that_goes_away_is_said_in_one_line(cluster):
-    address, _ = cluster
-
-    def shut(crew):
-        for _, result in crew.results(str, range(1000)):
-            yield result
-            crew._client.shutdown()
-
+@pytest.mark.parametrize("after", [pytest.param(0, marks=pytest.mark.slow), 1, 9])
+def test_a_cluster_that_goes_away_is_said_in_one_line(after, cluster, capfd):
+    address, scheduler, *_ = cluster
     with ClusterCrew(address) as crew, pytest.raises(ClusterError) as caught:
-        list(shut(crew))
+        for _ in islice(found := crew.results(str, range(10_000)), after):
+            pass
+        scheduler.kill()
+        scheduler.wait()
+        list(found)
     assert str(caught.value) == f"{address}: the cluster has gone away"
+    assert capfd.readouterr().err == ""
