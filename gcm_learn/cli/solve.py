@@ -36,6 +36,12 @@ class Solve:
     planner: Annotated[str, arg(metavar="NAME")] = "gcm"
     """who plans; an unknown name lists all of them"""
 
+    deadline: Annotated[
+        float | None, arg(metavar="MS", help_behavior_hint="(default: the first catch)")
+    ] = None
+    """processor time for each situation; the planner answers with the best catch that it has then,
+    late by a few ms at most"""
+
     out: Annotated[
         Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
     ] = None
@@ -51,11 +57,13 @@ class Solve:
         from gcm_learn.planners import get_planner
 
         planner = get_planner(self.planner)
+        if self.deadline is not None:
+            _check_deadline(self.deadline, planner)
         situations = read(self.file, planner)
         _refuse_to_overwrite_input(self.file, self.out)
         draw = None if self.plot is None else _pictures(made_folder(self.plot, option="--plot"))
         with output(self.out) as stream:
-            _solve_all(situations, planner, self.file, stream, draw)
+            _solve_all(self, situations, planner, stream, draw)
         return 0
 
 
@@ -69,7 +77,9 @@ def read(file: str, planner: Planner) -> list[AnySituation]:
     return [taken(planner, situation) for situation in read_situations(file)]
 
 
-def plan_one(planner: Planner, situation: AnySituation, file: str) -> AnyPlan:
+def plan_one(
+    planner: Planner, situation: AnySituation, file: str, deadline: float | None = None
+) -> AnyPlan:
     """Plan for one situation; any error ends the command and names the situation.
 
     A planner has a status for everything it cannot solve, so an exception is a defect, and a
@@ -78,21 +88,33 @@ def plan_one(planner: Planner, situation: AnySituation, file: str) -> AnyPlan:
     from gcm_learn.planners import plan_with
 
     try:
-        return plan_with(planner, situation)
+        return plan_with(planner, situation, deadline)
     except Exception as error:
         message = f"{file}: situation {situation.name!r}: {place_of(error)}"
         raise CommandFailure(message, exit_code=1) from error
 
 
+def _check_deadline(deadline: float, planner: Planner) -> None:
+    if not 0.0 <= deadline < 1e9:
+        raise CommandFailure(f"--deadline {deadline:g}: must be from 0 on")
+    if not getattr(planner, "anytime", False):
+        raise CommandFailure(f"--deadline: planner {planner.name!r} cannot be told when to answer")
+
+
 def _solve_all(
-    situations: list[AnySituation], planner: Planner, file: str, stream: TextIO, draw: Draw | None
+    asked: Solve,
+    situations: list[AnySituation],
+    planner: Planner,
+    stream: TextIO,
+    draw: Draw | None,
 ) -> None:
+    file, seconds = asked.file, None if asked.deadline is None else 1e-3 * asked.deadline
     scrolling = stream.isatty()  # the solutions themselves show how far it has come
     with Progress(len(situations), "situations", quiet=scrolling) as progress:
         if situations:  # once for nothing: planning_ms is not to count the loading of kernels
             plan_one(planner, situations[0], file)
         for situation in situations:
-            plan = plan_one(planner, situation, file)
+            plan = plan_one(planner, situation, file, seconds)
             stream.write(_line(plan, situation, file))
             stream.flush()
             if draw is not None:

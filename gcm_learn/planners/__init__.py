@@ -12,12 +12,13 @@ from gcm_learn.planners.completion import (
     first_catch_on,
     straight_plan,
 )
+from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.oracle.in_space import Yardstick, yardstick
-from gcm_learn.planners.plan import AnyPlan, Plan, Planner, plan_to_json, taken
+from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, plan_to_json, taken
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, register, solve
 from gcm_learn.planners.retiming import retime
@@ -25,13 +26,16 @@ from gcm_learn.planners.tube import InTube, Tube
 
 __all__ = [
     "AnyPlan",
+    "Anytime",
     "Attempt",
     "Bounds",
     "CATCH_STEP",
+    "Deadline",
     "Exploration",
     "Explore",
     "Feedback",
     "FrontPlanner",
+    "GAIN",
     "InTube",
     "Params",
     "Plan",
@@ -46,6 +50,7 @@ __all__ = [
     "bounds",
     "broken_promise",
     "checked",
+    "deadline_of",
     "first_catch_on",
     "gcm",
     "get_planner",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
+from gcm_learn.planners.deadline import Deadline
 from gcm_learn.planners.plan import Plan, Planner
 
 
@@ -33,7 +34,18 @@ class ByArm:
         """Name under which both are registered."""
         return self.plane.name
 
-    def plan(self, situation: Any, bound: float | None = None) -> Plan[Any]:
-        """Answer a situation; catches after a bound [s] do not count, if the planner takes one."""
+    @property
+    def anytime(self) -> bool:
+        """Whether both can be told by when to answer; see `Anytime`."""
+        return all(getattr(planner, "anytime", False) for planner in (self.plane, self.space))
+
+    def plan(
+        self,
+        situation: Any,
+        bound: float | None = None,
+        deadline: float | Deadline | None = None,
+    ) -> Plan[Any]:
+        """Answer a situation; a bound and a deadline are for planners that take them."""
         chosen: Any = self.space if situation.is_spatial else self.plane
-        return chosen.plan(situation) if bound is None else chosen.plan(situation, bound=bound)
+        given = {"bound": bound, "deadline": deadline}
+        return chosen.plan(situation, **{k: v for k, v in given.items() if v is not None})

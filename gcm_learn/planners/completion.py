@@ -29,6 +29,7 @@ from gcm_learn.motion import (
     straight_path,
     verify,
 )
+from gcm_learn.planners.deadline import GAIN, Deadline
 from gcm_learn.planners.plan import Movement, Plan
 from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.situation import AnySituation, Arm, Situation, SpatialArm, planar
@@ -42,11 +43,30 @@ class Task(Generic[Movement]):
 
     situation: Any
 
-    def __init__(self, situation: AnySituation, planner: str, scene: Scene | None = None) -> None:
-        self.started = clock.perf_counter()
+    def __init__(
+        self,
+        situation: AnySituation,
+        planner: str,
+        scene: Scene | None = None,
+        deadline: Deadline | None = None,
+    ) -> None:
+        self.started, self.deadline = clock.perf_counter(), deadline
+        self.nodes = 0
+        """See `Plan`."""
+        self.gain = GAIN * situation.horizon
+        """By how much a catch must be earlier to be looked for [s]."""
         self.situation = situation
         self.planner = planner
         self.scene: Scene = pack(situation) if scene is None else scene
+
+    @property
+    def over(self) -> bool:
+        """Whether the deadline has come."""
+        return self.deadline is not None and self.deadline.over
+
+    def slices(self, size: int, whole: int) -> int:
+        """How much of some work is done before the deadline is looked at: all if there is none."""
+        return whole if self.deadline is None else min(size, whole)
 
     @property
     def bodies(self) -> Bodies:
@@ -86,6 +106,7 @@ class Task(Generic[Movement]):
             planning_ms=self.elapsed_ms,
             failure=reason.failure,
             map=cognitive_map,
+            nodes=self.nodes,
         )
 
     def early_answer(self) -> Plan[Movement] | None:
@@ -115,6 +136,7 @@ class Task(Generic[Movement]):
             clearance=clearance,
             trajectory=attempt.trajectory,
             map=cognitive_map,
+            nodes=self.nodes,
         )
 
 
@@ -131,8 +153,14 @@ class Problem(Task[Trajectory]):
 
     situation: Situation
 
-    def __init__(self, situation: AnySituation, planner: str, scene: Scene | None = None) -> None:
-        super().__init__(planar(situation, f"planner {planner!r}"), planner, scene)
+    def __init__(
+        self,
+        situation: AnySituation,
+        planner: str,
+        scene: Scene | None = None,
+        deadline: Deadline | None = None,
+    ) -> None:
+        super().__init__(planar(situation, f"planner {planner!r}"), planner, scene, deadline)
 
 
 class SpatialProblem(Task[SpatialTrajectory]):

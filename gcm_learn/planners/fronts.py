@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from gcm_learn.handspace import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
@@ -17,6 +17,7 @@ from gcm_learn.planners.completion import (
     straight_plan,
     until,
 )
+from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
@@ -61,7 +62,14 @@ class FrontPlanner:
     find: Callable[[Problem], Plan | None] | None = None
     """A search without a map, whose answer is final; where it has none, maps are made."""
 
-    def plan(self, situation: Situation, bound: float | None = None) -> Plan:
+    anytime: ClassVar[bool] = True
+
+    def plan(
+        self,
+        situation: Situation,
+        bound: float | None = None,
+        deadline: float | Deadline | None = None,
+    ) -> Plan:
         """Answer a situation.
 
         Parameters
@@ -70,8 +78,12 @@ class FrontPlanner:
         bound : float, optional
             Only catches until then count [s], as where the caller has one already.  What cannot
             meet a target by then is not explored.
+        deadline : float or Deadline, optional
+            See `Anytime`.  Searches stop then; a map that was begun is made whole.
         """
-        problem = Problem(until(situation, bound), self.name)
+        limit = deadline_of(deadline)
+        problem = Problem(until(situation, bound), self.name, deadline=limit)
+        problem.gain = GAIN * situation.horizon  # whatever the bound
         answer = problem.early_answer()
         if answer is None and self.direct:
             straight = straight_plan(problem)
@@ -90,6 +102,8 @@ class FrontPlanner:
         for level in self.levels:
             feedback = Feedback(beyond=level.beyond)
             for trial in range(level.trials):
+                if problem.over:
+                    return problem.answer(Failure.OUT_OF_TIME, first)
                 found = level.explore(problem, level.params, feedback)
                 first = found.map if first is None else first
                 if found.map.interception is None:

@@ -17,7 +17,7 @@ from gcm_learn.planners.completion import (
     timed,
 )
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.sipp import search
+from gcm_learn.planners.sipp import begin, search
 from gcm_learn.planners.sipp_labels import (
     PIECES,
     Catch,
@@ -32,7 +32,7 @@ from gcm_learn.scene import elbow_of
 MOST = 40_000  # labels that are taken up at most
 BRIEF = 4_000  # of them on the finer lattice
 FINER = 3  # its cells a side, for two of the other
-GAIN = 0.01  # share of the horizon by which a catch must be earlier to be looked for
+SLICE = 200  # labels that are taken up between two looks at the clock
 INSTANT = 0.1  # resolution of interceptions [crossings of a cell]
 LABELS = 3  # for which there is room, for every cell
 
@@ -52,20 +52,42 @@ def found(problem: Problem, n: int) -> Plan | None:
     if problem.situation.arm.max_joint_speed is not None:
         return None
     for size, most in ((n, MOST), (min(FINER * n // 2, LARGEST_LATTICE), BRIEF)):
-        ground, labels, caught = searched(problem, size, most)
-        if caught.label >= 0:
+        ground, labels, catches = searched(problem, size, most)
+        for caught in reversed(catches):
             attempt = _attempt(problem, ground, labels, caught)
-            return None if attempt is None else judged(problem, attempt)[0]
+            plan = None if attempt is None else judged(problem, attempt)[0]
+            if plan is not None:
+                return plan
+        if catches:
+            return None
+        if problem.over:
+            return problem.answer(Failure.OUT_OF_TIME)
     return problem.answer(Failure.NO_INTERCEPTION)
 
 
-def searched(problem: Problem, n: int, most: int = MOST) -> tuple[Ground, Labels, Catch]:
-    """Search over n cells a side; the labels that were reached, and the earliest catch."""
-    arm, horizon = problem.situation.arm, problem.situation.horizon
+def searched(problem: Problem, n: int, most: int = MOST) -> tuple[Ground, Labels, list[Catch]]:
+    """Search over n cells a side until nothing is left, or until the deadline.
+
+    Returns
+    -------
+    ground, labels : Ground, Labels
+        What was reached.
+    catches : list of Catch
+        The earliest, the last one of the list; with a deadline some that were found before, too.
+    """
+    arm, gain = problem.situation.arm, problem.gain
     ground = ground_of(problem, Lattice(n, arm.upper_arm, arm.elbow))
     labels = room_for(LABELS * n * n)
-    caught, _ = search(ground, labels, horizon, GAIN * horizon, most)
-    return ground, labels, caught
+    hunt = begin(ground, labels, problem.situation.horizon)
+    catches: list[Catch] = []
+    while most > 0 and hunt.queue.size[0] > 0 and not problem.over:
+        caught, hunt, taken = search(ground, labels, hunt, gain, problem.slices(SLICE, most))
+        most, problem.nodes = most - taken, problem.nodes + taken
+        if caught.label >= 0:
+            catches.append(caught)
+            if caught.time <= gain:
+                break
+    return ground, labels, catches
 
 
 def ground_of(problem: Problem, lattice: Lattice) -> Ground:

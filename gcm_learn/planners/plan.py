@@ -9,6 +9,7 @@ import numpy as np
 
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
+from gcm_learn.planners.deadline import Deadline
 from gcm_learn.situation import AnySituation, Situation, SpatialArm, planar
 
 if TYPE_CHECKING:
@@ -52,6 +53,8 @@ class Plan(Generic[Movement]):
     """Why there is no catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
     """The map that the plan came from; plans that needed none leave it out."""
+    nodes: int = 0
+    """How many labels, in space moves, a search over a lattice has looked at."""
 
     @property
     def caught(self) -> bool:
@@ -71,6 +74,36 @@ class Planner(Protocol):
 
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""
+
+
+class Anytime(Protocol):
+    """A planner that can be told by when it must answer; it says ``anytime = True``.
+
+    It answers with the best verified catch that it has by then, and goes on looking for an earlier
+    one until then. It is late by what it takes to finish and verify a movement: some milliseconds.
+    """
+
+    @property
+    def name(self) -> str:
+        """Name under which it is registered."""
+
+    def plan(
+        self,
+        situation: Any,
+        bound: float | None = None,
+        deadline: float | Deadline | None = None,
+    ) -> Plan[Any]:
+        """Answer a situation.
+
+        Parameters
+        ----------
+        situation : Situation
+        bound : float, optional
+            Only catches until then count [s].
+        deadline : float or Deadline, optional
+            How long it may think, in seconds of processor time; without one it answers with its
+            first catch.
+        """
 
 
 def taken(planner: Planner, situation: AnySituation) -> AnySituation:

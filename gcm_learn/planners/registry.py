@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
-from typing import cast, overload
+from typing import Any, cast, overload
 
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.motion import SpatialTrajectory
@@ -13,11 +13,12 @@ from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.planners.by_arm import ByArm
+from gcm_learn.planners.deadline import Deadline
 from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
-from gcm_learn.planners.plan import AnyPlan, Plan, Planner, taken
+from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, taken
 from gcm_learn.planners.space.layered import LayeredInSpace
 from gcm_learn.planners.space.marching import gcm_in_space, marching_in_space
 from gcm_learn.situation import AnySituation, Situation, SpatialArm
@@ -116,11 +117,16 @@ def solve(situation: AnySituation, planner: str | Planner = "gcm") -> AnyPlan:
     return plan_with(chosen, situation)
 
 
-def plan_with(planner: Planner, situation: AnySituation) -> AnyPlan:
-    """Let a planner answer a situation, if it takes the arm.
+def plan_with(
+    planner: Planner, situation: AnySituation, deadline: float | Deadline | None = None
+) -> AnyPlan:
+    """Let a planner answer a situation, if it takes the arm; a deadline is for those `Anytime`.
 
     Raises
     ------
     ArmKindError
     """
-    return planner.plan(cast(Situation, taken(planner, situation)))
+    given: Any = taken(planner, situation)
+    if deadline is None:
+        return planner.plan(given)
+    return cast(Anytime, planner).plan(given, deadline=deadline)

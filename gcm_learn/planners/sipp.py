@@ -23,7 +23,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.handspace import START_RADIUS
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.planners.meetings import aim_at, comes_near, last_use, outlook
-from gcm_learn.planners.sipp_labels import Aim, Catch, pop, push, queue_of
+from gcm_learn.planners.sipp_labels import Aim, Catch, Hunt, pop, push, queue_of
 from gcm_learn.scene.bodies import HAND, PART
 from gcm_learn.wave.plane import STEP_I, STEP_J
 
@@ -179,14 +179,27 @@ def dash(s, since, end, ground, labels):
 
 
 @njit
-def search(ground, labels, bound, gain, most):
-    """Find the earliest catch before a bound, to within `gain`.
+def begin(ground, labels, bound):
+    """Begin to look for a catch before a bound [s], with nothing asked for yet, and room."""
+    start, speed = ground.n * ground.n, ground.rules.speed
+    aim, queue = aim_at(ground, bound), queue_of(labels.node.size)
+    labels.node[0], labels.since[0], labels.arrival[0] = start, 0.0, 0.0
+    labels.until[0] = free_until(ground.postures, start, 0.0, bound, FINE * ground.spacing / speed)
+    ground.first[start], ground.size[start] = 0, 1
+    offers(0, aim, queue, ground, labels)
+    return Hunt(aim, queue, np.ones(1, np.int64))
+
+
+@njit
+def search(ground, labels, hunt, gain, most):
+    """Go on to find the earliest catch, to within `gain`, until nothing is left.
 
     Parameters
     ----------
     ground, labels : Ground, Labels
-        Nothing asked for yet, and room.
-    bound, gain : float
+        What was asked for and reached.
+    hunt : Hunt
+    gain : float
         [s]
     most : int
         Labels that are taken up at most.
@@ -194,18 +207,16 @@ def search(ground, labels, bound, gain, most):
     Returns
     -------
     catch : Catch
+        The earliest that was found now.
+    hunt : Hunt
+        With which the search can go on.
     taken : int
         Labels that were taken up.
     """
-    speed, limb, start = ground.rules.speed, ground.postures.limb, ground.n * ground.n
+    speed, limb = ground.rules.speed, ground.postures.limb
     near = NEAR * ground.spacing
-    aim = aim_at(ground, bound)
-    caught = Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
-    labels.node[0], labels.since[0], labels.arrival[0] = start, 0.0, 0.0
-    labels.until[0] = free_until(ground.postures, start, 0.0, bound, FINE * ground.spacing / speed)
-    ground.first[start], ground.size[start] = 0, 1
-    queue, total, taken = queue_of(labels.node.size), 1, 0
-    offers(0, aim, queue, ground, labels)
+    caught, taken = Catch(NEVER, -1, 0.0, 0.0, 0.0, -1), 0
+    aim, queue, total = hunt.aim, hunt.queue, hunt.total[0]
     while queue.size[0] > 0 and taken < most:
         t, s = pop(queue)
         if s < 0:
@@ -233,7 +244,8 @@ def search(ground, labels, bound, gain, most):
                     break
                 aim = Aim(aim.ways, aim.step, found.time - gain)
         offers(s, aim, queue, ground, labels)
-    return caught, taken
+    hunt.total[0] = total
+    return caught, Hunt(aim, queue, hunt.total), taken
 
 
 @njit(_nrt=False)

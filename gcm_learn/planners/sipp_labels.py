@@ -64,6 +64,14 @@ class Aim(NamedTuple):
     bound: float
 
 
+class Hunt(NamedTuple):
+    """A search under way."""
+
+    aim: Aim
+    queue: Queue
+    total: np.ndarray  # (1,) int: labels of nodes that were asked for
+
+
 class Catch(NamedTuple):
     """Where a search ends."""
 

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
+from typing import Any, ClassVar
 
 import numpy as np
 
 from gcm_learn import artifacts, seeding
 from gcm_learn.errors import RecallError
 from gcm_learn.motion import Failure
-from gcm_learn.planners import Attempt, Plan, Planner, Problem, checked, get_planner, register
+from gcm_learn.planners import (
+    GAIN,
+    Attempt,
+    Deadline,
+    Plan,
+    Planner,
+    Problem,
+    checked,
+    deadline_of,
+    get_planner,
+    register,
+)
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, adapt, attempt_at, query_of
 from gcm_learn.recall.index import index_class
 from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME, Query
@@ -186,20 +199,48 @@ class SplinesPlanner:
 
 @dataclass(frozen=True)
 class HybridPlanner:
-    """Recall first, plan when recall fails."""
+    """Recall first, plan when recall fails; with a deadline, also while there is time left."""
 
     recall: RecallPlanner
     fallback: Planner = field(default_factory=lambda: get_planner("layered"))
     name: str = "hybrid"
 
-    def plan(self, situation: Situation) -> Plan:
-        """Answer a situation; the time of both is counted."""
+    anytime: ClassVar[bool] = True
+
+    def plan(
+        self,
+        situation: Situation,
+        bound: float | None = None,
+        deadline: float | Deadline | None = None,
+    ) -> Plan:
+        """Answer a situation; the time of both is counted.
+
+        Parameters
+        ----------
+        situation : Situation
+        bound : float, optional
+            Only catches until then count [s].
+        deadline : float or Deadline, optional
+            See `Anytime`.  What is recalled bounds the search for an earlier catch.  A fallback
+            that is not `Anytime` is asked only where nothing is recalled, and may be late.
+        """
+        limit, most = deadline_of(deadline), math.inf if bound is None else bound
         first = self.recall.plan(situation)
-        if first.status != "unreachable":
+        if first.status == "start_blocked":
             return replace(first, planner=self.name)
-        second = self.fallback.plan(situation)
+        caught = first.catch_time is not None and first.catch_time <= most
+        bounded: dict[str, Any] = {} if bound is None else {"bound": bound}
+        if limit is not None and getattr(self.fallback, "anytime", False):
+            bounded |= {"deadline": limit}
+        if caught:
+            end = (first.catch_time or 0.0) - GAIN * situation.horizon
+            if "deadline" not in bounded or end <= 0.0 or bounded["deadline"].over:
+                return replace(first, planner=self.name)
+            bounded |= {"bound": end}
+        second = self.fallback.plan(situation, **bounded)
+        best = first if caught and not second.caught else second
         elapsed = first.planning_ms + second.planning_ms
-        return replace(second, planner=self.name, planning_ms=elapsed)
+        return replace(best, planner=self.name, planning_ms=elapsed, nodes=second.nodes)
 
 
 @dataclass(frozen=True)

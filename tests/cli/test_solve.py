@@ -224,3 +224,18 @@ def test_a_full_disk_is_said_in_one_line(scene_file, scene):
     done = run_shell(f"gcm solve {path} --planner straight > /dev/full")
     assert done.returncode == 1
     assert done.stderr.count("\n") == 1 and "No space left" in done.stderr
+
+
+def test_a_deadline_is_told_to_planners_that_can_keep_it(scene_file, scene, capsys):
+    path = str(scene_file(scene("a"), scene("b", horizon=0.4)))
+    answers = []
+    for options in ([], ["--deadline", "60000"], ["--deadline", "0"]):
+        assert main(["solve", path, "--planner", "layered", *options]) == 0
+        answers.append([s["status"] for s in read_lines(capsys.readouterr().out)])
+    assert answers[0] == answers[1] and set(answers[2]) <= {"caught", "unreachable"}
+    for options, said in (
+        (["--planner", "straight", "--deadline", "5"], "planner 'straight' cannot be told when"),
+        (["--planner", "layered", "--deadline", "-1"], "--deadline -1: must be from 0 on"),
+    ):
+        assert main(["solve", path, *options]) == 2
+        assert said in capsys.readouterr().err

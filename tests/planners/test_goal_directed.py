@@ -14,7 +14,8 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.handspace import Lattice
 from gcm_learn.planners import layered
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.goal_directed import GAIN, ground_of, searched
+from gcm_learn.planners.deadline import GAIN
+from gcm_learn.planners.goal_directed import ground_of, searched
 from gcm_learn.planners.meetings import aim_at
 from gcm_learn.scene import elbow_of, pack
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, poses_at

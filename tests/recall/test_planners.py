@@ -11,6 +11,7 @@ from gcm_learn import get_planner, seeding, solve
 from gcm_learn.errors import RecallError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
+from gcm_learn.planners import GAIN
 from gcm_learn.planners.layered import layered
 from gcm_learn.recall import (
     Adaptation,
@@ -77,6 +78,59 @@ def test_the_hybrid_catches_what_either_catches(memory):
         either = recall.plan(situation).caught or plan.plan(situation).caught
         assert hybrid.plan(situation).caught == either
     assert hybrid.plan(situation).planner == "hybrid"
+
+
+class Asked:
+    """A planner that notes what it was given."""
+
+    name, anytime = "asked", True
+
+    def __init__(self):
+        self.given, self.planner = [], layered()
+
+    def plan(self, situation, **given):
+        self.given.append(given)
+        return self.planner.plan(situation, **given)
+
+
+def test_with_a_deadline_the_hybrid_is_never_worse_than_what_it_recalls(memory):
+    """At once the recalled catch; with time left an earlier one, which that one bounds."""
+    recall, asked, sooner = RecallPlanner(memory, 5), Asked(), 0
+    hybrid = HybridPlanner(recall, asked)
+    for k in range(60):
+        situation = random_planar(seeding.rng(76, k))
+        first = recall.plan(situation)
+        if not first.caught:
+            continue
+        asked.given.clear()
+        at_once = hybrid.plan(situation, deadline=0.0)
+        assert at_once.catch_time == first.catch_time and not asked.given
+        better = hybrid.plan(situation, deadline=1e9)
+        assert better.caught and better.catch_time <= first.catch_time
+        assert better.planner == "hybrid" and judge(situation, better).complaints == []
+        if asked.given:
+            (given,) = asked.given
+            assert given["bound"] == pytest.approx(first.catch_time - GAIN * situation.horizon)
+        sooner += better.catch_time < first.catch_time
+    assert sooner > 5
+
+
+def test_the_hybrid_keeps_a_bound_and_asks_who_knows_no_deadline_only_in_need(memory):
+    recall, asked, late = RecallPlanner(memory, 5), Asked(), 0
+    hybrid = HybridPlanner(recall, asked)
+    for k in range(60):
+        situation = random_planar(seeding.rng(76, k))
+        first = recall.plan(situation)
+        if not first.caught or first.catch_time == 0.0:
+            continue
+        bound = 0.8 * first.catch_time
+        plan = hybrid.plan(situation, bound=bound)
+        assert asked.given[-1] == {"bound": bound}
+        assert not plan.caught or plan.catch_time <= bound
+        late += plan.caught
+        stubborn = HybridPlanner(recall, get_planner("straight"))
+        assert stubborn.plan(situation, deadline=1e9).catch_time == first.catch_time
+    assert late > 0
 
 
 def test_what_was_met_before_is_recalled_from_itself(memory, catches):

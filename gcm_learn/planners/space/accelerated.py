@@ -79,6 +79,8 @@ def plan_accelerated(
         plan, reason = checked(problem, attempt)
         if plan is not None:
             return plan
+    if problem.over:
+        return problem.answer(Failure.OUT_OF_TIME)
     return problem.answer(reason or Failure.NO_INTERCEPTION)
 
 
@@ -99,6 +101,8 @@ def _attempts(
     misses = 0
     for pace in PACES:
         for kept in (0.0, room):
+            if problem.over:
+                return
             plan = unlimited(replace(problem.situation, arm=_eased(arm, pace, kept)))
             path = plan.trajectory
             if path is None or path.time.size == 1:

@@ -315,12 +315,12 @@ def add_more(study, goals, times, swivels):
 
 
 @njit
-def straight_to(study, goals, ends):
-    """First of the goals to which there is a straight move from the start; see `straight`."""
+def straight_to(study, goals, first, last, ends):
+    """First of goals `first` to `last` - 1 to which a straight move is free; see `straight`."""
     scene, start = study.scene, study.scene.limb.start
     end = scene.limits.horizon
     until = free_until(scene, start, 0.0, end, study.touch, study.instant, study.desk)
-    for k in range(goals.size[0]):
+    for k in range(first, min(last, goals.size[0])):
         ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], goals.time[k])
         if ends[0] >= 0.0:
             return k

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.deadline import Deadline, deadline_of
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.space.accelerated import plan_accelerated
 from gcm_learn.planners.space.goals import (
@@ -30,7 +31,8 @@ COARSE = Effort(10**4, (600, 2400))
 FINE = Effort(10**4, (2000, 8000))
 SPREAD = 72
 """Postures that are pulled to a target without goals, at each of four times as many instants."""
-GAIN = 0.01  # of the horizon, by which a catch must be earlier to be looked for
+INSTANTS, GOALS = 16, 100
+"""At and to which goals are spread or straight moves tried between two looks at the clock."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,14 @@ class LayeredInSpace:
 
     takes_space: ClassVar[bool] = True
 
-    def plan(self, situation: AnySituation, bound: float | None = None) -> Plan[SpatialTrajectory]:
+    anytime: ClassVar[bool] = True
+
+    def plan(
+        self,
+        situation: AnySituation,
+        bound: float | None = None,
+        deadline: float | Deadline | None = None,
+    ) -> Plan[SpatialTrajectory]:
         """Answer a situation.
 
         Parameters
@@ -62,21 +71,42 @@ class LayeredInSpace:
         situation : Situation
         bound : float, optional
             Only catches before this time are wanted [s]; e.g. that of a catch that is known.
+        deadline : float or Deadline, optional
+            See `Anytime`.
         """
         if bound is not None and not bound > 0.0:
             raise ValueError(f"bound: must be positive (got {bound:g})")
-        problem = SpatialProblem(situation, self.name)
+        problem = SpatialProblem(situation, self.name, deadline=deadline_of(deadline))
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
         end = min(situation.horizon, np.inf if bound is None else bound)
-        if problem.accelerates:
-            tried = self._room_for_goals(problem), self._times(end)
-            caught = at_once(problem)
-            return caught or plan_accelerated(problem, tried, self.swivels, self.plan)
-        return self._planned(problem, end)
+        if not problem.accelerates:
+            return self._planned(problem, end, self.earliest or problem.deadline is not None)
+        plan = at_once(problem) or self._accelerated(problem, end)
+        while plan.catch_time is not None and problem.deadline is not None:
+            end = plan.catch_time - problem.gain
+            sooner = self._accelerated(problem, end) if end > 0.0 and not problem.over else None
+            if sooner is None or not sooner.caught:
+                return replace(plan, nodes=problem.nodes)
+            plan = sooner
+        return plan
 
-    def _planned(self, problem: SpatialProblem, end: float) -> Plan[SpatialTrajectory]:
+    def _accelerated(self, problem: SpatialProblem, end: float) -> Plan[SpatialTrajectory]:
+        """A catch before `end` [s] under limits of acceleration."""
+
+        def unlimited(situation: AnySituation) -> Plan[SpatialTrajectory]:
+            eased = SpatialProblem(situation, self.name, deadline=problem.deadline)
+            plan = eased.early_answer() or self._planned(eased, end, self.earliest)
+            problem.nodes += eased.nodes
+            return plan
+
+        tried = self._room_for_goals(problem), self._times(end)
+        return plan_accelerated(problem, tried, self.swivels, unlimited)
+
+    def _planned(
+        self, problem: SpatialProblem, end: float, earliest: bool
+    ) -> Plan[SpatialTrajectory]:
         """A catch before `end` [s], or the earliest one.
 
         No movement is sooner than a straight line to the first interception, so if that is free
@@ -88,14 +118,16 @@ class LayeredInSpace:
         study = study_of(problem.scene, problem.rules)
         best: Plan[SpatialTrajectory] | None = None
         while True:
-            way = self._way(problem, study, end, thorough=best is None)
+            thorough, way = best is None, None
+            if not problem.over:
+                way = self._way(problem, study, end, thorough=thorough)
             if way is None:
-                return best or problem.answer(Failure.NO_INTERCEPTION)
+                why = Failure.OUT_OF_TIME if problem.over else Failure.NO_INTERCEPTION
+                return replace(best, nodes=problem.nodes) if best else problem.answer(why)
             plan = finished(problem, study, way)
-            if plan.catch_time is None or not self.earliest:
+            if plan.catch_time is None or not earliest:
                 return best or plan
-            best = plan
-            end = plan.catch_time - GAIN * problem.situation.horizon
+            best, end = plan, plan.catch_time - problem.gain
             if end <= 0.0:
                 return best
 
@@ -118,23 +150,43 @@ class LayeredInSpace:
         goal = straight(study, goals, self._times(end), self.swivels, ends)
         if goal >= 0:
             return _direct(study, goals, goal, ends)
-        way = two_sided(study, goals, self.coarse)
-        if way is None:
-            goals = self._room_for_goals(problem, 2)
-            add_more(study, goals, self._times(end, 2), 2 * self.swivels)
-            effort = self.fine
-            if goals.size[0] == 0 and thorough:
-                add_spread(study, goals, self._times(end, 4), SPREAD)
-                effort = self.coarse
-            goal = straight_to(study, goals, ends)
+        way = two_sided(problem, study, goals, self.coarse)
+        if way is None and not problem.over:
+            goals, effort = self._more_goals(problem, study, end, thorough=thorough)
+            goal = _straight_to_any(problem, study, goals, ends)
             if goal >= 0:
                 return _direct(study, goals, goal, ends)
-            way = two_sided(study, goals, effort)
+            way = two_sided(problem, study, goals, effort)
         if way is None:
             return None
         short = new_way()
         shorten(study, way, short)
         return short
+
+    def _more_goals(
+        self, problem: SpatialProblem, study: Study, end: float, *, thorough: bool
+    ) -> tuple[Goals, Effort]:
+        """More goals than at first, and how hard to try for them."""
+        goals = self._room_for_goals(problem, 2)
+        add_more(study, goals, self._times(end, 2), 2 * self.swivels)
+        if goals.size[0] > 0 or not thorough:
+            return goals, self.fine
+        times = self._times(end, 4)
+        size = problem.slices(INSTANTS, times.size)
+        for k in range(0, times.size, size):
+            if not problem.over:
+                add_spread(study, goals, times[k : k + size], SPREAD)
+        return goals, self.coarse
+
+
+def _straight_to_any(problem: SpatialProblem, study: Study, goals: Goals, ends: np.ndarray) -> int:
+    """First of the goals to which there is a straight move from the start, -1 if none."""
+    count, goal = int(goals.size[0]), -1
+    size = problem.slices(GOALS, max(count, 1))
+    for first in range(0, count, size):
+        if goal < 0 and not problem.over:
+            goal = straight_to(study, goals, first, first + size, ends)
+    return goal
 
 
 def _direct(study: Study, goals: Goals, goal: int, ends: np.ndarray) -> Way:

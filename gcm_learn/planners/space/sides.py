@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.handspace import JointLattice, joint_lattice
+from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.space.backward import (
     goal_at_start,
     plant_goals,
@@ -18,6 +19,8 @@ from gcm_learn.planners.space.goals import Goals
 from gcm_learn.planners.space.moves import NEVER, Study
 from gcm_learn.planners.space.search import Tree, new_tree, plant, search
 from gcm_learn.planners.space.ways import Way, new_way, trace
+
+SLICE = 100  # moves that are looked at between two looks at the clock
 
 
 class Effort(NamedTuple):
@@ -46,13 +49,18 @@ class Side:
     over: bool = False
     """Whether nothing is left to try."""
 
-    def go_on(self, tries: int) -> Way | None:
-        """Look at so many moves more: the way to a catch, if there is one."""
-        ends, way, study, tree = np.zeros(2), new_way(), self.study, self.tree
-        state, goal, left = search(
-            study, self.lattice, self.goals, tree, tries, NEVER, self.weight, ends
-        )
-        self.over = state < 0 and left > 0
+    def go_on(self, problem: SpatialProblem, tries: int) -> Way | None:
+        """Look at so many moves more, or until the deadline: the way to a catch, if any."""
+        ends, way, study, tree, state = np.zeros(2), new_way(), self.study, self.tree, -1
+        while state < 0 and tries > 0 and not self.over:
+            if problem.over:
+                return None
+            most = problem.slices(SLICE, tries)
+            state, goal, left = search(
+                study, self.lattice, self.goals, tree, most, NEVER, self.weight, ends
+            )
+            self.over = state < 0 and left > 0
+            tries, problem.nodes = tries - most + left, problem.nodes + most - left
         if state < 0:
             return None
         if study.backward:
@@ -80,16 +88,18 @@ def from_goals(study: Study, goals: Goals, effort: Effort) -> Side:
     return Side(back, home, lattice, tree, effort.weight, goals)
 
 
-def two_sided(study: Study, goals: Goals, effort: Effort) -> Way | None:
-    """The way that is found first, if any."""
+def two_sided(problem: SpatialProblem, study: Study, goals: Goals, effort: Effort) -> Way | None:
+    """The way that is found first, if any is before the deadline."""
     if goals.size[0] == 0:
         return None
     sides: list[Side] = []
     for tries in effort.tries:
         for k, begun in enumerate((from_start, from_goals)):
+            if problem.over:
+                return None
             if k == len(sides):
                 sides.append(begun(study, goals, effort))
-            way = sides[k].go_on(tries)
+            way = sides[k].go_on(problem, tries)
             if way is not None or sides[k].over:
                 return way
     return None
