@@ -60,6 +60,7 @@ from gcm_learn.execution.sources import (
     spatial_pool_of,
     spatial_situations_of,
 )
+from gcm_learn.execution.space.fan import COMMANDS, commands_of
 from gcm_learn.execution.space.observation import AIM
 from gcm_learn.execution.space.plant import SpatialPlant
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
@@ -72,6 +73,7 @@ __all__ = [
     "Batch",
     "Belief",
     "CAUGHT",
+    "COMMANDS",
     "COLLIDED",
     "Commanding",
     "Contact",
@@ -112,6 +114,7 @@ __all__ = [
     "Thought",
     "Weights",
     "body_for",
+    "commands_of",
     "encoder",
     "execute",
     "execute_seen",

@@ -12,6 +12,7 @@ from gcm_learn.errors import ArenaError
 from gcm_learn.execution import fan as rays
 from gcm_learn.execution import observation as o
 from gcm_learn.execution.physics.model import STEP
+from gcm_learn.execution.space import fan as space_fan
 from gcm_learn.execution.space import observation as space
 from gcm_learn.execution.space.world import SpatialOptions
 from gcm_learn.execution.world import HAND_VELOCITY, JOINT_VELOCITY, Options
@@ -109,9 +110,18 @@ class Settings(CommonSettings):
 class SpatialSettings(CommonSettings):
     """What can be chosen about arms in space; the defaults are those of ``CatchArm3D-v0``."""
 
+    fan: bool = False
+    """Whether the observation goes on with what becomes of 30 commands about the straight one."""
+
     @property
     def width(self) -> int:
         """Length of an observation."""
+        fan = space_fan.FRAME + space_fan.COMMANDS * space_fan.RAY if self.fan else 0
+        return self.fan_at + fan
+
+    @property
+    def fan_at(self) -> int:
+        """Where the fan begins in an observation, with its frame."""
         return space.ARM + space.TARGET + self.slots * space.OBSTACLE
 
     @property
@@ -122,7 +132,7 @@ class SpatialSettings(CommonSettings):
     @property
     def options(self) -> tuple[Any, ...]:
         """`SpatialOptions`, as a plain tuple."""
-        return tuple(SpatialOptions(self.dt, self.weighted, self.discount, self.slots))
+        return tuple(SpatialOptions(self.dt, self.weighted, self.discount, self.slots, self.fan))
 
 
 @dataclass(frozen=True)

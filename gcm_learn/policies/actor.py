@@ -23,7 +23,7 @@ from gcm_learn.execution import (
     plant_of,
     run_episode,
 )
-from gcm_learn.policies.directions import moved, velocities
+from gcm_learn.policies.directions import chosen, moved
 from gcm_learn.storage import whole_file
 
 FORMAT = "gcm-learn/actor@1"
@@ -77,7 +77,7 @@ class Actor:
         if self.head == "choice":
             if rng is not None:  # Gumbel's trick draws from the softmax
                 scores = scores - np.log(-np.log(rng.random(scores.shape)))
-            return velocities(observations, scores.argmax(axis=1))
+            return chosen(self.settings, observations, scores.argmax(axis=1))
         if rng is not None:
             scores = scores + np.exp(self.spread) * rng.standard_normal(scores.shape)
         aimed = np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)

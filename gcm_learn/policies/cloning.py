@@ -10,10 +10,10 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.execution import RAYS, AnySettings, SpatialSettings
+from gcm_learn.execution import AnySettings, SpatialSettings
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import Demonstrations
-from gcm_learn.policies.directions import choices_of, said
+from gcm_learn.policies.directions import choices_in, choices_of, said
 from gcm_learn.seeding import rng
 
 LEAST_DEVIATION = 1e-3  # numbers that hardly vary are not blown up
@@ -58,7 +58,7 @@ def clone(
     """
     told = demonstrations.observations
     shown = demonstrations.actions
-    done = choices_of(told, shown) if choices else said(settings, told, shown)
+    done = (choices_of if choices else said)(settings, told, shown)
     mean, deviation = told.mean(axis=0), np.maximum(told.std(axis=0), LEAST_DEVIATION)
     source = rng(seed)
     order = source.permutation(len(told))
@@ -66,7 +66,9 @@ def clone(
     rest = order[len(held) :]
     torch.manual_seed(seed)
     bounded = not isinstance(settings, SpatialSettings)  # PPO, which begins as it, has no tanh
-    network = perceptron(told.shape[1], how.layers, RAYS if choices else done.shape[1])
+    network = perceptron(
+        told.shape[1], how.layers, choices_in(settings) if choices else done.shape[1]
+    )
     optimiser = torch.optim.AdamW(network.parameters(), how.rate, weight_decay=how.decay)
     steps = how.epochs * -(-len(rest) // how.batch)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 from gcm_learn.errors import FileFormatError, GcmError, MissingExtraError, PolicyError
 from gcm_learn.execution import AnySettings, PhysicalSettings, Settings, SpatialSettings, made_of
+from gcm_learn.policies.directions import choices_in
 
 ENVIRONMENTS: dict[str, type[AnySettings]] = {
     "CatchArm-v0": Settings,
@@ -62,8 +63,8 @@ class TrainingPlan:
     normalize: bool = True
     """Whether observations are scaled by their running mean and deviation."""
     actions: Literal["choice", "velocity"] = "choice"
-    """Both as seen from the straight way to the target; see `directions`. In space there are no
-    choices."""
+    """Both as seen from the straight way to the target; see `directions`. In space
+    choices need a fan."""
     seed: int = 0
     settings: AnySettings = field(default_factory=lambda: Settings(fan=True))
     """Of the arena."""
@@ -89,8 +90,8 @@ class TrainingPlan:
         if isinstance(self.settings, PhysicalSettings):
             if self.algo == "clone" or self.demonstrations:
                 raise PolicyError("algo: there are no demonstrations of arms with mass")
-        if self.in_space and self.actions == "choice":
-            raise PolicyError("actions: in space there is only velocity")
+        if self.actions == "choice" and not choices_in(self.settings):
+            raise PolicyError("actions: choices in space need a fan and rates of joints as actions")
         if self.algo in ("sac", "tqc") and self.actions == "choice":
             raise PolicyError(f"actions: {self.algo} needs velocity")
         if self.demonstrations and self.algo not in ("sac", "tqc"):

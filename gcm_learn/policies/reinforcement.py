@@ -26,6 +26,7 @@ MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.pkl", "buffer.pkl"
 _SEEN = 1e12  # observations, after which new ones hardly move the statistics
 _EPSILON = 1e-8  # of VecNormalize
 _NETWORK = "256,256"
+_LEAN = 2.0  # logit by which a learner in space first prefers the choice that goes straight
 
 
 def algorithm(name: str) -> type[BaseAlgorithm]:
@@ -62,6 +63,9 @@ def make(plan: TrainingPlan, pool: AnyPool, logs: Path) -> BaseAlgorithm:
         raise PolicyError(str(error).replace("\n", " ")) from None
     if plan.start:
         begin_as(model, Actor.load(Path(plan.start)))
+    elif plan.in_space and plan.actions == "choice":
+        with torch.no_grad():
+            model.policy.action_net.bias[0] = _LEAN  # type: ignore[operator,union-attr]
     return model
 
 

@@ -14,13 +14,12 @@ from gcm_learn.envs import box, commands
 from gcm_learn.execution import (
     CAUGHT,
     OUTCOMES,
-    RAYS,
     RUNNING,
     AnyPool,
     AnySettings,
     plant_of,
 )
-from gcm_learn.policies.directions import moved, velocities
+from gcm_learn.policies.directions import choices_in, chosen, moved
 from gcm_learn.seeding import rng
 
 
@@ -48,8 +47,8 @@ class ArenaVecEnv(VecEnv):
         self, pool: AnyPool, count: int, settings: AnySettings, seed: int, *, choices: bool
     ) -> None:
         self.plant: Any = plant_of(pool, count, settings)
-        self._commands = velocities if choices else partial(moved, settings)
-        actions = spaces.Discrete(RAYS) if choices else commands(self.plant)
+        self._commands = partial(chosen if choices else moved, settings)
+        actions = spaces.Discrete(choices_in(settings)) if choices else commands(self.plant)
         super().__init__(count, box(self.plant), actions)
         self._source = rng(seed)
         self._actions = np.zeros((count, self.plant.commands))

@@ -15,7 +15,7 @@ from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import act_out
-from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, turned, velocities
+from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, chosen, turned
 from gcm_learn.policies.planner import ActorPlanner
 from gcm_learn.situation.canonical import canonical
 
@@ -45,11 +45,11 @@ def drawn():
 def test_choices_are_directions_from_the_meeting(rng):
     observations = rng.normal(size=(200, SETTINGS.width)).astype(np.float32)
     choices = rng.integers(RAYS, size=200)
-    actions = velocities(observations, choices)
+    actions = chosen(SETTINGS, observations, choices)
     lengths = np.hypot(*actions.T)
     np.testing.assert_allclose(lengths, np.where(choices == REST, 0.0, 1.0))
-    np.testing.assert_array_equal(choices_of(observations, actions), choices)
-    first = velocities(observations, np.zeros(200, int))
+    np.testing.assert_array_equal(choices_of(SETTINGS, observations, actions), choices)
+    first = chosen(SETTINGS, observations, np.zeros(200, int))
     meeting = observations[:, MEETING : MEETING + 2]
     np.testing.assert_allclose(first, meeting / np.hypot(*meeting.T)[:, None], atol=1e-6)
     ahead = np.tile([1.0, 0.0], (200, 1))
@@ -109,9 +109,9 @@ def test_drawn_choices_follow_the_scores(rng):
     actor = straight_actor()
     told = np.zeros((4000, SETTINGS.width), np.float32)
     told[:, MEETING] = 1.0
-    chosen = choices_of(told, actor.act(told, rng))
+    drawn = choices_of(SETTINGS, told, actor.act(told, rng))
     share = np.exp(3.0) / (np.exp(3.0) + RAYS - 1)
-    assert np.mean(chosen == 0) == pytest.approx(share, abs=0.03)
+    assert np.mean(drawn == 0) == pytest.approx(share, abs=0.03)
 
 
 def test_planned_catches_are_acted_out():

@@ -13,6 +13,7 @@ from gcm_learn.errors import ArmKindError, FileFormatError, PolicyError
 from gcm_learn.execution import (
     AIM,
     CAUGHT,
+    COMMANDS,
     RUNNING,
     ExactPlant,
     Loop,
@@ -23,12 +24,13 @@ from gcm_learn.execution import (
     SpatialPool,
     SpatialSettings,
     physical_pool_of,
+    plant_of,
     run_closed_loop,
     spatial_pool_of,
 )
 from gcm_learn.policies import Actor, ActorPlanner, plan_of, read_plan
 from gcm_learn.policies.actor import file_of
-from gcm_learn.policies.directions import STEER, moved, said
+from gcm_learn.policies.directions import STEER, choices_in, choices_of, chosen, moved, said
 from gcm_learn.scene import later
 
 CONFIGS = Path(__file__).parents[2] / "experiments" / "04_policies"
@@ -55,25 +57,96 @@ def straight_actor(width):
     )  # fmt: skip
 
 
+def leaning_actor(ray=0):
+    """Return an actor that always chooses the same command."""
+    settings = SpatialSettings(fan=True)
+    bias = np.zeros(COMMANDS, np.float32)
+    bias[ray] = 5.0
+    layer = (np.zeros((COMMANDS, settings.width), np.float32), bias)
+    return Actor(
+        layers=(layer,), mean=np.zeros(settings.width), deviation=np.ones(settings.width),
+        head="choice", activation="relu", squash=False, spread=np.zeros(4), settings=settings,
+    )  # fmt: skip
+
+
+def fanned(count=6):
+    """Return what some arms in space are told at their start, with the fan, and the settings."""
+    settings = SpatialSettings(fan=True)
+    plant = plant_of(spatial_pool_of(FAMILY, count, 0, 0.02), count, settings)
+    plant.put(np.arange(count), np.arange(count))
+    return settings, plant.observations.copy()
+
+
 def test_shipped_configurations_are_plans():
     found = [*CONFIGS.glob("*-space.yml"), *CONFIGS.glob("*-physics.yml")]
     assert len(found) > 1
     for path in found:
         plan = read_plan(path)
-        assert plan.in_space and plan.actions == "velocity"
+        assert plan.in_space and (plan.actions == "velocity" or choices_in(plan.settings))
+
+
+def test_the_first_choice_goes_straight():
+    """So whoever always chooses it does what the straight command does."""
+    settings, told = fanned()
+    np.testing.assert_array_equal(
+        chosen(settings, told, np.zeros(len(told), np.int64)), told[:, AIM : AIM + 4]
+    )
+    pool = spatial_pool_of(FAMILY, 20, 0, 0.02)
+    straight, choosing = (
+        a.play(pool, np.arange(20)) for a in (straight_actor(145), leaning_actor())
+    )
+    np.testing.assert_array_equal(straight.outcomes, choosing.outcomes)
+    np.testing.assert_allclose(straight.posture, choosing.posture)
+
+
+def test_choices_in_space_are_found_again(rng):
+    settings, told = fanned()
+    for ray in range(COMMANDS):
+        choices = np.full(len(told), ray)
+        actions = chosen(settings, told, choices)
+        near = actions + rng.normal(size=actions.shape) * 1e-3
+        np.testing.assert_array_equal(choices_of(settings, told, near), choices)
+
+
+def test_with_a_fan_differences_are_in_its_frame(rng):
+    settings, told = fanned()
+    straight = told[:, AIM : AIM + 4]
+    np.testing.assert_allclose(moved(settings, told, np.zeros((len(told), 4))), straight)
+    back = np.tile([-0.2, 0.0, 0.0, 0.0], (len(told), 1))
+    sizes = np.linalg.norm(straight, axis=1)[:, None]
+    slower = moved(settings, told, back)
+    np.testing.assert_allclose(slower, straight * (1.0 - 0.2 * STEER / sizes), atol=1e-5)
+    commands = np.clip(straight + rng.uniform(-0.9, 0.9, straight.shape), -1.0, 1.0)
+    again = moved(settings, told, said(settings, told, commands))
+    np.testing.assert_allclose(again, commands, atol=1e-5)
+
+
+def test_an_actor_that_chooses_in_space_is_kept(tmp_path):
+    actor = replace(leaning_actor(7), mean=np.linspace(-1.0, 1.0, 251))
+    actor.save(tmp_path)
+    back = Actor.load(tmp_path)
+    assert back.settings == actor.settings and back.settings.fan and back.head == "choice"
+    _, told = fanned()
+    np.testing.assert_array_equal(back.act(told), actor.act(told))
+    np.testing.assert_array_equal(back.act(told), chosen(actor.settings, told, np.full(6, 7)))
 
 
 def test_bad_plans_are_refused_in_one_line(tmp_path):
-    with pytest.raises(PolicyError, match="in space there is only velocity"):
+    with pytest.raises(PolicyError, match="choices in space need a fan"):
         plan_of(entry(actions="choice"), "CatchArm3D-v0")
+    pushed = {"control": "torque", "fan": True}
+    with pytest.raises(PolicyError, match="choices in space need a fan"):
+        plan_of(entry(actions="choice", settings=pushed), "CatchArmPhysics-v0")
     with pytest.raises(PolicyError, match="there are no demonstrations of arms with mass"):
         plan_of(entry(algo="clone"), "CatchArmPhysics-v0")
     path = tmp_path / "other.yml"
     path.write_text("Pendulum-v1: {}\n")
     with pytest.raises(FileFormatError, match="must hold an entry CatchArm-v0 or CatchArm3D-v0"):
         read_plan(path)
-    path.write_text("CatchArm3D-v0: {algo: ppo, settings: {fan: true}}\n")
-    with pytest.raises(FileFormatError, match=r"CatchArm3D-v0.settings: 'fan' is not a known"):
+    path.write_text("CatchArm3D-v0: {algo: ppo, settings: {embedding: true}}\n")
+    with pytest.raises(
+        FileFormatError, match=r"CatchArm3D-v0.settings: 'embedding' is not a known"
+    ):
         read_plan(path)
 
 
@@ -107,6 +180,9 @@ def test_an_actor_is_kept_and_acts(tmp_path):
 
 LEARNERS = [
     ("ppo", "CatchArm3D-v0", {}),
+    ("ppo", "CatchArm3D-v0", {"fan": True}),
+    ("sac", "CatchArm3D-v0", {"fan": True}),
+    ("ppo", "CatchArmPhysics-v0", {"fan": True}),
     ("sac", "CatchArm3D-v0", {}),
     ("ppo", "CatchArmPhysics-v0", {}),
     ("sac", "CatchArmPhysics-v0", {"control": "torque"}),
@@ -119,6 +195,9 @@ def test_learners_run_and_go_on(tmp_path, algo, environment, settings):
     from gcm_learn.policies import train
 
     given = entry(settings={"weights": {"guide": 1.0}, **settings})
+    if "fan" in settings and algo == "ppo":
+        given |= {"actions": "choice"}
+        given.pop("log_std_init")
     if algo == "sac":
         for name in ("n_steps", "log_std_init"):
             given.pop(name)

@@ -167,6 +167,6 @@ def _settle(world, state, options, told, since, before):
         share = (time - since[e]) / worlds.limits[s, HORIZON]
         pay(out, e, outcome, share, how.weights, before[e] - how.discount * after)
         row = out.observations[e]
-        observe_in_space(view, time, states.posture, e, how.dt, how.slots, row)
+        observe_in_space(view, time, states.posture, e, how, row)
         _, _, _, x, y, z = limb_at(view.scene.limb, view.joints[0])
         states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = x, y, z

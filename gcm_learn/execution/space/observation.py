@@ -12,6 +12,7 @@ import numpy as np
 
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
+from gcm_learn.execution.space.fan import tell_fan
 from gcm_learn.execution.space.meeting import AIM_ROW, aim_along, first_meeting_in_view
 from gcm_learn.execution.space.nearness import (
     centre_motion,
@@ -46,7 +47,7 @@ def _put_vector(row, k, x, y, z, unit):
 
 
 @njit
-def observe_in_space(view, time, posture, e, dt, slots, row):
+def observe_in_space(view, time, posture, e, options, row):
     """Write what an arm is told into a row.
 
     Parameters
@@ -57,19 +58,19 @@ def observe_in_space(view, time, posture, e, dt, slots, row):
         [s]
     posture : (arms, 8) ndarray
         Row `e` has the arm's joints [rad] and their rates [rad/s].
-    dt : float
-        A step [s].
-    slots : int
-        Obstacles that are told.
+    options : SpatialOptions
     row : (width,) ndarray
     """
     for j in range(4):
         view.joints[0, j] = posture[e, j]
     place = limb_at(view.scene.limb, view.joints[0])
-    _tell_arm(view, time, posture, e, place, dt, row)
-    _tell_target(view, time, posture, e, place, row)
+    _tell_arm(view, time, posture, e, place, options.dt, row)
+    target = _tell_target(view, time, posture, e, place, row)
     ahead = (_ahead(view, 0), _ahead(view, 1))
-    _tell_obstacles(view, time, posture, e, place, ahead, slots, row)
+    if options.fan:
+        at = ARM + TARGET + options.slots * OBSTACLE
+        tell_fan(view, time, posture, e, target, place, AIM, row, at)
+    _tell_obstacles(view, time, posture, e, place, ahead, options.slots, row)
 
 
 @njit(_nrt=False)
@@ -96,7 +97,13 @@ def _tell_arm(view, time, posture, e, place, dt, row):
 
 @njit(_nrt=False)
 def _tell_target(view, time, posture, e, place, row):
-    """Write the target that can be met first, and where; the aim at it is left in the view."""
+    """Write the target that can be met first, and where; the aim at it is left in the view.
+
+    Returns
+    -------
+    int
+        Which body it is.
+    """
     scene, reach, poses = view.scene, view.reach, view.desk.poses
     _, _, _, hx, hy, hz = place
     unit = reach / view.pace
@@ -123,6 +130,7 @@ def _tell_target(view, time, posture, e, place, row):
     aim_along(view, posture, e, wx / way, wy / way, wz / way)
     for j in range(4):
         row[AIM + j] = view.rates[AIM_ROW, j]
+    return b
 
 
 @njit(_nrt=False)

@@ -83,7 +83,7 @@ def observe_all(world, state, chosen, options, out):
     for k in range(chosen.size):
         e = chosen[k]
         view = view_in(worlds, states.place[e], room)
-        observe_in_space(view, states.time[e], states.posture, e, how.dt, how.slots, out[e])
+        observe_in_space(view, states.time[e], states.posture, e, how, out[e])
         _, _, _, x, y, z = limb_at(view.scene.limb, view.joints[0])
         states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = x, y, z
 
@@ -97,4 +97,4 @@ def _play(world, state, actions, options, told, first, last):
     for e in range(first, last):
         view = step_in_space(worlds, states, e, actions, how, out, room)
         row = out.observations[e]
-        observe_in_space(view, states.time[e], states.posture, e, how.dt, how.slots, row)
+        observe_in_space(view, states.time[e], states.posture, e, how, row)

@@ -51,6 +51,7 @@ class SpatialOptions(NamedTuple):
     weights: np.ndarray  # (4,)
     discount: float
     slots: int
+    fan: bool
 
 
 class SpatialView(NamedTuple):
