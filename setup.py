@@ -11,7 +11,10 @@ from setuptools.command.build_py import build_py
 
 ROOT = Path(__file__).parent
 SHIPPED = (
-    *(f"models/{name}" for name in ("clone", "encoder", "ppo", "ppo-clone", "recall", "sac")),
+    *(
+        f"models/{name}"
+        for name in ("clone", "encoder", "ppo", "ppo-clone", "ppo-space", "recall", "sac")
+    ),
     "models/bodies",
     "data/suites/demo.jsonl",
 )

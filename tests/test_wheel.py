@@ -50,6 +50,7 @@ def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
     names = zipfile.ZipFile(wheel).namelist()
     carried = {Path(name).relative_to("gcm_learn/_shipped") for name in names if "_shipped" in name}
     wanted = {Path("models", name, "actor.npz") for name in ACTORS}
+    wanted.add(Path("models/ppo-space/actor3d.npz"))
     wanted |= {Path("models/recall/manifest.json"), Path("models/encoder/encoder.safetensors")}
     assert wanted | {Path("data/suites/demo.jsonl")} <= carried
     assert all((ROOT / path).is_file() for path in carried)

@@ -79,6 +79,14 @@ class CatchArm3D(OneArmInSpace):
     +16   distance to the limb if that rests, after 0.5 and 1 units of   -10 ... 10     reach
           time, but not after the horizon
     +18   the same if the limb follows the action at 61 meanwhile        -10 ... 10     reach
+    end   with ``settings={"fan": True}``, a frame of actions, four unit -1 ... 1       action
+          vectors: the action at 61, what moves the elbow and not the
+          hand, what moves the hand outward, what is orthogonal (4 x 4)
+    end   then of 30 actions (`execution.space.fan`: that at 61, turned
+          towards the others, half of it, rest), 3 each:
+    +0    how long the limb is free on it, 1.2 are looked at             0 ... 1.2      time
+    +1    least clearance until then, 0 if it touches                    0 ... 0.15     reach
+    +2    distance that is missing for a catch then, 1 at most           -10 ... 1      reach
     ===== ============================================================== ============== =======
 
     Distances above half a reach are those of the ball that holds an obstacle. Everything is a

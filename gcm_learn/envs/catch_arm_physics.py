@@ -45,7 +45,7 @@ class CatchArmPhysics(OneArmInSpace):
           (`motor_accelerations`)
     ===== ============================================================== ============== =======
 
-    With "torque", after the obstacles:
+    With "torque", at the very end:
 
     ===== ============================================================== ============== =======
     -8    torques that hold the arm's weight here (4)                    -10 ... 10     action

@@ -1,0 +1,99 @@
+"""What policies in space catch that the straight command does not: unseen situations, in pairs.
+
+    python experiments/04_policies/space.py models/ppo-space [models/OTHER ...]
+
+Situations are drawn from all families in space, or read (`--source`), under a seed that trained
+nothing and chose nothing. All are counted, whether or not there is a way to catch.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest
+
+from gcm_learn.execution import (
+    CAUGHT,
+    COLLIDED,
+    Moment,
+    physical_pool_of,
+    plant_of,
+    run_episode,
+    spatial_pool_of,
+)
+from gcm_learn.execution import PhysicalSettings as Physical
+from gcm_learn.families import family_names
+from gcm_learn.policies import Actor
+
+
+class Straight:
+    """Always the command that leads straight to where the target can be met."""
+
+    def __init__(self, settings: Any) -> None:
+        self.at = settings.straight
+
+    def act(self, moment: Moment) -> np.ndarray:
+        """That command (n, 4), as it is told."""
+        return moment.observations[:, self.at : self.at + 4].astype(float)
+
+
+def interval(count: int, n: int) -> str:
+    """A share with Wilson's 95 % interval [%]."""
+    low, high = binomtest(count, n).proportion_ci(method="wilson")
+    return f"{count / n:.1%} ({low:.1%} to {high:.1%})"
+
+
+def mcnemar(mine: np.ndarray, other: np.ndarray) -> tuple[int, int, float]:
+    """Situations won (only mine), lost, and the exact p of so uneven a split."""
+    won, lost = int(np.sum(mine & ~other)), int(np.sum(other & ~mine))
+    return won, lost, float(binomtest(won, max(won + lost, 1)).pvalue) if won + lost else 1.0
+
+
+def pool_of(source: str, actor: Actor, count: int, seed: int) -> Any:
+    """Unseen situations for the actor's kind of arm."""
+    if isinstance(actor.settings, Physical):
+        return physical_pool_of(source, count, seed)
+    return spatial_pool_of(source, count, seed, actor.settings.dt)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Play, and print a row for each family and one for all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("--source", action="append", help="family or file; all families if none")
+    parser.add_argument("--count", type=int, default=200, help="of each")
+    parser.add_argument("--seed", type=int, default=2)
+    options = parser.parse_args(arguments)
+    for folder in options.folders:
+        actor, caught, touched = Actor.load(folder), [], []
+        print(
+            f"\n{folder}\n\n| situations | number | caught | touched | straight | won | lost | p |"
+        )
+        print("|---|---|---|---|---|---|---|---|")
+        for source in options.source or family_names("spatial"):
+            pool = pool_of(source, actor, options.count, options.seed)
+            places = np.arange(len(pool))
+            plant = plant_of(pool, len(pool), actor.settings)
+            played = actor.play(pool, places), run_episode(Straight(actor.settings), plant, places)
+            caught.append(np.array([e.outcomes == CAUGHT for e in played]))
+            touched.append(played[0].outcomes == COLLIDED)
+            print(row(source, caught[-1], touched[-1]), flush=True)
+        print(row("all", np.hstack(caught), np.hstack(touched)), flush=True)
+
+
+def row(name: str, caught: np.ndarray, touched: np.ndarray) -> str:
+    """Return a row of the table."""
+    n = caught.shape[1]
+    won, lost, p = mcnemar(*caught)
+    mine, straight = (interval(int(c.sum()), n) for c in caught)
+    return (
+        f"| {name} | {n} | {mine} | {touched.mean():.1%} | {straight} | {won} | {lost} | {p:.1g} |"
+    )
+
+
+if __name__ == "__main__":
+    main()
