@@ -1,0 +1,162 @@
+"""Numbers of documents and where they come from.
+
+A comment after a text, which readers of the page do not see, says for each number of the text, in
+their order, which number of a results' file it is:
+
+    catches 86 % of W and 30 % of Q <!-- from experiments/02_waiting/table.md: 86 gcm | W; 30
+    gcm | Q -->
+
+The text begins after the comment before, or with its paragraph or list item. After each number:
+
+- ``row | column``: a cell of a table; where it takes several cells to tell the row, all are named,
+  and ``table 2`` is the second of the file. ``[2]`` is the second number of the cell, e.g. of an
+  interval
+- ``key | key``: a value of a JSON file; a share may be told in percent
+- ``"words"``: the number stands in the file in these words
+- ``A minus B``, ``A over B``: the difference, or the share in percent
+- ``-``: a condition, and no result
+
+``from FILE:`` within a comment goes on with another file. Files are named as links would be.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+COMMENT = re.compile(r"<!-- from (.*?)-->", re.S)
+NUMBER = re.compile(r"(?<![\w.,^])[-+−]?\d+(?:,\d{3})*(?:\.\d+)?(?![\w^])")
+BLOCK = re.compile(r"\n\s*\n|\n(?=\s*[-*] )|\n(?=#)|\n(?=\|)")
+
+
+class Claim(NamedTuple):
+    """A number that a text tells."""
+
+    told: str
+    file: Path
+    source: str
+    """Where it is in the file."""
+
+    @property
+    def is_result(self) -> bool:
+        """Whether it comes from anywhere."""
+        return self.source != "-"
+
+
+def numbers_of(text: str) -> list[str]:
+    """The numbers that readers see in a text."""
+    unseen = r"```.*?```|`[^`]*`|<[^>]*>|\]\([^)]*\)"
+    text = re.sub(rf"{unseen}|\d+e-\d+", " ", text, flags=re.S)  # nor probabilities
+    return NUMBER.findall(text)
+
+
+def value(number: str) -> float:
+    """A number as it is written."""
+    return float(number.replace(",", "").replace("−", "-"))
+
+
+def claims_of(document: Path) -> Iterator[tuple[list[str], list[Claim]]]:
+    """The numbers of every text that has a comment, and what the comment says of them."""
+    for block in BLOCK.split(document.read_text("utf-8")):
+        rest = block
+        while (found := COMMENT.search(rest)) is not None:
+            yield numbers_of(rest[: found.start()]), list(_said(found[1], document.parent))
+            rest = rest[found.end() :]
+
+
+def uncovered(text: str) -> list[str]:
+    """Numbers of a text that no comment is about."""
+    return [n for block in BLOCK.split(text) for n in numbers_of(COMMENT.split(block)[-1])]
+
+
+def _said(comment: str, folder: Path) -> Iterator[Claim]:
+    file = folder
+    for part in f"from {' '.join(comment.split())}".split("; "):
+        if (other := re.match(r"from (\S+):\s*", part)) is not None:
+            file, part = folder / other[1], part[other.end() :]
+        told, _, source = part.partition(" ")
+        yield Claim(told, file, source.strip())
+
+
+def agrees(claim: Claim) -> bool:
+    """Whether the file says so, to the digits that are told."""
+    told = value(claim.told)
+    half = 0.5 * 10.0 ** -len(claim.told.partition(".")[2])
+    for joint in (" minus ", " over "):
+        if joint in claim.source:
+            one, other = (_found(claim.file, key) for key in claim.source.split(joint))
+            found = one - other if joint == " minus " else 100.0 * one / other
+            return abs(found - told) <= half + 1e-9
+    if claim.source.startswith('"'):
+        words = claim.source.strip('"')
+        return told in map(value, numbers_of(words)) and words in _words(claim.file)
+    found = _found(claim.file, claim.source)
+    shares = (1.0, 100.0) if claim.file.suffix == ".json" and abs(found) <= 1.0 else (1.0,)
+    if claim.told[0] not in "+-−":  # a loss may be told as so many points less
+        found = abs(found)
+    return any(abs(scale * found - told) <= half + 1e-9 for scale in shares)
+
+
+def _found(file: Path, source: str) -> float:
+    """The number at a place of a file."""
+    if file.suffix == ".json":
+        return _in_json(json.loads(file.read_text("utf-8")), source.split(" | "))
+    which = re.search(r"\s*\[(\d)\]$", source)
+    *row, column = source[: which.start() if which else None].split(" | ")
+    hits = [
+        cells[head.index(column)]
+        for table, head, cells in _rows(file)
+        if column in head and all(part in (*cells, table) for part in row)
+    ]
+    if len(hits) != 1:
+        raise LookupError(f"{file}: {len(hits)} cells are {source!r}")
+    numbers = re.findall(r"[-+−]?\d[\d,]*(?:\.\d+)?", re.sub(r"(?<=\d)[-–…]", " ", hits[0]))
+    return value(numbers[int(which[1]) - 1 if which else 0])
+
+
+def _in_json(content: Any, keys: list[str]) -> float:
+    for key in keys:
+        content = content[int(key)] if isinstance(content, list) else content[key]
+    return float(content)
+
+
+@cache
+def _words(file: Path) -> str:
+    return " ".join(COMMENT.sub("", file.read_text("utf-8")).split())
+
+
+@cache
+def _rows(file: Path) -> list[tuple[str, list[str], list[str]]]:
+    """Rows of all tables: which table, the heads of its columns, the cells."""
+    out: list[tuple[str, list[str], list[str]]] = []
+    head: list[str] = []
+    count = 0
+    for line in file.read_text("utf-8").splitlines():
+        if not line.lstrip().startswith("|"):
+            head = []
+            continue
+        cells = [re.sub(r"[`*]", "", cell).strip() for cell in line.strip().strip("|").split("|")]
+        if not head:
+            head, count = cells, count + 1
+        elif not set(line) <= set("|-: "):
+            out.append((f"table {count}", head, cells))
+    return out
+
+
+def tables_of(file: Path) -> dict[str, list[str]]:
+    """Lines of every table by the line of its heads."""
+    out: dict[str, list[str]] = {}
+    head = ""
+    for line in map(str.strip, file.read_text("utf-8").splitlines()):
+        if not line.startswith("|"):
+            head = ""
+        elif not head:
+            head = line
+            out.setdefault(head, [])
+        else:
+            out[head].append(line)
+    return out
