@@ -13,7 +13,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -29,6 +29,7 @@ from gcm_learn.execution import (  # noqa: E402
     OUTCOMES,
     PhysicalPool,
     PhysicalSettings,
+    SpatialSettings,
     body_for,
     execute,
     with_motor_limits,
@@ -93,7 +94,11 @@ def followed(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
 
 
 def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
-    """A policy, in the arena without mass and in that with mass; what it does is not verified."""
+    """A policy that acts as it goes, unverified.
+
+    With mass its way under the motors' limits is followed as plans are; beside it, its commands are
+    what the motors servo to, as in the arena with mass.
+    """
     result = get_method(name).run(free)
     told: dict[str, Any] = {
         "caught": result.outcome == "caught",
@@ -102,13 +107,16 @@ def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
     }
     if told["caught"]:
         told["complaints"] = judged(free, result.trajectory)
+    limited = with_motor_limits(free, body)
+    under = get_method(name).run(limited)
+    told["limited"] = under.outcome == "caught"
+    plan = Plan(free.name, name, "caught", "", 0.0, trajectory=under.trajectory)
+    told["body"] = execute(plan, limited, body).status
     actor = shipped_actor(name)
-    chosen = actor.settings
-    settings = PhysicalSettings(dt=chosen.dt, slots=chosen.slots, discount=chosen.discount)
-    arena = PhysicalPool.of([free], body)
-    done = replace(actor, settings=settings).play(arena, np.zeros(1, np.int64))
-    ended = OUTCOMES[int(done.outcomes[0])]
-    told["body"] = {"touched": "collided"}.get(ended, ended)
+    same = {field.name: getattr(actor.settings, field.name) for field in fields(SpatialSettings)}
+    arena = replace(actor, settings=PhysicalSettings(**same))
+    done = arena.play(PhysicalPool.of([free], body), np.zeros(1, np.int64))
+    told["servo"] = OUTCOMES[int(done.outcomes[0])]
     return told
 
 
@@ -157,10 +165,19 @@ def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
                 "broken": sum(bool(one.get("complaints")) for one in told),
                 "with mass": share(sum(one["body"] == "caught" for one in told), len(told)),
                 "collided": sum(one["body"] == "collided" for one in told),
-                **({"touched": sum(one["touched"] for one in told)} if acts else {}),
+                **(unverified(told) if acts else {}),
                 "ms": [float(np.median(ms)), float(np.quantile(ms, 0.9))] if ms else None,
             }
     return out
+
+
+def unverified(told: list[dict[str, Any]]) -> dict[str, Any]:
+    """What is counted of a policy besides."""
+    return {
+        "touched": sum(one["touched"] for one in told),
+        "servoed": share(sum(one["servo"] == "caught" for one in told), len(told)),
+        "servoed, touched": sum(one["servo"] == "touched" for one in told),
+    }
 
 
 def beside(made: dict[str, Any], path: Path) -> dict[str, Any]:
