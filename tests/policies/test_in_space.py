@@ -272,13 +272,15 @@ class Watched(ExactPlant):
         self.rows.append((self.time, *self.joints, *self.rates))
 
 
+@pytest.mark.parametrize("shipped", [False, True])
 @pytest.mark.parametrize("family", ["falling-space", "door-space", "pendulum-space"])
-def test_in_the_closed_loop_it_acts_as_in_the_arena(family):
+def test_in_the_closed_loop_it_acts_as_in_the_arena(family, shipped):
     """With exact looks and no time to think: as in the world that there is after two looks."""
     config = families.get_family(family)
     config = replace(config, arm=replace(config.arm, human=1.0, ramp=(0.1, 0.1)))
     weights = np.random.default_rng(0).standard_normal((4, 145)).astype(np.float32)
     actor = replace(straight_actor(145), layers=((0.01 * weights, np.zeros(4, np.float32)),))
+    actor = shipped_actor("ppo-space") if shipped else actor
     compared = 0
     for k in range(8):
         situation = families.draw(config, 11, k)
