@@ -23,13 +23,18 @@ from gcm_learn.planners import (
     Planner,
     Problem,
     SpatialProblem,
+    Yardstick,
+    any_straight,
     bounds,
     gcm,
     get_planner,
     layered,
+    layered_in_space,
     marching,
     straight_plan,
     stratum,
+    without_waits,
+    yardstick,
 )
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.seeding import rng
@@ -39,6 +44,7 @@ from gcm_learn.wave import MarchingParams, WaveParams
 AUDIT = 1  # salt of the lot that decides which items the oracle labels as well
 LONGEST_ERROR = 300  # characters
 Verdict = Literal["L", "W", "Q", "U", "blocked", "other"]
+INSTANTS = 32  # of the horizon, at which straight lines to interceptions are tried in space
 FRONTS = ("gcm", "marching", "layered")
 ENGINES = {"wave": "gcm", "marching": "marching", "layered": "layered"}
 """The planner whose first map is the map of an engine."""
@@ -128,12 +134,16 @@ class Case:
     def __init__(self, situation: AnySituation, spec: DatasetSpec) -> None:
         self.situation: Any = situation
         self.spec = spec
-        kind = SpatialProblem if situation.is_spatial else Problem
-        self.problem: Any = kind(situation, "case")
-        self._early = self.problem.early_answer()
+        self.problem: Any
+        if situation.is_spatial:
+            self.problem = SpatialProblem(situation, "case")
+            self._early = self.problem.early_answer(keeps_acceleration=True)
+        else:
+            self.problem = Problem(situation, "case")
+            self._early = self.problem.early_answer()
         self._plans: dict[str, Plan[Any]] = {}
         self._first_maps: dict[str, CognitiveMap] = {}
-        self._bounds: Bounds | None = None
+        self._bounds: Bounds | Yardstick | None = None
 
     @property
     def blocked(self) -> bool:
@@ -149,7 +159,7 @@ class Case:
         """
         if self.blocked:
             return "blocked"
-        if self.plan("straight").caught:
+        if self._caught_straight():
             return "L"
         if wanted == "L":
             return "other"
@@ -166,12 +176,22 @@ class Case:
         # A record must not hold a catch and say that there is none.
         return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
 
+    def _caught_straight(self) -> bool:
+        """Whether the straight line to the earliest interception catches; in space, one to any."""
+        if self.plan("straight").caught:
+            return True
+        if not self.situation.is_spatial or self.problem.accelerates:
+            return False
+        return self._early is None and any_straight(self.problem, INSTANTS).caught
+
     def _caught_without_waiting(self) -> bool:
-        """Whether first arrivals catch; in space whether `layered` catches without a rest."""
+        """Whether first arrivals catch; in space whether `layered` needs no rest for its catch."""
         if not self.situation.is_spatial:
             return self.plan("marching").caught
-        path = self.plan("layered").trajectory
-        return path is not None and not path.rests
+        plan = self.plan("layered")
+        if plan.trajectory is None or not plan.trajectory.rests:
+            return plan.caught
+        return without_waits(self.problem, plan) is not None
 
     def plan(self, name: str) -> Plan[Any]:
         """What a planner answers."""
@@ -184,9 +204,11 @@ class Case:
         if self._early is not None:
             return replace(self._early, planner=name)
         if name == "oracle":
-            return self.bounds().plan
+            return replace(self.bounds().plan, planner=name)
         if self.situation.is_spatial:
-            return get_planner(name).plan(self.situation)
+            effort = self.spec.effort if name == "layered" else None
+            known: Any = get_planner(name) if effort is None else layered_in_space(effort)
+            return known.plan(self.situation)
         problem = Problem(self.situation, name, self.problem.scene)
         if name == "straight":
             return straight_plan(problem)
@@ -216,10 +238,13 @@ class Case:
         wait, scene = self.spec.map == "layered", self.problem.scene
         return build_map(self.situation, kind(n=self.spec.n), wait=wait, scene=scene)
 
-    def bounds(self) -> Bounds:
-        """The oracle's bounds on the earliest catch."""
+    def bounds(self) -> Bounds | Yardstick:
+        """The oracle's bounds on the earliest catch; in space some catch, by what keeps no time."""
         if self._bounds is None:
-            self._bounds = bounds(self.situation)
+            if self.situation.is_spatial:
+                self._bounds = yardstick(self.situation, 0.0, earliest=False)
+            else:
+                self._bounds = bounds(self.situation)
         return self._bounds
 
     def oracle(self) -> OracleLabel:

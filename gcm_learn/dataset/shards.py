@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gcm_learn import __version__, compiled
-from gcm_learn.dataset.cells import PLAN
+from gcm_learn.dataset.cells import PLAN, SPATIAL_PLAN
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.record import (
@@ -142,7 +142,8 @@ def _plan_words(spec: DatasetSpec) -> list[str]:
 
 def _encodings(spec: DatasetSpec) -> dict[str, str]:
     """Numbers of paths are stored byte by byte: the high bytes of neighbours are alike."""
-    lists = [PLAN.field(k).name for k in range(PLAN.num_fields) if pa.types.is_list(PLAN[k].type)]
+    plan = SPATIAL_PLAN if spec.spatial else PLAN
+    lists = [part.name for part in plan if pa.types.is_list(part.type)]
     columns = [f"{plan_column(name)}.{part}" for name in spec.planners for part in lists]
     return {f"{column}.list.element": "BYTE_STREAM_SPLIT" for column in columns}
 

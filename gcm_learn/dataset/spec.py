@@ -79,6 +79,8 @@ class DatasetSpec:
     """Of the ladder of ever more careful maps that front planners climb, `layered` after a search:
     2 stay on lattices of n cells, the last ones have twice as many. Also how hard the labels'
     planners try."""
+    effort: float | None = None
+    """In space: share of the moves that `layered` looks at before it gives up; all when absent."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
     """Engine of the map that a record holds; none in space, where it has half a million cells."""
     n: int = 80
@@ -105,6 +107,8 @@ class DatasetSpec:
             raise SpecError("families", "must name at least one family")
         checks.distinct(self.planners, "planners", planner_names())
         checks.integer(self.rungs, "rungs", 1, 9)
+        if self.effort is not None:
+            checks.share(self.effort, "effort")
         checks.choice(self.map, "map", ("wave", "marching", "layered", "none"))
         checks.integer(self.n, "n", SMALLEST_LATTICE, LARGEST_LATTICE)
         checks.choice(self.label, "label", ("fast", "oracle"))
@@ -124,6 +128,8 @@ class DatasetSpec:
                     f"families[{k}]", f"is for {kind} arms, and the first one for {kinds[0]} ones"
                 )
         if not self.spatial:
+            if self.effort is not None:
+                raise SpecError("effort", "is for spatial arms")
             return
         if self.map != "none":
             raise SpecError("map", f"must be 'none' for spatial arms (got {self.map!r})")

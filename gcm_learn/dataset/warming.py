@@ -59,7 +59,10 @@ def _run(spec: DatasetSpec) -> None:
     small = replace(spec, strata=None, count=DRAWS * len(spec.families))
     for k in range(small.count):
         family = spec.families[k // DRAWS]
-        make_item(replace(small, families=(family,)), k)
+        one = replace(
+            small, families=(family,), audit=float(spec.spatial and spec.audit > 0.0 and k == 0)
+        )
+        make_item(one, k)
     for situation in () if spec.spatial else _scenes():
         case = Case(situation, small)
         for name in ("straight", "marching", "layered", *spec.planners):

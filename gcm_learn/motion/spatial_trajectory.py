@@ -11,6 +11,7 @@ from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import JOINTS, SpatialArm
 
 REST = 1e-6  # joints that are slower than this rest [rad/s]
+CREEP = 0.02  # of its fastest sample; a smooth curve that waits is slower, and never quite still
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,10 @@ class SpatialTrajectory:
 
     @property
     def rests(self) -> bool:
-        """Whether the arm rests anywhere on its way."""
-        turns = np.abs(np.diff(self.joints, axis=0)).max(axis=1)
-        return bool((turns <= REST * np.diff(self.time)).any())
+        """Whether the arm rests anywhere on its way; with `rates`, whether it does so nearly."""
+        speed = np.abs(np.diff(self.joints, axis=0)).max(axis=1) / np.diff(self.time)
+        slow = REST if self.rates is None else max(CREEP * speed.max(initial=0.0), REST)
+        return bool((speed <= slow).any())
 
     def joints_at(self, t: float | np.ndarray) -> np.ndarray:
         """Joint angles (..., 4) at time(s) t, held before the first and after the last sample."""

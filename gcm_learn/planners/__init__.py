@@ -17,11 +17,13 @@ from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
-from gcm_learn.planners.oracle.in_space import Yardstick, yardstick
+from gcm_learn.planners.oracle.in_space import Yardstick, without_waits, yardstick
 from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, plan_to_json, taken
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, register, solve
 from gcm_learn.planners.retiming import retime
+from gcm_learn.planners.space.layered import layered_in_space
+from gcm_learn.planners.space.straight import any_straight
 from gcm_learn.planners.tube import InTube, Tube
 
 __all__ = [
@@ -46,6 +48,7 @@ __all__ = [
     "StraightPlanner",
     "Tube",
     "Yardstick",
+    "any_straight",
     "attempt_of",
     "bounds",
     "broken_promise",
@@ -55,6 +58,7 @@ __all__ = [
     "gcm",
     "get_planner",
     "layered",
+    "layered_in_space",
     "marching",
     "plan_to_json",
     "plan_with",
@@ -65,5 +69,6 @@ __all__ = [
     "straight_plan",
     "stratum",
     "taken",
+    "without_waits",
     "yardstick",
 ]

@@ -1,4 +1,4 @@
-"""The sample in git is a dataset that this version reads, and what data/README.md says."""
+"""The samples in git are datasets that this version reads, and what data/README.md says."""
 
 from __future__ import annotations
 
@@ -18,19 +18,26 @@ DATA = Path(__file__).parents[2] / "data"
 README = (DATA / "README.md").read_text("utf-8")
 
 
-@pytest.fixture(scope="module")
-def sample():
-    return dataset.open(DATA / "sample")
+COUNTS = {"sample": 500, "sample-space": 300}
+
+
+@pytest.fixture(scope="module", params=COUNTS)
+def sample(request):
+    return dataset.open(DATA / request.param)
+
+
+def spec_of(sample):
+    return read_spec(DATA / sample.spec.name / "spec.toml")
 
 
 def test_it_is_what_its_specification_says_and_light(sample):
-    spec = read_spec(DATA / "sample" / "spec.toml")
-    assert spec.digest == sample.spec.digest and len(sample) == spec.count == 500
+    spec, count = spec_of(sample), COUNTS[sample.spec.name]
+    assert spec.digest == sample.spec.digest and len(sample) == spec.count == count
     assert sample.manifest["complete"] and sample.manifest["failed"] == 0
-    files = [path for path in (DATA / "sample").rglob("*") if path.is_file()]
+    files = [path for path in (DATA / spec.name).rglob("*") if path.is_file()]
     assert sum(path.stat().st_size for path in files) < 5_000_000
     assert {family.family for family in spec.families} == set(sample.column("family"))
-    shares = np.array([list(sample.column("stratum")).count(s) for s in "LWQU"]) / 500
+    shares = np.array([list(sample.column("stratum")).count(s) for s in "LWQU"]) / count
     assert np.abs(shares - 0.25).max() < 0.01
 
 
@@ -41,14 +48,15 @@ def test_records_are_packed_as_they_were_stored(sample):
 
 
 def test_its_catches_hold(sample):
-    report, sha256, _ = verify_shard(sample.spec, 0, str(DATA / "sample"))
+    report, sha256, _ = verify_shard(sample.spec, 0, str(DATA / sample.spec.name))
     assert report.faults == 0, report.quoted
-    assert report.plans > 200 and sha256 == sample.manifest["shards"][0]["sha256"]
+    assert report.plans > 0.25 * COUNTS[sample.spec.name]
+    assert sha256 == sample.manifest["shards"][0]["sha256"]
 
 
 def test_the_list_of_datasets_has_it(sample):
     listed = json.loads((DATA / "manifest.json").read_text())["datasets"]
-    (entry,) = [one for one in listed if one["name"] == "sample"]
+    (entry,) = [one for one in listed if one["name"] == sample.spec.name]
     for name in ("hash", "records", "bytes"):
         assert entry[name] == sample.manifest[name]
     for one in listed:
@@ -56,8 +64,10 @@ def test_the_list_of_datasets_has_it(sample):
 
 
 def test_the_readme_explains_every_column_and_field():
-    spec = read_spec(DATA / "sample" / "spec.toml")
-    tables = README.split("## Record")[1]
+    spec, spatial = (read_spec(DATA / name / "spec.toml") for name in COUNTS)
+    tables, others = README.split("## Record")[1].split("**`gcm-learn/record@2`**")
+    for name in (*set(schema_of(spatial).names) - set(schema_of(spec).names), "joints", "rates"):
+        assert name.startswith("plan_") or f"`{name}`" in others
     told = set(re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (.*?) \|", tables, re.M))))
     columns = {name for name in schema_of(spec).names if not name.startswith("plan_")}
     assert columns | {"plan_NAME"} == told
@@ -77,3 +87,17 @@ def test_the_readmes_example_runs(monkeypatch, tmp_path):
     cached = example.replace("hard.cache(", f"hard.cache({str(tmp_path)!r}, ")
     assert cached != example
     exec(compile(cached, "README.md", "exec"), {"__name__": "example"})
+
+
+def test_the_sample_in_space_has_arms_of_all_kinds():
+    sample = dataset.open(DATA / "sample-space")
+    assert sample.manifest["schema"] == "gcm-learn/record@2"
+    assert len(set(sample.column("upper_arm"))) >= 20
+    smooth = [name for name in sample.column("structure") if "acceleration" in name]
+    assert 50 < len(smooth) < 150
+    hurried = sample.where(structure=tuple(smooth), stratum=("W", "Q"))
+    for record in hurried[:5]:
+        plan, arm = record.plans["layered"], record.situation.arm
+        assert plan.caught and any(arm.joint_rates)
+        assert np.allclose(plan.trajectory.rates[0], arm.joint_rates)
+    assert set(sample.column("split")) >= {"train", "validation", "test", "test-family"}

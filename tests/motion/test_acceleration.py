@@ -93,6 +93,13 @@ def test_a_tracked_path_keeps_accelerations_and_comes_nearer_the_more_it_may(cor
     assert np.abs(curve(fine) - wanted).max() < 8.0 / force + 0.02
 
 
+@pytest.mark.parametrize(("kept", "rests"), [([0, 1, 2, 3], True), ([0, 1, 3], False)])
+def test_a_tracked_path_that_waits_rests(corner, kept, rests):
+    time, path = (part[kept] for part in corner)
+    curve = tracked(time, path, np.zeros(4), np.full(4, 400.0))
+    assert SpatialTrajectory(LIMITED, *curve).rests is rests
+
+
 def test_what_cannot_be_tracked_falls_short_of_its_end(corner):
     _, joints, _ = tracked(*corner, np.zeros(4), np.full(4, 1.0))
     assert np.abs(joints[-1] - corner[1][-1]).max() > 0.1

@@ -21,6 +21,7 @@ from gcm_learn.dataset.folder import Folder
 from gcm_learn.errors import ClusterError
 from gcm_learn.processes import ClusterCrew
 from tests.dataset.conftest import SMALL, make_here
+from tests.dataset.test_space import SPEC
 
 ROOT = Path(__file__).parents[2]
 
@@ -70,10 +71,23 @@ def test_a_killed_worker_of_a_cluster_costs_nothing_but_time(tmp_path, cluster):
     manifest = generate(spec, tmp_path / "cluster", cluster=address, progress=progress)
     assert workers[0].poll() == -signal.SIGKILL and workers[1].poll() is None
     assert manifest["complete"] and manifest["records"] == 1200
-    for name in Folder(tmp_path / "here").names("shards"):
-        here, there = (Folder(tmp_path / f).sha256(f"shards/{name}") for f in ("here", "cluster"))
-        assert here == there
+    assert_same(tmp_path)
     assert manifest["runs"][0]["cluster"] == address
+
+
+def assert_same(folder):
+    """What was made here and on the cluster are the same bytes."""
+    for name in Folder(folder / "here").names("shards"):
+        here, there = (Folder(folder / f).sha256(f"shards/{name}") for f in ("here", "cluster"))
+        assert here == there
+
+
+@pytest.mark.slow
+def test_records_in_space_are_those_that_one_process_makes(tmp_path, cluster):
+    spec = replace(SPEC, effort=0.25, audit=0.1)
+    make_here(spec, str(tmp_path / "here"))
+    assert generate(spec, tmp_path / "cluster", cluster=cluster[0])["complete"]
+    assert_same(tmp_path)
 
 
 @pytest.mark.parametrize("after", [pytest.param(0, marks=pytest.mark.slow), 1, 9])

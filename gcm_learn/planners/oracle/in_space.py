@@ -90,7 +90,8 @@ def yardstick(
     situation : Situation
         With a spatial arm.
     trees_ms : float
-        Processor time for ST-RRT*, which is left out where OMPL is missing [ms].
+        Processor time for ST-RRT*, which is left out where OMPL is missing [ms]. At 0 nothing
+        depends on how fast the machine is.
     earliest : bool
         Whether to go on when a catch is known. If not, no method is asked that could only find an
         earlier one.
@@ -105,7 +106,7 @@ def yardstick(
         return Yardstick(lower, {"relaxation": problem.answer(Failure.IMPOSSIBLE)})
     for name, ask in _methods(situation, trees_ms, earliest):
         plans[name] = ask()
-        hurried = _hurried(problem, study, plans[name]) if plans[name].caught else None
+        hurried = without_waits(problem, plans[name], study) if plans[name].caught else None
         if hurried is not None:
             plans[f"{name}, without waits"] = hurried
         known = Yardstick(lower, plans)
@@ -143,6 +144,8 @@ def _methods(
     yield "layered, fine", lambda: fine.plan(situation)
     many = marching_in_space((1, 8, 16))
     yield "marching", lambda: many.plan(situation)
+    if trees_ms <= 0.0:
+        return
     try:
         trees = STRRTStarPlanner(budget_ms=trees_ms)
     except (MissingExtraError, PlatformError):
@@ -150,16 +153,20 @@ def _methods(
     yield "st-rrt-star", lambda: trees.plan(situation)
 
 
-def _hurried(problem: SpatialProblem, study: Study, plan: SpatialPlan) -> SpatialPlan | None:
-    """A plan without its rests, all legs but the last as fast as can be, if that catches.
+def without_waits(
+    problem: SpatialProblem, plan: SpatialPlan, study: Study | None = None
+) -> SpatialPlan | None:
+    """A catch without its rests, all legs but the last as fast as can be, if it still is one.
 
-    Where the last leg begins is tried from the end of the way to its start.
+    Where the last leg begins is tried from the end of the way to its start.  Under limits of
+    acceleration it is the plan itself, if that never rests.
     """
+    study = study_of(problem.scene, problem.rules) if study is None else study
     moves = plan.trajectory
     assert moves is not None
-    moved = np.abs(np.diff(moves.joints, axis=0)).max(axis=1, initial=0.0) > STILL
     if problem.accelerates:
-        return plan if moved.all() else None
+        return None if moves.rests else plan
+    moved = np.abs(np.diff(moves.joints, axis=0)).max(axis=1, initial=0.0) > STILL
     postures = moves.joints[np.append(True, moved)]
     took = [time_of(study, q, p)[0] for q, p in pairwise(postures)]
     reached = np.concatenate([[0.0], np.cumsum(took)])

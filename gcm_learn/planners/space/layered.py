@@ -189,6 +189,11 @@ def _straight_to_any(problem: SpatialProblem, study: Study, goals: Goals, ends: 
     return goal
 
 
+def layered_in_space(effort: float = 1.0) -> LayeredInSpace:
+    """The planner with a share of the tries after which its searches give up."""
+    return LayeredInSpace(coarse=COARSE.times(effort), fine=FINE.times(effort))
+
+
 def _direct(study: Study, goals: Goals, goal: int, ends: np.ndarray) -> Way:
     """The straight move from the start to a goal that begins and ends (2,) when it should [s]."""
     way = new_way()

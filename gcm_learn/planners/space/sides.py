@@ -33,6 +33,10 @@ class Effort(NamedTuple):
     weight: float = 1.0
     """Of the motion that is left, beside the time of the catch."""
 
+    def times(self, share: float) -> Effort:
+        """The same lattice with a share of the tries, at least one each."""
+        return self._replace(tries=tuple(max(int(share * tries), 1) for tries in self.tries))
+
 
 @dataclass
 class Side:
