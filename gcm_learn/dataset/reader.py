@@ -179,8 +179,7 @@ class Dataset(Sequence[Record]):
         labels : sequence of str
             Label columns that the examples carry.
         """
-        if self.spec.map == "none":
-            raise DatasetError(f"{self.folder.url}: its records hold no maps")
+        self._check_maps()
         if folder is None and self.folder.local is None:
             raise DatasetError(f"{self.folder.url}: is not on this machine; name a folder for it")
         whole = Dataset(self._shelf, self._all)
@@ -219,11 +218,17 @@ class Dataset(Sequence[Record]):
         part : (int, int)
             (i, n): the i-th of n parts, which together are the whole.
         """
+        self._check_maps()
         groups = self.groups()
         return feeding.stream(
             lambda k: self.read_group(groups[k], [*COLUMNS, *labels]),
             len(groups), seed, epoch, window=window, labels=labels, part=part,
         )  # fmt: skip
+
+    def _check_maps(self) -> None:
+        """Refuse records without maps."""
+        if self.spec.map == "none":
+            raise DatasetError(f"{self.folder.url}: its records hold no maps")
 
     def groups(self) -> list[Group]:
         """The row groups that hold its records, for readers that read whole ones."""

@@ -131,6 +131,13 @@ def test_episodes_are_of_the_plane(made):
         export_minari(open_data(made), "space/test-v0", "straight")
 
 
+def test_there_are_no_maps_to_feed(made):
+    records = open_data(made)
+    for feed in (records.cache, records.stream):
+        with pytest.raises(DatasetError, match="its records hold no maps"):
+            feed()
+
+
 @pytest.mark.parametrize("name", family_names("spatial"))
 def test_every_family_has_quantities_in_forearms(name):
     record = make_item(replace(SPEC, families=(FamilyShare(name),)), 0)
