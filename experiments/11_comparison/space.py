@@ -222,7 +222,8 @@ def main() -> None:
                 stream.flush()
     rows = list(known.values())
     made = beside(table(rows), HERE / "space.json")
-    write_whole(HERE / "space.json", json.dumps(made, indent=1) + "\n")
+    if len(rows) == COUNT * len(family_names("spatial")):  # a part is only told
+        write_whole(HERE / "space.json", json.dumps(made, indent=1) + "\n")
     print(json.dumps(made, indent=1))
 
 
