@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
 from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
+from gcm_learn.recall.files import MANIFEST, is_memory
 from gcm_learn.recall.growth import Coverage, grow, remember
 from gcm_learn.recall.index import (
     Index,
@@ -21,6 +22,7 @@ from gcm_learn.recall.index import (
     index_class,
     nearest_rows,
 )
+from gcm_learn.recall.kinds import PLANE, SPACE, waypoints_of
 from gcm_learn.recall.memory_features import map_picture
 from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
@@ -34,8 +36,9 @@ from gcm_learn.recall.planners import (
     unverified,
 )
 from gcm_learn.recall.raw_features import Scale, own_axis, raw_features
-from gcm_learn.recall.store import MANIFEST, Entry, Memory, is_memory
-from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share, waypoints_of
+from gcm_learn.recall.space.waypoints import SpatialWaypoints
+from gcm_learn.recall.store import Entry, Memory
+from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share
 
 if TYPE_CHECKING:
     from gcm_learn.recall.training import Effort, Trainer, write_model
@@ -71,13 +74,16 @@ __all__ = [
     "LearnedIndex",
     "MANIFEST",
     "Memory",
+    "PLANE",
     "PcaIndex",
     "RandomIndex",
     "RawIndex",
     "RecallPlanner",
     "Recollection",
     "Rollout",
+    "SPACE",
     "Scale",
+    "SpatialWaypoints",
     "SplinesPlanner",
     "Trainer",
     "TransferLabels",

@@ -18,6 +18,7 @@ from gcm_learn.motion import SPACING, first_interception, refine, spread
 from gcm_learn.planners import Attempt, Problem, attempt_of
 from gcm_learn.recall import kernels, trials
 from gcm_learn.recall.kernels import Query, Style
+from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.recall.waypoints import Waypoints, ring_share
 from gcm_learn.situation import Situation
 
@@ -102,6 +103,57 @@ def attempt_at(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) 
     return attempt_of(problem, time, hand, int(body))
 
 
+class Tries:
+    """Memories tried on a situation of the plane.
+
+    Parameters
+    ----------
+    problem : Problem
+    how : Adaptation
+    """
+
+    def __init__(self, problem: Problem, how: Adaptation) -> None:
+        self.problem, self.how = problem, how
+
+    @cached_property
+    def query(self) -> Query:
+        """What adaptations must know of the situation."""
+        return query_of(self.problem)
+
+    def first_valid(
+        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
+    ) -> tuple[int, int, Attempt | None]:
+        """The first of the offered memories that is valid.
+
+        Parameters
+        ----------
+        paths : (ndarray, ndarray)
+            Knots and goals of all memories.
+        offer : Offer
+        budget : Budget
+
+        Returns
+        -------
+        place : int
+            In the offer, -1 if none is.
+        checked : int
+            Paths that were checked.
+        attempt : Attempt or None
+            Which the verification has still to confirm.
+        """
+        k, body, tried, time, hand = trials.first_valid(
+            *paths, offer, self.query, self.how.styles, budget
+        )
+        return k, tried, attempt_at(self.problem, time, hand, body) if k >= 0 else None
+
+    def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        """When memories catch in it, see `transfer`."""
+        out: np.ndarray = trials.catch_times(
+            knots, goals, chosen, self.query, self.how.styles, self.how.repairs
+        )
+        return out
+
+
 def transfer(
     situation: Situation | Problem,
     knots: np.ndarray,
@@ -128,7 +180,4 @@ def transfer(
     problem = situation if isinstance(situation, Problem) else Problem(situation, "transfer")
     rows = np.arange(len(knots)) if chosen is None else chosen
     rows = np.ascontiguousarray(rows, dtype=np.int64)
-    out: np.ndarray = trials.catch_times(
-        knots, goals, rows, query_of(problem), how.styles, how.repairs
-    )
-    return out
+    return Tries(problem, how).catch_times(knots, goals, rows)

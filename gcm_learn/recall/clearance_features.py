@@ -64,10 +64,10 @@ class FeatureBatch(NamedTuple):
 
 
 def batched(features: Sequence[Features]) -> FeatureBatch:
-    """Many as one, in bytes."""
+    """Many as one, at least one of them, in bytes."""
     cells = [np.rint(one.cells * STEPS).astype(np.uint8) for one in features]
     whose = np.repeat(np.arange(len(features)), [len(c) for c in cells])
-    whole = np.concatenate(cells) if cells else np.zeros((0, CELLS), np.uint8)
+    whole = np.concatenate(cells)
     return FeatureBatch(np.array([one.context for one in features]), whole, whose)
 
 

@@ -25,10 +25,11 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
-from gcm_learn.recall.clearance_features import Features, clearance_features
-from gcm_learn.recall.memory_features import map_features, path_features
+from gcm_learn.recall.clearance_features import Features
+from gcm_learn.recall.kinds import BY_NAME, Kind
+from gcm_learn.recall.memory_features import map_features
 from gcm_learn.scene import Scene
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation
 from gcm_learn.storage import content_hash, write_whole
 
 FORMAT = "gcm-learn/encoder@1"
@@ -59,6 +60,8 @@ class EncoderConfig:
     """Share of batches, after the first ones, on the memories that the encoder itself thinks
     best."""
     seed: int = 0
+    arm: Literal["planar", "spatial"] = "planar"
+    """Kind of arm; memories of spatial ones have no maps."""
 
     def __post_init__(self) -> None:
         for name, low in (("dim", 2), ("width", 4), ("steps", 1), ("seed", 0)):
@@ -67,6 +70,10 @@ class EncoderConfig:
                 raise EncoderError(f"{name}: must be an integer of at least {low} (got {value!r})")
         if self.memory not in SOURCES:
             raise EncoderError(f"memory: must be one of {', '.join(SOURCES)} (got {self.memory!r})")
+        if self.arm not in BY_NAME:
+            raise EncoderError(f"arm: must be one of {', '.join(BY_NAME)} (got {self.arm!r})")
+        if self.uses_maps and self.arm != "planar":
+            raise EncoderError(f"memory: {self.memory!r} needs maps, which are of the plane")
         for name in ("listwise", "contrast", "decay", "hard"):
             if not getattr(self, name) >= 0.0:
                 raise EncoderError(f"{name}: must not be negative (got {getattr(self, name)!r})")
@@ -93,6 +100,7 @@ def config_from_json(values: Mapping[str, Any]) -> EncoderConfig:
     """The configuration from JSON values."""
     if values.get("format") != FORMAT:
         raise EncoderError(f"format: is {values.get('format')!r}, expected {FORMAT!r}")
+    values = {"arm": "planar"} | dict(values)  # older files know one kind of arm only
     names = [f.name for f in dataclasses.fields(EncoderConfig)]
     missing = [name for name in names if name not in values]
     if missing:
@@ -154,6 +162,11 @@ class Encoder:
         """Numbers of an embedding."""
         return self.config.dim
 
+    @property
+    def kind(self) -> Kind:
+        """Of the arms that it knows."""
+        return BY_NAME[self.config.arm]
+
     @cached_property
     def key(self) -> str:
         """Short hash of all that embeddings depend on."""
@@ -176,9 +189,9 @@ class Encoder:
         names = {"trace": self.config.uses_traces, "map": self.config.uses_maps}
         return {name: Tower.of(self.arrays, name) for name, used in names.items() if used}
 
-    def embed_situation(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_situation(self, situation: AnySituation, scene: Scene | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
-        return self.embed_features(clearance_features(situation, scene))
+        return self.embed_features(self.kind.look(situation, scene))
 
     def embed_features(self, seen: Features) -> np.ndarray:
         """Embedding (dim,) float32 of a situation by what it looks like."""
@@ -189,7 +202,7 @@ class Encoder:
         return found
 
     def embed_memories(
-        self, situations: Sequence[Situation], knots: np.ndarray, goals: np.ndarray
+        self, situations: Sequence[Any], knots: np.ndarray, goals: np.ndarray
     ) -> np.ndarray:
         """Embeddings (n, dim) float32 of memories.
 
@@ -203,7 +216,9 @@ class Encoder:
         for first in range(0, len(knots), CHUNK):
             part = slice(first, first + CHUNK)
             if self.config.uses_traces:
-                out[part] += self._memory["trace"](path_features(knots[part], goals[part]))
+                out[part] += self._memory["trace"](
+                    self.kind.path_features(knots[part], goals[part])
+                )
             if self.config.uses_maps:
                 maps = np.array([map_features(s) for s in situations[part]])
                 out[part] += self._memory["map"](maps)

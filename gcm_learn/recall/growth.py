@@ -20,9 +20,9 @@ from gcm_learn.errors import RecallError
 from gcm_learn.planners import Plan, Planner, get_planner
 from gcm_learn.processes import crew_of
 from gcm_learn.recall.index import Index, index_class
+from gcm_learn.recall.kinds import PLANE, SPACE, AnyWaypoints, Kind, waypoints_of
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory
-from gcm_learn.recall.waypoints import Waypoints, waypoints_of
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
@@ -71,10 +71,11 @@ def remember(
         order = np.sort(seeding.rng(seed, 0).permutation(len(order))[:most])
     if isinstance(index, str):
         index = _fitted(records, index, order, seed)
-    memory = Memory(index)
+    kind = SPACE if records.spec.spatial else PLANE
+    memory = Memory(index, kind=kind)
     parts = [order[start : start + CHUNK] for start in range(0, len(order), CHUNK)]
     with crew_of(workers, cluster) as crew:
-        filed = crew.map(partial(_filed, index, planner), map(records.part, parts))
+        filed = crew.map(partial(_filed, index, kind, planner), map(records.part, parts))
         for part, more in zip(parts, filed, strict=True):
             memory.extend(more)
             progress(len(part))
@@ -90,9 +91,9 @@ def _fitted(records: Dataset, name: str, order: np.ndarray, seed: int) -> Index:
     return kind.fit([records[int(k)].situation for k in sample], seed)
 
 
-def _filed(index: Index, planner: str, records: Iterable[Record]) -> Memory:
+def _filed(index: Index, kind: Kind, planner: str, records: Iterable[Record]) -> Memory:
     """A memory of some records."""
-    memory = Memory(index)
+    memory = Memory(index, kind=kind)
     found = [(record, waypoints) for record in records if (waypoints := catch_of(record, planner))]
     memory.add(
         [record.situation for record, _ in found],
@@ -103,7 +104,7 @@ def _filed(index: Index, planner: str, records: Iterable[Record]) -> Memory:
     return memory
 
 
-def catch_of(record: Record, planner: str = "") -> Waypoints | None:
+def catch_of(record: Record, planner: str = "") -> AnyWaypoints | None:
     """Waypoints of a record's catch, of the earliest if no planner is named."""
     names = (planner,) if planner else record.planners
     plans = [record.plans[name] for name in names if record.plans[name].caught]

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
-from gcm_learn.recall.kernels import KNOTS
+from gcm_learn.recall.kinds import AnyWaypoints, raw_numbers
 from gcm_learn.recall.memory_features import map_picture
 from gcm_learn.recall.raw_features import COUNT, Scale, raw_features
-from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene import Scene
-from gcm_learn.situation import Situation
 from gcm_learn.storage import content_hash, content_number
 
 FILE = "index.npz"
@@ -45,7 +43,7 @@ class Index(Protocol):
     def dim(self) -> int:
         """Numbers of an embedding."""
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame.
 
         Parameters
@@ -56,7 +54,7 @@ class Index(Protocol):
         """
 
     def embed_memories(
-        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
     ) -> np.ndarray:
         """Embeddings (n, dim) float32 of many memories."""
 
@@ -68,7 +66,7 @@ class Index(Protocol):
         """Read it from a folder."""
 
     @classmethod
-    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> Self:
+    def fit(cls, situations: Sequence[Any], seed: int = 0) -> Self:
         """One for memories of situations like these, if it takes no training of its own."""
 
 
@@ -128,9 +126,9 @@ class RawIndex(_Numbers):
     name: ClassVar[str] = "raw"
 
     @classmethod
-    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> RawIndex:
+    def fit(cls, situations: Sequence[Any], seed: int = 0) -> RawIndex:
         """Learn the scales of the parameters."""
-        return cls(Scale.of(np.array([raw_features(s) for s in situations])))
+        return cls(Scale.of(np.array([raw_numbers(s) for s in situations])))
 
     @property
     def arrays(self) -> dict[str, np.ndarray]:
@@ -145,17 +143,17 @@ class RawIndex(_Numbers):
     @property
     def dim(self) -> int:
         """The parameters and one number for their distance."""
-        return COUNT + 1
+        return len(self.scale.mean) + 1
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        return nearest_query(self.scale(raw_features(situation, scene)))
+        return nearest_query(self.scale(raw_numbers(situation, scene)))
 
     def embed_memories(
-        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
     ) -> np.ndarray:
         """Embeddings of memories."""
-        features = np.array([raw_features(s) for s in situations]).reshape(-1, COUNT)
+        features = np.array([raw_numbers(s) for s in situations]).reshape(-1, self.dim - 1)
         return nearest_rows(self.scale(features))
 
 
@@ -171,7 +169,7 @@ class RandomIndex(_Numbers):
     dim: ClassVar[int] = 16
 
     @classmethod
-    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> RandomIndex:
+    def fit(cls, situations: Sequence[Any], seed: int = 0) -> RandomIndex:
         """Nothing to learn."""
         return cls(seed)
 
@@ -185,12 +183,12 @@ class RandomIndex(_Numbers):
         """The index with such a seed."""
         return cls(int(arrays["seed"][0]))
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
         """A direction that depends on the situation's numbers only."""
-        return self._direction(raw_features(situation, scene), 0)
+        return self._direction(raw_numbers(situation, scene), 0)
 
     def embed_memories(
-        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
     ) -> np.ndarray:
         """Directions of memories."""
         rows = [self._direction(waypoints.knots, 1) for waypoints in trajectories]
@@ -226,16 +224,18 @@ class LearnedIndex:
         """Numbers of an embedding."""
         return self.encoder.dim
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
         return self.encoder.embed_situation(situation, scene)
 
     def embed_memories(
-        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
     ) -> np.ndarray:
         """Embeddings of memories."""
-        knots = np.array([t.knots for t in trajectories], np.float32).reshape(-1, KNOTS, 4)
-        goals = np.array([t.goal for t in trajectories], np.float32).reshape(-1, 2)
+        if len(trajectories) == 0:
+            return np.zeros((0, self.dim), np.float32)
+        knots = np.array([t.knots for t in trajectories], np.float32)
+        goals = np.array([t.goal for t in trajectories], np.float32)
         return self.encoder.embed_memories(situations, knots, goals)
 
     def save(self, folder: Path) -> None:
@@ -251,7 +251,7 @@ class LearnedIndex:
             raise RecallError(str(error)) from None
 
     @classmethod
-    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> Self:
+    def fit(cls, situations: Sequence[Any], seed: int = 0) -> Self:
         """Refused: this one takes training."""
         raise RecallError("index 'learned': has to be trained first, see gcm-learn train-encoder")
 
@@ -281,8 +281,10 @@ class PcaIndex(_Numbers):
     """Components that are kept."""
 
     @classmethod
-    def fit(cls, situations: Sequence[Situation], seed: int = 0) -> PcaIndex:
+    def fit(cls, situations: Sequence[Any], seed: int = 0) -> PcaIndex:
         """Components of the situations' maps, and the regression from raw parameters to them."""
+        if any(situation.is_spatial for situation in situations):
+            raise RecallError("index 'pca': knows maps of the plane only")
         pictures = np.array([map_picture(s) for s in situations])
         features = np.array([raw_features(s) for s in situations])
         centre = pictures.mean(axis=0)
@@ -322,13 +324,13 @@ class PcaIndex(_Numbers):
         """The components and one number for their distance."""
         return len(self.components) + 1
 
-    def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
         """Where the map of a situation probably lies."""
         inputs = self._inputs(raw_features(situation, scene)[None])
         return nearest_query((inputs @ self.weights)[0])
 
     def embed_memories(
-        self, situations: Sequence[Situation], trajectories: Sequence[Waypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
     ) -> np.ndarray:
         """Where the maps of memories lie."""
         rows = [self.components @ (map_picture(s) - self.centre) for s in situations]

@@ -17,8 +17,9 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from gcm_learn.errors import EncoderError
-from gcm_learn.recall.clearance_features import CELLS, CONTEXT, STEPS, FeatureBatch
+from gcm_learn.recall.clearance_features import STEPS, FeatureBatch
 from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
+from gcm_learn.recall.kinds import BY_NAME
 from gcm_learn.recall.memory_features import COUNT
 
 _NEVER = -1e4
@@ -58,8 +59,9 @@ class EncoderNet(nn.Module):
 
     def __init__(self, config: EncoderConfig, path_count: int) -> None:
         super().__init__()
-        self.situation = TowerNet(CONTEXT, config.width, config.dim)
-        self.body = TowerNet(CONTEXT + CELLS, config.width, config.dim)
+        kind = BY_NAME[config.arm]
+        self.situation = TowerNet(kind.context, config.width, config.dim)
+        self.body = TowerNet(kind.context + kind.cells, config.width, config.dim)
         if config.uses_traces:
             self.trace = TowerNet(path_count, config.width, config.dim)
         if config.uses_maps:

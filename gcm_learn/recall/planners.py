@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, ClassVar
@@ -19,19 +20,22 @@ from gcm_learn.planners import (
     Plan,
     Planner,
     Problem,
+    Task,
     checked,
     deadline_of,
     get_planner,
     register,
 )
-from gcm_learn.recall.adaptation import DEFAULT, Adaptation, adapt, attempt_at, query_of
+from gcm_learn.recall.adaptation import DEFAULT, Adaptation, Tries, adapt, query_of
+from gcm_learn.recall.files import MANIFEST
 from gcm_learn.recall.index import index_class
-from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME, Query
+from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
+from gcm_learn.recall.kinds import PLANE, SPACE, Kind, Trier, kind_of, same_kind
 from gcm_learn.recall.raw_features import raw_features
-from gcm_learn.recall.store import MANIFEST, Memory
-from gcm_learn.recall.trials import Budget, Offer, first_valid
+from gcm_learn.recall.store import Memory
+from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.recall.waypoints import Waypoints
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
@@ -43,14 +47,15 @@ RIMS = (0.15, 0.98)  # shares of the ring
 TIMES = (0.2, 1.0)  # of the end [horizons]
 WAITERS = 4  # one in so many waits
 _REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
-WHOLE = "recall"
+WHOLE = {PLANE: "recall", SPACE: "recall-space"}
+"""The memories that are shipped, by kind of arm."""
 
 
 @dataclass(frozen=True)
 class Recollection:
     """How a plan was recalled."""
 
-    plan: Plan
+    plan: Plan[Any]
     memory: int | None
     """Which memory was valid."""
     checked: int
@@ -75,17 +80,29 @@ class RecallPlanner:
     """How much a failure says about memories that lie near, where scores are odds, as those of
     the learned index are; 0 keeps the order of recall."""
 
-    def plan(self, situation: Situation) -> Plan:
+    other: Callable[[], RecallPlanner] | None = None
+    """Who is asked with the other kind of arm."""
+
+    @property
+    def takes_space(self) -> bool:
+        """Whether it takes spatial arms."""
+        return self.memory.kind == SPACE or self.other is not None
+
+    def plan(self, situation: AnySituation) -> Plan[Any]:
         """Answer a situation."""
         return self.recollect(situation).plan
 
-    def recollect(self, situation: Situation) -> Recollection:
+    def recollect(self, situation: AnySituation) -> Recollection:
         """Answer a situation and say which memory the answer came from."""
-        problem, memory = Problem(situation, self.name), self.memory
-        answer = problem.early_answer()
+        memory, kind = self.memory, self.memory.kind
+        if kind_of(situation) != kind and self.other is not None:
+            return self.other().recollect(situation)
+        same_kind(kind, situation)
+        problem = kind.problem(situation, self.name)
+        answer = kind.early_answer(problem)
         if answer is not None or len(memory) == 0:
             return Recollection(answer or problem.answer(Failure.NO_MEMORY), None, 0)
-        query = query_of(problem)
+        tries = kind.tries(problem, self.how)
         place = memory.index.embed_query(situation, problem.scene)
         pool = self.candidates * (POOL if max(self.novelty, self.penalty) > 0.0 else 1)
         chosen = memory.recall(place, pool)
@@ -93,7 +110,7 @@ class RecallPlanner:
         offer = _offer(chosen, memory.embeddings, place if penalty > 0.0 else None)
         budget = Budget(self.how.repairs, self.candidates, self.novelty, penalty)
         paths = (memory.knots, memory.goals)
-        plan, k, tried = _first_plan(problem, query, paths, offer, self.how, budget)
+        plan, k, tried = _first_plan(problem, tries, paths, offer, budget)
         return Recollection(plan, None if k < 0 else int(chosen[k]), tried)
 
 
@@ -108,22 +125,21 @@ def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = No
 
 
 def _first_plan(
-    problem: Problem,
-    query: Query,
+    problem: Task[Any],
+    tries: Trier,
     paths: tuple[np.ndarray, np.ndarray],
     offer: Offer,
-    how: Adaptation,
     budget: Budget,
-) -> tuple[Plan, int, int]:
+) -> tuple[Plan[Any], int, int]:
     """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
     total = 0
     while total < budget.tries:
         left = budget._replace(tries=budget.tries - total)
-        k, body, tried, time, hand = first_valid(*paths, offer, query, how.styles, left)
+        k, tried, attempt = tries.first_valid(paths, offer, left)
         total += tried
-        if k < 0:
+        if attempt is None:
             break
-        plan, _ = checked(problem, attempt_at(problem, time, hand, body))
+        plan, _ = checked(problem, attempt)
         if plan is not None:
             return plan, k, total
         # The verification has the last word: what is left is tried.
@@ -188,13 +204,13 @@ class SplinesPlanner:
         answer = problem.early_answer()
         if answer is not None:
             return answer
-        query = query_of(problem)
-        numbers = np.round(raw_features(situation, query.scene).astype(float), 4) + 0.0
-        item = content_number(numbers.tobytes())
-        paths = random_waypoints(self.seed, item, self.candidates, query.ring, situation.horizon)
+        tries = Tries(problem, self.how)
+        numbers = np.round(raw_features(situation, problem.scene).astype(float), 4) + 0.0
+        item, ring = content_number(numbers.tobytes()), tries.query.ring
+        paths = random_waypoints(self.seed, item, self.candidates, ring, situation.horizon)
         offer = _offer(np.arange(self.candidates), paths[0])
         budget = Budget(self.how.repairs, self.candidates, 0.0, 0.0)
-        return _first_plan(problem, query, paths, offer, self.how, budget)[0]
+        return _first_plan(problem, tries, paths, offer, budget)[0]
 
 
 @dataclass(frozen=True)
@@ -205,14 +221,19 @@ class HybridPlanner:
     fallback: Planner = field(default_factory=lambda: get_planner("layered"))
     name: str = "hybrid"
 
+    @property
+    def takes_space(self) -> bool:
+        """Whether it takes spatial arms."""
+        return self.recall.takes_space
+
     anytime: ClassVar[bool] = True
 
     def plan(
         self,
-        situation: Situation,
+        situation: Any,
         bound: float | None = None,
         deadline: float | Deadline | None = None,
-    ) -> Plan:
+    ) -> Plan[Any]:
         """Answer a situation; the time of both is counted.
 
         Parameters
@@ -270,12 +291,12 @@ def unverified(
 
 
 def has_memory() -> bool:
-    """Whether there is a memory that planners can ask."""
-    return artifacts.model(WHOLE, MANIFEST) is not None
+    """Whether there is a memory of the plane that planners can ask."""
+    return artifacts.model(WHOLE[PLANE], MANIFEST) is not None
 
 
-def shipped_memory(name: str) -> Memory:
-    """The memory of a planner's name, e.g. ``recall``.
+def shipped_memory(name: str, kind: Kind = PLANE) -> Memory:
+    """The memory of a planner's name, e.g. ``recall``, for a kind of arm.
 
     Controls that have none of their own file that of ``recall`` anew, by their own index.
 
@@ -284,31 +305,40 @@ def shipped_memory(name: str) -> Memory:
     RecallError
         One line that says how to make one.
     """
-    folder = artifacts.model(name, MANIFEST) or artifacts.model(WHOLE, MANIFEST)
+    whole = WHOLE[kind]
+    own = name + whole.removeprefix(WHOLE[PLANE])
+    folder = artifacts.model(own, MANIFEST) or artifacts.model(whole, MANIFEST)
     if folder is None:
-        make = f"gcm-learn remember DATASET --out {artifacts.own('models') / name}"
-        reason = artifacts.missing("models", f"memory {name!r}", make)
+        make = f"gcm-learn remember DATASET --out {artifacts.own('models') / own}"
+        reason = artifacts.missing("models", f"memory {own!r}", make)
         raise RecallError(f"planner {name!r}: {reason}")
     memory = Memory.load(folder)
-    if folder.name == name or name not in _REFILED:
+    if memory.kind != kind:
+        raise RecallError(f"{folder}: a memory of {memory.kind.name} arms, not of {kind.name} ones")
+    if folder.name == own or name not in _REFILED:
         return memory
-    kind = index_class(_REFILED[name])
-    return memory.refiled(kind.fit(memory.situations(), 0))
+    index = index_class(_REFILED[name])
+    return memory.refiled(index.fit(memory.situations(), 0))
 
 
 _memory = lru_cache(maxsize=8)(shipped_memory)
 
 
+def _by_arm(planner: RecallPlanner, name: str) -> RecallPlanner:
+    """The planner, with the memory of a name in space for spatial arms."""
+    return replace(planner, other=lambda: replace(planner, memory=_memory(name, SPACE)))
+
+
 def _recalling(name: str) -> RecallPlanner:
-    return RecallPlanner(_memory(name), name=name)
+    return _by_arm(RecallPlanner(_memory(name), name=name), name)
 
 
 def _first_choice() -> RecallPlanner:
-    return RecallPlanner(_memory("recall"), 1, "recall-1", novelty=0.0)
+    return _by_arm(RecallPlanner(_memory("recall"), 1, "recall-1", novelty=0.0), "recall")
 
 
 def _hybrid() -> HybridPlanner:
-    return HybridPlanner(RecallPlanner(_memory("recall"), name="hybrid"))
+    return HybridPlanner(_by_arm(RecallPlanner(_memory("recall"), name="hybrid"), "recall"))
 
 
 for _name in ("recall", "recall-raw", "recall-pca", "recall-random"):

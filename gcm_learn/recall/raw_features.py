@@ -59,14 +59,14 @@ class Scale:
     """Brings raw parameters to a common scale; slots that are free lie in the middle of things."""
 
     mean: np.ndarray
-    """(COUNT,) float32"""
+    """(m,) float32"""
     spread: np.ndarray
-    """(COUNT,) float32"""
+    """(m,) float32"""
 
     @classmethod
     def of(cls, features: np.ndarray) -> Scale:
-        """Fit to raw parameters (n, COUNT); all slots of obstacles share one scale."""
-        head = ARM + TARGET
+        """Fit to raw parameters (n, m); all slots of obstacles share one scale."""
+        head = _head(features)
         slots = features[:, head:].reshape(-1, OBSTACLE)
         slots = slots[slots[:, 0] > 0.0]
         if len(slots) == 0:
@@ -78,11 +78,16 @@ class Scale:
         return cls(mean.astype(np.float32), spread.astype(np.float32))
 
     def __call__(self, features: np.ndarray) -> np.ndarray:
-        """Parameters (..., COUNT) on that scale."""
+        """Parameters (..., m) on that scale."""
         out = (features - self.mean) / self.spread
-        slots = out[..., ARM + TARGET :].reshape(*out.shape[:-1], SLOTS, OBSTACLE)
+        slots = out[..., _head(out) :].reshape(*out.shape[:-1], SLOTS, OBSTACLE)
         slots *= slots[..., :1]  # present is 1, free is 0
         return out
+
+
+def _head(features: np.ndarray) -> int:
+    """Numbers before the slots of obstacles: of arm and target, in the plane or in space."""
+    return int(features.shape[-1] - SLOTS * OBSTACLE)
 
 
 @njit

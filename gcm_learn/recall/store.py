@@ -1,19 +1,11 @@
-"""The memory: catches filed under embeddings, found again by inner product; in it and on disk.
-
-On disk it is whole or not at all, and not read before it is needed. A folder holds a manifest and
-the folder of data that it names. Saving writes new data beside the old, then replaces the manifest
-by renaming, then removes the old data: whoever reads or crashes in between has the one or the
-other.
-"""
+"""The memory: catches filed under embeddings, found again by inner product."""
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
-import uuid
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -22,16 +14,12 @@ import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.errors import RecallError
+from gcm_learn.recall.files import read_arrays, read_manifest, write_memory
 from gcm_learn.recall.index import Index, index_class
-from gcm_learn.recall.kernels import KNOTS
+from gcm_learn.recall.kinds import PLANE, AnyWaypoints, Kind, kind_of_format, same_kind
 from gcm_learn.recall.search import Searcher
-from gcm_learn.recall.waypoints import Waypoints
-from gcm_learn.situation import Situation, canonical, situation_from_json, situation_to_json
-from gcm_learn.storage import to_disk, write_whole
+from gcm_learn.situation import AnySituation, canonical, situation_from_json, situation_to_json
 
-FORMAT = "gcm-learn/memory@1"
-MANIFEST = "manifest.json"
-DATA = "data-"
 Forgotten = Literal["least used", "oldest", "random"]
 SPARE = 1.5  # columns grow to this many times the entries that there are
 MANY = 20_000  # learned entries from which nearly the best are good enough by default
@@ -42,9 +30,9 @@ _COLUMNS = ("embeddings", "traces", "goals", "labels", "uses", "lengths")
 class Entry:
     """One memory."""
 
-    situation: Situation
+    situation: Any
     """In its canonical form."""
-    waypoints: Waypoints
+    waypoints: Any
     family: str
     stratum: str
     uses: int
@@ -61,6 +49,8 @@ class Memory:
     search : {"auto", "exact", "faiss", "cells"}
         "auto" takes cells where a learned index files many, else faiss from 100,000 entries on if
         it is installed.
+    kind : Kind
+        Of the arms that it holds catches of: `PLANE` or `SPACE`.
 
     Examples
     --------
@@ -70,14 +60,15 @@ class Memory:
     >>> memory.recall(memory.index.embed_query(other), 5)  # doctest: +SKIP
     """
 
-    def __init__(self, index: Index, search: str = "auto") -> None:
+    def __init__(self, index: Index, search: str = "auto", kind: Kind = PLANE) -> None:
         self.index = index
         self.search = search
+        self.kind = kind
         self._size = 0
         self._columns: dict[str, np.ndarray] = {
             "embeddings": np.zeros((0, index.dim), np.float32),
-            "traces": np.zeros((0, KNOTS, 4), np.float32),
-            "goals": np.zeros((0, 2), np.float32),
+            "traces": np.zeros((0, *kind.knots), np.float32),
+            "goals": np.zeros((0, kind.goal), np.float32),
             "labels": np.zeros((0, 2), np.int16),
             "uses": np.zeros(0, np.int32),
             "lengths": np.zeros(0, np.int32),
@@ -97,7 +88,7 @@ class Memory:
             raise IndexError(f"memory {k} of {self._size}")
         k %= self._size
         family, stratum = (self._words[w] for w in self.labels[k])
-        waypoints = Waypoints(np.array(self.knots[k]), np.array(self.goals[k]))
+        waypoints = self.kind.waypoints(np.array(self.knots[k]), np.array(self.goals[k]))
         return Entry(self.situation(k), waypoints, family, stratum, int(self.uses[k]))
 
     @property
@@ -107,12 +98,12 @@ class Memory:
 
     @property
     def knots(self) -> np.ndarray:
-        """(n, KNOTS, 4) float32: knots of `Waypoints`."""
+        """(n, KNOTS, 4) float32: knots of `Waypoints`; in space (n, KNOTS, 6) of theirs."""
         return self._columns["traces"][: self._size]
 
     @property
     def goals(self) -> np.ndarray:
-        """(n, 2) float32: goals of `Waypoints`."""
+        """(n, 2) float32: goals of `Waypoints`; in space (n, 6)."""
         return self._columns["goals"][: self._size]
 
     @property
@@ -125,18 +116,18 @@ class Memory:
         """(n,) int32: how often each was the valid one."""
         return self._columns["uses"][: self._size]
 
-    def situation(self, k: int) -> Situation:
+    def situation(self, k: int) -> Any:
         """Situation of memory k, canonical."""
         return situation_from_json(json.loads(zlib.decompress(self._text(k))))
 
-    def situations(self) -> list[Situation]:
+    def situations(self) -> list[Any]:
         """All situations, canonical."""
         return [self.situation(k) for k in range(self._size)]
 
     def add(
         self,
-        situations: Sequence[Situation],
-        trajectories: Sequence[Waypoints],
+        situations: Sequence[AnySituation],
+        trajectories: Sequence[AnyWaypoints],
         families: Sequence[str] | None = None,
         strata: Sequence[str] | None = None,
     ) -> None:
@@ -147,12 +138,15 @@ class Memory:
         situations : sequence of Situation
             In any frame; the canonical form is kept.
         trajectories : sequence of Waypoints
+            As of `waypoints_of`.
         families, strata : sequence of str, optional
             Labels, which nothing depends on.
         """
         count = len(situations)
         if count == 0:
             return
+        for situation in situations:
+            same_kind(self.kind, situation)
         turned = [canonical(s)[0] for s in situations]
         words = (families or [""] * count, strata or [""] * count)
         texts = [_packed(s) for s in turned]
@@ -225,9 +219,10 @@ class Memory:
 
     def refiled(self, index: Index) -> Memory:
         """The same memories, filed by another index."""
-        out = Memory(index, self.search)
+        out = Memory(index, self.search, self.kind)
         if len(self):
-            trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
+            made = self.kind.waypoints
+            trajectories = [made(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
             out.extend(self, index.embed_memories(self.situations(), trajectories))
         return out
 
@@ -237,8 +232,9 @@ class Memory:
         text = b"".join(self._text(k) for k in range(self._size))
         arrays["situations"] = np.frombuffer(text, np.uint8)
         about = {
+            "format": self.kind.format,
             "size": self._size,
-            "knots": KNOTS,
+            "knots": self.kind.knots[0],
             "words": self._words,
             "index": {"name": self.index.name, "key": self.index.key, "dim": self.index.dim},
         }
@@ -271,8 +267,10 @@ class Memory:
         place = Path(folder)
         manifest = read_manifest(place)
         stamp: dict[str, Any] = manifest["index"]
-        if manifest["knots"] != KNOTS:
-            raise RecallError(f"{place}: paths of {manifest['knots']} knots, expected {KNOTS}")
+        kind = kind_of_format(place, manifest["format"])
+        if manifest["knots"] != kind.knots[0]:
+            found = manifest["knots"]
+            raise RecallError(f"{place}: paths of {found} knots, expected {kind.knots[0]}")
         if index is None:
             index = index_class(stamp["name"]).load(place / manifest["data"])
         if stamp["key"] != index.key:
@@ -280,7 +278,7 @@ class Memory:
                 f"{place}: filed by an index with key {stamp['key']}, asked by {index.name!r} with "
                 f"key {index.key}: file it anew (Memory.refiled)"
             )
-        out = cls(index, search)
+        out = cls(index, search, kind)
         columns = read_arrays(place, manifest, mmap)
         out._columns = {name: columns[name] for name in _COLUMNS}
         out._size, out._words = int(manifest["size"]), list(manifest["words"])
@@ -317,84 +315,7 @@ class Memory:
         return self._words.index(word)
 
 
-def _packed(situation: Situation) -> bytes:
+def _packed(situation: AnySituation) -> bytes:
     """A situation as compressed JSON text."""
     text = json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False)
     return zlib.compress(text.encode(), 6)
-
-
-def write_memory(
-    folder: Path,
-    arrays: Mapping[str, np.ndarray],
-    about: Mapping[str, Any],
-    extra: Callable[[Path], None] | None = None,
-) -> None:
-    """Write a memory.
-
-    Parameters
-    ----------
-    folder : Path
-        Made if there is none; a memory in it is replaced.
-    arrays : mapping
-        Columns by name.
-    about : mapping
-        What the manifest says, as JSON values.
-    extra : callable, optional
-        Writes more files into the folder of data that it is given.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    data = folder / f"{DATA}{uuid.uuid4().hex[:12]}"
-    data.mkdir()
-    try:
-        for name, array in arrays.items():
-            np.save(data / f"{name}.npy", array)
-        if extra is not None:
-            extra(data)
-        sizes = {path.name: path.stat().st_size for path in sorted(data.iterdir())}
-        for path in data.iterdir():
-            to_disk(path)
-        manifest = {"format": FORMAT, **about, "data": data.name, "bytes": sizes}
-        write_whole(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n", durable=True)
-    except BaseException:
-        shutil.rmtree(data, ignore_errors=True)
-        raise
-    for old in folder.glob(f"{DATA}*"):
-        if old != data:
-            shutil.rmtree(old, ignore_errors=True)
-
-
-def read_manifest(folder: Path) -> dict[str, Any]:
-    """What a memory says of itself, checked against the files that there are."""
-    path = folder / MANIFEST
-    try:
-        manifest = json.loads(path.read_text("utf-8"))
-        if manifest["format"] != FORMAT:
-            raise RecallError(f"{path}: format is {manifest['format']!r}, expected {FORMAT!r}")
-        for name, size in manifest["bytes"].items():
-            found = (folder / manifest["data"] / name).stat().st_size
-            if found != size:
-                raise RecallError(f"{path}: {name} has {found} bytes, expected {size}")
-    except FileNotFoundError as error:
-        missing = Path(error.filename).name
-        raise RecallError(f"{folder}: no memory there ({missing} is missing)") from None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise RecallError(f"{path}: not a memory's manifest ({error})") from None
-    return dict(manifest)
-
-
-def is_memory(folder: Path) -> bool:
-    """Whether a folder says that it holds a memory, whole or not."""
-    try:
-        manifest = json.loads((folder / MANIFEST).read_text("utf-8"))
-    except (OSError, ValueError):
-        return False
-    return isinstance(manifest, dict) and manifest.get("format") == FORMAT
-
-
-def read_arrays(folder: Path, manifest: Mapping[str, Any], mmap: bool) -> dict[str, np.ndarray]:
-    """Columns of a memory, left on disk until they are read if `mmap`."""
-    data = folder / str(manifest["data"])
-    return {
-        path.stem: np.asarray(np.load(path, mmap_mode="r" if mmap else None))
-        for path in sorted(data.glob("*.npy"))
-    }

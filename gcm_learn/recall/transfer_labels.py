@@ -15,27 +15,25 @@ from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
-from gcm_learn.planners import Problem, straight_plan
 from gcm_learn.processes import Crew, Here
-from gcm_learn.recall.adaptation import Adaptation, transfer
+from gcm_learn.recall.adaptation import Adaptation
 from gcm_learn.recall.clearance_features import (
     FeatureBatch,
     Features,
     batched,
-    clearance_features,
 )
 from gcm_learn.recall.growth import catch_of
-from gcm_learn.recall.memory_features import map_features, path_features
-from gcm_learn.recall.waypoints import Waypoints
+from gcm_learn.recall.kinds import PLANE, SPACE, kind_of
+from gcm_learn.recall.memory_features import map_features
 from gcm_learn.scene import TOP_SPEED
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation
 from gcm_learn.storage import write_whole
 
 SITUATIONS = 512  # of a batch of labels
@@ -130,12 +128,13 @@ class TransferLabels:
         progress: Callable[[int], None] = lambda done: None,
     ) -> None:
         self.spec, self.seed, self.crew = records.spec, seed, crew or Here()
+        self.kind = SPACE if records.spec.spatial else PLANE
         train, self._held = records.where(split="train"), records.where(split="validation")
         order = np.arange(len(train))
         if most is not None and most < len(order):
             order = np.sort(seeding.rng(seed, _SAMPLE).permutation(len(order))[:most])
-        self.situations: list[Situation] = []
-        paths: list[Waypoints] = []
+        self.situations: list[AnySituation] = []
+        paths: list[Any] = []
         drawn, easy = [], []
         parts = [order[k : k + READ] for k in range(0, len(order), READ)]
         with uncollected():
@@ -151,7 +150,7 @@ class TransferLabels:
             raise RecallError("the dataset has no catches to learn from")
         self.knots = np.array([path.knots for path in paths])
         self.goals = np.array([path.goal for path in paths])
-        self.path_features = path_features(self.knots, self.goals)
+        self.path_features = self.kind.path_features(self.knots, self.goals)
         self.map_features = np.array(drawn) if maps else None
         lots = seeding.rng(seed, _ORDER)
         kept = ~np.array(easy) | (lots.random(len(easy)) < EASY)
@@ -170,7 +169,7 @@ class TransferLabels:
         """Labels of situations that no other batch has, but for those of records."""
         rng, size = seeding.rng(self.seed, _BATCH, index), SITUATIONS - int(ALONE * SITUATIONS)
         own = self._order[index * size : (index + 1) * size]
-        problems = [Problem(self.situations[k], "labels") for k in own.tolist()]
+        problems = [self.kind.problem(self.situations[k], "labels") for k in own.tolist()]
         if len(problems) < size:
             problems += islice(self._drawn(index, rng), size - len(problems))
         problems += self._alone(problems, rng)
@@ -190,7 +189,7 @@ class TransferLabels:
         scores: dict[str, float] = {}
         if not self._exam:
             return scores
-        problems = [Problem(situation, "validation") for _, situation in self._exam]
+        problems = [self.kind.problem(situation, "validation") for _, situation in self._exam]
         strata = np.array([stratum for stratum, _ in self._exam])
         valid = self._valid(problems, best(self._seen(problems), max(PLACES)))
         for stratum in np.unique(strata):
@@ -199,36 +198,36 @@ class TransferLabels:
                 scores[f"{stratum}/first {k}"] = float(some[:, :k].any(axis=1).mean())
         return scores
 
-    def _valid(self, problems: list[Problem], rows: np.ndarray) -> np.ndarray:
+    def _valid(self, problems: list[Any], rows: np.ndarray) -> np.ndarray:
         """Which memories (n, m) are valid in situations (n): (n, m) bool."""
         firsts = range(0, len(problems), TRIED)
         tries = (self._try(problems[k : k + TRIED], rows[k : k + TRIED]) for k in firsts)
         return np.concatenate(list(self.crew.map(_tried, tries)))
 
-    def _try(self, problems: list[Problem], rows: np.ndarray) -> _Try:
+    def _try(self, problems: list[Any], rows: np.ndarray) -> _Try:
         """What it takes to try memories: those that are asked for, and where each stands."""
         asked, where = np.unique(rows, return_inverse=True)
         return _Try(problems, self.knots[asked], self.goals[asked], where.reshape(rows.shape))
 
-    def _seen(self, problems: list[Problem]) -> FeatureBatch:
+    def _seen(self, problems: list[Any]) -> FeatureBatch:
         parts = (problems[k : k + TRIED] for k in range(0, len(problems), TRIED))
         return batched([one for some in self.crew.map(_looks, parts) for one in some])
 
-    def _drawn(self, index: int, rng: np.random.Generator) -> Iterator[Problem]:
+    def _drawn(self, index: int, rng: np.random.Generator) -> Iterator[Any]:
         """Situations of the specification that nothing is held out of, most of them not easy."""
         k = 0
         while True:
             source = seeding.rng(self.seed, _BATCH, index, k)
             k += 1
             family = self.spec.choose(source)
-            problem = Problem(family.draw(source, "drawn"), "labels")
+            problem = self.kind.problem(family.draw(source, "drawn"), "labels")
             if problem.early_answer() is not None or self._is_held_out(family.family, problem):
                 continue
-            if rng.random() >= EASY and straight_plan(problem).caught:
+            if rng.random() >= EASY and self.kind.straight(problem).caught:
                 continue
             yield problem
 
-    def _alone(self, problems: list[Problem], rng: np.random.Generator) -> list[Problem]:
+    def _alone(self, problems: list[Any], rng: np.random.Generator) -> list[Any]:
         """Some of the situations with one obstacle alone: which one a path failed at is told so."""
         several = [p.situation for p in problems if len(p.situation.obstacles) > 1]
         out = []
@@ -236,10 +235,10 @@ class TransferLabels:
             situation = several[k]
             one = situation.obstacles[int(rng.integers(len(situation.obstacles)))]
             alone = replace(situation, bodies=(*situation.targets, one))
-            out.append(Problem(alone, "labels"))
+            out.append(self.kind.problem(alone, "labels"))
         return out
 
-    def _is_held_out(self, family: str, problem: Problem) -> bool:
+    def _is_held_out(self, family: str, problem: Any) -> bool:
         situation = problem.situation
         top = float(problem.bodies.rows[:, TOP_SPEED].max())
         quantities = quantities_of(situation, top)
@@ -249,8 +248,8 @@ class TransferLabels:
 class _Lesson(NamedTuple):
     """What is learned from a record."""
 
-    situation: Situation
-    waypoints: Waypoints
+    situation: AnySituation
+    waypoints: Any
     easy: bool
     map: np.ndarray | None
 
@@ -258,7 +257,7 @@ class _Lesson(NamedTuple):
 class _Try(NamedTuple):
     """Memories, and which of them are to be tried in which situations."""
 
-    problems: list[Problem]
+    problems: list[Any]
     knots: np.ndarray
     goals: np.ndarray
     rows: np.ndarray
@@ -277,11 +276,17 @@ def _lessons(maps: bool, records: Dataset) -> list[_Lesson]:
 def _tried(ask: _Try) -> np.ndarray:
     """Which memories are valid (n, m) bool."""
     pairs = zip(ask.problems, ask.rows, strict=True)
-    return np.array([transfer(p, ask.knots, ask.goals, r, PLAIN) >= 0.0 for p, r in pairs])
+    return np.array([_valid_in(problem, ask, rows) for problem, rows in pairs])
 
 
-def _looks(problems: list[Problem]) -> list[Features]:
-    return [clearance_features(p.situation, p.scene) for p in problems]
+def _valid_in(problem: Any, ask: _Try, rows: np.ndarray) -> np.ndarray:
+    """Which memories are valid in one of the situations (m,) bool."""
+    tries = kind_of(problem.situation).tries(problem, PLAIN)
+    return tries.catch_times(ask.knots, ask.goals, np.ascontiguousarray(rows, np.int64)) >= 0.0
+
+
+def _looks(problems: list[Any]) -> list[Features]:
+    return [kind_of(p.situation).look(p.situation, p.scene) for p in problems]
 
 
 def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:

@@ -131,7 +131,7 @@ def first_valid(knots, goals, offer, query, styles, budget):
     failed = np.empty((budget.tries, KNOTS + 1, 3))
     checked, kept = 0, 0
     while True:
-        i = _most_promising(offer)
+        i = most_promising(offer)
         if i < 0:
             return -1, -1, checked, time[:0], hand[:0]
         offer.left[i] = False
@@ -155,11 +155,11 @@ def first_valid(knots, goals, offer, query, styles, budget):
                 if k < budget.repairs:
                     samples = repair(query, style, work, samples, body)
         if budget.penalty > 0.0:
-            _learn(offer, i, budget.penalty)
+            learn(offer, i, budget.penalty)
 
 
 @njit(_nrt=False)
-def _most_promising(offer):
+def most_promising(offer):
     """Position of the largest score that is left, the first of equal ones; -1 if none is."""
     best = -1
     for i in range(offer.scores.size):
@@ -169,7 +169,7 @@ def _most_promising(offer):
 
 
 @njit(_nrt=False)
-def _learn(offer, failed, penalty):
+def learn(offer, failed, penalty):
     """Take from all scores what the failure of one says: more, the nearer their direction is."""
     own = _length(offer.places, failed)
     for i in range(offer.scores.size):

@@ -41,14 +41,14 @@ class Waypoints(NamedTuple):
 
 
 @njit
-def knot_times(time, hand, count, close):
+def knot_times(time, places, count, close):
     """Times (count,) at which a path, linear in between, stays as near to itself as it can.
 
-    Beginning with its ends, the sample that is farthest from where the hand would be at its time is
+    Beginning with its ends, the sample that is farthest from where the path would be at its time is
     added, until none is farther than `close` (Ramer, Douglas and Peucker's rule with synchronous
     distances, so that waits are corners, too). Knots that are left over halve the longest pieces.
     """
-    out = np.empty(count)
+    out, here, there = np.empty(count), np.empty(places.shape[1]), np.empty(places.shape[1])
     out[0], out[1] = time[0], time[-1]
     used = 2
     while used < count:
@@ -56,13 +56,13 @@ def knot_times(time, hand, count, close):
         for k in range(used - 1):
             first = np.searchsorted(time, out[k], side="right")
             last = np.searchsorted(time, out[k + 1], side="left")
-            x0, y0 = _hand_at(time, hand, out[k])
-            x1, y1 = _hand_at(time, hand, out[k + 1])
+            _place_at(time, places, out[k], here)
+            _place_at(time, places, out[k + 1], there)
             for j in range(first, last):
-                s = (time[j] - out[k]) / (out[k + 1] - out[k])
-                off = np.sqrt(
-                    (x0 + s * (x1 - x0) - hand[j, 0]) ** 2 + (y0 + s * (y1 - y0) - hand[j, 1]) ** 2
-                )
+                s, off2 = (time[j] - out[k]) / (out[k + 1] - out[k]), 0.0
+                for a in range(here.size):
+                    off2 += (here[a] + s * (there[a] - here[a]) - places[j, a]) ** 2
+                off = np.sqrt(off2)
                 if off > far:
                     far, when = off, time[j]
         if when < 0.0:
@@ -71,9 +71,9 @@ def knot_times(time, hand, count, close):
     while used < count:
         longest, when = -1.0, 0.0
         for k in range(used - 1):
-            x0, y0 = _hand_at(time, hand, out[k])
-            x1, y1 = _hand_at(time, hand, out[k + 1])
-            length = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+            _place_at(time, places, out[k], here)
+            _place_at(time, places, out[k + 1], there)
+            length = np.sqrt(((there - here) ** 2).sum())
             if length > longest:
                 longest, when = length, 0.5 * (out[k] + out[k + 1])
         used = _insert(out, used, when)
@@ -92,16 +92,15 @@ def _insert(values, used, value):
 
 
 @njit
-def _hand_at(time, hand, t):
-    """Hand on a path at time t."""
+def _place_at(time, places, t, out):
+    """Write the place on a path at time t into `out`."""
     k = np.searchsorted(time, t, side="right") - 1
     if k >= time.size - 1:
-        return hand[time.size - 1, 0], hand[time.size - 1, 1]
+        out[:] = places[time.size - 1]
+        return
     s = (t - time[k]) / (time[k + 1] - time[k]) if time[k + 1] > time[k] else 0.0
-    return (
-        hand[k, 0] + s * (hand[k + 1, 0] - hand[k, 0]),
-        hand[k, 1] + s * (hand[k + 1, 1] - hand[k, 1]),
-    )
+    for a in range(out.size):
+        out[a] = places[k, a] + s * (places[k + 1, a] - places[k, a])
 
 
 def ring_share(arm: Arm, radius: np.ndarray | float) -> np.ndarray | float:
@@ -109,7 +108,7 @@ def ring_share(arm: Arm, radius: np.ndarray | float) -> np.ndarray | float:
     return (radius - arm.inner_reach) / (arm.reach - arm.inner_reach)
 
 
-def waypoints_of(situation: Situation, plan: Plan) -> Waypoints:
+def waypoints_in_plane(situation: Situation, plan: Plan) -> Waypoints:
     """The catch of a plan as memory keeps it.
 
     Parameters

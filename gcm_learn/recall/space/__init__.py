@@ -1,0 +1,1 @@
+"""Recall for arms in space: catches kept in their joints."""

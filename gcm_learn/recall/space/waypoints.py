@@ -1,0 +1,65 @@
+"""Waypoints of a spatial arm: catches as memory keeps them, in the joints of a left arm."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.motion import SpatialTrajectory, opening
+from gcm_learn.planners import Plan
+from gcm_learn.planners.space.moves import study_of, time_of
+from gcm_learn.recall.space.kernels import COLUMNS, EARLIEST, KNOTS, TIME
+from gcm_learn.recall.waypoints import SLOW, knot_times
+from gcm_learn.scene import pack
+from gcm_learn.scene.bodies import pose_at
+from gcm_learn.situation import Situation, SpatialArm, canonical
+
+CLOSE = 1e-2  # knots are put where the joints would be farther off than this [rad]
+GOAL = 6
+
+
+class SpatialWaypoints(NamedTuple):
+    """A catch of a spatial arm as memory keeps it."""
+
+    knots: np.ndarray
+    """(KNOTS, 6) float32: joints of the left arm [rad], time [s], and the earliest time at which
+    they should be there [s]: that time after a wait, else 0."""
+    goal: np.ndarray
+    """(6,) float32: where the target's centre is when it is caught, and the hand from it, in the
+    frame of the left arm's base [reaches]."""
+
+    @property
+    def catch_time(self) -> float:
+        """Of the last knot [s]."""
+        return float(self.knots[-1, TIME])
+
+
+def waypoints_in_space(
+    situation: Situation[SpatialArm], plan: Plan[SpatialTrajectory]
+) -> SpatialWaypoints:
+    """The catch of a plan as memory keeps it."""
+    path = plan.trajectory
+    if path is None or plan.catch_body is None:
+        raise ValueError(f"plan: {plan.status}, only catches can be remembered")
+    turned, frame = canonical(situation)
+    joints = frame.canonical_joints(path.joints)
+    time = knot_times(path.time, joints, KNOTS, CLOSE)
+    knots = np.zeros((KNOTS, COLUMNS), dtype=np.float32)
+    at = frame.canonical_joints(path.joints_at(time))
+    knots[:, :4], knots[:, TIME] = at, time
+    scene = pack(turned)
+    study = study_of(scene, opening(scene).rules)
+    least = np.array([time_of(study, q, p)[0] for q, p in pairwise(at)])
+    slow = np.diff(time) > SLOW * least + 1e-6
+    knots[1:, EARLIEST] = np.where(slow, time[1:], 0.0)
+    body = [b.name for b in situation.bodies].index(plan.catch_body)
+    poses = np.zeros((len(situation.bodies), 12))
+    pose_at(scene.bodies, body, path.duration, poses)
+    reach = situation.arm.reach
+    hand = frame.canonical(path.hand[-1])
+    centre = poses[body, :3]
+    return SpatialWaypoints(
+        knots, np.concatenate([centre, hand - centre]).astype(np.float32) / reach
+    )

@@ -1,0 +1,151 @@
+"""Recall in space: memories of joints, adapted to other ends, arms and frames, and verified."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import families, get_planner, solve
+from gcm_learn.errors import ArmKindError, RecallError
+from gcm_learn.planners import plan_to_json
+from gcm_learn.recall import (
+    SPACE,
+    Adaptation,
+    HybridPlanner,
+    Memory,
+    PcaIndex,
+    RandomIndex,
+    RawIndex,
+    RecallPlanner,
+    Waypoints,
+    waypoints_of,
+)
+from gcm_learn.recall.space.kernels import EARLIEST, TIME
+from gcm_learn.situation import canonical, situation_to_json
+from gcm_learn.situation.spatial_frame import _in_base, _mirrored
+from tests.referee_in_space import judge
+
+NAMES = ("static-clutter-space", "window-space", "late-target-space", "pendulum-space")
+ENTRIES = 120
+
+
+@pytest.fixture(scope="module")
+def catches():
+    """Situations of some families with their catches."""
+    found, k = [], 0
+    while len(found) < ENTRIES:
+        situation = families.draw(NAMES[k % len(NAMES)], 171, k)
+        plan = solve(situation, "layered")
+        if plan.caught:
+            found.append((situation, plan))
+        k += 1
+    return found
+
+
+@pytest.fixture(scope="module")
+def memory(catches):
+    """A memory of them."""
+    situations = [situation for situation, _ in catches]
+    made = Memory(RawIndex.fit(situations), kind=SPACE)
+    made.add(situations, [waypoints_of(s, plan) for s, plan in catches])
+    return made
+
+
+PLANNERS = {
+    "recall": lambda memory: RecallPlanner(memory),
+    "recall-1": lambda memory: RecallPlanner(memory, 1, "recall-1", novelty=0.0),
+    "hybrid": lambda memory: HybridPlanner(RecallPlanner(memory, 3)),
+    "recall-random": lambda memory: RecallPlanner(memory.refiled(RandomIndex())),
+    "keep": lambda memory: RecallPlanner(memory, how=Adaptation(tempo="keep")),
+}
+
+
+@pytest.mark.parametrize("name", PLANNERS)
+def test_every_catch_keeps_the_promise(memory, name):
+    planner, caught, other = PLANNERS[name](memory), 0, 0
+    for k in range(60):
+        family = families.family_names("spatial")[k % 12]
+        situation = families.draw(family, 173, k)
+        plan = planner.plan(situation)
+        assert plan.status in ("caught", "unreachable", "start_blocked")
+        if plan.caught:
+            caught, other = caught + 1, other + (family not in NAMES)
+            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
+            assert verdict.complaints == []
+    assert caught > 4 and other > 0
+
+
+def test_what_was_met_before_is_recalled_from_itself(memory, catches):
+    planner, own = RecallPlanner(memory), 0
+    for k, (situation, _) in enumerate(catches[:60]):
+        found = planner.recollect(situation)
+        own += found.memory == k and found.checked == 1
+    assert own > 45
+
+
+def mirrored(situation):
+    """A canonical situation as a mirror shows it."""
+    bodies = tuple(_in_base(situation, mirrored=True))
+    return replace(situation, arm=_mirrored(situation.arm), bodies=bodies)
+
+
+def test_a_right_arm_recalls_what_a_left_one_does(memory):
+    planner, same = RecallPlanner(memory), 0
+    for k in range(24):
+        situation = canonical(families.draw(NAMES[k % 4], 174, k))[0]
+        mirror = mirrored(situation)
+        mine, other = planner.recollect(situation), planner.recollect(mirror)
+        assert (mine.memory, mine.checked) == (other.memory, other.checked)
+        if mine.memory is not None:
+            same += 1
+            signs = np.array([1.0, -1.0, -1.0, -1.0])
+            paths = mine.plan.trajectory, other.plan.trajectory
+            assert np.allclose(paths[0].joints * signs, paths[1].joints, atol=1e-9)
+    assert same > 4
+
+
+def test_a_catch_is_kept_at_its_corners_and_waits(catches):
+    for situation, plan in catches:
+        knots, path = waypoints_of(situation, plan).knots, plan.trajectory
+        joints = canonical(situation)[1].canonical_joints(path.joints_at(knots[:, TIME]))
+        assert np.allclose(knots[:, :4], joints, atol=1e-3)
+        there = np.stack([np.interp(path.time, knots[:, TIME], knots[:, j]) for j in range(4)], 1)
+        off = np.abs(there - canonical(situation)[1].canonical_joints(path.joints)).max()
+        assert off < 0.25
+        waits = knots[:, EARLIEST] > 0.0
+        assert (knots[waits, EARLIEST] == knots[waits, TIME]).all()
+    assert any((waypoints_of(s, p).knots[:, EARLIEST] > 0.0).any() for s, p in catches)
+
+
+def test_memories_of_space_are_stored_and_never_mixed_with_others(memory, catches, tmp_path):
+    memory.save(tmp_path / "recall")
+    loaded = Memory.load(tmp_path / "recall")
+    assert loaded.kind == SPACE and '"gcm-learn/memory@2"' in (
+        tmp_path / "recall" / "manifest.json"
+    ).read_text("utf-8")
+    assert np.array_equal(loaded.knots, memory.knots) and loaded[3].situation == memory[3].situation
+    planar = families.draw("gate", 3, 1)
+    with pytest.raises(ArmKindError, match="memory: holds catches of spatial arms, asked with a"):
+        loaded.add([planar], [Waypoints(np.zeros((24, 4)), np.zeros(2))])
+    with pytest.raises(ArmKindError):
+        RecallPlanner(loaded).plan(planar)
+    with pytest.raises(RecallError, match="knows maps of the plane only"):
+        PcaIndex.fit([catches[0][0]])
+
+
+def test_planners_by_name_answer_both_kinds_of_arm(memory, catches, tmp_path, monkeypatch):
+    from gcm_learn import artifacts
+    from gcm_learn.recall import planners
+
+    shipped = artifacts.folders("models")
+    situation = catches[3][0]
+    planners._memory.cache_clear()
+    monkeypatch.setattr(artifacts, "folders", lambda kind: [tmp_path, *shipped])
+    memory.save(tmp_path / "recall-space")
+    for name in ("recall", "recall-1", "recall-raw", "recall-random", "hybrid"):
+        plan = solve(situation, name)
+        assert plan.planner == name and (plan.caught or name in ("recall-1", "recall-random"))
+        assert solve(families.draw("gate", 3, 1), get_planner(name)).planner == name
+    planners._memory.cache_clear()
