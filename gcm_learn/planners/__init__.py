@@ -24,7 +24,8 @@ from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, register, solve
 from gcm_learn.planners.retiming import retime
 from gcm_learn.planners.space.layered import layered_in_space
-from gcm_learn.planners.space.straight import any_straight
+from gcm_learn.planners.space.moves import study_of
+from gcm_learn.planners.space.straight import any_straight, at_once, earliest_straight
 from gcm_learn.planners.tube import InTube, Tube
 
 __all__ = [
@@ -51,11 +52,13 @@ __all__ = [
     "Tube",
     "Yardstick",
     "any_straight",
+    "at_once",
     "attempt_of",
     "bounds",
     "broken_promise",
     "checked",
     "deadline_of",
+    "earliest_straight",
     "first_catch_on",
     "gcm",
     "get_planner",
@@ -69,6 +72,7 @@ __all__ = [
     "retime",
     "solve",
     "straight_plan",
+    "study_of",
     "stratum",
     "taken",
     "without_waits",

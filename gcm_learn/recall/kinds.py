@@ -9,8 +9,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from gcm_learn.errors import ArmKindError, RecallError
-from gcm_learn.planners import AnyPlan, Attempt, Problem, SpatialProblem, straight_plan
-from gcm_learn.planners.space.straight import earliest_straight
+from gcm_learn.planners import (
+    AnyPlan,
+    Attempt,
+    Problem,
+    SpatialProblem,
+    earliest_straight,
+    straight_plan,
+)
 from gcm_learn.recall import kernels
 from gcm_learn.recall.adaptation import Adaptation, Tries
 from gcm_learn.recall.clearance_features import CELLS, CONTEXT, Features, clearance_features

@@ -366,6 +366,6 @@ those that it was trained on, nothing left out of the list as a twin of a failur
 |---|---|
 {rows}
 
-**Limits.** It knows the families of that dataset and arms without joint limits; the nearest target
-only. What it proposes is verified before it is acted on.
+**Limits.** It knows the families of that dataset and {config.arm} arms like those there; the
+nearest target only. What it proposes is verified before it is acted on.
 """

@@ -53,7 +53,7 @@ from gcm_learn.situation.situation import (
     spatial,
 )
 from gcm_learn.situation.spatial_arm import JOINTS, Base, SpatialArm
-from gcm_learn.situation.spatial_frame import SpatialFrame
+from gcm_learn.situation.spatial_frame import SpatialFrame, spatial_frame_of
 
 __all__ = [
     "AnySituation",
@@ -110,5 +110,6 @@ __all__ = [
     "situation_from_json",
     "situation_to_json",
     "spatial",
+    "spatial_frame_of",
     "write_situations",
 ]

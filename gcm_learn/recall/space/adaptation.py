@@ -7,15 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.planners import Attempt, Plan, SpatialProblem
-from gcm_learn.planners.space.moves import study_of
-from gcm_learn.planners.space.straight import at_once
+from gcm_learn.planners import Attempt, Plan, SpatialProblem, at_once, study_of
 from gcm_learn.recall.adaptation import TEMPOS, Adaptation
 from gcm_learn.recall.space import trials
 from gcm_learn.recall.space.kernels import Query
 from gcm_learn.recall.trials import Budget, Offer
-from gcm_learn.situation import JOINTS
-from gcm_learn.situation.spatial_frame import spatial_frame_of
+from gcm_learn.situation import JOINTS, spatial_frame_of
 
 
 class TriesInSpace:

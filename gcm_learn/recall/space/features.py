@@ -20,8 +20,7 @@ from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.spatial_limb import limb_at
-from gcm_learn.situation import JOINTS, Situation, SpatialArm
-from gcm_learn.situation.spatial_frame import spatial_frame_of
+from gcm_learn.situation import JOINTS, Situation, SpatialArm, spatial_frame_of
 
 POSTURES = 64  # all over the joints
 LOW = np.array([-2.4, -0.5, -2.2, -2.4])  # of left arms, ends of what is covered [rad]

@@ -17,7 +17,7 @@ from gcm_learn.motion.interception_in_space import fastest_hand, target_room
 from gcm_learn.planners.space.goals import pulled
 from gcm_learn.planners.space.moves import Study, time_of, turning_time
 from gcm_learn.planners.space.ways import Way, write
-from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
+from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
 from gcm_learn.scene.spatial_limb import limb_at
 
 KNOTS = 12  # of a remembered movement, see `gcm_learn.recall.space.waypoints`
@@ -202,3 +202,20 @@ def first_touch(study, time, joints):
         ):
             return k
     return -1
+
+
+@njit
+def least_times(study, joints):
+    """Least times (n - 1,) of the moves between postures (n, 4) [s]."""
+    out = np.empty(joints.shape[0] - 1)
+    for k in range(out.size):
+        out[k], _ = time_of(study, joints[k], joints[k + 1])
+    return out
+
+
+@njit
+def centre_of(bodies, b, t):
+    """Centre (3,) of body b at t [s]."""
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    pose_at(bodies, b, t, poses)
+    return poses[b, :3].copy()

@@ -14,8 +14,7 @@ from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.spatial_limb import limb_at
-from gcm_learn.situation import Situation, SpatialArm
-from gcm_learn.situation.spatial_frame import spatial_frame_of
+from gcm_learn.situation import Situation, SpatialArm, spatial_frame_of
 
 ARM = 20  # numbers of the arm
 COUNT = ARM + TARGET + SLOTS * OBSTACLE

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from gcm_learn.motion import SpatialTrajectory, opening
-from gcm_learn.planners import Plan
-from gcm_learn.planners.space.moves import study_of, time_of
-from gcm_learn.recall.space.kernels import COLUMNS, EARLIEST, KNOTS, TIME
+from gcm_learn.planners import Plan, study_of
+from gcm_learn.recall.space.kernels import (
+    COLUMNS,
+    EARLIEST,
+    KNOTS,
+    TIME,
+    centre_of,
+    least_times,
+)
 from gcm_learn.recall.waypoints import SLOW, knot_times
 from gcm_learn.scene import pack
-from gcm_learn.scene.bodies import pose_at
 from gcm_learn.situation import Situation, SpatialArm, canonical
 
 CLOSE = 1e-2  # knots are put where the joints would be farther off than this [rad]
@@ -50,16 +54,10 @@ def waypoints_in_space(
     at = frame.canonical_joints(path.joints_at(time))
     knots[:, :4], knots[:, TIME] = at, time
     scene = pack(turned)
-    study = study_of(scene, opening(scene).rules)
-    least = np.array([time_of(study, q, p)[0] for q, p in pairwise(at)])
+    least = least_times(study_of(scene, opening(scene).rules), at)
     slow = np.diff(time) > SLOW * least + 1e-6
     knots[1:, EARLIEST] = np.where(slow, time[1:], 0.0)
     body = [b.name for b in situation.bodies].index(plan.catch_body)
-    poses = np.zeros((len(situation.bodies), 12))
-    pose_at(scene.bodies, body, path.duration, poses)
-    reach = situation.arm.reach
-    hand = frame.canonical(path.hand[-1])
-    centre = poses[body, :3]
-    return SpatialWaypoints(
-        knots, np.concatenate([centre, hand - centre]).astype(np.float32) / reach
-    )
+    hand, centre = frame.canonical(path.hand[-1]), centre_of(scene.bodies, body, path.duration)
+    goal = np.concatenate([centre, hand - centre]) / situation.arm.reach
+    return SpatialWaypoints(knots, goal.astype(np.float32))
