@@ -53,10 +53,14 @@ class Gallery:
         return 0
 
     def _show_memory(self) -> int:
+        from gcm_learn.recall import PLANE, Memory
+
+        memory = Memory.load(self.folder)
+        if memory.kind != PLANE:
+            raise CommandFailure(f"{self.folder}: pages show memories of planar arms only")
         folder = made_folder(self.out, option="--out")
         from gcm_learn.plots import write_memory_page
-        from gcm_learn.recall import Memory
 
-        page = write_memory_page(Memory.load(self.folder), folder, count=100 * self.each)
+        page = write_memory_page(memory, folder, count=100 * self.each)
         print(f"Open {page.resolve().as_uri()} in a browser.")
         return 0

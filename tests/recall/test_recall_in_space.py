@@ -149,3 +149,21 @@ def test_planners_by_name_answer_both_kinds_of_arm(memory, catches, tmp_path, mo
         assert plan.planner == name and (plan.caught or name in ("recall-1", "recall-random"))
         assert solve(families.draw("gate", 3, 1), get_planner(name)).planner == name
     planners._memory.cache_clear()
+
+
+def test_a_repair_saves_catches_and_counts_as_a_check(memory):
+    situations = [families.draw(NAMES[k % 4], 175, k) for k in range(32)]
+    caught, checked = {}, {}
+    for repairs in (0, 1):
+        planner = RecallPlanner(memory, 6, how=Adaptation(repairs=repairs), novelty=0.0)
+        found = [planner.recollect(situation) for situation in situations]
+        caught[repairs] = sum(f.plan.caught for f in found)
+        checked[repairs] = [f.checked for f in found]
+        assert max(checked[repairs]) == 6
+    assert caught[1] > caught[0]
+    tried = SPACE.tries(SPACE.problem(situations[0], "labels"), Adaptation(repairs=0))
+    plain = tried.catch_times(memory.knots, memory.goals, np.arange(len(memory)))
+    tried = SPACE.tries(SPACE.problem(situations[0], "labels"), Adaptation())
+    repaired = tried.catch_times(memory.knots, memory.goals, np.arange(len(memory)))
+    assert np.array_equal(repaired[plain >= 0.0], plain[plain >= 0.0])
+    assert (repaired >= 0.0).sum() > (plain >= 0.0).sum()
