@@ -326,7 +326,11 @@ _memory = lru_cache(maxsize=8)(shipped_memory)
 
 def _by_arm(planner: RecallPlanner, name: str) -> RecallPlanner:
     """The planner, with the memory of a name in space for spatial arms."""
-    return replace(planner, other=lambda: replace(planner, memory=_memory(name, SPACE)))
+    return replace(planner, other=partial(_in_space, planner, name))
+
+
+def _in_space(planner: RecallPlanner, name: str) -> RecallPlanner:
+    return replace(planner, memory=_memory(name, SPACE))
 
 
 def _recalling(name: str) -> RecallPlanner:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.errors import MissingExtraError, RecallError
-from gcm_learn.recall import Memory, RandomIndex, RawIndex, store
+from gcm_learn.recall import Memory, RandomIndex, RawIndex, files
 from gcm_learn.recall.index import PcaIndex
 from gcm_learn.recall.search import Searcher, top
 from gcm_learn.situation.canonical import canonical
@@ -137,7 +137,7 @@ def test_an_interrupted_save_leaves_the_old_memory(memory, at, tmp_path, monkeyp
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(store.np if at == "np.save" else store, at.removeprefix("np."), stop)
+        patch.setattr(files.np if at == "np.save" else files, at.removeprefix("np."), stop)
         with pytest.raises(KeyboardInterrupt):
             changed.save(tmp_path)
     assert same(Memory.load(tmp_path), memory)
