@@ -1,4 +1,4 @@
-"""What policies in space catch that the straight command does not: unseen situations, in pairs.
+"""What policies in space catch that others do not who learned nothing: unseen situations, in pairs.
 
     python experiments/04_policies/space.py models/ppo-space [models/OTHER ...]
 
@@ -17,15 +17,19 @@ import numpy as np
 from scipy.stats import binomtest
 
 from gcm_learn.execution import (
+    AIM,
     CAUGHT,
     COLLIDED,
+    COMMANDS,
     Moment,
+    commands_of,
     physical_pool_of,
     plant_of,
     run_episode,
     spatial_pool_of,
 )
 from gcm_learn.execution import PhysicalSettings as Physical
+from gcm_learn.execution.space.fan import DIRECTIONS, FRAME, HALF, RAY, ROOM
 from gcm_learn.families import family_names
 from gcm_learn.policies import Actor
 
@@ -39,6 +43,29 @@ class Straight:
     def act(self, moment: Moment) -> np.ndarray:
         """That command (n, 4), as it is told."""
         return moment.observations[:, self.at : self.at + 4].astype(float)
+
+
+class Fan:
+    """A rule without learning: the ray that is free longest, has most room and turns least.
+
+    One that leads into the target comes first. Room counts half of a turn about; these weights were
+    chosen on the validation situations.
+    """
+
+    def __init__(self, settings: Any) -> None:
+        self.settings = settings
+
+    def act(self, moment: Moment) -> np.ndarray:
+        """The command (n, 4) of that ray."""
+        told, at = moment.observations, self.settings.fan_at
+        rays = told[:, at + FRAME : at + FRAME + RAY * COMMANDS].reshape(-1, COMMANDS, RAY)
+        free, room, gap = np.moveaxis(rays.astype(float), 2, 0)
+        turn = DIRECTIONS[:, 0].copy()
+        turn[HALF] = 0.5
+        worth = 10.0 * free + 0.5 * room / ROOM + turn + 100.0 * (gap <= 0.0)
+        out = np.empty((len(told), 4))
+        commands_of(told, AIM, at, worth.argmax(axis=1), out)
+        return out
 
 
 def interval(count: int, n: int) -> str:
@@ -70,15 +97,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     for folder in options.folders:
         actor, caught, touched = Actor.load(folder), [], []
-        print(
-            f"\n{folder}\n\n| situations | number | caught | touched | straight | won | lost | p |"
-        )
-        print("|---|---|---|---|---|---|---|---|")
+        rules: list[Any] = [Straight(actor.settings)]
+        if actor.settings.fan:
+            rules.append(Fan(actor.settings))
+        names = "".join(f" {type(rule).__name__.lower()} | won | lost | p |" for rule in rules)
+        print(f"\n{folder}\n\n| situations | number | caught | touched |{names}")
+        print("|---|---|---|---|" + "---|---|---|---|" * len(rules))
         for source in options.source or family_names("spatial"):
             pool = pool_of(source, actor, options.count, options.seed)
             places = np.arange(len(pool))
             plant = plant_of(pool, len(pool), actor.settings)
-            played = actor.play(pool, places), run_episode(Straight(actor.settings), plant, places)
+            played = [actor.play(pool, places)]
+            played += [run_episode(rule, plant, places) for rule in rules]
             caught.append(np.array([e.outcomes == CAUGHT for e in played]))
             touched.append(played[0].outcomes == COLLIDED)
             print(row(source, caught[-1], touched[-1]), flush=True)
@@ -87,12 +117,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def row(name: str, caught: np.ndarray, touched: np.ndarray) -> str:
     """Return a row of the table."""
-    n = caught.shape[1]
-    won, lost, p = mcnemar(*caught)
-    mine, straight = (interval(int(c.sum()), n) for c in caught)
-    return (
-        f"| {name} | {n} | {mine} | {touched.mean():.1%} | {straight} | {won} | {lost} | {p:.1g} |"
-    )
+    n, mine = caught.shape[1], caught[0]
+    text = f"| {name} | {n} | {interval(int(mine.sum()), n)} | {touched.mean():.1%} |"
+    for other in caught[1:]:
+        won, lost, p = mcnemar(mine, other)
+        rare = f"{p:.1g}" if p > 1e-99 else "under 1e-99"
+        text += f" {interval(int(other.sum()), n)} | {won} | {lost} | {rare} |"
+    return text
 
 
 if __name__ == "__main__":
