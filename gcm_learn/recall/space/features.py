@@ -199,5 +199,5 @@ def _fill_context(study, target, turns, reach, end, when, out):
     out[at + 2], out[at + 3] = 10.0 * limb.thickness / reach, 10.0 * limits.grasp / reach
     out[at + 4] = 5.0 * scene.bodies.rows[target, REACH] / reach
     out[at + 5] = 1.0 / (1.0 + limits.speed / reach)
-    out[at + 6], out[at + 7] = limb.upper[1] / reach, limb.fore[2] / reach
+    out[at + 6], out[at + 7] = side * limb.upper[1] / reach, limb.fore[2] / reach
     out[at + 8], out[at + 9] = abs(when), 1.0 if when > 0.0 else 0.0

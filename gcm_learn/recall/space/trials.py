@@ -99,7 +99,7 @@ def first_valid(knots, offer, query, tempo, budget, work):
     checked, kept = 0, 0
     while True:
         i = most_promising(offer)
-        if i < 0:
+        if i < 0 or checked >= budget.tries:
             return -1, -1, checked, none, nothing
         offer.left[i] = False
         met = adapt_to_targets(knots, offer.chosen[i], query, tempo, work)
