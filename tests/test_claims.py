@@ -127,5 +127,6 @@ def test_cards_tell_the_scores_that_were_measured(card):
         whole = " all" if group == "all" else f" {group}"
         of = {f"caught{whole}": caught, f"touched{whole}": touched} if touched else {group: caught}
         for name, share in of.items():
-            assert f"{100.0 * scores[name.removesuffix(' all')]:.1f}" == share, name
+            score = 100.0 * scores[name.removesuffix(" all")]
+            assert abs(float(share) - score) < 0.056, name  # both are rounded
     assert len(told) == sum(not name.startswith("touched") for name in scores)
