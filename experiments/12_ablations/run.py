@@ -88,10 +88,10 @@ def by_replay(memory: Memory, moved: bool) -> Ask:
 
 def recalls(memory: Memory) -> dict[str, Ask]:
     """Recall as it is, and with parts left out."""
-    whole, plain = RecallPlanner(memory), Adaptation(repairs=0)
+    whole, plain = RecallPlanner(memory), Adaptation(bends=0)
     return {
         "recall as it is": by(whole),
-        "a path that touches is not pushed aside": by(replace(whole, how=plain)),
+        "a path that touches is not bent": by(replace(whole, how=plain)),
         "failures teach nothing": by(replace(whole, novelty=0.0, penalty=0.0)),
         "bent in cartesian coordinates": by(replace(whole, how=Adaptation(style="cartesian"))),
         "remembered times are kept": by(replace(whole, how=Adaptation(tempo="keep"))),

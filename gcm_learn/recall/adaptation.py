@@ -22,7 +22,7 @@ from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.recall.waypoints import Waypoints, ring_share
 from gcm_learn.situation import Situation
 
-INSTANTS = 33  # at which poses are known before the exact check
+INSTANTS = 129  # at which paths are looked at before their check
 STYLES = {"polar": kernels.POLAR, "cartesian": kernels.CARTESIAN}
 TEMPOS = {"hurry": kernels.HURRY, "keep": kernels.KEEP}
 
@@ -36,8 +36,9 @@ class Adaptation:
     tempo: Literal["hurry", "keep", "both"] = "hurry"
     """Whether only waits are kept ("hurry"), or all of the memory's times; or one after the
     other."""
-    repairs: int = 1
-    """How often a path that touches is pushed aside, which makes it another path to check."""
+    bends: int = 3
+    """Changes at most, one upon the other, of a path that looks as if it touched: it is pushed
+    aside, or held back. Only what comes out of them is checked."""
 
     @cached_property
     def styles(self) -> np.ndarray:
@@ -58,7 +59,7 @@ def query_of(problem: Problem) -> Query:
     return Query(
         scene=scene,
         rules=rules,
-        table=kernels.pose_table(scene.bodies, horizon, INSTANTS),
+        table=np.full((INSTANTS, len(scene.bodies.rows), 12), np.nan),
         angle=float(np.arctan2(y, x)),
         ring=float(ring_share(arm, np.hypot(x, y))),
         soonest=max(float(soonest), 0.0),
@@ -90,7 +91,7 @@ def adapt(
     work = kernels.workspace_for(query)
     knots, goals = waypoints.knots[None], waypoints.goal[None]
     for style in how.styles:
-        count, body = kernels.adapt_to_targets(knots, goals, 0, query, Style(*style), work)
+        count, _, body = trials.adapted(knots, goals, 0, query, Style(*style), work, how.bends)
         if count:
             return attempt_at(problem, work.best_time[:count], work.best_hand[:count], body)
     return None
@@ -149,7 +150,7 @@ class Tries:
     def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
         """When memories catch in it, see `transfer`."""
         out: np.ndarray = trials.catch_times(
-            knots, goals, chosen, self.query, self.how.styles, self.how.repairs
+            knots, goals, chosen, self.query, self.how.styles, self.how.bends
         )
         return out
 

@@ -16,7 +16,7 @@ from gcm_learn.motion.interception import approach, target_distance
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at, poses_at
+from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
 
 KNOTS = 24  # of a remembered path, see `gcm_learn.recall.waypoints`
 ANGLE, RING, TIME, EARLIEST = range(4)  # columns of a knot
@@ -40,7 +40,7 @@ class Query(NamedTuple):
 
     scene: Scene
     rules: Rules
-    table: np.ndarray  # (g, n, 12): poses of all bodies at g instants from 0 to the horizon
+    table: np.ndarray  # (g, n, 12): poses at g instants from 0 to the horizon; nan if not asked yet
     angle: float  # direction of the hand at t = 0 [rad]
     ring: float  # its share of the ring: 0 at the inner rim, 1 at the outer one
     soonest: float  # no movement can catch before [s]
@@ -65,15 +65,10 @@ class Workspace(NamedTuple):
     hand: np.ndarray  # (KNOTS, 2)
     best_time: np.ndarray  # (KNOTS + 1,): the best path so far
     best_hand: np.ndarray  # (KNOTS + 1, 2)
-
-
-@njit
-def pose_table(bodies, horizon, instants):
-    """Poses (instants, n, 12) of all bodies at instants from 0 to the horizon."""
-    out = np.zeros((instants, bodies.rows.shape[0], 12))
-    for g in range(instants):
-        poses_at(bodies, horizon * g / (instants - 1), out[g])
-    return out
+    from_base: np.ndarray  # (KNOTS, 2): base and earliest times of a path that is bent
+    from_early: np.ndarray  # (KNOTS,)
+    least_base: np.ndarray  # (KNOTS, 2): those of the path among its changes that touches least
+    least_early: np.ndarray  # (KNOTS,)
 
 
 @njit
@@ -89,6 +84,10 @@ def workspace_for(query):
         np.empty((KNOTS, 2)),
         np.empty(KNOTS + 1),
         np.empty((KNOTS + 1, 2)),
+        np.empty((KNOTS, 2)),
+        np.empty(KNOTS),
+        np.empty((KNOTS, 2)),
+        np.empty(KNOTS),
     )
 
 
@@ -323,6 +322,12 @@ def adapt_to_targets(knots, goals, m, query, style, work):
     _load(knots, goals, m, work)
     _measure(query, work)
     _move_start(query, style, work)
+    return meet_any(query, style, work)
+
+
+@njit
+def meet_any(query, style, work):
+    """Adapt the path in the workspace to the target that it can catch first, as above."""
     best, body, bodies = -1.0, -1, query.scene.bodies
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] != HAND:

@@ -39,9 +39,9 @@ from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
-POOL = 4  # memories recalled for each that is checked: twins of failures are left out
+POOL = 30  # memories recalled for each that is checked: failures send those like them back
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
-PENALTY = 1.0  # what a memory loses by the failure of one in the same direction [log-odds]
+PENALTY = 4.0  # what a memory loses by the failure of one in the same direction [log-odds]
 HALF_TURN = 1.8  # largest change of the hand's direction [rad]
 RIMS = (0.15, 0.98)  # shares of the ring
 TIMES = (0.2, 1.0)  # of the end [horizons]
@@ -108,7 +108,7 @@ class RecallPlanner:
         chosen = memory.recall(place, pool)
         penalty = self.penalty if memory.index.name == "learned" else 0.0
         offer = _offer(chosen, memory.embeddings, place if penalty > 0.0 else None)
-        budget = Budget(self.how.repairs, self.candidates, self.novelty, penalty)
+        budget = Budget(self.how.bends, self.candidates, self.novelty, penalty)
         paths = (memory.knots, memory.goals)
         plan, k, tried = _first_plan(problem, tries, paths, offer, budget)
         return Recollection(plan, None if k < 0 else int(chosen[k]), tried)

@@ -2,7 +2,8 @@
 
 Turns follow each other: a batch is made, then the optimiser takes some steps on batches drawn from
 all so far. Later batches ask about the memories that the encoder itself puts first, for these are
-what it will be judged by. At the end it only repeats. All that is random is a function of seed,
+what it will be judged by; weights that have learned before ask about nothing else. At the end it
+only repeats. All that is random is a function of seed,
 batch and step, so a run that was stopped goes on as if it had not been.
 
 
@@ -37,6 +38,7 @@ from gcm_learn.storage import write_whole
 
 WARM = 200  # steps in which the learning rate rises
 OPEN = 0.2  # share of the time in which labels are about any memories
+FINE = 0.4  # of the learning rate, for weights that have learned before
 REPEAT = 0.15  # share at the end in which no labels are made
 SURVEYED = 30_000  # memories at most among which the best are looked for
 AVERAGE = 0.998  # of the weights over the steps
@@ -91,8 +93,10 @@ class Trainer:
             torch.manual_seed(self.config.seed)
             self.net = EncoderNet(self.config, self._paths.shape[1])
         if self.start is None:
+            self._highest = self.config.rate
             self._fit_scales()
         else:
+            self._highest = FINE * self.config.rate
             self.net.take_over(self.start)
         self.mean = AveragedModel(self.net, multi_avg_fn=get_ema_multi_avg_fn(AVERAGE))
         self._optimiser = torch.optim.AdamW(
@@ -143,7 +147,7 @@ class Trainer:
         """Have a batch made and keep it."""
         k = len(self.batches)
         rng = seeding.rng(self.config.seed, 0, k)
-        if share < OPEN or rng.random() >= self.config.hard:
+        if self.start is None and (share < OPEN or rng.random() >= self.config.hard):
             batch = self.data.labels(k, None)
         else:
             rows = rng.permutation(len(self._paths))[:SURVEYED]
@@ -176,7 +180,7 @@ class Trainer:
 
     def _rate(self, share: float) -> float:
         wave = 0.5 + 0.5 * math.cos(math.pi * share)
-        return self.config.rate * min(1.0, (self.step + 1) / WARM) * (0.01 + 0.99 * wave)
+        return self._highest * min(1.0, (self.step + 1) / WARM) * (0.01 + 0.99 * wave)
 
     def _scores(self, batch: Labels) -> tuple[torch.Tensor, torch.Tensor]:
         """Inner products (n, m) of a batch's situations and memories; the situations' bias."""

@@ -1,9 +1,7 @@
 """Many memories tried on one situation, in compiled code: adapted, checked, repaired.
 
-A path that was adapted to a situation and touches an obstacle there is moved once more: by a bump
-whose top is where the limb first touches, which is zero at both ends, and no higher than needed for
-the limb to be free there. What comes out is timed and checked like any other path, and counts as
-one.
+Every memory is checked once, in the form that its adaptation gave it: a path that looks as if it
+touched is bent first (`bending`), and one that still does so counts as a check that failed.
 """
 
 from __future__ import annotations
@@ -12,28 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.verification import nearest_to_shoulder
-from gcm_learn.recall.kernels import (
-    HUB,
-    KNOTS,
-    POLAR,
-    Style,
-    adapt_to_targets,
-    keep,
-    meet,
-    workspace_for,
-)
-from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH
-from gcm_learn.scene.limb import elbow_of
-
-PUSHES = np.array([0.06, 0.12, 0.2, 0.3, 0.42])  # heights of bumps [forearm lengths]
-TURNS = 8  # directions of bumps
-CLEARANCE = 0.012  # by which a pushed limb is free where it touched [forearm lengths]
-INSTANTS = 8  # at most at which a push is tried
-_RINGS = (0.03, 0.985)  # shares of the ring between which a push may end
+from gcm_learn.recall.bending import bend, hasten
+from gcm_learn.recall.kernels import HUB, KNOTS, Style, adapt_to_targets, workspace_for
 
 
 class Offer(NamedTuple):
@@ -48,7 +29,7 @@ class Offer(NamedTuple):
 class Budget(NamedTuple):
     """How much is tried."""
 
-    repairs: int  # how often a path that touches is pushed aside
+    bends: int  # changes at most of a path that touches
     tries: int  # paths that are checked at most
     novelty: float  # a path this near to one that failed is not checked [forearm lengths]
     penalty: float  # what a memory loses by the failure of one in the same direction
@@ -64,7 +45,28 @@ def is_valid(query, work, count):
 
 
 @njit
-def catch_times(knots, goals, chosen, query, styles, repairs):
+def adapted(knots, goals, m, query, style, work, bends):
+    """Adapt memory m, and bend it where it looks as if it touched.
+
+    Returns
+    -------
+    count : int
+        Samples of the path in the workspace, 0 if no target can be met in time.
+    free : bool
+        Whether the path may be free.
+    body : int
+    """
+    count, body = adapt_to_targets(knots, goals, m, query, style, work)
+    if count == 0 and bends > 0:
+        count, body = hasten(query, style, work)
+    if count == 0:
+        return count, False, body
+    count, free = bend(query, style, work, count, body, bends)
+    return count, free, body
+
+
+@njit
+def catch_times(knots, goals, chosen, query, styles, bends):
     """When memories, adapted to a situation, catch in it.
 
     Parameters
@@ -76,8 +78,8 @@ def catch_times(knots, goals, chosen, query, styles, repairs):
     query : Query
     styles : (s, 2) ndarray of int64
         In which each is tried, in order: columns of `Style`.
-    repairs : int
-        How often a path that touches is pushed aside.
+    bends : int
+        Changes at most of a path that touches.
 
     Returns
     -------
@@ -88,13 +90,9 @@ def catch_times(knots, goals, chosen, query, styles, repairs):
     for i in range(chosen.size):
         for s in range(styles.shape[0]):
             style = Style(styles[s, 0], styles[s, 1])
-            samples, body = adapt_to_targets(knots, goals, chosen[i], query, style, work)
-            for k in range(repairs + 1):
-                if samples > 0 and is_valid(query, work, samples):
-                    out[i] = work.best_time[samples - 1]
-                    break
-                if samples > 0 and k < repairs:
-                    samples = repair(query, style, work, samples, body)
+            samples, free = adapted(knots, goals, chosen[i], query, style, work, bends)[:2]
+            if free and is_valid(query, work, samples):
+                out[i] = work.best_time[samples - 1]
             if out[i] >= 0.0:
                 break
     return out
@@ -138,22 +136,19 @@ def first_valid(knots, goals, offer, query, styles, budget):
         for s in range(styles.shape[0]):
             style = Style(styles[s, 0], styles[s, 1])
             samples, body = adapt_to_targets(knots, goals, offer.chosen[i], query, style, work)
-            if samples == 0 and budget.novelty <= 0.0:
+            if samples == 0 and budget.bends > 0:
+                samples, body = hasten(query, style, work)
+            if samples == 0:
+                checked += 1 if budget.novelty <= 0.0 else 0
+            elif budget.novelty <= 0.0 or not _known(failed[:kept], query, work, samples, budget):
                 checked += 1
-            for k in range(budget.repairs + 1):
-                if checked >= budget.tries:
-                    return -1, -1, checked, time[:0], hand[:0]
-                if samples == 0:
-                    break
-                if budget.novelty > 0.0 and _known(failed[:kept], query, work, samples, budget):
-                    break
-                checked += 1
-                if is_valid(query, work, samples):
-                    return i, body, checked, time[:samples], hand[:samples]
                 _note(failed[kept], query, work, samples)
                 kept += 1
-                if k < budget.repairs:
-                    samples = repair(query, style, work, samples, body)
+                samples, free = bend(query, style, work, samples, body, budget.bends)
+                if free and is_valid(query, work, samples):
+                    return i, body, checked, time[:samples], hand[:samples]
+            if checked >= budget.tries:
+                return -1, -1, checked, time[:0], hand[:0]
         if budget.penalty > 0.0:
             learn(offer, i, budget.penalty)
 
@@ -214,132 +209,3 @@ def _known(failed, query, work, count, budget):
         if apart <= limit:
             return True
     return False
-
-
-@njit
-def repair(query, style, work, count, body):
-    """Push the path that is the best in the workspace aside where it first touches.
-
-    Returns
-    -------
-    count : int
-        Samples of the new path in the workspace, 0 if no push is found.
-    """
-    if style.space != POLAR:
-        return 0
-    first, last = _touching(query, work, count)
-    if first < 0:
-        return 0
-    turn, rise, top = _push(query, work, count, first, last)
-    if top < 0.0:
-        return 0
-    for k in range(1, KNOTS - 1):
-        height = _bump(work.share[k], top)
-        work.base[k, 0] += height * turn
-        work.base[k, 1] += height * rise
-    t = meet(query, body, style, work)
-    if t < 0.0:
-        return 0
-    keep(work, t)
-    return KNOTS + 1
-
-
-@njit
-def _bump(share, top):
-    """Height of a bump at a share of the path: 0 at the ends, 1 at its top."""
-    s = share / top if share < top else (1.0 - share) / (1.0 - top)
-    return np.sin(0.5 * np.pi * min(max(s, 0.0), 1.0)) ** 2
-
-
-@njit(_nrt=False)
-def _clearance(query, g, x, y, enough):
-    """Least distance of the limb to any obstacle at instant g of the table, or more than enough."""
-    bodies, poses = query.scene.bodies, query.table[g]
-    ex, ey = elbow_of(x, y, query.scene.limb.rho, query.scene.limb.side)
-    least = 1e300
-    for b in range(bodies.rows.shape[0]):
-        if bodies.rows[b, PART] == HAND:
-            continue
-        px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
-        d2 = limb_point2(px, py, x, y, ex, ey)
-        d = np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH]
-        if d <= enough and bodies.rows[b, KIND] != DISC:
-            d = arm_distance(bodies, poses, b, x, y, ex, ey)
-        least = min(least, d)
-    return least
-
-
-@njit(_nrt=False)
-def _at(query, work, count, g):
-    """Where the best path is at instant g of the table: segment, position in it, and hand."""
-    time, hand = work.best_time, work.best_hand
-    t, k = g * (query.scene.limits.horizon / (query.table.shape[0] - 1)), 0
-    while k < count - 2 and time[k + 1] < t:
-        k += 1
-    span = time[k + 1] - time[k] if count > 1 else 0.0
-    s = min(max((t - time[k]) / span, 0.0), 1.0) if span > 0.0 else 0.0
-    x = hand[k, 0] + s * (hand[k + 1, 0] - hand[k, 0])
-    return k, s, x, hand[k, 1] + s * (hand[k + 1, 1] - hand[k, 1])
-
-
-@njit(_nrt=False)
-def _touching(query, work, count):
-    """First and last instant of the table of the first time that the limb touches; -1 if none."""
-    first = -1
-    if count < 2:
-        return -1, -1
-    step = query.scene.limits.horizon / (query.table.shape[0] - 1)
-    end = int(work.best_time[count - 1] / step)
-    for g in range(1, end + 1):
-        _, _, x, y = _at(query, work, count, g)
-        touches = _clearance(query, g, x, y, query.rules.touch) <= query.rules.touch
-        if touches and first < 0:
-            first = g
-        if not touches and first >= 0:
-            return first, g - 1
-    return first, end
-
-
-@njit
-def _push(query, work, count, first, last):
-    """The lowest bump that frees the limb from instant `first` to `last`.
-
-    Returns
-    -------
-    turn, rise : float
-        By which its top moves the hand [rad, shares of the ring].
-    top : float
-        Share of the path at which it is, -1 if none frees the limb.
-    """
-    limb, share = query.scene.limb, work.share
-    width, n = limb.far - limb.near, min(last - first + 1, INSTANTS)
-    radius, angle = np.empty(n), np.empty(n)
-    place, instant = np.empty(n), np.empty(n, dtype=np.int64)
-    for i in range(n):
-        g = first + (last - first) * i // max(n - 1, 1)
-        k, s, x, y = _at(query, work, count, g)
-        before, after = min(k, KNOTS - 1), min(k + 1, KNOTS - 1)
-        place[i] = share[before] + s * (share[after] - share[before])
-        radius[i], angle[i], instant[i] = np.sqrt(x * x + y * y), np.arctan2(y, x), g
-    top = min(max(0.5 * (place[0] + place[n - 1]), 0.04), 0.96)
-    middle = radius[n // 2]
-    for push in PUSHES:
-        best, turn, rise = query.rules.touch + CLEARANCE, 0.0, 0.0
-        for d in range(TURNS):
-            a = push * np.sin(2.0 * np.pi * d / TURNS) / max(middle, 0.2)
-            u = push * np.cos(2.0 * np.pi * d / TURNS) / width
-            least = 1e300
-            for i in range(n):
-                height = _bump(place[i], top)
-                ring = (radius[i] - limb.near) / width + height * u
-                r = limb.near + min(max(ring, _RINGS[0]), _RINGS[1]) * width
-                turned = angle[i] + limb.side * height * a
-                x, y = r * np.cos(turned), r * np.sin(turned)
-                least = min(least, _clearance(query, instant[i], x, y, best))
-                if least <= best:
-                    break
-            if least > best:
-                best, turn, rise = least, a, u
-        if turn != 0.0 or rise != 0.0:
-            return turn, rise, top
-    return 0.0, 0.0, -1.0

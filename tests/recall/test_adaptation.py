@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.families import draw, get_family
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
@@ -16,10 +15,8 @@ from gcm_learn.motion.interception import target_distance
 from gcm_learn.planners.completion import Problem, checked
 from gcm_learn.planners.layered import layered
 from gcm_learn.recall import Adaptation, adapt, path_of, transfer, waypoints_of
-from gcm_learn.recall.adaptation import attempt_at, query_of
 from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.recall.planners import random_waypoints
-from gcm_learn.recall.trials import Budget, Offer, first_valid
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned
@@ -108,7 +105,8 @@ def test_paths_start_at_the_hand_and_end_at_the_target(catches, traces):
 
 @pytest.mark.parametrize("style", ["polar", "cartesian"])
 def test_paths_turn_and_mirror_with_the_situation(catches, traces, style):
-    how, compared = Adaptation(style, "both"), 0
+    """What is bent branches at roundings, so there only most times are the same."""
+    how, bent, compared, off = Adaptation(style, "both", 0), Adaptation(style, "both"), 0, 0
     knots, goals = stacked(traces[:40])
     for situation, _ in catches[100:110]:
         there = turned(situation, 2.0)
@@ -119,6 +117,8 @@ def test_paths_turn_and_mirror_with_the_situation(catches, traces, style):
             both = (moved >= 0.0) & (times[0] >= 0.0)
             np.testing.assert_allclose(moved[both], times[0][both], atol=1e-3)
             compared += both.sum()
+        bends = [transfer(s, knots, goals, how=bent) for s in (situation, other)]
+        off += np.sum(np.abs(bends[1] - bends[0]) > 1e-3)
         first = adapt(Problem(situation, "a"), traces[0], how)
         second = adapt(Problem(other, "b"), traces[0], how)
         if first is not None and second is not None:
@@ -128,6 +128,7 @@ def test_paths_turn_and_mirror_with_the_situation(catches, traces, style):
                 back[-1] @ np.array([[c, -s], [s, c]]), first.trajectory.hand[-1], atol=2e-3
             )
     assert compared > 100
+    assert off <= 0.05 * 400
 
 
 def limited(rng):
@@ -149,7 +150,7 @@ def test_the_quick_verdict_is_that_of_the_verification(traces, family, situation
         problem = Problem(situation, "verdicts")
         if problem.early_answer() is not None:
             continue
-        how = replace(EVERY[k % len(EVERY)], repairs=0)
+        how = replace(EVERY[k % len(EVERY)], bends=0)
         chosen = rng.integers(len(traces), size=12)
         times = transfer(situation, knots, goals, chosen, how)
         for i, t in zip(chosen, times, strict=True):
@@ -160,31 +161,6 @@ def test_the_quick_verdict_is_that_of_the_verification(traces, family, situation
     assert counts[1].sum() > 50
     assert counts[1, 0] <= 0.01 * counts[1].sum()
     assert counts[0, 1] <= 0.01 * counts[0].sum()
-
-
-@pytest.mark.parametrize(("family", "situations"), [("crossing-swarm", 120), ("falling-solid", 80)])
-def test_a_path_that_was_pushed_aside_is_verified(traces, family, situations):
-    """Pushing makes more memories hold, and what it says holds does."""
-    knots, goals = stacked(traces)
-    styles, pushed, good, plain = Adaptation().styles, 0, 0, 0
-    for k in range(situations):
-        rng = seeding.rng(74, k)
-        problem = Problem(draw(get_family(family), 74, k), "pushes")
-        if problem.early_answer() is not None:
-            continue
-        query = query_of(problem)
-        for i in rng.integers(len(traces), size=8).tolist():
-            place = np.zeros((1, 1), np.float32)
-            offer = Offer(np.array([i]), np.zeros(1), place, np.ones(1, bool))
-            found, body, tried, time, hand = first_valid(
-                knots, goals, offer, query, styles, Budget(1, 9, 0.0, 0.0)
-            )
-            plain += found >= 0 and tried == 1
-            if found >= 0 and tried == 2:
-                pushed += 1
-                good += checked(problem, attempt_at(problem, time, hand, body))[0] is not None
-    assert pushed > 0.02 * plain > 1
-    assert good > 0.97 * pushed
 
 
 def test_random_splines_are_of_their_distribution():

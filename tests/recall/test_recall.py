@@ -113,7 +113,12 @@ def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
             scores = np.array([1.0] * len(bad) + [0.5])
             offer = Offer(chosen, scores, places, np.ones(len(chosen), bool))
             found, _, tried[penalty], _, _ = first_valid(
-                knots, goals, offer, query_of(problem), DEFAULT.styles, Budget(1, 99, 0.0, penalty)
+                knots,
+                goals,
+                offer,
+                query_of(problem),
+                DEFAULT.styles,
+                Budget(DEFAULT.bends, 99, 0.0, penalty),
             )
             assert found == len(bad)
         assert tried[2.0] <= tried[0.0]

@@ -17,7 +17,6 @@ from gcm_learn import dataset
 from gcm_learn.cli import main
 from gcm_learn.processes import crew_of
 from gcm_learn.recall import (
-    Adaptation,
     Effort,
     EncoderConfig,
     Memory,
@@ -60,7 +59,7 @@ def test_labels_are_what_comes_of_trying(folder, small):
         np.testing.assert_array_equal(
             batch.features.context[i], clearance_features(situation).context
         )
-        times = transfer(situation, source.knots, source.goals, batch.rows, Adaptation(repairs=0))
+        times = transfer(situation, source.knots, source.goals, batch.rows)
         np.testing.assert_array_equal(batch.valid[i], times >= 0.0)
         if batch.own[i] >= 0:
             assert batch.rows[batch.own[i]] == k

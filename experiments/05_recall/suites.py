@@ -1,0 +1,140 @@
+"""What recall catches of the oracle's strata W and Q, beside its controls; writes suites.md.
+
+python experiments/05_recall/suites.py SUITES [--before MEMORY]
+
+SUITES is a folder with suites W.jsonl and Q.jsonl (`evaluation.draw_suite` keeps them in
+data/suites), MEMORY the folder of another memory to be asked beside the shipped one. Every catch of
+the rows marked so is judged by the tests' referee, which shares no code with the package.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parents[1])]
+
+from gcm_learn import get_planner  # noqa: E402
+from gcm_learn.evaluation import stratified  # noqa: E402
+from gcm_learn.planners import Plan  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
+    Adaptation,
+    HybridPlanner,
+    Memory,
+    RandomIndex,
+    RawIndex,
+    RecallPlanner,
+    shipped_memory,
+)
+from gcm_learn.situation import Situation, situation_from_json  # noqa: E402
+from tests.referee import judge  # noqa: E402
+
+BLIND = Adaptation(bends=0)
+JUDGED = ("recall", "recall-1", "hybrid")
+Row = tuple[str, str, Situation]
+
+
+def questions(folder: Path, most: int) -> list[Row]:
+    """Stratum, family and situation of both suites."""
+    rows = []
+    for stratum in ("W", "Q"):
+        for line in (folder / f"{stratum}.jsonl").read_text("utf-8").splitlines()[:most]:
+            values = json.loads(line)
+            rows.append((stratum, values["family"], situation_from_json(values["situation"])))
+    return rows
+
+
+def asked(memory: Memory, tries: int, how: Adaptation | None = None) -> RecallPlanner:
+    """Recall with so many checks; one check is of the first choice, whatever it is like."""
+    novelty = {"novelty": 0.0} if tries == 1 else {}
+    return RecallPlanner(memory, tries, how=how or Adaptation(), **novelty)
+
+
+def entrants(before: Path | None) -> Iterator[tuple[str, Callable[[Situation], Plan]]]:
+    """All that answer, by name."""
+    memory = shipped_memory("recall")
+    yield "recall", asked(memory, 20).plan
+    yield "recall, 5 checks", asked(memory, 5).plan
+    yield "recall-1", asked(memory, 1).plan
+    yield "recall, not bent", asked(memory, 20, BLIND).plan
+    yield "recall-1, not bent", asked(memory, 1, BLIND).plan
+    others = {"raw": RawIndex.fit(memory.situations()), "random": RandomIndex()}
+    for name, index in others.items():
+        other = memory.refiled(index)
+        yield f"recall-{name}", asked(other, 20).plan
+        yield f"recall-{name}, 1 check", asked(other, 1).plan
+        yield f"recall-{name}, not bent", asked(other, 20, BLIND).plan
+    if before is not None:
+        old = Memory.load(before)
+        yield "memory before", asked(old, 20).plan
+        yield "memory before, 1 check", asked(old, 1).plan
+    yield "splines-random", get_planner("splines-random").plan
+    yield "hybrid", HybridPlanner(asked(memory, 20)).plan
+    yield "layered", get_planner("layered").plan
+
+
+def answered(file: Path, name: str, ask: Callable[[Situation], Plan], rows: list[Row]) -> dict:
+    """What one of them catches, how long it takes, and what the referee says; kept in a file."""
+    if file.exists():
+        return json.loads(file.read_text("utf-8"))
+    ask(rows[0][2])  # compiled
+    caught, ms, complaints = [], [], []
+    for _, _, situation in rows:
+        began = time.process_time()
+        plan = ask(situation)
+        ms.append(1e3 * (time.process_time() - began))
+        caught.append(plan.caught)
+        if plan.caught and name in JUDGED:
+            complaints += judge(situation, plan).complaints
+    answers = {"name": name, "caught": caught, "ms": ms, "complaints": complaints}
+    file.write_text(json.dumps(answers), encoding="utf-8")
+    print(name, f"{np.mean(caught):.3f}", len(complaints), flush=True)
+    return answers
+
+
+def line_of(answers: dict, rows: list[Row]) -> str:
+    """A row of the table."""
+    strata, families = (np.array(column) for column in list(zip(*rows, strict=True))[:2])
+    caught, cells = np.array(answers["caught"]), [f"`{answers['name']}`"]
+    for stratum in ("W", "Q"):
+        some = strata == stratum
+        value, low, high = stratified(caught[some], families[some])
+        cells.append(f"{100 * value:.1f} ({100 * low:.0f}–{100 * high:.0f})")
+    judged = answers["name"] in JUDGED
+    cells.append(f"{len(answers['complaints'])} of {caught.sum()}" if judged else "")
+    cells += [f"{np.quantile(answers['ms'], q):.1f}" for q in (0.5, 0.9)]
+    return "| " + " | ".join(cells) + " |"
+
+
+def main() -> None:
+    """Ask what was not asked yet; write suites.md."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("suites", type=Path)
+    parser.add_argument("--before", type=Path, help="another memory")
+    parser.add_argument("--count", type=int, default=1000, help="situations of a stratum at most")
+    given = parser.parse_args()
+    rows = questions(given.suites, given.count)
+    out = HERE / "out" / "suites" / shipped_memory("recall").index.key
+    out.mkdir(parents=True, exist_ok=True)
+    head = ["| asked | W | Q | broken | ms | 90 % |", "|---" * 6 + "|"]
+    lines = [
+        line_of(answered(out / f"{name}.json", name, ask, rows), rows)
+        for name, ask in entrants(given.before)
+    ]
+    counts = [sum(stratum == name for stratum, _, _ in rows) for name in ("W", "Q")]
+    note = (
+        f"Catches [%] of {counts[0]} situations of W and {counts[1]} of Q, 95 % intervals within "
+        "families; catches that the referee finds broken; processor time, median and 90 %."
+    )
+    (HERE / "suites.md").write_text("\n".join([*head, *lines, "", note]) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()
