@@ -39,7 +39,7 @@ from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
-POOL = 30  # memories recalled for each that is checked: failures send those like them back
+POOL = 10  # memories recalled for each that is checked: failures send those like them back
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
 PENALTY = 4.0  # what a memory loses by the failure of one in the same direction [log-odds]
 HALF_TURN = 1.8  # largest change of the hand's direction [rad]
