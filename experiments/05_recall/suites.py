@@ -123,7 +123,7 @@ def main() -> None:
     rows = questions(given.suites, given.count)
     out = HERE / "out" / "suites" / shipped_memory("recall").index.key
     out.mkdir(parents=True, exist_ok=True)
-    head = ["| asked | W | Q | broken | ms | 90 % |", "|---" * 6 + "|"]
+    head = ["| asked | W | Q | complaints | ms | 90 % |", "|---" * 6 + "|"]
     lines = [
         line_of(answered(out / f"{name}.json", name, ask, rows), rows)
         for name, ask in entrants(given.before)
@@ -134,7 +134,7 @@ def main() -> None:
     counts = [sum(stratum == name for stratum, _, _ in rows) for name in ("W", "Q")]
     note = (
         f"Catches [%] of {counts[0]} situations of W and {counts[1]} of Q, 95 % intervals within "
-        "families; catches that the referee finds broken; processor time, median and 90 %."
+        "families; what the referee complains of, of so many catches; processor time, median and 90 %."
     )
     (HERE / "suites.md").write_text("\n".join([*head, *lines, "", note]) + "\n", "utf-8")
 

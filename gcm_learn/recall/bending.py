@@ -206,7 +206,7 @@ def _look(query, work, count, margin):
         _, _, x, y = _at(query, work, count, g)
         clearance = _clearance(query, g, x, y, enough)
         if clearance > enough:
-            g += int((clearance - enough) / nearer)
+            g += int(min((clearance - enough) / nearer, 1.0 * end))
             continue
         cost += max(enough - clearance, 0.0)
         if clearance <= query.rules.touch + margin:
