@@ -134,7 +134,8 @@ def main() -> None:
     counts = [sum(stratum == name for stratum, _, _ in rows) for name in ("W", "Q")]
     note = (
         f"Catches [%] of {counts[0]} situations of W and {counts[1]} of Q, 95 % intervals within "
-        "families; what the referee complains of, of so many catches; processor time, median and 90 %."
+        "families; what the referee complains of, of so many catches; processor time, median and "
+        "90 %."
     )
     (HERE / "suites.md").write_text("\n".join([*head, *lines, "", note]) + "\n", "utf-8")
 
