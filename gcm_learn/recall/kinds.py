@@ -82,6 +82,12 @@ class Kind:
     """What can be said of a problem without a memory."""
     tries: Callable[[Any, Adaptation], Trier]
     """Of a problem."""
+    changes: Callable[[Adaptation], int]
+    """How often a path that touches is changed."""
+    pool: int
+    """Memories recalled for each that is checked: failures send those like them back."""
+    penalty: float
+    """What a memory loses by the failure of one in the same direction [log-odds]."""
 
 
 PLANE = Kind(
@@ -100,6 +106,9 @@ PLANE = Kind(
     problem=Problem,
     early_answer=Problem.early_answer,
     tries=Tries,
+    changes=lambda how: how.bends,
+    pool=10,
+    penalty=4.0,
 )
 SPACE = Kind(
     name="spatial",
@@ -117,6 +126,9 @@ SPACE = Kind(
     problem=SpatialProblem,
     early_answer=early_answer_in_space,
     tries=TriesInSpace,
+    changes=lambda how: how.repairs,
+    pool=4,
+    penalty=1.0,
 )
 FORMATS = {kind.format: kind for kind in (PLANE, SPACE)}
 BY_NAME = {kind.name: kind for kind in (PLANE, SPACE)}

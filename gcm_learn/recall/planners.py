@@ -39,9 +39,7 @@ from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
-POOL = 10  # memories recalled for each that is checked: failures send those like them back
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
-PENALTY = 4.0  # what a memory loses by the failure of one in the same direction [log-odds]
 HALF_TURN = 1.8  # largest change of the hand's direction [rad]
 RIMS = (0.15, 0.98)  # shares of the ring
 TIMES = (0.2, 1.0)  # of the end [horizons]
@@ -76,9 +74,9 @@ class RecallPlanner:
     how: Adaptation = field(default_factory=Adaptation)
     novelty: float = NOVELTY
     """Paths this near to one that failed are passed over [forearm lengths]; 0 checks all."""
-    penalty: float = PENALTY
+    penalty: float | None = None
     """How much a failure says about memories that lie near, where scores are odds, as those of
-    the learned index are; 0 keeps the order of recall."""
+    the learned index are; 0 keeps the order of recall. By default that of the kind of arm."""
 
     other: Callable[[], RecallPlanner] | None = None
     """Who is asked with the other kind of arm."""
@@ -104,11 +102,12 @@ class RecallPlanner:
             return Recollection(answer or problem.answer(Failure.NO_MEMORY), None, 0)
         tries = kind.tries(problem, self.how)
         place = memory.index.embed_query(situation, problem.scene)
-        pool = self.candidates * (POOL if max(self.novelty, self.penalty) > 0.0 else 1)
+        penalty = kind.penalty if self.penalty is None else self.penalty
+        pool = self.candidates * (kind.pool if max(self.novelty, penalty) > 0.0 else 1)
         chosen = memory.recall(place, pool)
-        penalty = self.penalty if memory.index.name == "learned" else 0.0
+        penalty = penalty if memory.index.name == "learned" else 0.0
         offer = _offer(chosen, memory.embeddings, place if penalty > 0.0 else None)
-        budget = Budget(self.how.bends, self.candidates, self.novelty, penalty)
+        budget = Budget(kind.changes(self.how), self.candidates, self.novelty, penalty)
         paths = (memory.knots, memory.goals)
         plan, k, tried = _first_plan(problem, tries, paths, offer, budget)
         return Recollection(plan, None if k < 0 else int(chosen[k]), tried)
@@ -209,7 +208,7 @@ class SplinesPlanner:
         item, ring = content_number(numbers.tobytes()), tries.query.ring
         paths = random_waypoints(self.seed, item, self.candidates, ring, situation.horizon)
         offer = _offer(np.arange(self.candidates), paths[0])
-        budget = Budget(self.how.repairs, self.candidates, 0.0, 0.0)
+        budget = Budget(self.how.bends, self.candidates, 0.0, 0.0)
         return _first_plan(problem, tries, paths, offer, budget)[0]
 
 

@@ -29,7 +29,7 @@ class Offer(NamedTuple):
 class Budget(NamedTuple):
     """How much is tried."""
 
-    bends: int  # changes at most of a path that touches
+    changes: int  # at most of a path that touches
     tries: int  # paths that are checked at most
     novelty: float  # a path this near to one that failed is not checked [forearm lengths]
     penalty: float  # what a memory loses by the failure of one in the same direction
@@ -136,7 +136,7 @@ def first_valid(knots, goals, offer, query, styles, budget):
         for s in range(styles.shape[0]):
             style = Style(styles[s, 0], styles[s, 1])
             samples, body = adapt_to_targets(knots, goals, offer.chosen[i], query, style, work)
-            if samples == 0 and budget.bends > 0:
+            if samples == 0 and budget.changes > 0:
                 samples, body = hasten(query, style, work)
             if samples == 0:
                 checked += 1 if budget.novelty <= 0.0 else 0
@@ -144,7 +144,7 @@ def first_valid(knots, goals, offer, query, styles, budget):
                 checked += 1
                 _note(failed[kept], query, work, samples)
                 kept += 1
-                samples, free = bend(query, style, work, samples, body, budget.bends)
+                samples, free = bend(query, style, work, samples, body, budget.changes)
                 if free and is_valid(query, work, samples):
                     return i, body, checked, time[:samples], hand[:samples]
             if checked >= budget.tries:

@@ -105,7 +105,7 @@ def first_valid(knots, offer, query, tempo, budget, work):
         met = adapt_to_targets(knots, offer.chosen[i], query, tempo, work)
         if not met and budget.novelty <= 0.0:
             checked += 1
-        for k in range(budget.repairs + 1):
+        for k in range(budget.changes + 1):
             if checked >= budget.tries:
                 return -1, -1, checked, none, nothing
             if not met or (budget.novelty > 0.0 and _known(failed[:kept], work, budget.novelty)):
@@ -117,7 +117,7 @@ def first_valid(knots, offer, query, tempo, budget, work):
                 return i, body, checked, time, joints
             _note(failed[kept], work)
             kept += 1
-            met = k < budget.repairs and repair(query, work, time, joints, touched)
+            met = k < budget.changes and repair(query, work, time, joints, touched)
         if budget.penalty > 0.0:
             learn(offer, i, budget.penalty)
 
