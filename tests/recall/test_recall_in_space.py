@@ -167,3 +167,15 @@ def test_a_repair_saves_catches_and_counts_as_a_check(memory):
     repaired = tried.catch_times(memory.knots, memory.goals, np.arange(len(memory)))
     assert np.array_equal(repaired[plain >= 0.0], plain[plain >= 0.0])
     assert (repaired >= 0.0).sum() > (plain >= 0.0).sum()
+
+
+def test_the_shipped_memory_answers():
+    planner, caught = get_planner("recall"), 0
+    for k in range(24):
+        situation = families.draw(families.family_names("spatial")[k % 12], 991, k)
+        plan = planner.plan(situation)
+        caught += plan.caught
+        if plan.caught:
+            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
+            assert verdict.complaints == []
+    assert caught > 12
