@@ -86,7 +86,8 @@ def test_no_label_is_about_what_is_held_out(folder, small, monkeypatch):
         TransferLabels, "_is_held_out", lambda self, family, problem: seen.append(family) or True
     )
     source = labels._drawn(0, np.random.default_rng(0))
-    monkeypatch.setattr(transfer_labels, "straight_plan", None)  # never asked of what is held out
+    unasked = replace(labels.kind, straight=None)  # never asked of what is held out
+    monkeypatch.setattr(labels, "kind", unasked)
     monkeypatch.setattr(labels, "spec", _Stops(labels.spec, 25))
     with pytest.raises(LookupError):
         next(source)
