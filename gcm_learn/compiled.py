@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import time
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
@@ -25,6 +26,7 @@ from gcm_learn import storage
 
 PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code
+STARTED = time.time()
 UNCALLED = ("gcm_learn.errors", "gcm_learn.storage")  # no kernel calls what is in there
 on_compile: list[Callable[[], object]] = []
 """Called once, and taken out, when code has to be compiled because none is kept."""
@@ -45,7 +47,7 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     if function is None:
         return lambda later: njit(later, **options)
     made = numba.njit(**options)(function)
-    if not config.DISABLE_JIT:
+    if not config.DISABLE_JIT and not is_edited(function.__module__):
         made._cache = _Cache(function)
     return made
 
@@ -62,6 +64,17 @@ def source_hash(module: str) -> str:
     for path in sorted(_sources_of(module)):
         parts += [path.relative_to(PACKAGE).as_posix(), path.read_bytes()]
     return storage.content_hash(*parts)[:16]
+
+
+@cache
+def is_edited(module: str) -> bool:
+    """Whether sources that a module's code depends on have changed while this process ran.
+
+    It may have read them before the change. Then the hash is not that of what it compiles, and code
+    kept under it would break other processes: so such code is neither kept nor looked for.
+    """
+    written = [path.stat().st_mtime for path in _sources_of(module)]
+    return any(STARTED < when <= time.time() for when in written)
 
 
 def sources_hash(folders: Sequence[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import textwrap
 from concurrent.futures import ThreadPoolExecutor
 
@@ -70,7 +71,8 @@ def package(tmp_path, monkeypatch):
 
 
 def _forget():
-    for function in (compiled.source_hash, compiled._path_of, compiled._imports_of):
+    cached = (compiled.source_hash, compiled.is_edited, compiled._path_of, compiled._imports_of)
+    for function in cached:
         function.cache_clear()
 
 
@@ -91,3 +93,19 @@ def test_code_is_kept_where_numba_is_told_to_keep_it(tmp_path, monkeypatch):
     assert compiled.folder() == tmp_path
     monkeypatch.setattr(compiled.config, "CACHE_DIR", "")
     assert compiled.PACKAGE not in compiled.folder().parents
+
+
+@pytest.mark.parametrize(("changed", "edited"), [("a", "a"), ("b", "ab"), ("c", "abc"), ("d", "d")])
+def test_code_of_sources_that_change_meanwhile_is_not_kept(package, monkeypatch, changed, edited):
+    """A process may hold the old text in memory, and the hash is that of the new one."""
+    files = {name: package / "wave" / f"{name}.py" for name in "abcd"}
+    monkeypatch.setattr(compiled, "STARTED", 1000.0)
+    for name, file in files.items():
+        os.utime(file, (2000.0, 2000.0) if name == changed else (500.0, 500.0))
+    assert "".join(n for n in "abcd" if compiled.is_edited(f"gcm_learn.wave.{n}")) == edited
+
+
+def test_edited_functions_are_compiled_and_leave_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compiled, "is_edited", lambda module: True)
+    assert compiled.njit(doubled)(2) == 4 and not list(tmp_path.iterdir())

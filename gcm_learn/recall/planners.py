@@ -242,16 +242,17 @@ class HybridPlanner:
             Only catches until then count [s].
         deadline : float or Deadline, optional
             See `Anytime`.  What is recalled bounds the search for an earlier catch.  A fallback
-            that is not `Anytime` is asked only where nothing is recalled, and may be late.
+            that is not `Anytime` is asked only where nothing is recalled, and told of neither.
         """
         limit, most = deadline_of(deadline), math.inf if bound is None else bound
         first = self.recall.plan(situation)
         if first.status == "start_blocked":
             return replace(first, planner=self.name)
         caught = first.catch_time is not None and first.catch_time <= most
-        bounded: dict[str, Any] = {} if bound is None else {"bound": bound}
-        if limit is not None and getattr(self.fallback, "anytime", False):
-            bounded |= {"deadline": limit}
+        bounded: dict[str, Any] = {}
+        if getattr(self.fallback, "anytime", False):
+            asked = {"bound": bound, "deadline": limit}
+            bounded = {name: value for name, value in asked.items() if value is not None}
         if caught:
             end = (first.catch_time or 0.0) - GAIN * situation.horizon
             if "deadline" not in bounded or end <= 0.0 or bounded["deadline"].over:

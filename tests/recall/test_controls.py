@@ -81,7 +81,8 @@ class Always:
     def plan(self, situation):
         """Answer."""
         self.asked += 1
-        return Plan(situation.name, self.name, self.status, "", self.planning_ms)
+        catch_time = 0.5 if self.status == "caught" else None
+        return Plan(situation.name, self.name, self.status, "", self.planning_ms, catch_time)
 
 
 @pytest.mark.parametrize(
