@@ -13,7 +13,10 @@ ROOT = Path(__file__).parent
 SHIPPED = (
     *(
         f"models/{name}"
-        for name in ("clone", "encoder", "ppo", "ppo-clone", "ppo-space", "recall", "sac")
+        for name in (
+            *("clone", "encoder", "ppo", "ppo-clone", "ppo-space"),
+            *("recall", "recall-space", "sac"),
+        )
     ),
     "models/bodies",
     "data/suites/demo.jsonl",

@@ -42,7 +42,7 @@ def test_results_come_in_order_or_with_their_numbers(crew):
 def test_what_is_left_early_is_left(crew):
     """Tasks are taken as they are done, and a crew can be asked again."""
     taken = []
-    for _ in crew.map(late, (taken.append(k) or k for k in range(1000))):
+    for _ in crew.results(late, (taken.append(k) or k for k in range(1000))):
         break
     assert len(taken) < 20
     assert list(crew.map(late, [4])) == [16]
