@@ -117,8 +117,8 @@ def main() -> None:
     caught = [row for row in rows if "layered" in row]
     note = (
         f"{len(rows)} situations of seed {SEED}, {strata['U']} of which `layered` does not catch; "
-        "catches [%] of the others with 95 % intervals (Wilson), what the referee complains of, of so many "
-        "catches, and processor time [ms] (of `layered` by the clock), median and 90 %."
+        "catches [%] of the others with 95 % intervals (Wilson), what the referee complains of, of "
+        "so many catches, and processor time [ms] (of `layered` by the clock), median and 90 %."
     )
     (HERE / "space.md").write_text(f"{table(caught)}\n\n{note}\n", "utf-8")
 
