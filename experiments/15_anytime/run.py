@@ -39,6 +39,8 @@ DEADLINES = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)  # processor ti
 SUITES = {"W": 150, "Q": 100}
 SEED, EACH = 1500, 12  # of situations in space, of each family
 NEAR = 0.1  # of the horizon: as late as that counts as well caught
+TOLD = (1, 10, 100)  # of these at the axis
+NAMES = {"hybrid-random": "hybrid, random memories"}
 COLOURS = {"hybrid": style.TARGET, "layered": style.OBSTACLE, "hybrid-random": style.FAINT}
 OUT = HERE / "out"
 
@@ -223,7 +225,8 @@ def figure(made: dict[str, Any], path: Path) -> None:
     rate, late = drawn.subplots(1, 2)
     for name, mine in made["methods"].items():
         colour = COLOURS[name]
-        rate.plot(DEADLINES, [100 * one["caught"][0] for one in mine], color=colour, label=name)
+        told = NAMES.get(name, name)
+        rate.plot(DEADLINES, [100 * one["caught"][0] for one in mine], color=colour, label=told)
         rate.plot(DEADLINES, [100 * one["well caught"][0] for one in mine], "--", color=colour)
         later = [one["later, mean [horizons]"] for one in mine]
         late.plot(DEADLINES, [np.nan if t is None else 100 * t for t in later], color=colour)
@@ -231,6 +234,7 @@ def figure(made: dict[str, Any], path: Path) -> None:
     late.set_ylabel("mean delay [% of horizon]")
     for panel in (rate, late):
         panel.set_xscale("log")
+        panel.set_xticks(TOLD, [str(one) for one in TOLD])
         panel.set_xlabel("time to think [ms]")
     rate.legend(frameon=False)
     drawn.savefig(path)
