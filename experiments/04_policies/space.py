@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest
 
+from gcm_learn.evaluation import mcnemar, wilson
 from gcm_learn.execution import (
     AIM,
     CAUGHT,
@@ -70,14 +70,8 @@ class Fan:
 
 def interval(count: int, n: int) -> str:
     """A share with Wilson's 95 % interval [%]."""
-    low, high = binomtest(count, n).proportion_ci(method="wilson")
-    return f"{count / n:.1%} ({low:.1%} to {high:.1%})"
-
-
-def mcnemar(mine: np.ndarray, other: np.ndarray) -> tuple[int, int, float]:
-    """Situations won (only mine), lost, and the exact p of so uneven a split."""
-    won, lost = int(np.sum(mine & ~other)), int(np.sum(other & ~mine))
-    return won, lost, float(binomtest(won, max(won + lost, 1)).pvalue) if won + lost else 1.0
+    share, low, high = wilson(count, n)
+    return f"{share:.1%} ({low:.1%} to {high:.1%})"
 
 
 def pool_of(source: str, actor: Actor, count: int, seed: int) -> Any:

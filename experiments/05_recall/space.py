@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
 sys.path[:0] = [str(REPOSITORY)]
 
 from gcm_learn.dataset import make_item, read_spec  # noqa: E402
+from gcm_learn.evaluation import wilson  # noqa: E402
 from gcm_learn.planners import get_planner, plan_to_json  # noqa: E402
 from gcm_learn.situation import situation_to_json  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
@@ -62,11 +62,10 @@ def answered(spec: Any, k: int) -> dict[str, Any]:
 
 def share(rows: list[dict[str, Any]], name: str) -> str:
     """A share with its 95 % interval, in percent."""
-    count = sum(row[name]["caught"] for row in rows)
     if not rows:
         return ""
-    interval = binomtest(count, len(rows)).proportion_ci(method="wilson")
-    return f"{100 * count / len(rows):.0f} ({100 * interval.low:.0f}–{100 * interval.high:.0f})"
+    found = wilson(sum(row[name]["caught"] for row in rows), len(rows))
+    return "{:.0f} ({:.0f}–{:.0f})".format(*(100 * one for one in found))
 
 
 def table(rows: list[dict[str, Any]]) -> str:
