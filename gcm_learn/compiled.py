@@ -86,6 +86,7 @@ def sources_hash(folders: Sequence[str]) -> str:
     return storage.content_hash(*parts)[:16]
 
 
+@cache
 def _sources_of(module: str) -> set[Path]:
     """The file of a module and of all that it imports from the package."""
     found: set[Path] = set()

@@ -71,8 +71,8 @@ def package(tmp_path, monkeypatch):
 
 
 def _forget():
-    cached = (compiled.source_hash, compiled.is_edited, compiled._path_of, compiled._imports_of)
-    for function in cached:
+    hashes = (compiled.source_hash, compiled.is_edited)
+    for function in (*hashes, compiled._sources_of, compiled._path_of, compiled._imports_of):
         function.cache_clear()
 
 

@@ -33,7 +33,7 @@ def judge(scene, touch, time, joints, rates, body):
         The target that is caught at the end.
     """
     desk, last = desk_of(scene), time.size - 1
-    fault = _fault_at_ends(scene, time, joints, rates, body, desk.poses)
+    fault = _fault_at_ends(scene, time, joints, rates, body, desk)
     if fault != NOTHING:
         return fault, 0.0, time[last]
     for k in range(last):
@@ -68,7 +68,7 @@ def _piece(time, joints, rates, k, curve):
 
 
 @njit(_nrt=False)
-def _fault_at_ends(scene, time, joints, rates, body, poses):
+def _fault_at_ends(scene, time, joints, rates, body, desk):
     """Whether it begins where the arm is, and ends at the target in time."""
     limb, last = scene.limb, time.size - 1
     for j in range(4):
@@ -81,10 +81,22 @@ def _fault_at_ends(scene, time, joints, rates, body, poses):
     if time[last] > scene.limits.horizon:
         return LATE
     _, _, _, x, y, z = limb_at(limb, joints[last])
-    away = target_room(scene, body, x, y, z, time[last], poses)
+    away = target_room(scene, body, x, y, z, time[last], desk.poses)
     if away > scene.limits.grasp - 0.5 * CATCH_SAFETY * limb.length:
         return MISSED
+    if last == 0 and rates.shape[0] > 0 and _starts_too_fast(scene, joints[0], rates[0], desk):
+        return FAST
     return NOTHING
+
+
+@njit(_nrt=False)
+def _starts_too_fast(scene, joints, rates, desk):
+    """Whether the hand is too fast at t = 0; where a movement goes on, its first piece tells."""
+    curve = desk.curve
+    for j in range(4):
+        curve[j, 0], curve[j, 1], curve[j, 2], curve[j, 3] = joints[j], rates[j], 0.0, 0.0
+    speed = hand_rate(scene.limb, curve, 0.0, desk.joints)
+    return speed > scene.limits.speed * (1.0 + TOLERANCE)
 
 
 @njit(_nrt=False)

@@ -45,6 +45,15 @@ def is_valid(query, work, count):
 
 
 @njit
+def _met(knots, goals, m, query, style, work, bends):
+    """Adapt memory m, and hasten it where it comes too late; as `adapt_to_targets`."""
+    count, body = adapt_to_targets(knots, goals, m, query, style, work)
+    if count == 0 and bends > 0:
+        return hasten(query, style, work)
+    return count, body
+
+
+@njit
 def adapted(knots, goals, m, query, style, work, bends):
     """Adapt memory m, and bend it where it looks as if it touched.
 
@@ -56,9 +65,7 @@ def adapted(knots, goals, m, query, style, work, bends):
         Whether the path may be free.
     body : int
     """
-    count, body = adapt_to_targets(knots, goals, m, query, style, work)
-    if count == 0 and bends > 0:
-        count, body = hasten(query, style, work)
+    count, body = _met(knots, goals, m, query, style, work, bends)
     if count == 0:
         return count, False, body
     count, free = bend(query, style, work, count, body, bends)
@@ -135,16 +142,15 @@ def first_valid(knots, goals, offer, query, styles, budget):
         offer.left[i] = False
         for s in range(styles.shape[0]):
             style = Style(styles[s, 0], styles[s, 1])
-            samples, body = adapt_to_targets(knots, goals, offer.chosen[i], query, style, work)
-            if samples == 0 and budget.changes > 0:
-                samples, body = hasten(query, style, work)
+            m, bends = offer.chosen[i], budget.changes
+            samples, body = _met(knots, goals, m, query, style, work, bends)
             if samples == 0:
                 checked += 1 if budget.novelty <= 0.0 else 0
             elif budget.novelty <= 0.0 or not _known(failed[:kept], query, work, samples, budget):
                 checked += 1
                 _note(failed[kept], query, work, samples)
                 kept += 1
-                samples, free = bend(query, style, work, samples, body, budget.changes)
+                samples, free = bend(query, style, work, samples, body, bends)
                 if free and is_valid(query, work, samples):
                     return i, body, checked, time[:samples], hand[:samples]
             if checked >= budget.tries:

@@ -21,6 +21,7 @@ ARM = SpatialArm(
     thickness=0.05,
 )
 GOAL = (0.5, 0.3, -0.2, 0.9)
+SOON = np.array(GOAL) + np.outer((-1e-6, 1e-6), (0.0, 0.7, 0.0, 0.0))
 
 
 def ball(name, role, place, velocity=(0.0, 0.0, 0.0), radius=0.05):
@@ -172,6 +173,18 @@ def test_a_catch_at_once_has_one_sample():
     post = ball("post", "obstacle", tuple(forward_in_space(arm, GOAL)[0]), radius=0.02)
     touched = verdict(situation(arm, obstacles=(post,)), [0.0], [GOAL])
     assert touched.reason.failure is Failure.COLLISION
+
+
+def test_a_hand_that_is_too_fast_at_once_keeps_no_promise():
+    turning = replace(
+        ARM, joints=GOAL, max_joint_acceleration=(9.0,) * 4, joint_rates=(0.0, 0.7, 0.0, 0.0)
+    )
+    speed = np.linalg.norm(np.diff(forward_in_space(ARM, SOON)[1], axis=0)[0]) / 2e-6
+    for factor, good in ((1.0001, True), (0.9999, False)):
+        arm = replace(turning, max_hand_speed=factor * speed)
+        found = verdict(situation(arm), [0.0], [GOAL], np.array([turning.joint_rates]))
+        assert found.good == good
+        assert good or found.reason.failure is Failure.HAND_SPEED
 
 
 def test_bodies_are_judged_in_the_world_wherever_the_base_is():
