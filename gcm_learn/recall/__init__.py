@@ -4,6 +4,10 @@
 >>> memory = Memory(RawIndex.fit(situations))                         # doctest: +SKIP
 >>> memory.add([situation], [waypoints_of(situation, plan)])           # doctest: +SKIP
 >>> RecallPlanner(memory).plan(another)                               # doctest: +SKIP
+
+A memory of at most 300 catches that learns while it acts:
+
+>>> steps = grow(memory, situations, most=300)                         # doctest: +SKIP
 """
 
 import importlib

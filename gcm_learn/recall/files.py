@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import shutil
 import uuid
+import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 
 from gcm_learn.errors import RecallError
 from gcm_learn.recall.kinds import FORMATS, kind_of_format
+from gcm_learn.situation import AnySituation, situation_from_json, situation_to_json
 from gcm_learn.storage import to_disk, write_whole
 
 MANIFEST = "manifest.json"
@@ -98,3 +100,14 @@ def read_arrays(folder: Path, manifest: Mapping[str, Any], mmap: bool) -> dict[s
         path.stem: np.asarray(np.load(path, mmap_mode="r" if mmap else None))
         for path in sorted(data.glob("*.npy"))
     }
+
+
+def packed(situation: AnySituation) -> bytes:
+    """A situation as compressed JSON text."""
+    text = json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False)
+    return zlib.compress(text.encode(), 6)
+
+
+def unpacked(text: bytes) -> Any:
+    """The situation of a compressed text."""
+    return situation_from_json(json.loads(zlib.decompress(text)))

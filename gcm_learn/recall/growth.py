@@ -2,7 +2,8 @@
 
 A memory that grows with experience remembers what it could not recall and what was then planned
 anew. As in Thunder (Coleman, Sucan, Moll, Okada and Correll, ICRA 2015), what is already covered is
-not stored, so the memory grows ever more slowly, and is filled with what is hard.
+not stored, so the memory grows ever more slowly, and is filled with what is hard. Under a limit it
+forgets what others cover: it keeps a book of what it met, and of which memories catch there.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,17 +20,20 @@ from gcm_learn import seeding
 from gcm_learn.errors import RecallError
 from gcm_learn.planners import Plan, Planner, get_planner
 from gcm_learn.processes import crew_of
+from gcm_learn.recall.adaptation import Adaptation
+from gcm_learn.recall.book import WORKS
 from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.kinds import PLANE, SPACE, AnyWaypoints, Kind, waypoints_of
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, canonical
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Dataset, Record
 
 CHUNK = 500  # records that are filed at once
 FITTED = 5000  # situations at most that an index is fitted to
+RETRIED = 64  # situations of the book at most in which a fresh memory is tried
 
 
 def remember(
@@ -152,7 +156,7 @@ def grow(
     *,
     recall: RecallPlanner | None = None,
     most: int | None = None,
-    forget: Forgotten = "least used",
+    forget: Forgotten = "covered",
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Step]:
     """Meet situations one after the other; remember what was not covered.
@@ -170,8 +174,9 @@ def grow(
         How is recalled; its memory is replaced by this one.
     most : int, optional
         Entries at most.
-    forget : {"least used", "oldest", "random"}
-        What is forgotten first if there are more, see `Memory.forget_to`.
+    forget : {"covered", "least used", "oldest", "random"}
+        What is forgotten first if there are more, see `Memory.forget_to`. For "covered" what is met
+        is noted in the memory's book, which is saved with it, so that growth can go on later.
     progress : callable
         Called with the number of situations met since the last call.
 
@@ -185,9 +190,12 @@ def grow(
     how = RecallPlanner(memory) if recall is None else replace(recall, memory=memory)
     steps: list[Step] = []
     for situation in situations:
-        found = how.recollect(situation)
+        found, before = how.recollect(situation), len(memory)
         caught = _learned(memory, situation, found, solver, rule)
-        if most is not None and len(memory) > most:
+        if most is not None:
+            valid = before if len(memory) > before else found.memory
+            if forget == "covered" and valid is not None:
+                _booked(memory, situation, valid, valid == before, how.how)
             memory.forget_to(most, forget, seed=len(steps))
         step = Step(len(steps) + 1, len(memory), found.plan.caught, caught)
         steps.append(step)
@@ -209,3 +217,26 @@ def _learned(
     if planned.caught and not rule.covers(found.plan, planned):
         memory.add([situation], [waypoints_of(situation, planned)])
     return planned.caught or found.plan.caught
+
+
+def _booked(memory: Memory, situation: Situation, valid: int, fresh: bool, how: Adaptation) -> None:
+    """Note which memories catch in a situation, and where else a fresh one does."""
+    book = memory.book
+    page = book.offered()
+    if page is not None:
+        turned, problem = canonical(situation)[0], memory.kind.problem(situation, "book")
+        query = memory.index.embed_query(situation, problem.scene)
+        near = memory.recall(query, WORKS)
+        others = near[_catching(memory, problem, near, how) & (near != valid)]
+        book.write(page, turned, query, np.append(valid, others))
+    if fresh:
+        for page in book.thin(memory.embeddings[valid], RETRIED):
+            problem = memory.kind.problem(book.situation(page), "book")
+            if _catching(memory, problem, np.array([valid]), how)[0]:
+                book.note(page, valid)
+
+
+def _catching(memory: Memory, problem: Any, which: np.ndarray, how: Adaptation) -> np.ndarray:
+    """Whether memories (m,) catch in the situation of a problem."""
+    times = memory.kind.tries(problem, how).catch_times(memory.knots, memory.goals, which)
+    return np.asarray(times >= 0.0)

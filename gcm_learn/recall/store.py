@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +12,14 @@ import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.errors import RecallError
-from gcm_learn.recall.files import read_arrays, read_manifest, write_memory
+from gcm_learn.recall.book import Book
+from gcm_learn.recall.files import packed, read_arrays, read_manifest, unpacked, write_memory
 from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.kinds import PLANE, AnyWaypoints, Kind, kind_of_format, same_kind
 from gcm_learn.recall.search import Searcher
-from gcm_learn.situation import AnySituation, canonical, situation_from_json, situation_to_json
+from gcm_learn.situation import AnySituation, canonical
 
-Forgotten = Literal["least used", "oldest", "random"]
+Forgotten = Literal["covered", "least used", "oldest", "random"]
 SPARE = 1.5  # columns grow to this many times the entries that there are
 MANY = 20_000  # learned entries from which nearly the best are good enough by default
 _COLUMNS = ("embeddings", "traces", "goals", "labels", "uses", "lengths")
@@ -64,6 +63,8 @@ class Memory:
         self.index = index
         self.search = search
         self.kind = kind
+        self.book = Book(index.dim)
+        """What was met while it grew under a limit."""
         self._size = 0
         self._columns: dict[str, np.ndarray] = {
             "embeddings": np.zeros((0, index.dim), np.float32),
@@ -118,7 +119,7 @@ class Memory:
 
     def situation(self, k: int) -> Any:
         """Situation of memory k, canonical."""
-        return situation_from_json(json.loads(zlib.decompress(self._text(k))))
+        return unpacked(self._text(k))
 
     def situations(self) -> list[Any]:
         """All situations, canonical."""
@@ -149,7 +150,7 @@ class Memory:
             same_kind(self.kind, situation)
         turned = [canonical(s)[0] for s in situations]
         words = (families or [""] * count, strata or [""] * count)
-        texts = [_packed(s) for s in turned]
+        texts = [packed(s) for s in turned]
         fresh = {
             "embeddings": self.index.embed_memories(turned, trajectories).astype(np.float32),
             "traces": np.array([t.knots for t in trajectories], np.float32),
@@ -189,24 +190,29 @@ class Memory:
         keep[np.asarray(which)] = False
         texts = [self._text(k) for k in np.flatnonzero(keep).tolist()]
         self._columns = {name: self._columns[name][: self._size][keep] for name in _COLUMNS}
+        self.book.keep(keep)
         self._size, self._texts = int(keep.sum()), texts
         self._old_texts, self._old_starts = np.zeros(0, np.uint8), np.zeros(1, np.int64)
         self._searcher = None
 
-    def forget_to(self, size: int, first: Forgotten = "least used", seed: int = 0) -> None:
+    def forget_to(self, size: int, first: Forgotten = "covered", seed: int = 0) -> None:
         """Forget until `size` are left.
 
         Parameters
         ----------
         size : int
-        first : {"least used", "oldest", "random"}
-            What goes first: the least often valid (of equal ones the oldest), the oldest, or any.
+        first : {"covered", "least used", "oldest", "random"}
+            What goes first: what others cover (see `Book.superfluous`; the least used while the
+            book is empty), the least often valid (of equal ones the oldest), the oldest, or any.
         seed : int
             Decides which are any.
         """
         if size >= self._size:
             return
-        if first == "random":
+        gone = self._size - size
+        if first == "covered":
+            order = self.book.superfluous(gone, self.uses)
+        elif first == "random":
             order = seeding.rng(seed, self._size).permutation(self._size)
         elif first == "oldest":
             order = np.arange(self._size)
@@ -215,7 +221,7 @@ class Memory:
         else:
             known = ", ".join(get_args(Forgotten))
             raise RecallError(f"first: {first!r} is not one of {known}")
-        self.forget(order[: self._size - size])
+        self.forget(order[:gone])
 
     def refiled(self, index: Index) -> Memory:
         """The same memories, filed by another index."""
@@ -224,6 +230,7 @@ class Memory:
             made = self.kind.waypoints
             trajectories = [made(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
             out.extend(self, index.embed_memories(self.situations(), trajectories))
+        out.book = self.book.asked_by(index.embed_query, index.dim)
         return out
 
     def save(self, folder: str | os.PathLike[str]) -> None:
@@ -231,6 +238,8 @@ class Memory:
         arrays = {name: self._columns[name][: self._size] for name in _COLUMNS}
         text = b"".join(self._text(k) for k in range(self._size))
         arrays["situations"] = np.frombuffer(text, np.uint8)
+        if self.book.met:
+            arrays |= self.book.arrays()
         about = {
             "format": self.kind.format,
             "size": self._size,
@@ -282,6 +291,7 @@ class Memory:
         columns = read_arrays(place, manifest, mmap)
         out._columns = {name: columns[name] for name in _COLUMNS}
         out._size, out._words = int(manifest["size"]), list(manifest["words"])
+        out.book = Book.of(columns, index.dim)
         out._old_texts = columns["situations"]
         out._old_starts = np.concatenate([[0], np.cumsum(columns["lengths"], dtype=np.int64)])
         return out
@@ -313,9 +323,3 @@ class Memory:
         if word not in self._words:
             self._words.append(word)
         return self._words.index(word)
-
-
-def _packed(situation: AnySituation) -> bytes:
-    """A situation as compressed JSON text."""
-    text = json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False)
-    return zlib.compress(text.encode(), 6)
