@@ -62,6 +62,29 @@ def solid_distance(bodies, poses, b, p, q):
 
 
 @njit(_nrt=False)
+def room_in_pose(bodies, b, x, y, z, poses):
+    """Signed distance of the point (x, y, z) to the solid of body b where row b of poses has it."""
+    rows = bodies.rows
+    kind, radius, length = rows[b, KIND], rows[b, SIZE], rows[b, SIZE + 1]
+    dx, dy, dz = x - poses[b, 0], y - poses[b, 1], z - poses[b, 2]
+    if kind == SPHERE:
+        return np.sqrt(dx * dx + dy * dy + dz * dz) - radius
+    u = abs(poses[b, 3] * dx + poses[b, 6] * dy + poses[b, 9] * dz)
+    v = abs(poses[b, 4] * dx + poses[b, 7] * dy + poses[b, 10] * dz)
+    w = abs(poses[b, 5] * dx + poses[b, 8] * dy + poses[b, 11] * dz)
+    if kind == CAPSULE:
+        w = max(w - length, 0.0)
+        return np.sqrt(u * u + v * v + w * w) - radius
+    if kind == BOX:
+        u, v, w = u - radius, v - length, w - rows[b, SIZE + 2]
+    else:  # a cylinder is a box in the half-plane of axis and point
+        u, v, w = np.sqrt(u * u + v * v) - radius, -1e300, w - length
+    inside = min(max(u, v, w), 0.0)
+    u, v, w = max(u, 0.0), max(v, 0.0), max(w, 0.0)
+    return np.sqrt(u * u + v * v + w * w) + inside
+
+
+@njit(_nrt=False)
 def bone_distance(bodies, poses, b, joints, m, k):
     """Distance of the segment between joints k and k + 1 of limb m to body b at its pose."""
     kind, radius = bodies.rows[b, KIND], bodies.rows[b, SIZE]

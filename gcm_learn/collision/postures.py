@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.chains import solid_distance
+from gcm_learn.collision.chains import room_in_pose, solid_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     BOX,
@@ -32,6 +32,7 @@ from gcm_learn.scene.bodies import (
 from gcm_learn.scene.spatial_limb import limb_at
 
 CHUNK = 60  # obstacles that one search asks after: the bits of an integer
+_HINGE = 1e-5  # share of the upper arm that is near the shoulder
 _DEEPEST = 40  # halvings of a move before it counts as touching
 _MOST = 200_000  # looks at a move before it counts as touching: bodies may spin absurdly fast
 
@@ -111,7 +112,26 @@ def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
         if near_fore:
             fore = solid_distance(bodies, poses, b, (ex, ey, ez), (hx, hy, hz))
     upper, fore = max(upper, 0.0), max(fore, 0.0)
-    return min(upper, fore), min(upper - upper_slack, fore - fore_slack)
+    room = upper - upper_slack
+    if room <= enough and upper_slack > 0.0 and bodies.rows[b, TOP_SPEED] == 0.0:
+        room = max(room, _hinged_room(bodies, b, (ex, ey, ez), upper_slack, poses))
+    return min(upper, fore), min(room, fore - fore_slack)
+
+
+@njit(_nrt=False)
+def _hinged_room(bodies, b, elbow, slack, poses):
+    """Least distance of body b, at rest, to the upper arm while the elbow moves by `slack`.
+
+    A body at the shoulder, as a torso, is as near to it whatever the arm does.  Points of the bone
+    move the less the nearer they are to the shoulder, and the distance to a convex body is convex
+    along the bone, so beyond two of its points it is no less than the line through them.
+    """
+    ex, ey, ez = elbow
+    near = room_in_pose(bodies, b, _HINGE * ex, _HINGE * ey, _HINGE * ez, poses)
+    far = 2.0 * _HINGE
+    slope = (room_in_pose(bodies, b, far * ex, far * ey, far * ez, poses) - near) / _HINGE
+    between = 0.5 * _HINGE * np.sqrt(ex * ex + ey * ey + ez * ez)  # those two it may be less
+    return near - slope * _HINGE + min(0.0, slope - slack) - between
 
 
 @njit(_nrt=False)

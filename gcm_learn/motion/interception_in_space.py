@@ -4,20 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.collision.chains import room_in_pose
 from gcm_learn.collision.postures import desk_of, free_until, line, on_curve
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import (
-    BOX,
-    CAPSULE,
-    HAND,
-    KIND,
-    PART,
-    SIZE,
-    SPHERE,
-    TOP_SPEED,
-    pose_at,
-)
+from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
 from gcm_learn.scene.spatial_limb import limb_at
 
 _LOOKS = 20_000  # at a resting limb, at most
@@ -35,29 +26,6 @@ def target_room(scene, b, x, y, z, t, poses):
     """
     pose_at(scene.bodies, b, t, poses)
     return room_in_pose(scene.bodies, b, x, y, z, poses)
-
-
-@njit(_nrt=False)
-def room_in_pose(bodies, b, x, y, z, poses):
-    """Signed distance of the point (x, y, z) to the solid of body b where row b of poses has it."""
-    rows = bodies.rows
-    kind, radius, length = rows[b, KIND], rows[b, SIZE], rows[b, SIZE + 1]
-    dx, dy, dz = x - poses[b, 0], y - poses[b, 1], z - poses[b, 2]
-    if kind == SPHERE:
-        return np.sqrt(dx * dx + dy * dy + dz * dz) - radius
-    u = abs(poses[b, 3] * dx + poses[b, 6] * dy + poses[b, 9] * dz)
-    v = abs(poses[b, 4] * dx + poses[b, 7] * dy + poses[b, 10] * dz)
-    w = abs(poses[b, 5] * dx + poses[b, 8] * dy + poses[b, 11] * dz)
-    if kind == CAPSULE:
-        w = max(w - length, 0.0)
-        return np.sqrt(u * u + v * v + w * w) - radius
-    if kind == BOX:
-        u, v, w = u - radius, v - length, w - rows[b, SIZE + 2]
-    else:  # a cylinder is a box in the half-plane of axis and point
-        u, v, w = np.sqrt(u * u + v * v) - radius, -1e300, w - length
-    inside = min(max(u, v, w), 0.0)
-    u, v, w = max(u, 0.0), max(v, 0.0), max(w, 0.0)
-    return np.sqrt(u * u + v * v + w * w) + inside
 
 
 @njit(_nrt=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.postures import desk_of, hermite, least_on, line, on_curve
+from gcm_learn.collision.postures import desk_of, distance_at, hermite, least_on, line, on_curve
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.motion.rules import CATCH_SAFETY
@@ -14,6 +14,8 @@ NOTHING, ELSEWHERE, LATE, RANGE, JOINT, FORCED, FAST, MISSED, TOUCHED = range(9)
 TOLERANCE = 1e-7  # relative, of limits; the contract grants 1e-6
 RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearms]
 _ROUNDING = 1e-13  # of joints, where a range ends at 0 [rad]
+_GLANCES = 4  # at a move, for a distance to begin with
+_NEAR_ENOUGH = 1e-4  # share of a move at which that is good enough
 _NARROWEST = 1e-12  # share of a piece that is looked at before its hand counts as too fast
 
 
@@ -41,7 +43,7 @@ def judge(scene, touch, time, joints, rates, body):
         fault = piece_fault(scene, desk.curve, time[k + 1] - time[k], desk.joints)
         if fault != NOTHING:
             return fault, 0.0, time[k]
-    best, when = 1e300, 0.0
+    best, when = _rather_near(scene, time, joints, rates, desk)
     for k in range(max(last, 1)):
         until = min(k + 1, last)
         if until == k:  # a catch at t = 0
@@ -56,6 +58,39 @@ def judge(scene, touch, time, joints, rates, body):
         if best <= touch:
             break
     return TOUCHED if best <= touch else NOTHING, best, when
+
+
+@njit
+def _rather_near(scene, time, joints, rates, desk):
+    """A small distance of limb and obstacles, and when [s]: the search needs not go down to it.
+
+    The smallest of some instants of every move, and then of what is about it.
+    """
+    best, when, at, share, q = 1e300, 0.0, 0, 0.0, desk.joints
+    for k in range(time.size - 1):
+        _piece(time, joints, rates, k, desk.curve)
+        for i in range(_GLANCES):
+            s = (i + 1.0) / _GLANCES
+            t = time[k] + s * (time[k + 1] - time[k])
+            on_curve(desk.curve, s, q)
+            found = distance_at(scene, q, t, desk)
+            if found < best:
+                best, when, at, share = found, t, k, s
+    if best == 1e300:
+        return best, when
+    _piece(time, joints, rates, at, desk.curve)
+    width = 0.5 / _GLANCES
+    while width > _NEAR_ENOUGH:
+        middle = share
+        for side in (-1.0, 1.0):
+            s = min(max(middle + side * width, 0.0), 1.0)
+            t = time[at] + s * (time[at + 1] - time[at])
+            on_curve(desk.curve, s, q)
+            found = distance_at(scene, q, t, desk)
+            if found < best:
+                best, when, share = found, t, s
+        width *= 0.5
+    return best, when
 
 
 @njit(_nrt=False)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,7 +69,7 @@ def spatial_frame_of(situation: Situation[SpatialArm]) -> SpatialFrame:
     """
     arm = situation.arm
     small = NOTHING * arm.reach
-    for value, least in (*_sides_of_arm(arm, small), *_sides_of_bodies(situation, small)):
+    for value, least in chain(_sides_of_arm(arm, small), _sides_of_bodies(situation, small)):
         if abs(value) > least:
             return SpatialFrame(arm.base, value < 0.0)
     return SpatialFrame(arm.base, False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.collision.chains import room_in_pose
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.control import Controller, following
@@ -13,7 +14,7 @@ from gcm_learn.execution.physics.laws import laws
 from gcm_learn.execution.physics.model import STEP, model_of, mujoco
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.motion.interception_in_space import met_at, room_in_pose
+from gcm_learn.motion.interception_in_space import met_at
 from gcm_learn.scene import Bodies, Scene, SpatialLimb, SpatialLimits, forward_in_space, pack
 from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.situation import JOINTS, ArmBody, Situation, SpatialArm
