@@ -38,10 +38,7 @@ class Adaptation:
     other."""
     bends: int = 3
     """Changes at most, one upon the other, of a path that looks as if it touched: it is pushed
-    aside, or held back. Only what comes out of them is checked. Of arms in the plane."""
-    repairs: int = 1
-    """How often a path of a spatial arm that touches is pushed aside, which makes it another path
-    to check."""
+    aside, or held back. Only what comes out of them is checked."""
 
     @cached_property
     def styles(self) -> np.ndarray:

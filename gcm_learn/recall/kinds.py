@@ -82,8 +82,6 @@ class Kind:
     """What can be said of a problem without a memory."""
     tries: Callable[[Any, Adaptation], Trier]
     """Of a problem."""
-    changes: Callable[[Adaptation], int]
-    """How often a path that touches is changed."""
     pool: int
     """Memories recalled for each that is checked: failures send those like them back."""
     penalty: float
@@ -106,7 +104,6 @@ PLANE = Kind(
     problem=Problem,
     early_answer=Problem.early_answer,
     tries=Tries,
-    changes=lambda how: how.bends,
     pool=10,
     penalty=4.0,
 )
@@ -126,7 +123,6 @@ SPACE = Kind(
     problem=SpatialProblem,
     early_answer=early_answer_in_space,
     tries=TriesInSpace,
-    changes=lambda how: how.repairs,
     pool=4,
     penalty=1.0,
 )

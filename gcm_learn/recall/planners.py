@@ -107,7 +107,7 @@ class RecallPlanner:
         chosen = memory.recall(place, pool)
         penalty = penalty if memory.index.name == "learned" else 0.0
         offer = _offer(chosen, memory.embeddings, place if penalty > 0.0 else None)
-        budget = Budget(kind.changes(self.how), self.candidates, self.novelty, penalty)
+        budget = Budget(self.how.bends, self.candidates, self.novelty, penalty)
         paths = (memory.knots, memory.goals)
         plan, k, tried = _first_plan(problem, tries, paths, offer, budget)
         return Recollection(plan, None if k < 0 else int(chosen[k]), tried)

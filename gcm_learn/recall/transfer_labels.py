@@ -45,7 +45,7 @@ EASY = 0.15  # share of situations that are kept although a straight line catche
 READ, TRIED = 500, 32  # records that are read at once, situations that are
 EXAMINED = 300  # situations of each stratum to validate with
 PLACES = (1, 5, 20)  # up to which a valid memory is looked for then
-PLAIN = Adaptation(repairs=0)  # how memories are tried
+PLAIN = Adaptation()  # how memories are tried
 _BATCH, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
 
 Best = Callable[[FeatureBatch, int], np.ndarray]

@@ -1,4 +1,4 @@
-"""Many memories tried on one situation, in compiled code: adapted, checked, repaired.
+"""Many memories tried on one situation, in compiled code: adapted, bent, checked.
 
 Every memory is checked once, in the form that its adaptation gave it: a path that looks as if it
 touched is bent first (`bending`), and one that still does so counts as a check that failed.

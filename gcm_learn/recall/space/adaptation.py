@@ -10,7 +10,7 @@ from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Attempt, Plan, SpatialProblem, at_once, study_of
 from gcm_learn.recall.adaptation import TEMPOS, Adaptation
 from gcm_learn.recall.space import trials
-from gcm_learn.recall.space.kernels import Query
+from gcm_learn.recall.space.kernels import Query, work_room
 from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.situation import JOINTS, spatial_frame_of
 
@@ -40,7 +40,7 @@ class TriesInSpace:
     ) -> tuple[int, int, Attempt[SpatialTrajectory] | None]:
         """The first of the offered memories that is valid; see `recall.adaptation.Tries`."""
         k, body, tried, time, joints = trials.first_valid(
-            paths[0], offer, self.query, self._tempo, budget, trials.work_room()
+            paths[0], offer, self.query, self._tempo, budget, work_room()
         )
         if k < 0:
             return -1, tried, None
@@ -50,7 +50,7 @@ class TriesInSpace:
     def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
         """When memories catch in it, see `recall.adaptation.transfer`."""
         out: np.ndarray = trials.catch_times(
-            knots, chosen, self.query, self._tempo, self.how.repairs, trials.work_room()
+            knots, chosen, self.query, self._tempo, self.how.bends, work_room()
         )
         return out
 

@@ -16,7 +16,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import fastest_hand, target_room
 from gcm_learn.planners.space.goals import pulled
 from gcm_learn.planners.space.moves import Study, time_of, turning_time
-from gcm_learn.planners.space.ways import Way, write
+from gcm_learn.planners.space.ways import Way, new_way, write
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
 from gcm_learn.scene.spatial_limb import limb_at
 
@@ -49,6 +49,18 @@ class Work(NamedTuple):
     path: np.ndarray  # (KNOTS, 4): the movement that was adapted last [rad]
     time: np.ndarray  # (KNOTS,): of it [s]
     way: Way  # the best so far
+    from_base: np.ndarray  # (KNOTS, 4), (KNOTS,): base and wanted that a change begins with
+    from_wanted: np.ndarray
+    least_base: np.ndarray  # (KNOTS, 4), (KNOTS,): of the change that touches least
+    least_wanted: np.ndarray
+
+
+def work_room() -> Work:
+    """Buffers for adaptations."""
+    share, wanted, time, from_wanted, least_wanted = np.zeros((5, KNOTS))
+    base, path, from_base, least_base = np.zeros((4, KNOTS, 4))
+    kept = from_base, from_wanted, least_base, least_wanted
+    return Work(share, base, wanted, np.zeros(4), path, time, new_way(), *kept)
 
 
 @njit(_nrt=False)
@@ -127,8 +139,10 @@ def _seed(study, work):
 
 
 @njit(_nrt=False)
-def meet(query, b, work):
+def meet(query, b, work, since):
     """Adapt the movement to where target b can be met and time it: the instant, or -1.
+
+    No instant before `since` [s] is tried.
 
     The sooner the instant, the better: one that comes late by some time needs at least that part
     of it in which hand and target can close the gap.
@@ -136,7 +150,7 @@ def meet(query, b, work):
     study = query.study
     horizon, fast = study.scene.limits.horizon, fastest_hand(study.scene)
     closing = fast / (fast + study.scene.bodies.rows[b, TOP_SPEED])
-    close, t, rough = _CLOSE * horizon, 0.0, True
+    close, t, rough = _CLOSE * horizon, since, True
     before, late_before = -1.0, 0.0
     for _ in range(_TURNS):
         if t > horizon:
@@ -183,10 +197,16 @@ def adapt_to_targets(knots, m, query, tempo, work):
         Whether any can be met in time.
     """
     load(knots, m, query, tempo, work)
+    return meet_any(query, work)
+
+
+@njit(_nrt=False)
+def meet_any(query, work):
+    """Adapt the movement to the target that it can catch first; whether any can be met in time."""
     best, rows = -1.0, query.study.scene.bodies.rows
     for b in range(rows.shape[0]):
         if rows[b, PART] == HAND:
-            t = meet(query, b, work)
+            t = meet(query, b, work, 0.0)
             if t >= 0.0 and (best < 0.0 or t < best):
                 best = t
                 keep(work, t, b)
