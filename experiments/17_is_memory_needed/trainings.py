@@ -1,0 +1,69 @@
+"""Which encoders are trained: all for the same number of turns, one after the other."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+from lessons import (
+    MOST,
+    Prototypes,
+    Still,
+    Strict,
+    Wider,
+    experience,
+    medoids,
+    trained,
+    with_validation,
+)
+
+from gcm_learn import dataset
+from gcm_learn.recall import TransferLabels
+
+TURNS = 40
+SIZES = (1000, 3000, 10_000)
+SEEDS = (0, 1, 2, 3, 4)
+PROTOTYPES = 100
+STILL = 3000
+FEW = (0, 1, 2)  # seeds of what is no claim of its own
+
+
+def names() -> list[str]:
+    """All trainings, what matters most first."""
+    found = [f"strict-{size}-{seed}" for seed in SEEDS for size in reversed(SIZES)]
+    found += [f"prototypes-{PROTOTYPES}-{seed}" for seed in FEW]
+    found += [f"still-{STILL}-{seed}" for seed in SEEDS]
+    return found + [f"wider-{SIZES[0]}-{seed}" for seed in FEW]
+
+
+def data_of(name: str, records: dataset.Dataset) -> TransferLabels:
+    """The lessons of a training."""
+    kind, size, seed = name.split("-")
+    count = {"strict": int(size), "wider": int(size), "still": MOST}.get(kind, max(SIZES))
+    seen = with_validation(experience(records, count, int(seed)), records)
+    if kind == "still":
+        return Still(seen, int(seed), int(size))
+    if kind == "prototypes":
+        whole = Strict(seen, int(seed))
+        kept = medoids(whole.path_features, int(size), int(seed))
+        return Prototypes(seen, int(seed), kept)
+    return {"strict": Strict, "wider": Wider}[kind](seen, int(seed))
+
+
+def train(name: str, folder: Path, out: Path) -> None:
+    """Train one of them, and keep the memories that it was trained on."""
+    data = data_of(name, dataset.open(folder))
+    place = out / "encoders" / name
+    trained(data, int(name.split("-")[2]), place, TURNS, out / "work" / name)
+    np.savez(place / "paths.npz", knots=data.knots, goals=data.goals)
+
+
+def train_all(folder: Path, out: Path) -> None:
+    """Train what is missing, each in a process of its own."""
+    script = Path(__file__).with_name("run.py")
+    for name in names():
+        if not (out / "encoders" / name / "paths.npz").exists():
+            call = [sys.executable, str(script), str(folder), "train", "--name", name]
+            subprocess.run(call, check=True)
