@@ -156,8 +156,9 @@ class Still(Strict):
 
 
 def at_rest(situation: Situation) -> Situation | None:
-    """Obstacles as they are at t = 0 for good, the target where `layered` catches it; None if it does
-    not, or something swings.
+    """Obstacles as they are at t = 0 for good, the target where `layered` catches it.
+
+    None if it does not, or something swings.
     """
     plan = get_planner("layered").plan(situation)
     if plan.catch_time is None or any(isinstance(b.motion, Pendulum) for b in situation.bodies):
@@ -188,14 +189,6 @@ def trained(data: TransferLabels, seed: int, folder: Path, turns: int, work: Pat
     (folder / "told.txt").write_text(told + "\n", "utf-8")
     print(folder.name, told, flush=True)
     return trainer.encoder
-
-
-def filed(data: TransferLabels, index: Any) -> Memory:
-    """The catches of training data as a memory."""
-    memory = Memory(index)
-    paths = [data.kind.waypoints(k, g) for k, g in zip(data.knots, data.goals, strict=True)]
-    memory.add(data.situations[: len(paths)], paths)
-    return memory
 
 
 def memory_of(encoder: Encoder, some: Dataset) -> Memory:

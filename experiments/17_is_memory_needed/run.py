@@ -1,10 +1,10 @@
-"""Is a memory needed, and does it win with the same experience? Writes table.md, pairs.json, figure.
+"""Is a memory needed, and what is it worth with the same experience? Writes the tables and figure.
 
 python experiments/17_is_memory_needed/run.py DATASET train     the encoders, one after the other
 python experiments/17_is_memory_needed/run.py DATASET ask       what is missing, then the tables
 
-DATASET is a folder of `gcm-learn generate data/specs/recall.toml`.  What is done is kept in out/ and
-not done again.
+DATASET is a folder of `gcm-learn generate data/specs/recall.toml`.  What is done is kept in out/
+and not done again.
 """
 
 from __future__ import annotations

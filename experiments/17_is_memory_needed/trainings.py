@@ -22,7 +22,7 @@ from lessons import (
 from gcm_learn import dataset
 from gcm_learn.recall import TransferLabels
 
-TURNS = 40
+TURNS = 25
 SIZES = (1000, 3000, 10_000)
 SEEDS = (0, 1, 2, 3, 4)
 PROTOTYPES = 100
@@ -32,10 +32,10 @@ FEW = (0, 1, 2)  # seeds of what is no claim of its own
 
 def names() -> list[str]:
     """All trainings, what matters most first."""
-    found = [f"strict-{size}-{seed}" for seed in SEEDS for size in reversed(SIZES)]
-    found += [f"prototypes-{PROTOTYPES}-{seed}" for seed in FEW]
-    found += [f"still-{STILL}-{seed}" for seed in SEEDS]
-    return found + [f"wider-{SIZES[0]}-{seed}" for seed in FEW]
+    strict = [f"strict-{size}-{seed}" for seed in SEEDS for size in reversed(SIZES)]
+    others = [f"prototypes-{PROTOTYPES}-{seed}" for seed in FEW]
+    others += [f"still-{STILL}-{seed}" for seed in FEW]
+    return [*strict, *others, *(f"wider-{SIZES[0]}-{seed}" for seed in FEW)]
 
 
 def data_of(name: str, records: dataset.Dataset) -> TransferLabels:

@@ -1,0 +1,125 @@
+"""Everybody who is asked, by name; made when it is their turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+from answers import CHECKS, Answer, Ask, among_equals, by
+from lessons import experience, memory_of
+from questions import Question
+from regressor import by_regressor, regressor, told
+from trainings import FEW, PROTOTYPES, SEEDS, SIZES, STILL
+
+from gcm_learn import dataset
+from gcm_learn.dataset import Dataset
+from gcm_learn.recall import (
+    Index,
+    LearnedIndex,
+    Memory,
+    RandomIndex,
+    RawIndex,
+    SplinesPlanner,
+    Waypoints,
+    load_encoder,
+    shipped_memory,
+)
+
+STEPS = 1200  # of the regressor's optimiser: as many as an encoder takes
+Make = Callable[[], Ask]
+
+
+def equal(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
+    """The same N catches, asked by the encoder that saw no others, by raw parameters, at random."""
+    for size in SIZES:
+        for seed in SEEDS:
+
+            def learned(size: int = size, seed: int = seed) -> Memory:
+                encoder = load_encoder(out / "encoders" / f"strict-{size}-{seed}")
+                return memory_of(encoder, experience(records, size, seed))
+
+            def raw(size: int = size, seed: int = seed) -> Ask:
+                memory = learned(size, seed)
+                return by(memory.refiled(RawIndex.fit(memory.situations())))
+
+            def random(size: int = size, seed: int = seed) -> Ask:
+                return by(learned(size, seed).refiled(RandomIndex()))
+
+            yield f"learned-{size}-{seed}", lambda learned=learned: by(learned())
+            yield f"raw-{size}-{seed}", raw
+            yield f"random-{size}-{seed}", random
+
+
+def needed(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
+    """What could stand in for a memory, learned from the same labels."""
+    for seed in FEW:
+        name = f"prototypes-{PROTOTYPES}-{seed}"
+        yield name, lambda name=name: by(paths_of(out / "encoders" / name))
+        yield (
+            f"{name}-random",
+            lambda name=name: by(paths_of(out / "encoders" / name).refiled(RandomIndex())),
+        )
+    for seed in FEW:
+        yield f"regressor-{max(SIZES)}-{seed}", lambda seed=seed: _regressor(out, seed)
+    for seed in FEW:
+        name = f"wider-{SIZES[0]}-{seed}"
+        yield name, lambda name=name: by(paths_of(out / "encoders" / name))
+
+
+def resting(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
+    """Encoders and memories of situations in which nothing moves, and of those as they were."""
+    for seed in FEW:
+        name = f"still-{STILL}-{seed}"
+        yield name, lambda name=name: by(paths_of(out / "encoders" / name))
+        twin = f"strict-{STILL}-{seed}"
+        yield f"moving-{STILL}-{seed}", lambda twin=twin: by(paths_of(out / "encoders" / twin))
+
+
+def shipped(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
+    """The memory that is shipped and its controls."""
+    memory = shipped_memory("recall")
+    yield "shipped", lambda: by(memory)
+    yield "shipped-raw", lambda: by(memory.refiled(RawIndex.fit(memory.situations())))
+    yield "shipped-random", lambda: by(memory.refiled(RandomIndex()))
+    yield "shipped-family", lambda: among_equals(memory, lambda q: q.family, 0)
+    both = among_equals(memory, lambda q: f"{q.family}/{q.stratum}", -1)
+    yield "shipped-family-stratum", lambda: both
+    yield "splines", lambda: splines
+
+
+def splines(question: Question, checks: int) -> Answer:
+    """Random movements; they are all checked if none is valid."""
+    return Answer(SplinesPlanner(checks).plan(question.situation), CHECKS)
+
+
+def paths_of(folder: Path) -> Memory:
+    """The memories that an encoder was trained on, filed by it; their situations are not kept."""
+    index: Index = LearnedIndex(load_encoder(folder))
+    with np.load(folder / "paths.npz") as file:
+        knots, goals = file["knots"], file["goals"]
+    memory, count = Memory(index), len(knots)
+    columns = {
+        "embeddings": index.embed_memories(
+            [], [Waypoints(k, g) for k, g in zip(knots, goals, strict=True)]
+        ),
+        "traces": knots,
+        "goals": goals,
+        "labels": np.zeros((count, 2), np.int16),
+        "uses": np.zeros(count, np.int32),
+        "lengths": np.zeros(count, np.int32),
+    }
+    memory._append(columns, [b""] * count)
+    return memory
+
+
+def _regressor(out: Path, seed: int) -> Ask:
+    name = f"strict-{max(SIZES)}-{seed}"
+    with np.load(out / "encoders" / name / "paths.npz") as file:
+        paths = told(file["knots"], file["goals"])
+    return by_regressor(regressor(out / "work" / name, paths, seed, STEPS))
+
+
+def opened(folder: Path) -> Dataset:
+    """The records."""
+    return dataset.open(folder)
