@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from answers import CHECKS, Answer, Ask, among_equals, by
-from lessons import experience, memory_of
+from lessons import experience
 from questions import Question
 from regressor import by_regressor, regressor, told
-from trainings import FEW, PROTOTYPES, SEEDS, SIZES, STILL
+from trainings import FEW, PROTOTYPES, REST, SEEDS, SIZES, STILL
 
 from gcm_learn import dataset
 from gcm_learn.dataset import Dataset
@@ -23,53 +24,39 @@ from gcm_learn.recall import (
     SplinesPlanner,
     Waypoints,
     load_encoder,
+    remember,
     shipped_memory,
 )
 
-STEPS = 1200  # of the regressor's optimiser: as many as an encoder takes
+STEPS = 750  # of the regressor's optimiser: as many as an encoder takes
 Make = Callable[[], Ask]
 
 
 def equal(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
     """The same N catches, asked by the encoder that saw no others, by raw parameters, at random."""
-    for size in SIZES:
-        for seed in SEEDS:
-
-            def learned(size: int = size, seed: int = seed) -> Memory:
-                encoder = load_encoder(out / "encoders" / f"strict-{size}-{seed}")
-                return memory_of(encoder, experience(records, size, seed))
-
-            def raw(size: int = size, seed: int = seed) -> Ask:
-                memory = learned(size, seed)
-                return by(memory.refiled(RawIndex.fit(memory.situations())))
-
-            def random(size: int = size, seed: int = seed) -> Ask:
-                return by(learned(size, seed).refiled(RandomIndex()))
-
-            yield f"learned-{size}-{seed}", lambda learned=learned: by(learned())
-            yield f"raw-{size}-{seed}", raw
-            yield f"random-{size}-{seed}", random
+    for seed in SEEDS:
+        for size in SIZES:
+            some = partial(experience, records, size, seed)
+            yield f"raw-{size}-{seed}", lambda some=some: by(remember(some(), "raw"))
+            if seed == SEEDS[0]:
+                yield f"random-{size}-{seed}", lambda some=some: by(remember(some(), RandomIndex()))
+            folder = out / "encoders" / f"strict-{size}-{seed}"
+            yield f"learned-{size}-{seed}", lambda folder=folder: by(paths_of(folder))
 
 
 def needed(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
     """What could stand in for a memory, learned from the same labels."""
     for seed in FEW:
-        name = f"prototypes-{PROTOTYPES}-{seed}"
-        yield name, lambda name=name: by(paths_of(out / "encoders" / name))
-        yield (
-            f"{name}-random",
-            lambda name=name: by(paths_of(out / "encoders" / name).refiled(RandomIndex())),
-        )
+        folder = out / "encoders" / f"prototypes-{PROTOTYPES}-{seed}"
+        yield folder.name, lambda folder=folder: by(paths_of(folder))
+        yield f"{folder.name}-random", lambda folder=folder: by(paths_of(folder, RandomIndex()))
     for seed in FEW:
         yield f"regressor-{max(SIZES)}-{seed}", lambda seed=seed: _regressor(out, seed)
-    for seed in FEW:
-        name = f"wider-{SIZES[0]}-{seed}"
-        yield name, lambda name=name: by(paths_of(out / "encoders" / name))
 
 
 def resting(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
     """Encoders and memories of situations in which nothing moves, and of those as they were."""
-    for seed in FEW:
+    for seed in REST:
         name = f"still-{STILL}-{seed}"
         yield name, lambda name=name: by(paths_of(out / "encoders" / name))
         twin = f"strict-{STILL}-{seed}"
@@ -93,9 +80,9 @@ def splines(question: Question, checks: int) -> Answer:
     return Answer(SplinesPlanner(checks).plan(question.situation), CHECKS)
 
 
-def paths_of(folder: Path) -> Memory:
+def paths_of(folder: Path, by_other: Index | None = None) -> Memory:
     """The memories that an encoder was trained on, filed by it; their situations are not kept."""
-    index: Index = LearnedIndex(load_encoder(folder))
+    index = by_other or LearnedIndex(load_encoder(folder))
     with np.load(folder / "paths.npz") as file:
         knots, goals = file["knots"], file["goals"]
     memory, count = Memory(index), len(knots)

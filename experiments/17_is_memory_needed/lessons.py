@@ -17,11 +17,8 @@ from gcm_learn.recall import (
     Encoder,
     EncoderConfig,
     Labels,
-    LearnedIndex,
-    Memory,
     Trainer,
     TransferLabels,
-    remember,
     save_encoder,
     training,
     waypoints_of,
@@ -77,13 +74,6 @@ class Strict(TransferLabels):
         return np.array(
             [Tries(p, PLAIN).catch_times(self.knots, self.goals, r) >= 0.0 for p, r in tries]
         )
-
-
-class Wider(Strict):
-    """The same memories, but labels about ever new situations of the specification, too."""
-
-    def _again(self) -> None:
-        pass
 
 
 class Prototypes(Strict):
@@ -189,11 +179,6 @@ def trained(data: TransferLabels, seed: int, folder: Path, turns: int, work: Pat
     (folder / "told.txt").write_text(told + "\n", "utf-8")
     print(folder.name, told, flush=True)
     return trainer.encoder
-
-
-def memory_of(encoder: Encoder, some: Dataset) -> Memory:
-    """The catches of the records, filed by the encoder."""
-    return remember(some, LearnedIndex(encoder))
 
 
 def medoids(places: np.ndarray, count: int, seed: int) -> np.ndarray:

@@ -21,10 +21,9 @@ from gcm_learn.situation import Situation, situation_from_json, situation_to_jso
 from gcm_learn.storage import write_whole
 
 CHUNK = 50  # draws of a file
-MOST = 400  # situations of Q that are looked for; of W as many are asked
-WAITLESS = 1000  # situations of W that are kept: more of them are asked where no wait is needed
+MOST = 300  # situations of W and of Q that are asked of all
 SPLITS = ("test-pendulum", "test-long-arm", "test-fast", "test-crowded")
-EACH = 150  # situations of W and Q of a split
+EACH = 100  # situations of W and Q of a split
 CROWD = (6, 8)  # obstacles; those of the dataset's own families are five at most
 SEED = 1701  # of the splits
 
@@ -43,7 +42,7 @@ def suite(seed: int, folder: Path) -> list[Question]:
     config = {"seed": seed, "families": list(FAMILIES)}
     found: dict[str, list[Question]] = {"W": [], "Q": []}
     first = 0
-    while len(found["Q"]) < MOST or len(found["W"]) < WAITLESS:
+    while min(map(len, found.values())) < MOST:
         for case in _chunk(config, first, folder):
             one = Question(case.stratum, case.family, case.index, case.read())
             found[case.stratum].append(one)

@@ -1,9 +1,9 @@
 """A regressor in place of a memory: from what a situation looks like to twenty paths.
 
 It learns from the very labels of an encoder: of the memories that are valid in a situation each
-pulls the nearest of the paths towards it, the others hardly (multiple choice learning: Guzman-Rivera,
-Batra and Kohli, NIPS 2012; relaxed as by Rupprecht et al., ICCV 2017). A second output says which
-of them will be the nearest.
+pulls the nearest of the paths towards it, the others hardly (multiple choice learning: Guzman-
+Rivera, Batra and Kohli, NIPS 2012; relaxed as by Rupprecht et al., ICCV 2017). A second output says
+which of them will be the nearest.
 """
 
 from __future__ import annotations

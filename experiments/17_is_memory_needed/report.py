@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from answers import within
-from questions import Question
+from fronts import hybrids
+from questions import SPLITS, Question
 from tally import hierarchical, holm, points, told
-from trainings import FEW, PROTOTYPES, SEEDS, SIZES, STILL
+from trainings import FEW, PROTOTYPES, REST, SEEDS, SIZES, STILL
 
 from gcm_learn.evaluation import Interval, chance, difference, mcnemar, stratified, wilson
-from gcm_learn.plots.figures import style
+from gcm_learn.plots import style
 from gcm_learn.storage import write_whole
 
 CHECKS = (1, 5, 20)
@@ -38,6 +39,11 @@ def over_seeds(found: Found, name: str, seeds: Sequence[int], checks: int) -> np
     return np.array([within(found[f"{name}-{seed}"], checks) for seed in seeds])
 
 
+def of(index: str) -> tuple[int, ...]:
+    """Seeds that an index was asked for."""
+    return SEEDS[:1] if index == "random" else SEEDS
+
+
 def against(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
     """Mean difference of (seeds, n), and the largest of McNemar's probabilities of the seeds."""
     pairs = zip(first, second, strict=True)
@@ -55,29 +61,29 @@ def equal(found: Found, strata: np.ndarray) -> list[str]:
             for name in ("WQ", "W", "Q"):
                 some = np.isin(strata, list(name))
                 for k in CHECKS:
-                    caught = over_seeds(found, f"{index}-{size}", SEEDS, k)[:, some]
+                    caught = over_seeds(found, f"{index}-{size}", of(index), k)[:, some]
                     cells.append(told(hierarchical(caught.astype(float))))
             lines.append(line(f"{size:,}", index, *cells))
     return lines
 
 
 def h8(found: Found) -> list[str]:
-    """Learned less raw and less random, after Holm over all that is shown."""
-    tests = [(size, other, k) for size in SIZES for other in ("raw", "random") for k in CHECKS]
-    gaps = []
-    for size, other, k in tests:
-        pair = (over_seeds(found, f"{name}-{size}", SEEDS, k) for name in ("learned", other))
-        gaps.append(against(*pair))
+    """Learned less raw, after Holm over all that is shown."""
+    tests = [(size, k) for size in SIZES for k in CHECKS]
+    both = {
+        test: [
+            over_seeds(found, f"{name}-{test[0]}", SEEDS, test[1]) for name in ("learned", "raw")
+        ]
+        for test in tests
+    }
+    gaps = [against(*both[test]) for test in tests]
     chances = holm([p for _, p in gaps])
-    lines = head("N", "learned less", "checks", "points", "seeds", "p (Holm)")
-    for (size, other, k), (gap, _), p in zip(tests, gaps, chances, strict=True):
-        each = [
-            100 * (within(found[f"learned-{size}-{s}"], k).mean()
-                   - within(found[f"{other}-{size}-{s}"], k).mean())
-            for s in SEEDS
-        ]  # fmt: skip
-        span = f"{min(each):+.1f} to {max(each):+.1f}"
-        lines.append(line(f"{size:,}", other, str(k), points(gap), span, chance(p)))
+    lines = head("N", "checks", "learned less raw", "of the seeds", "p (Holm)")
+    for (size, k), (gap, _), p in zip(tests, gaps, chances, strict=True):
+        mine, other = both[size, k]
+        each = 100 * (mine.mean(axis=1) - other.mean(axis=1))
+        span = f"{each.min():+.1f} to {each.max():+.1f}"
+        lines.append(line(f"{size:,}", str(k), points(gap), span, chance(p)))
     return lines
 
 
@@ -102,7 +108,6 @@ def needed(found: Found) -> list[str]:
         f"{PROTOTYPES} prototypes, learned": f"prototypes-{PROTOTYPES}",
         f"{PROTOTYPES} prototypes, random": f"prototypes-{PROTOTYPES}-random",
         "1,000 memories, learned": "learned-1000",
-        "1,000 memories, more situations": "wider-1000",
     }
     named = {told_: name for told_, name in rows.items() if _there(found, name)}
     tests = [(name, k) for name in list(named.values())[1:] for k in CHECKS]
@@ -227,8 +232,8 @@ def resting(groups: dict[str, Found]) -> list[str]:
                  "points (95 %)", "within the margin")  # fmt: skip
     for group, found in groups.items():
         for k in (1, 20):
-            still = over_seeds(found, f"still-{STILL}", FEW, k).astype(float)
-            moving = over_seeds(found, f"moving-{STILL}", FEW, k).astype(float)
+            still = over_seeds(found, f"still-{STILL}", REST, k).astype(float)
+            moving = over_seeds(found, f"moving-{STILL}", REST, k).astype(float)
             narrow = hierarchical(still - moving, 0.90)
             inside = -MARGIN < narrow.low and narrow.high < MARGIN
             lines.append(line(
@@ -258,7 +263,7 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
     for index, colour in looks.items():
         for k, dash in ((1, ":"), (20, "-")):
             shares = [
-                hierarchical(over_seeds(found, f"{index}-{n}", SEEDS, k).astype(float))
+                hierarchical(over_seeds(found, f"{index}-{n}", of(index), k).astype(float))
                 for n in SIZES
             ]
             value, low, high = 100 * np.array(shares).T
@@ -280,9 +285,61 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
     drawn.savefig(path)
 
 
-def sections(parts: Iterator[tuple[str, list[str]]]) -> str:
+def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], whole: Any) -> None:
+    """Write table.md, pairs.json and figure.png of what has been asked."""
+    found = _read(suite / "answers")
+    splits = {split: _read(out / "outside" / split) for split in SPLITS}
+    groups = {name: _read(suite / name) for name in ("W", "at rest")}
+    told_ = [json.loads(x) for x in (suite / "fronts.jsonl").read_text("utf-8").splitlines()]
+    made = hybrids(told_)
+    both = {what: pairs(made, what) for what in ("caught", "ready")}
+    strata = np.array([q.stratum for q in rows])
+    page = {
+        "Equal experience": equal(found, strata),
+        "Equal experience: differences": h8(found),
+        "Seeds": seeds_apart(found),
+        "Is a memory needed?": needed(found),
+        "The shipped memory": shipped(found, rows),
+        "Not trained on": outside(splits),
+        "Fronts and fallbacks: 20 ms charged": fronts(made, "caught"),
+        "Fronts and fallbacks: 20 ms charged, ready by then": fronts(made, "ready"),
+        "What the learned front is worth: charged": chosen(both["caught"], made, "caught"),
+        "What the learned front is worth: ready by 20 ms": chosen(both["ready"], made, "ready"),
+        "Processor time of hybrids: median, 90 %": latencies(made),
+        "At rest and in motion": resting(groups),
+    }
+    counts = {name: int(np.sum(strata == name)) for name in "WQ"}
+    said = judged([found, *splits.values(), *groups.values()], told_)
+    note = (
+        f"Suite of seed {suite.name.removeprefix('fresh-')}: {counts['W']} situations of W and "
+        f"{counts['Q']} of Q are asked of all. The referee judged {said}."
+    )
+    write_whole(here / "table.md", sections(page) + f"\n{note}\n")
+    write_json(here / "pairs.json", both)
+    figure(here / "figure.png", found, splits)
+
+
+def _read(folder: Path) -> Found:
+    """All answers of a folder."""
+    return {
+        file.stem: json.loads(file.read_text("utf-8")) for file in sorted(folder.glob("*.json"))
+    }
+
+
+def judged(groups: list[Found], told_: list[dict[str, Any]]) -> str:
+    """How many catches the referee has judged, and of how many it complained."""
+    answers = [one for group in groups for one in group.values()]
+    catches = sum(sum(one["first"]) + sum(one["caught"]) for one in answers)
+    broken = sum(one["broken"] for one in answers)
+    parts = [part for one in told_ for part in one.values() if isinstance(part, list)]
+    catches += sum(part[0] for part in parts)
+    broken += sum(part[2] for part in parts)
+    return f"{catches:,} catches and found fault with {broken}"
+
+
+def sections(parts: dict[str, list[str]]) -> str:
     """All tables on one page."""
-    return "\n\n".join(f"## {title}\n\n" + "\n".join(lines) for title, lines in parts) + "\n"
+    return "\n\n".join(f"## {t}\n\n" + "\n".join(lines) for t, lines in parts.items()) + "\n"
 
 
 def write_json(path: Path, values: Any) -> None:

@@ -10,13 +10,28 @@ and not done again.
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "02_waiting"), str(HERE.parents[1])]
 
+import fronts  # noqa: E402
+import report  # noqa: E402
+from answers import Referee, answered  # noqa: E402
+from entrants import equal, needed, opened, resting, shipped  # noqa: E402
+from lessons import at_rest  # noqa: E402
+from questions import SPLITS, Question, asked, development, outside, suite  # noqa: E402
+from trainings import train, train_all  # noqa: E402
+
+from gcm_learn.errors import EncoderError  # noqa: E402
+from gcm_learn.planners import get_planner  # noqa: E402
+
 OUT = HERE / "out"
+FROZEN = HERE / "frozen.json"
+"""The commit that froze code and generator, and the seed that its hash gives."""
 
 
 def main() -> None:
@@ -25,14 +40,75 @@ def main() -> None:
     parser.add_argument("dataset", type=Path)
     parser.add_argument("part", choices=("train", "ask"))
     parser.add_argument("--name", help="of one training")
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
+    parser.add_argument("--development", type=Path, help="suites W and Q that are asked instead")
+    parser.add_argument("--count", type=int, default=400, help="of each, of these")
     given = parser.parse_args()
-    if given.part == "train":
-        from trainings import train, train_all
+    if given.part == "train" and given.name:
+        train(given.name, given.dataset, OUT)
+    elif given.part == "train":
+        train_all(given.dataset, OUT)
+    else:
+        ask(given)
 
-        if given.name:
-            train(given.name, given.dataset, OUT)
-        else:
-            train_all(given.dataset, OUT)
+
+PARTS = ("equal", "needed", "shipped", "fronts", "resting", "outside", "report")
+
+
+def ask(given: argparse.Namespace) -> None:
+    """Ask what was not asked yet, and write the tables of what there is."""
+    if given.development:
+        out, whole = OUT / "development", development(given.development, given.count)
+    else:
+        frozen = json.loads(FROZEN.read_text("utf-8"))
+        out = OUT / f"fresh-{frozen['seed']}"
+        whole = suite(frozen["seed"], out / "draws")
+    records, referee, rows = opened(given.dataset), Referee(), asked(whole)
+    for name, part in {"equal": equal, "needed": needed, "shipped": shipped}.items():
+        if name in given.only:
+            for who, make in part(records, OUT):
+                _answered(out / "answers" / f"{who}.json", make, rows, referee)
+    if "fronts" in given.only:
+        fronts.parts(out / "fronts.jsonl", rows, referee)
+    if "resting" in given.only:
+        for group, some in waitless(whole).items():
+            for who, make in resting(records, OUT):
+                _answered(out / group / f"{who}.json", make, some, referee)
+    if "outside" in given.only:
+        for split in SPLITS:
+            some = outside(split, records.spec, OUT / "outside")
+            for who, make in shipped(records, OUT):
+                if who != "shipped-family-stratum":
+                    _answered(OUT / "outside" / split / f"{who}.json", make, some, referee)
+    if "report" in given.only:
+        report.write(HERE, OUT, out, rows, whole)
+
+
+def _answered(file: Path, make: Any, rows: list[Question], referee: Referee) -> None:
+    """Ask one of them, unless it has been asked, or is not trained yet."""
+    if file.exists():
+        return
+    try:
+        who = make()
+    except (EncoderError, FileNotFoundError) as error:
+        print(f"{file.stem}: not asked ({error})", flush=True)
+        return
+    answered(file, who, rows, referee)
+
+
+def waitless(whole: list[Question]) -> dict[str, list[Question]]:
+    """W in which something moves, and whatever needs a detour once nothing does."""
+    groups: dict[str, list[Question]] = {"W": [], "at rest": []}
+    for question in whole:
+        still = at_rest(question.situation)
+        if still is None or still == question.situation:
+            continue
+        if question.stratum == "W":
+            groups["W"].append(question)
+        detour = not get_planner("straight").plan(still).caught
+        if detour and get_planner("layered").plan(still).caught:
+            groups["at rest"].append(question._replace(situation=still))
+    return groups
 
 
 if __name__ == "__main__":

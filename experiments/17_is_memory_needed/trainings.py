@@ -12,7 +12,6 @@ from lessons import (
     Prototypes,
     Still,
     Strict,
-    Wider,
     experience,
     medoids,
     trained,
@@ -27,21 +26,26 @@ SIZES = (1000, 3000, 10_000)
 SEEDS = (0, 1, 2, 3, 4)
 PROTOTYPES = 100
 STILL = 3000
-FEW = (0, 1, 2)  # seeds of what is no claim of its own
+FEW = (0, 1)  # seeds of what is no claim of its own
+REST = (0, 1, 2)  # of what learns at rest
 
 
 def names() -> list[str]:
     """All trainings, what matters most first."""
-    strict = [f"strict-{size}-{seed}" for seed in SEEDS for size in reversed(SIZES)]
-    others = [f"prototypes-{PROTOTYPES}-{seed}" for seed in FEW]
-    others += [f"still-{STILL}-{seed}" for seed in FEW]
-    return [*strict, *others, *(f"wider-{SIZES[0]}-{seed}" for seed in FEW)]
+    strict = [(seed, size) for seed in SEEDS for size in reversed(SIZES)]
+    soon = [one for one in strict if one[0] in REST or one[1] == max(SIZES)]
+    later = [one for one in strict if one not in soon]
+    found = [f"strict-{size}-{seed}" for seed, size in soon]
+    found += [f"prototypes-{PROTOTYPES}-{FEW[0]}"]
+    found += [f"still-{STILL}-{seed}" for seed in REST]
+    found += [f"strict-{size}-{seed}" for seed, size in later]
+    return found + [f"prototypes-{PROTOTYPES}-{seed}" for seed in FEW[1:]]
 
 
 def data_of(name: str, records: dataset.Dataset) -> TransferLabels:
     """The lessons of a training."""
     kind, size, seed = name.split("-")
-    count = {"strict": int(size), "wider": int(size), "still": MOST}.get(kind, max(SIZES))
+    count = {"strict": int(size), "still": MOST}.get(kind, max(SIZES))
     seen = with_validation(experience(records, count, int(seed)), records)
     if kind == "still":
         return Still(seen, int(seed), int(size))
@@ -49,7 +53,7 @@ def data_of(name: str, records: dataset.Dataset) -> TransferLabels:
         whole = Strict(seen, int(seed))
         kept = medoids(whole.path_features, int(size), int(seed))
         return Prototypes(seen, int(seed), kept)
-    return {"strict": Strict, "wider": Wider}[kind](seen, int(seed))
+    return Strict(seen, int(seed))
 
 
 def train(name: str, folder: Path, out: Path) -> None:
