@@ -42,8 +42,8 @@ def suite(seed: int, folder: Path) -> list[Question]:
     config = {"seed": seed, "families": list(FAMILIES)}
     found: dict[str, list[Question]] = {"W": [], "Q": []}
     first = 0
-    while min(map(len, found.values())) < MOST:
-        for case in _chunk(config, first, folder):
+    while wanted := tuple(name for name, kept in found.items() if len(kept) < MOST):
+        for case in _chunk(config, first, wanted, folder):
             one = Question(case.stratum, case.family, case.index, case.read())
             found[case.stratum].append(one)
         first += CHUNK
@@ -51,12 +51,12 @@ def suite(seed: int, folder: Path) -> list[Question]:
     return [*found["W"], *found["Q"]]
 
 
-def _chunk(config: dict[str, Any], first: int, folder: Path) -> list[Case]:
-    """What CHUNK draws give, kept in a file."""
+def _chunk(config: dict[str, Any], first: int, wanted: tuple[str, ...], folder: Path) -> list[Case]:
+    """What CHUNK draws give of the strata that are wanted, kept in a file."""
     file = folder / f"draws_{first:07d}.jsonl"
     if not file.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        found = [draw(config, k, ("W", "Q")) for k in range(first, first + CHUNK)]
+        found = [draw(config, k, wanted) for k in range(first, first + CHUNK)]
         kept = [asdict(one) for one in found if not isinstance(one, str)]
         write_whole(file, "".join(json.dumps(one) + "\n" for one in kept))
     return [Case(**json.loads(line)) for line in file.read_text("utf-8").splitlines()]

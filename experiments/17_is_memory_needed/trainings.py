@@ -32,13 +32,14 @@ REST = (0, 1, 2)  # of what learns at rest
 
 def names() -> list[str]:
     """All trainings, what matters most first."""
-    strict = [(seed, size) for seed in SEEDS for size in reversed(SIZES)]
-    soon = [one for one in strict if one[0] in REST or one[1] == max(SIZES)]
-    later = [one for one in strict if one not in soon]
-    found = [f"strict-{size}-{seed}" for seed, size in soon]
-    found += [f"prototypes-{PROTOTYPES}-{FEW[0]}"]
-    found += [f"still-{STILL}-{seed}" for seed in REST]
-    found += [f"strict-{size}-{seed}" for seed, size in later]
+    small, middle, large = SIZES
+    strict = [(large, 0), (middle, 0), (small, 0)]
+    strict += [(size, seed) for seed in (1, 2) for size in (large, small)]
+    strict += [(large, 3), (large, 4), (middle, 1), (middle, 2)]
+    rest = [(size, seed) for seed in (3, 4) for size in (small, middle)]
+    found = [f"strict-{size}-{seed}" for size, seed in strict]
+    found += [f"prototypes-{PROTOTYPES}-0", *(f"still-{STILL}-{seed}" for seed in REST)]
+    found += [f"strict-{size}-{seed}" for size, seed in rest]
     return found + [f"prototypes-{PROTOTYPES}-{seed}" for seed in FEW[1:]]
 
 
