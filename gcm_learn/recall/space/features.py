@@ -17,7 +17,7 @@ from gcm_learn.planners.space.goals import pulled
 from gcm_learn.planners.space.moves import study_of, turning_time
 from gcm_learn.recall.clearance_features import Features
 from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
+from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.situation import JOINTS, Situation, SpatialArm, spatial_frame_of
@@ -84,10 +84,16 @@ def _features(study, turns, reach):
         end[j] = study.goal[j]
     _fill_context(study, target, turns, reach, end, when, context)
     limbs, times = _looked_at(study, turns, end, abs(when))
-    far = FREE * reach
+    far, again = FREE * reach, np.zeros(CELLS, dtype=np.bool_)
+    for c in range(1, CELLS):
+        again[c] = (limbs[c] == limbs[c - 1]).all()
     for o in range(obstacles.size):
+        still = study.scene.bodies.rows[obstacles[o], TOP_SPEED] == 0.0
         for c in range(CELLS):
             row = limbs[c]
+            if still and again[c]:
+                cells[o, c] = cells[o, c - 1]
+                continue
             place = (row[0], row[1], row[2], row[3], row[4], row[5])
             found, _ = body_distance(
                 study.scene.bodies, obstacles[o], times[c], place, 0.0, 0.0,
