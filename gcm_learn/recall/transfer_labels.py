@@ -221,7 +221,9 @@ class TransferLabels:
             k += 1
             family = self.spec.choose(source)
             problem = self.kind.problem(family.draw(source, "drawn"), "labels")
-            if problem.early_answer() is not None or self._is_held_out(family.family, problem):
+            if self.kind.early_answer(problem) is not None or self._is_held_out(
+                family.family, problem
+            ):
                 continue
             if rng.random() >= EASY and self.kind.straight(problem).caught:
                 continue

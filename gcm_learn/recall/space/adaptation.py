@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Attempt, Plan, SpatialProblem, at_once, study_of
 from gcm_learn.recall.adaptation import TEMPOS, Adaptation
-from gcm_learn.recall.space import trials
+from gcm_learn.recall.space import accelerated, trials
 from gcm_learn.recall.space.kernels import Query, work_room
 from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.situation import JOINTS, spatial_frame_of
@@ -18,7 +18,7 @@ from gcm_learn.situation import JOINTS, spatial_frame_of
 class TriesInSpace:
     """Memories tried on a situation of a spatial arm, see `recall.adaptation.Tries`.
 
-    Only one tempo is tried.
+    Only one tempo is tried; under limits of acceleration several times of the end.
     """
 
     def __init__(self, problem: SpatialProblem, how: Adaptation) -> None:
@@ -35,10 +35,17 @@ class TriesInSpace:
     def _tempo(self) -> int:
         return TEMPOS["keep" if self.how.tempo == "keep" else "hurry"]
 
+    @property
+    def _times(self) -> int:
+        """At how many times memories are looked at, where accelerations are limited."""
+        return len(accelerated.STRETCHES) if self.how.bends else 1
+
     def first_valid(
         self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
     ) -> tuple[int, int, Attempt[SpatialTrajectory] | None]:
         """The first of the offered memories that is valid; see `recall.adaptation.Tries`."""
+        if self.problem.accelerates:
+            return self._first_accelerated(paths[0], offer, budget)
         k, body, tried, time, joints = trials.first_valid(
             paths[0], offer, self.query, self._tempo, budget, work_room()
         )
@@ -47,8 +54,26 @@ class TriesInSpace:
         path = SpatialTrajectory(self.problem.situation.arm, time, joints)
         return k, tried, Attempt(path, int(body))
 
+    def _first_accelerated(
+        self, knots: np.ndarray, offer: Offer, budget: Budget
+    ) -> tuple[int, int, Attempt[SpatialTrajectory] | None]:
+        """The same, where accelerations are limited."""
+        track = accelerated.new_track()
+        k, body, tried = accelerated.first_valid(
+            knots, offer, self.query, self._times, budget, work_room(), track
+        )
+        if k < 0:
+            return -1, tried, None
+        path = SpatialTrajectory(self.problem.situation.arm, track.time, track.joints, track.rates)
+        return k, tried, Attempt(path, int(body))
+
     def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
         """When memories catch in it, see `recall.adaptation.transfer`."""
+        if self.problem.accelerates:
+            track = accelerated.new_track()
+            return accelerated.catch_times(
+                knots, chosen, self.query, self._times, work_room(), track
+            )
         out: np.ndarray = trials.catch_times(
             knots, chosen, self.query, self._tempo, self.how.bends, work_room()
         )
@@ -57,4 +82,4 @@ class TriesInSpace:
 
 def early_answer_in_space(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
     """What can be said without a memory: hopeless, blocked, or caught at t = 0."""
-    return problem.early_answer() or at_once(problem)
+    return problem.early_answer(keeps_acceleration=True) or at_once(problem)

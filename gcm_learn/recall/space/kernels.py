@@ -100,14 +100,22 @@ def _soonest_end(study, work):
 
 
 @njit(_nrt=False)
-def _paced(study, work):
-    """Write the movement to the end and its times: as early as limits allow, no wait cut short."""
+def write_path(study, edge, work):
+    """Write the movement to the end, between its ends by `edge` [rad] within the joints' ranges."""
     limb, base, share, end, path = study.scene.limb, work.base, work.share, work.end, work.path
     for j in range(4):
-        off = end[j] - base[KNOTS - 1, j]
+        off, room = end[j] - base[KNOTS - 1, j], min(edge, 0.5 * (limb.high[j] - limb.low[j]))
+        low, high = limb.low[j] + room, limb.high[j] - room
         for k in range(KNOTS):
-            path[k, j] = min(max(base[k, j] + share[k] * off, limb.low[j]), limb.high[j])
+            path[k, j] = min(max(base[k, j] + share[k] * off, low), high)
         path[0, j], path[KNOTS - 1, j] = limb.start[j], end[j]
+
+
+@njit(_nrt=False)
+def _paced(study, work):
+    """Write the movement to the end and its times: as early as limits allow, no wait cut short."""
+    write_path(study, 0.0, work)
+    path = work.path
     work.time[0] = 0.0
     for k in range(1, KNOTS):
         took, _ = time_of(study, path[k - 1], path[k])
@@ -130,7 +138,7 @@ def _away(study, b, fast, t):
 
 
 @njit(_nrt=False)
-def _seed(study, work):
+def seed_end(study, work):
     """Begin with the end of the memory, within the joints' ranges."""
     limb = study.scene.limb
     for j in range(4):
@@ -159,7 +167,7 @@ def meet(query, b, work, since):
         if away > close:
             t, before = t + away, -1.0
             continue
-        _seed(study, work)
+        seed_end(study, work)
         if not pulled(study, b, t, work.end):
             t, before, rough = t + horizon / _STRIDE, -1.0, True
             continue

@@ -21,6 +21,8 @@ from gcm_learn.scene import pack
 from gcm_learn.situation import Situation, SpatialArm, canonical
 
 CLOSE = 1e-2  # knots are put where the joints would be farther off than this [rad]
+RESTS = 10.0  # as `SLOW`, of a movement that takes time to come to its speed
+LOOKS = 97  # at a curved movement, for where it bends
 GOAL = 6
 
 
@@ -48,14 +50,14 @@ def waypoints_in_space(
     if path is None or plan.catch_body is None:
         raise ValueError(f"plan: {plan.status}, only catches can be remembered")
     turned, frame = canonical(situation)
-    joints = frame.canonical_joints(path.joints)
-    time = knot_times(path.time, joints, KNOTS, CLOSE)
+    seen = path.time if path.rates is None else np.linspace(0.0, path.duration, LOOKS)
+    time = knot_times(seen, frame.canonical_joints(path.joints_at(seen)), KNOTS, CLOSE)
     knots = np.zeros((KNOTS, COLUMNS), dtype=np.float32)
     at = frame.canonical_joints(path.joints_at(time))
     knots[:, :4], knots[:, TIME] = at, time
     scene = pack(turned)
     least = least_times(study_of(scene, opening(scene).rules), at)
-    slow = np.diff(time) > SLOW * least + 1e-6
+    slow = np.diff(time) > (SLOW if path.rates is None else RESTS) * least + 1e-6
     knots[1:, EARLIEST] = np.where(slow, time[1:], 0.0)
     body = [b.name for b in situation.bodies].index(plan.catch_body)
     hand, centre = frame.canonical(path.hand[-1]), centre_of(scene.bodies, body, path.duration)

@@ -1,0 +1,232 @@
+"""Recall under limits of acceleration: catches keep their timing, and are retimed where needed."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+
+from gcm_learn import families, get_planner, solve
+from gcm_learn.planners import plan_to_json
+from gcm_learn.recall import (
+    SPACE,
+    Adaptation,
+    HybridPlanner,
+    Memory,
+    RandomIndex,
+    RawIndex,
+    RecallPlanner,
+    waypoints_of,
+)
+from gcm_learn.recall.space.kernels import EARLIEST, TIME
+from gcm_learn.situation import canonical, situation_from_json, situation_to_json
+from gcm_learn.situation.spatial_frame import _in_base, _mirrored
+from tests import strategies
+from tests.planners.test_fuzz_in_space import answered, wild_situations
+from tests.referee_in_space import judge
+from tests.situation.test_spatial_arm import MOVING
+
+NAMES = ("static-clutter-space", "window-space", "falling-space", "crate-space")
+RAMP = 0.08  # in which joints come to their full speed [s]
+
+
+def limited(situation, ramp=RAMP, moving=0.4, seed=0):
+    """A situation whose joints need a time to come to full speed, and may move at t = 0."""
+    arm, rng = situation.arm, np.random.default_rng(seed)
+    limits = tuple(speed / ramp for speed in arm.max_joint_speed)
+    rates = tuple(moving * rng.uniform(-1.0, 1.0, 4) * arm.max_joint_speed)
+    return replace(situation, arm=replace(arm, max_joint_acceleration=limits, joint_rates=rates))
+
+
+def drawn(seed, count):
+    """Situations under limits of acceleration."""
+    return [limited(families.draw(NAMES[k % 4], seed, k), seed=k) for k in range(count)]
+
+
+@pytest.fixture(scope="module")
+def catches():
+    """Situations under such limits with their catches."""
+    found = ((s, solve(s, "layered")) for s in drawn(311, 60))
+    return [(s, plan) for s, plan in found if plan.caught]
+
+
+@pytest.fixture(scope="module")
+def memory(catches):
+    """A memory of them."""
+    situations = [situation for situation, _ in catches]
+    made = Memory(RawIndex.fit(situations), kind=SPACE)
+    made.add(situations, [waypoints_of(s, plan) for s, plan in catches])
+    return made
+
+
+PLANNERS = {
+    "recall": lambda memory: RecallPlanner(memory),
+    "recall-1": lambda memory: RecallPlanner(memory, 1, "recall-1", novelty=0.0),
+    "hybrid": lambda memory: HybridPlanner(RecallPlanner(memory, 5)),
+    "recall-random": lambda memory: RecallPlanner(memory.refiled(RandomIndex())),
+    "once": lambda memory: RecallPlanner(memory, how=Adaptation(repairs=0)),
+    "shipped": lambda memory: get_planner("recall"),
+}
+
+
+@pytest.mark.parametrize("name", PLANNERS)
+def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(memory, name):
+    planner, caught = PLANNERS[name](memory), 0
+    for situation in drawn(312, 40):
+        plan = planner.plan(situation)
+        assert plan.status in ("caught", "unreachable", "start_blocked")
+        if plan.caught:
+            caught += 1
+            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
+            assert verdict.complaints == []
+            assert tuple(plan.trajectory.rates[0]) == situation.arm.joint_rates
+    assert caught >= (3 if name == "recall-1" else 10)
+
+
+def test_a_catch_keeps_its_timing_where_it_was_made(memory, catches):
+    """Where it was made it is one of its own times, nearly always the very same, and its way."""
+    planner, own, ways = RecallPlanner(memory, 1, novelty=0.0), 0, []
+    for k, (situation, plan) in enumerate(catches):
+        found = planner.recollect(situation)
+        if found.memory == k and found.plan.catch_time == pytest.approx(plan.catch_time, rel=1e-6):
+            own += 1
+            at = np.linspace(0.0, plan.catch_time, 50)
+            ways.append(found.plan.trajectory.joints_at(at) - plan.trajectory.joints_at(at))
+    assert own > 0.8 * len(catches)
+    assert np.median([np.abs(way).max() for way in ways]) < 0.03
+
+
+def test_weaker_joints_keep_the_way_and_need_more_time(memory, catches):
+    planner, retimed = RecallPlanner(memory, 1, novelty=0.0), 0
+    for k, (situation, plan) in enumerate(catches):
+        arm = situation.arm
+        for share in (0.6, 0.4, 0.25):
+            limits = tuple(share * limit for limit in arm.max_joint_acceleration)
+            weak = replace(situation, arm=replace(arm, max_joint_acceleration=limits))
+            found = planner.recollect(weak)
+            if found.memory == k and found.plan.catch_time > 1.03 * plan.catch_time:
+                retimed += 1
+                verdict = judge(situation_to_json(weak), plan_to_json(found.plan, weak))
+                assert verdict.complaints == []
+                again = waypoints_of(weak, found.plan).knots
+                assert np.abs(again[-1, :4] - memory.knots[k, -1, :4]).max() < 1.0
+                break
+    assert retimed >= 3
+
+
+def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits(catches):
+    waiting = 0
+    for situation, plan in catches:
+        knots, path = waypoints_of(situation, plan).knots.astype(float), plan.trajectory
+        turned = canonical(situation)[1]
+        assert knots[-1, TIME] == pytest.approx(plan.catch_time, rel=1e-6)
+        at = np.linspace(0.0, path.duration, 200)
+        there = np.stack([np.interp(at, knots[:, TIME], knots[:, j]) for j in range(4)], axis=1)
+        assert np.abs(there - turned.canonical_joints(path.joints_at(at))).max() < 0.15
+        for k in np.flatnonzero(knots[:, EARLIEST]):
+            waiting += 1
+            speed = np.abs(knots[k, :4] - knots[k - 1, :4]) / (knots[k, TIME] - knots[k - 1, TIME])
+            assert (speed < 0.11 * np.array(situation.arm.max_joint_speed)).any()
+    assert waiting > 0
+
+
+def test_memories_without_such_limits_serve_under_them_and_the_other_way_round(memory):
+    """What is kept is the same for both, so folders from before such limits were known load."""
+    free = [families.draw(NAMES[k % 4], 313, k) for k in range(24)]
+    plans = [solve(s, "layered") for s in free]
+    found = [(s, p) for s, p in zip(free, plans, strict=True) if p.caught]
+    unlimited = Memory(RawIndex.fit([s for s, _ in found]), kind=SPACE)
+    unlimited.add([s for s, _ in found], [waypoints_of(*pair) for pair in found])
+    assert unlimited.knots.shape[1:] == memory.knots.shape[1:]
+    served = [RecallPlanner(unlimited).plan(s).caught for s in drawn(314, 24)]
+    assert sum(served) >= 8
+    assert sum(RecallPlanner(memory).plan(s).caught for s in free) >= 8
+
+
+def test_a_right_arm_recalls_what_a_left_one_does(memory):
+    planner, same = RecallPlanner(memory), 0
+    for situation in (canonical(s)[0] for s in drawn(315, 16)):
+        bodies = tuple(_in_base(situation, mirrored=True))
+        mirror = replace(situation, arm=_mirrored(situation.arm), bodies=bodies)
+        mine, other = planner.recollect(situation), planner.recollect(mirror)
+        assert (mine.memory, mine.checked) == (other.memory, other.checked)
+        if mine.memory is not None:
+            same += 1
+            signs = np.array([1.0, -1.0, -1.0, -1.0])
+            paths = mine.plan.trajectory, other.plan.trajectory
+            assert np.allclose(paths[0].joints * signs, paths[1].joints, atol=1e-8)
+            assert np.allclose(paths[0].rates * signs, paths[1].rates, atol=1e-6)
+    assert same >= 4
+
+
+def test_more_times_of_the_end_catch_more(memory):
+    situations, caught = drawn(316, 32), {}
+    for repairs in (0, 1):
+        planner = RecallPlanner(memory, 5, how=Adaptation(repairs=repairs))
+        caught[repairs] = sum(planner.plan(s).caught for s in situations)
+    assert caught[1] > caught[0]
+    for situation in situations[:8]:
+        times = [
+            SPACE.tries(SPACE.problem(situation, "labels"), Adaptation(repairs=r)).catch_times(
+                memory.knots, memory.goals, np.arange(len(memory))
+            )
+            for r in (0, 1)
+        ]
+        plain = times[0] >= 0.0
+        assert np.array_equal(times[1][plain], times[0][plain])
+
+
+def test_hybrid_keeps_deadlines_and_bounds():
+    planner, sooner, bounded = get_planner("hybrid"), 0, 0
+    for situation in drawn(317, 12):
+        first = planner.plan(situation)
+        if not first.caught:
+            continue
+        patient = planner.plan(situation, deadline=0.25)
+        assert patient.catch_time <= first.catch_time
+        sooner += patient.catch_time < first.catch_time
+        asked = planner.plan(situation, bound=0.7 * first.catch_time)
+        assert not asked.caught or asked.catch_time <= 0.7 * first.catch_time
+        bounded += asked.caught
+        for plan in (patient, asked):
+            if plan.caught:
+                verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
+                assert verdict.complaints == []
+    assert sooner > 0 and bounded > 0
+
+
+# --- any situation ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def _compiled():
+    for planner in ("recall", "hybrid"):
+        solve(situation_from_json(copy.deepcopy(MOVING)), planner)
+
+
+@pytest.mark.parametrize("planner", ["recall", "hybrid"])
+@settings(max_examples=40)
+@given(situation=strategies.spatial_situations())
+def test_valid_situations_get_an_answer_that_holds(_compiled, planner, situation):
+    assume(situation.arm.max_joint_acceleration is not None)
+    record = answered(situation, planner)
+    if record["status"] == "caught":
+        assert judge(situation_to_json(situation), record).complaints == []
+
+
+@settings(max_examples=40)
+@given(situation=wild_situations())
+def test_wild_situations_get_an_answer(_compiled, situation):
+    assume(situation.arm.max_joint_acceleration is not None)
+    answered(situation, "recall")
+
+
+@pytest.mark.slow
+@settings(max_examples=1000)
+@given(situation=wild_situations() | strategies.spatial_situations())
+def test_many_situations_get_an_answer(_compiled, situation):
+    assume(situation.arm.max_joint_acceleration is not None)
+    answered(situation, "recall")
