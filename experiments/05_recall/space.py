@@ -1,9 +1,10 @@
 """What recall catches in space, beside its controls and where it was not trained; writes space.md.
 
-python experiments/05_recall/space.py [--count 3000]
+python experiments/05_recall/space.py [--spec space-accelerated] [--count 3000]
 
-Situations are drawn as data/specs/space.toml says, with a seed of their own. What is asked is kept
-in out/ and not asked again. Every catch is judged by the tests' referee.
+Situations are drawn as a specification of data/specs says (space.toml, if no other is named, after
+which the table is named, too), with a seed of their own. What is asked is kept in out/ and not
+asked again. Every catch is judged by the tests' referee.
 """
 
 from __future__ import annotations
@@ -91,16 +92,17 @@ def table(rows: list[dict[str, Any]]) -> str:
 def main() -> None:
     """Ask what was not asked yet; write space.md."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--spec", default="space", help="of data/specs")
     parser.add_argument("--count", type=int, default=3000, help="situations")
     parser.add_argument("--minutes", type=float, default=np.inf, help="no new one after that")
     given, began = parser.parse_args(), time.monotonic()
     spec = replace(
-        read_spec(REPOSITORY / "data" / "specs" / "space.toml"),
+        read_spec(REPOSITORY / "data" / "specs" / f"{given.spec}.toml"),
         seed=SEED,
         count=given.count,
         audit=0.0,
     )
-    kept = HERE / "out" / "space.jsonl"
+    kept = HERE / "out" / f"{given.spec}.jsonl"
     kept.parent.mkdir(exist_ok=True)
     rows = (
         [json.loads(line) for line in kept.read_text("utf-8").splitlines()] if kept.exists() else []
@@ -119,7 +121,7 @@ def main() -> None:
         "catches [%] of the others with 95 % intervals (Wilson), what the referee complains of, of "
         "so many catches, and processor time [ms] (of `layered` by the clock), median and 90 %."
     )
-    (HERE / "space.md").write_text(f"{table(caught)}\n\n{note}\n", "utf-8")
+    (HERE / f"{given.spec}.md").write_text(f"{table(caught)}\n\n{note}\n", "utf-8")
 
 
 if __name__ == "__main__":

