@@ -44,6 +44,8 @@ def judge(scene, touch, time, joints, rates, body):
         if fault != NOTHING:
             return fault, 0.0, time[k]
     best, when = _rather_near(scene, time, joints, rates, desk)
+    if best <= touch:  # the search finds the first touch, not the worst
+        best, when = 1e300, 0.0
     for k in range(max(last, 1)):
         until = min(k + 1, last)
         if until == k:  # a catch at t = 0
