@@ -83,12 +83,12 @@ def cases(plant: str, count: int, policy: str) -> Iterator[Case]:
             yield Case(plant, noise, habit, thinking, index)
 
 
-def situation_of(index: int) -> Situation[SpatialArm]:
+def situation_of(index: int, seed: int = SEED) -> Situation[SpatialArm]:
     """A situation of the next family, at rest; its arm has limits of acceleration and a body."""
     names = family_names("spatial")
     family: Any = get_family(names[index % len(names)])
     arms: dict[str, Any] = {"ramp": RAMP, "human": 0.5, "nao": 0.5}
-    return draw(replace(family, arm=replace(family.arm, **arms)), SEED, index)
+    return draw(replace(family, arm=replace(family.arm, **arms)), seed, index)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -76,6 +77,15 @@ def mcnemar(first: np.ndarray, second: np.ndarray) -> tuple[int, int, float]:
 
     b, c = int(np.sum(first & ~second)), int(np.sum(second & ~first))
     return b, c, float(binomtest(b, b + c).pvalue) if b + c else 1.0
+
+
+def holm(chances: Sequence[float]) -> list[float]:
+    """Chances of several comparisons, corrected for how many there are (Holm 1979)."""
+    out, highest = [0.0] * len(chances), 0.0
+    for rank, k in enumerate(np.argsort(chances, kind="stable").tolist()):
+        highest = max(highest, min(1.0, (len(chances) - rank) * chances[k]))
+        out[k] = highest
+    return out
 
 
 def difference(

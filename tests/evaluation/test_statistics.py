@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from gcm_learn.evaluation.statistics import chance, difference, mcnemar, stratified, wilson
+from gcm_learn.evaluation.statistics import chance, difference, holm, mcnemar, stratified, wilson
 from gcm_learn.seeding import rng as rng_of
 
 
@@ -17,6 +17,12 @@ def test_wilson_is_that_of_the_books():
     assert (low, high) == pytest.approx((0.2553, 0.3662), abs=1e-4)
     assert wilson(0, 10).low == 0.0 and wilson(10, 10).high == pytest.approx(1.0)
     assert math.isnan(wilson(0, 0).value)
+
+
+def test_holm_asks_more_of_the_smallest_chance_and_keeps_the_order():
+    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    assert holm([0.6, 0.9]) == [1.0, 1.0]
+    assert holm([]) == []
 
 
 def test_mcnemar_is_the_binomial_test_of_what_differs():
