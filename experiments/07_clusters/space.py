@@ -1,0 +1,329 @@
+"""Which kinds of catches are there in space, and are they those of the plane? Writes space.md.
+
+python experiments/07_clusters/space.py SPACE PLANE
+
+Both are folders of `gcm-learn generate`, of data/specs/space.toml and recall.toml.  Pictures are
+space.png and kinds.gif.  What planners were asked is kept in out/ and not asked again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+
+from kinds import FEATURES, Kinds, features_of, lifted  # noqa: E402
+from run import (  # noqa: E402
+    TRIED,
+    Experience,
+    Tries,
+    directions,
+    k_means,
+    transfers,
+)
+from sklearn.cluster import HDBSCAN  # noqa: E402
+from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # noqa: E402
+from space_pictures import write_figure, write_films  # noqa: E402
+
+from gcm_learn import dataset, seeding  # noqa: E402
+from gcm_learn.planners import layered_in_space  # noqa: E402
+from gcm_learn.recall import (  # noqa: E402
+    SPACE,
+    Adaptation,
+    LearnedIndex,
+    Scale,
+    shipped_memory,
+    waypoints_of,
+)
+
+MANY = (4, 6, 8)  # kinds that are tried
+REPEATS = 4  # bootstrap samples whose clusterings are compared
+LEAST = 60  # members of a cluster of HDBSCAN
+LIFTED = 1000  # situations of the plane that are put into space
+EFFORT = 0.5  # of `layered` there, as in the records
+STARTS = 3  # of k-means where many are asked for
+SHUFFLES = 4
+ASKED = 400  # situations that need more than a straight line, on which memories are tried
+PLACED = 3000  # of the catches in space, that are placed by encoder, joints and parameters
+WORLDS = {"plane": "the plane", "space": "space"}
+
+
+class Catches(NamedTuple):
+    """The earliest catches of training records, as they come."""
+
+    records: list[dataset.Record]
+    plans: list[Any]
+    features: np.ndarray
+    family: np.ndarray
+    stratum: np.ndarray
+
+
+def catches(folder: str, most: int) -> Catches:
+    """Those of a dataset of either kind of arm."""
+    records, plans = [], []
+    for record in dataset.open(folder).where(split="train"):
+        found = [plan for plan in record.plans.values() if plan.caught]
+        if found:
+            records.append(record)
+            plans.append(min(found, key=lambda plan: plan.catch_time))
+        if len(records) == most:
+            break
+    rows = [features_of(r.situation, p.trajectory) for r, p in zip(records, plans, strict=True)]
+    family, stratum = ([getattr(r, name) for r in records] for name in ("family", "stratum"))
+    return Catches(records, plans, np.array(rows), np.array(family), np.array(stratum))
+
+
+def experience(some: Catches, kinds: np.ndarray) -> Experience:
+    """What clusters in space are held against; what is linear in arm, start and end is known."""
+    memories = [waypoints_of(r.situation, p) for r, p in zip(some.records, some.plans, strict=True)]
+    arms = [r.situation.arm for r in some.records]
+    start = np.array([[*a.joints, np.hypot(*a.upper_arm[:2]) / a.reach] for a in arms])
+    last = np.array([m.knots[-1, :5] for m in memories])
+    product = [last[:, i] * last[:, j] for i in range(5) for j in range(i + 1)]
+    return Experience(
+        some.records,
+        np.array([m.knots for m in memories], np.float32),
+        np.array([m.goal for m in memories], np.float32),
+        {"family": some.family, "stratum": some.stratum, "kind": kinds},
+        start,
+        np.column_stack([last, *product, start]),
+    )
+
+
+def spaces(some: Experience) -> dict[str, np.ndarray]:
+    """Where the catches lie (n, d), by what is known of them."""
+    index: Any = shipped_memory("recall", SPACE).index
+    assert isinstance(index, LearnedIndex)
+    situations = [record.situation for record in some.records]
+    queries = np.array([index.embed_query(s) for s in situations])
+    memories = index.encoder.embed_memories(situations, some.traces, some.goals)
+    joints = SPACE.path_features(some.traces, some.goals)
+    raw = np.array([SPACE.raw_features(s) for s in situations])
+    return {
+        "memories": directions(memories),
+        "situations": directions(queries),
+        "joints": Scale.of(joints)(joints),
+        "raw": Scale.of(raw)(raw),
+    }
+
+
+def clusters_table(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> list[str]:
+    """What clusters of places agree with, and where catches transfer."""
+    heads = ["space", *(f"AMI {name}" for name in some.labels), "stable: Rand",
+             "transfers within", "across", "ratio"]  # fmt: skip
+    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    groups = {name: k_means(rows, 0).labels_.astype(int) for name, rows in places.items()}
+    for name, rows in places.items():
+        cells = [f"{adjusted_mutual_info_score(v, groups[name]):.2f}" for v in some.labels.values()]
+        fits = []
+        for k in range(REPEATS):
+            sample = seeding.rng(8, k).integers(len(rows), size=len(rows))
+            fits.append(k_means(rows[sample], k).predict(rows.astype(rows[sample].dtype)))
+        pairs = [adjusted_rand_score(a, b) for k, a in enumerate(fits) for b in fits[:k]]
+        lines.append(f"| {name} | " + " | ".join([*cells, f"{np.mean(pairs):.2f}"])
+                     + f" | {told(found, groups[name])} |")  # fmt: skip
+        print(lines[-1], flush=True)
+    lines += ["", "| what two catches share | transfers where they do | where not | ratio |",
+              "|---|---|---|---|"]  # fmt: skip
+    return lines + [f"| {name} | {told(found, v)} |" for name, v in some.labels.items()]
+
+
+def told(found: Tries, groups: np.ndarray) -> str:
+    """Cells about transfer within and across groups."""
+    within, across, ratio, low, high = transfers(found, groups)
+    return f"{100 * within:.1f} % | {100 * across:.1f} % | {ratio:.2f} ({low:.2f}–{high:.2f})"
+
+
+def tries(some: Experience) -> Tries:
+    """Random memories on situations in which a straight line does not catch."""
+    rng = seeding.rng(10)
+    hard = rng.permutation(np.flatnonzero(some.labels["stratum"] != "L"))[:ASKED]
+    tried = rng.integers(len(some.records), size=(len(hard), TRIED))
+    holds = []
+    for i, row in zip(hard.tolist(), tried, strict=True):
+        problem = SPACE.problem(some.records[i].situation, "transfer")
+        found = SPACE.tries(problem, Adaptation()).catch_times(some.traces, some.goals, row)
+        holds.append(found >= 0.0)
+    return Tries(hard, tried, np.array(holds) & (tried != hard[:, None]))
+
+
+def stability(rows: np.ndarray, count: int) -> float:
+    """Mean adjusted Rand index of kinds that are found in bootstrap samples."""
+    fits = []
+    for k in range(REPEATS):
+        sample = seeding.rng(8, k).integers(len(rows), size=len(rows))
+        fits.append(Kinds.of(rows[sample], count, k, STARTS)(rows))
+    return float(np.mean([adjusted_rand_score(a, b) for k, a in enumerate(fits) for b in fits[:k]]))
+
+
+def carried_over(plane: Catches, space: Catches, count: int) -> tuple[float, float]:
+    """Rand index of space's kinds with the plane's; the same for a plane of shuffled features.
+
+    Each world has its own scale, and a movement in space is of the kind whose centre in the plane
+    is the nearest.
+    """
+    own = Kinds.of(space.features, count)
+    mine, places = own(space.features), own.scaled(space.features)
+    there = adjusted_rand_score(mine, Kinds.of(plane.features, count).fit.predict(places))
+    chance = []
+    for k in range(SHUFFLES):
+        rng = seeding.rng(12, k)
+        mixed = np.column_stack([rng.permutation(column) for column in plane.features.T])
+        chance.append(
+            adjusted_rand_score(mine, Kinds.of(mixed, count, k, STARTS).fit.predict(places))
+        )
+    return float(there), float(np.mean(chance))
+
+
+def in_space(plane: Catches) -> list[dict[str, Any]]:
+    """Situations of the plane among solids, W and Q, put into space: held in the plane, and free.
+
+    Answers are kept.
+    """
+    file = HERE / "out" / "lifted.jsonl"
+    file.parent.mkdir(exist_ok=True)
+    lines = file.read_text("utf-8").splitlines() if file.exists() else []
+    rows = [json.loads(line) for line in lines]
+    solid = [k for k, name in enumerate(plane.family.tolist()) if name.endswith("-solid")]
+    hard = [k for k in solid if plane.stratum[k] in "WQ"][:LIFTED]
+    planner = layered_in_space(EFFORT)
+    with file.open("a", encoding="utf-8") as stream:
+        for k in hard[len(rows) :]:
+            record = plane.records[k]
+            row: dict[str, Any] = {"index": record.index, "place": k}
+            for name, held in (("held", True), ("free", False)):
+                situation = lifted(record.situation, held=held)
+                plan = planner.plan(situation)
+                row[name] = None
+                if plan.trajectory is not None and plan.caught:
+                    row[name] = features_of(situation, plan.trajectory).tolist()
+            rows.append(row)
+            stream.write(json.dumps(row) + "\n")
+            stream.flush()
+    return rows
+
+
+def kinds_table(worlds: dict[str, Catches], names: dict[str, np.ndarray]) -> list[str]:
+    """What the kinds are, in both worlds."""
+    lines = ["| kind | world | share | L / W / Q | most of its families | "
+             + " | ".join(FEATURES) + " |", "|---" * (5 + len(FEATURES)) + "|"]  # fmt: skip
+    for kind in ordered(names["space"]):
+        for world, some in worlds.items():
+            mine = names[world] == kind
+            if not mine.any():
+                continue
+            strata = Counter(some.stratum[mine].tolist())
+            each = " / ".join(f"{100 * strata[s] / mine.sum():.0f}" for s in "LWQ")
+            common = Counter(some.family[mine].tolist()).most_common(2)
+            families = ", ".join(f"{f} {100 * n / mine.sum():.0f} %" for f, n in common)
+            middle = np.median(some.features[mine], axis=0)
+            lines.append(f"| {kind} | {world} | {100 * mine.mean():.0f} % | {each} | {families} | "
+                         + " | ".join(f"{v:.2f}" for v in middle) + " |")  # fmt: skip
+    return lines
+
+
+def ordered(names: np.ndarray) -> list[str]:
+    """The kinds, those that go straight first and those that wait last."""
+    return sorted(
+        set(names.tolist()),
+        key=lambda name: ("wait" in name, "round" in name, "far" in name, name),
+    )
+
+
+def stability_table(plane: Catches, space: Catches) -> list[str]:
+    """How stable so many kinds are, and whether those of the plane are those of space."""
+    lines = ["| kinds | stable: plane | stable: space | plane's kinds in space | if shuffled |",
+             "|---|---|---|---|---|"]  # fmt: skip
+    for count in MANY:
+        two = [stability(some.features, count) for some in (plane, space)]
+        cells = [*two, *carried_over(plane, space, count)]
+        lines.append(f"| {count} | " + " | ".join(f"{cell:.2f}" for cell in cells) + " |")
+        print(lines[-1], flush=True)
+    dense = {}
+    for name, some in (("plane", plane), ("space", space)):
+        scaled = Kinds.of(some.features).scaled(some.features)
+        found = HDBSCAN(min_cluster_size=LEAST, min_samples=5, copy=True).fit_predict(scaled)
+        dense[name] = (
+            f"{found.max() + 1} in {WORLDS[name]} ({100 * (found < 0).mean():.0f} % left out)"
+        )
+    return [*lines, "", "HDBSCAN finds " + " and ".join(dense.values()) + "."]
+
+
+def lifted_table(
+    plane: Catches, rows: list[dict[str, Any]], kinds: Kinds, call: dict[int, str]
+) -> tuple[list[str], np.ndarray, list[str]]:
+    """Kinds of the plane beside those of the same situations in space; shares as an array, too."""
+    there = [row for row in rows if row["free"] is not None]
+    words = np.array([call[k] for k in range(len(call))])
+    before = words[kinds(plane.features[[row["place"] for row in there]])]
+    after = words[kinds(np.array([row["free"] for row in there]))]
+    names = ordered(words)
+    shares = np.array([[np.mean(after[before == a] == b) for b in names] for a in names])
+    lines = ["| in the plane | situations | " + " | ".join(names) + " |",
+             "|---" * (2 + len(names)) + "|"]  # fmt: skip
+    for name, row in zip(names, shares, strict=True):
+        cells = " | ".join(f"{100 * share:.0f}" for share in row)
+        lines.append(f"| {name} | {(before == name).sum()} | {cells} |")
+    held = [row for row in rows if row["held"] is not None]
+    heads = ("the same arm", "catches", "same kind", "if independent", "AMI", "waits stay waits")
+    lines += ["", "| " + " | ".join(heads) + " |",
+              "|---|---|---|---|---|---|"]  # fmt: skip
+    for how, mine in (("held", held), ("free", there)):
+        one = words[kinds(plane.features[[row["place"] for row in mine]])]
+        other = words[kinds(np.array([row[how] for row in mine]))]
+        chance = sum(np.mean(one == name) * np.mean(other == name) for name in names)
+        waits = np.array([name.startswith("wait") for name in one])
+        still = np.array([name.startswith("wait") for name in other])
+        lines.append(
+            f"| {how} | {len(mine)} of {len(rows)} | {100 * np.mean(one == other):.0f} % | "
+            f"{100 * chance:.0f} % | {adjusted_mutual_info_score(one, other):.2f} | "
+            f"{100 * np.mean(still[waits]):.0f} % of {waits.sum()} |"
+        )
+    return lines, shares, names
+
+
+def main() -> None:
+    """Find kinds, compare, write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("space")
+    parser.add_argument("plane")
+    parser.add_argument("--memories", type=int, default=5000)
+    given = parser.parse_args()
+    space, plane = (catches(folder, given.memories) for folder in (given.space, given.plane))
+    found = {"plane": Kinds.of(plane.features), "space": Kinds.of(space.features)}
+    names, call = {}, {}
+    for world, some in (("plane", plane), ("space", space)):
+        call[world] = found[world].named(some.features)
+        names[world] = np.array([call[world][k] for k in found[world](some.features)])
+    rows = in_space(plane)
+    moved, shares, order = lifted_table(plane, rows, found["plane"], call["plane"])
+    lines = kinds_table({"plane": plane, "space": space}, names)
+    lines += ["", *stability_table(plane, space), "", *moved, ""]
+    worlds = {"plane": plane, "space": space}
+    write_figure(HERE / "space.png", worlds, found, names, shares, order)
+    write_films(HERE / "kinds.gif", space, found["space"], names["space"], order)
+    (HERE / "space.md").write_text("\n".join(lines) + "\n", "utf-8")
+    few = Catches(*(part[:PLACED] for part in space))
+    some = experience(few, names["space"][:PLACED])
+    tried = tries(some)
+    lines += clusters_table(some, tried, spaces(some))
+    note = (
+        f"{len(space.records)} catches in space and {len(plane.records)} in the plane, of which "
+        f"{len(few.records)} in space are placed. Features are medians; strata and families in "
+        f"percent of the kind. Transfer: {len(tried.asked)} situations of W and Q in space, "
+        f"{TRIED} random memories each, bent and checked. AMI: adjusted mutual information, 0 is "
+        "chance."
+    )
+    (HERE / "space.md").write_text("\n".join([*lines, "", note]) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()
