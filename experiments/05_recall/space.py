@@ -51,14 +51,14 @@ def answered(spec: Any, k: int) -> dict[str, Any]:
     if record.stratum == "U":
         return row
     told = situation_to_json(record.situation)
-    for name in PLANNERS:
+    for name in (*PLANNERS, "layered"):  # of the record's plan the clock alone tells how long
         began = time.process_time()
         plan = get_planner(name).plan(record.situation)
         ms = 1e3 * (time.process_time() - began)
         found = judge(told, plan_to_json(plan, record.situation)).complaints if plan.caught else []
         row[name] = {"caught": plan.caught, "ms": round(ms, 3), "complaints": found}
-    ms = record.plans["layered"].planning_ms
-    return row | {"layered": {"caught": True, "ms": round(ms, 3), "complaints": []}}
+    row["layered"]["caught"] = True
+    return row
 
 
 def share(rows: list[dict[str, Any]], name: str) -> str:
@@ -119,7 +119,7 @@ def main() -> None:
     note = (
         f"{len(rows)} situations of seed {SEED}, {strata['U']} of which `layered` does not catch; "
         "catches [%] of the others with 95 % intervals (Wilson), what the referee complains of, of "
-        "so many catches, and processor time [ms] (of `layered` by the clock), median and 90 %."
+        "so many catches, and processor time [ms], median and 90 %."
     )
     (HERE / f"{given.spec}.md").write_text(f"{table(caught)}\n\n{note}\n", "utf-8")
 

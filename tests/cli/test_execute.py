@@ -12,7 +12,7 @@ from gcm_learn.cli import main
 from gcm_learn.execution import SpatialSettings, execution_to_json, shipped_bodies
 from gcm_learn.families import paper_scene
 from gcm_learn.policies import Actor
-from gcm_learn.situation import write_situations
+from gcm_learn.situation import SolidQuadratic, write_situations
 
 
 @pytest.fixture
@@ -93,6 +93,22 @@ def test_a_world_that_is_seen_inexactly_is_planned_for_while_the_arm_moves(file,
     assert odd["status"] == "failed"
     assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
     assert done["planned_catch_time"] is None
+
+
+@pytest.mark.parametrize("planner", ["recall", "hybrid"])
+@pytest.mark.parametrize("noise", ["0", "0.002"])
+def test_who_recalls_moves_arms_with_mass(planner, noise, tmp_path, capsys):
+    file = tmp_path / "near.json"
+    scene = paper_scene("fig8-space")
+    still = replace(
+        scene.targets[0], motion=SolidQuadratic((0.17, 0.08, 0.0), (0.0,) * 3, (0.0,) * 3)
+    )
+    write_situations(file, [replace(scene, bodies=(still, *scene.obstacles))])
+    argv = ["execute", str(file), "--planner", planner, "--noise", noise, "--out", "-"]
+    assert main(argv) == 0
+    done = json.loads(capsys.readouterr().out)
+    assert (done["planner"], done["status"]) == (planner, "caught")
+    assert (done["planned_catch_time"] is None) == (noise != "0")
 
 
 @pytest.fixture
