@@ -80,6 +80,8 @@ def _told(share: Share) -> str:
         text.append(f"families {', '.join(share.families)}")
     if share.reachable or share.caught_by:
         text.append(f"only what `{share.caught_by or 'layered'}` catches")
+    if share.shown_by != "layered":
+        text.append(f"catches of `{share.shown_by}` are shown")
     return ", ".join(text)
 
 

@@ -41,6 +41,8 @@ class Share:
     """Of a family or file, only what `layered` catches."""
     caught_by: str = ""
     """Likewise of another planner, e.g. `straight`."""
+    shown_by: str = "layered"
+    """Of a family or file: the planner whose catches are shown, e.g. `recall`, out of memory."""
     split: str = "train"
     """Of a dataset."""
     seed: int = 0

@@ -20,7 +20,7 @@ from gcm_learn.planners import AnyPlan, get_planner
 from gcm_learn.policies.plan import Share
 from gcm_learn.situation import canonical, planar
 
-PLANNER = "layered"  # whose catches are shown
+PLANNER = "layered"  # what it catches can be caught; of records its catches are shown
 Told = Callable[[str], object]
 
 
@@ -112,18 +112,19 @@ def _records(share: Share, settings: AnySettings) -> Lot:
 
 def _drawn(share: Share, plans: bool, settings: AnySettings) -> Lot:
     """Situations of a family or file, in canonical form; planned for if need be."""
-    lot, planner = Lot([], [], [], settings), get_planner(PLANNER)
-    judge = get_planner(share.caught_by) if share.caught_by else None
+    lot = Lot([], [], [], settings)
+    names = [PLANNER if share.reachable else "", share.caught_by]
+    judges = {name: get_planner(name) for name in names if name}
+    shows = get_planner(share.shown_by)
     space = isinstance(settings, SpatialSettings)
     for drawn in situations_for(settings, share.source, share.count, share.seed):
         situation: Any = drawn if space else canonical(planar(drawn, "training"))[0]
-        if judge is not None and not judge.plan(situation).caught:
+        made = {name: judge.plan(situation) for name, judge in judges.items()}
+        if not all(plan.caught for plan in made.values()):
             continue
         plan: Any = None
-        if plans or share.reachable:
-            plan = planner.plan(situation)
-            if share.reachable and not plan.caught:
-                continue
+        if plans:
+            plan = made.get(share.shown_by) or shows.plan(situation)
         lot.situations.append(situation)
         lot.groups.append(share.source)
         lot.paths.append(_path(plan))

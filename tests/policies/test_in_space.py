@@ -321,6 +321,26 @@ def test_situations_that_another_planner_catches_are_chosen(tmp_path):
     assert all(solve(situation, "straight").caught for situation in easy.situations)
 
 
+def test_catches_out_of_memory_are_shown(monkeypatch):
+    from gcm_learn.policies import situations
+    from gcm_learn.policies.plan import Share
+
+    asked = []
+
+    def spied(name, real=situations.get_planner):
+        asked.append(name)
+        return real(name)
+
+    monkeypatch.setattr(situations, "get_planner", spied)
+    share = Share(FAMILY, 4, reachable=True, shown_by="recall")
+    lot = situations.gather([share], plans=True, settings=SpatialSettings())
+    assert asked == ["layered", "recall"] and any(path is not None for path in lot.paths)
+    for situation, path in zip(lot.situations, lot.paths, strict=True):
+        recalled = solve(situation, "recall").trajectory
+        assert (path is None) == (recalled is None)
+        assert path is None or np.array_equal(path.joints, recalled.joints)
+
+
 def test_planar_situations_are_not_trained_on_in_space(tmp_path):
     pytest.importorskip("stable_baselines3")
     from gcm_learn.policies import train
