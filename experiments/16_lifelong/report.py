@@ -16,7 +16,7 @@ from gcm_learn.storage import write_whole
 
 HERE = Path(__file__).resolve().parent
 OTHERS = ("least used", "oldest", "random", "stops", "drawn")
-MEASURES = {"life": "over the life", "first": "first family at the end", "all": "all at the end"}
+MEASURES = {"life": "during life", "first": "first family at the end", "all": "all at the end"}
 COLOURS = {
     "no limit": style.INK,
     "covered": style.GOOD,
@@ -119,7 +119,7 @@ def write_table(results: Run) -> None:
 
 def draw(results: Run) -> None:
     """figure.png: rates by family, and on the first family after each."""
-    figure = style.new_figure(11.0, 6.6)
+    figure = style.new_figure(9.6, 6.2)
     axes = figure.subplots(2, 2, sharex=True, sharey="row")
     lives = results["lives"]
     names = list(next(iter(lives.values()))["families"])
@@ -143,7 +143,7 @@ def draw(results: Run) -> None:
     axes[0, 0].legend(fontsize=style.SMALL, ncols=2)
     for ax in axes.flat:
         ax.grid(alpha=0.25)
-    figure.savefig(HERE / "figure.png")
+    figure.savefig(HERE / "figure.png", dpi=85)
 
 
 def write(
