@@ -80,6 +80,7 @@ def table(rows: list[dict[str, Any]]) -> str:
     columns |= {
         f"yardstick's {s}": [r for r in some["as trained"] if r["yardstick"] == s] for s in "WQ"
     }
+    columns = {name: kept for name, kept in columns.items() if kept}
     head = ["asked", *columns, "complaints", "ms", "90 %"]
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     counts = [str(len(kept)) for kept in columns.values()]
@@ -123,8 +124,8 @@ def main() -> None:
     caught = [row for row in rows if "layered" in row]
     note = (
         f"{len(rows)} situations of seed {SEED}, {strata['U']} of which `layered` does not catch; "
-        "catches [%] of the others with 95 % intervals (Wilson), beside them of those that the "
-        "yardstick labels W and Q (it is asked of a part), what the referee complains of, of so "
+        "catches [%] of the others with 95 % intervals (Wilson), beside them of what the "
+        "yardstick labels W and Q, where it was asked, what the referee complains of, of so "
         "many catches, and processor time [ms], median and 90 %."
     )
     (HERE / f"{given.spec}.md").write_text(f"{table(caught)}\n\n{note}\n", "utf-8")
