@@ -21,7 +21,7 @@ from gcm_learn.situation import Situation, situation_from_json, situation_to_jso
 from gcm_learn.storage import write_whole
 
 CHUNK = 50  # draws of a file
-MOST = 300  # situations of W and of Q that are asked of all
+MOST = 200  # situations of W and of Q that are asked of all
 SPLITS = ("test-pendulum", "test-long-arm", "test-fast", "test-crowded")
 EACH = 100  # situations of W and Q of a split
 CROWD = (6, 8)  # obstacles; those of the dataset's own families are five at most
@@ -37,12 +37,15 @@ class Question(NamedTuple):
     situation: Situation
 
 
-def suite(seed: int, folder: Path) -> list[Question]:
-    """The first situations of W and of Q that families draw in turn under a seed."""
+def suite(seed: int, folder: Path, most: int) -> list[Question]:
+    """W and Q among the first `most` situations that families draw in turn under a seed."""
     config = {"seed": seed, "families": list(FAMILIES)}
     found: dict[str, list[Question]] = {"W": [], "Q": []}
     first = 0
-    while wanted := tuple(name for name, kept in found.items() if len(kept) < MOST):
+    while first < most:
+        wanted = tuple(name for name, kept in found.items() if len(kept) < MOST)
+        if not wanted:
+            break
         for case in _chunk(config, first, wanted, folder):
             one = Question(case.stratum, case.family, case.index, case.read())
             found[case.stratum].append(one)

@@ -13,7 +13,7 @@ from answers import within
 from fronts import hybrids
 from questions import SPLITS, Question
 from tally import hierarchical, holm, points, told
-from trainings import FEW, PROTOTYPES, REST, SEEDS, SIZES, STILL
+from trainings import PROTOTYPES, SEEDS, SIZES, STILL
 
 from gcm_learn.evaluation import Interval, chance, difference, mcnemar, stratified, wilson
 from gcm_learn.plots import style
@@ -34,14 +34,19 @@ def head(*cells: str) -> list[str]:
     return [line(*cells), "|---" * len(cells) + "|"]
 
 
+def seeds_of(found: Found, *names: str) -> list[int]:
+    """Training seeds with which all of these were asked."""
+    return [seed for seed in SEEDS if all(_seeded(name, seed) in found for name in names)]
+
+
+def _seeded(name: str, seed: int) -> str:
+    bare, dash, end = name.partition("-random")
+    return f"{bare}-{seed}{dash}{end}"
+
+
 def over_seeds(found: Found, name: str, seeds: Sequence[int], checks: int) -> np.ndarray:
     """What is caught (seeds, questions)."""
-    return np.array([within(found[f"{name}-{seed}"], checks) for seed in seeds])
-
-
-def of(index: str) -> tuple[int, ...]:
-    """Seeds that an index was asked for."""
-    return SEEDS[:1] if index == "random" else SEEDS
+    return np.array([within(found[_seeded(name, seed)], checks) for seed in seeds])
 
 
 def against(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
@@ -53,46 +58,48 @@ def against(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
 
 def equal(found: Found, strata: np.ndarray) -> list[str]:
     """The same catches by three indexes, at every size."""
-    lines = head("N", "index", *(f"k = {k}" for k in CHECKS), *(f"W, {k}" for k in CHECKS),
+    lines = head("N", "index", "seeds", *(f"k = {k}" for k in CHECKS), *(f"W, {k}" for k in CHECKS),
                  *(f"Q, {k}" for k in CHECKS))  # fmt: skip
     for size in SIZES:
         for index in ("learned", "raw", "random"):
+            seeds = seeds_of(found, f"{index}-{size}")
+            if not seeds:
+                continue
             cells = []
             for name in ("WQ", "W", "Q"):
                 some = np.isin(strata, list(name))
                 for k in CHECKS:
-                    caught = over_seeds(found, f"{index}-{size}", of(index), k)[:, some]
+                    caught = over_seeds(found, f"{index}-{size}", seeds, k)[:, some]
                     cells.append(told(hierarchical(caught.astype(float))))
-            lines.append(line(f"{size:,}", index, *cells))
+            lines.append(line(f"{size:,}", index, str(len(seeds)), *cells))
     return lines
 
 
 def h8(found: Found) -> list[str]:
     """Learned less raw, after Holm over all that is shown."""
-    tests = [(size, k) for size in SIZES for k in CHECKS]
-    both = {
-        test: [
-            over_seeds(found, f"{name}-{test[0]}", SEEDS, test[1]) for name in ("learned", "raw")
-        ]
-        for test in tests
-    }
-    gaps = [against(*both[test]) for test in tests]
+    both = {}
+    for size in SIZES:
+        names = [f"{index}-{size}" for index in ("learned", "raw")]
+        seeds = seeds_of(found, *names)
+        for k in CHECKS if seeds else ():
+            both[size, k] = [over_seeds(found, name, seeds, k) for name in names]
+    gaps = [against(*pair) for pair in both.values()]
     chances = holm([p for _, p in gaps])
-    lines = head("N", "checks", "learned less raw", "of the seeds", "p (Holm)")
-    for (size, k), (gap, _), p in zip(tests, gaps, chances, strict=True):
+    lines = head("N", "checks", "seeds", "learned less raw", "of the seeds", "p (Holm)")
+    for (size, k), (gap, _), p in zip(both, gaps, chances, strict=True):
         mine, other = both[size, k]
         each = 100 * (mine.mean(axis=1) - other.mean(axis=1))
         span = f"{each.min():+.1f} to {each.max():+.1f}"
-        lines.append(line(f"{size:,}", str(k), points(gap), span, chance(p)))
+        lines.append(line(f"{size:,}", str(k), str(len(mine)), points(gap), span, chance(p)))
     return lines
 
 
 def seeds_apart(found: Found) -> list[str]:
-    """The five encoders of the largest memories, one by one."""
-    size = max(SIZES)
+    """The encoders of the largest memories, one by one."""
+    name = f"learned-{max(SIZES)}"
     lines = head("encoder", *(f"k = {k}" for k in CHECKS))
-    for seed in SEEDS:
-        caught = [within(found[f"learned-{size}-{seed}"], k) for k in CHECKS]
+    for seed in seeds_of(found, name):
+        caught = [within(found[_seeded(name, seed)], k) for k in CHECKS]
         cells = [told(wilson(int(one.sum()), len(one))) for one in caught]
         lines.append(line(f"seed {seed}", *cells))
     return lines
@@ -101,40 +108,36 @@ def seeds_apart(found: Found) -> list[str]:
 def needed(found: Found) -> list[str]:
     """What stands in for a memory, beside the memory of the same seeds."""
     size = max(SIZES)
+    first, few = f"learned-{size}", f"prototypes-{PROTOTYPES}"
     rows = {
-        f"{size:,} memories, learned": f"learned-{size}",
+        f"{size:,} memories, learned": first,
         f"{size:,} memories, raw": f"raw-{size}",
         "regressor, 20 paths": f"regressor-{size}",
-        f"{PROTOTYPES} prototypes, learned": f"prototypes-{PROTOTYPES}",
-        f"{PROTOTYPES} prototypes, random": f"prototypes-{PROTOTYPES}-random",
+        f"{PROTOTYPES} prototypes, learned": few,
+        f"{PROTOTYPES} prototypes, random": f"{few}-random",
         "1,000 memories, learned": "learned-1000",
     }
-    named = {told_: name for told_, name in rows.items() if _there(found, name)}
-    tests = [(name, k) for name in list(named.values())[1:] for k in CHECKS]
-    gaps = [against(_few(found, name, k), _few(found, f"learned-{size}", k)) for name, k in tests]
-    known = dict(zip(tests, zip(gaps, holm([p for _, p in gaps]), strict=True), strict=True))
-    lines = head("who", *(f"k = {k}" for k in CHECKS), *(f"less the first, {k}" for k in CHECKS),
-                 *(f"p (Holm), {k}" for k in CHECKS))  # fmt: skip
-    for shown, name in named.items():
-        cells = [told(hierarchical(_few(found, name, k).astype(float))) for k in CHECKS]
-        mine = [known.get((name, k)) for k in CHECKS]
-        cells += ["" if one is None else points(one[0][0]) for one in mine]
-        cells += ["" if one is None else chance(one[1]) for one in mine]
-        lines.append(line(shown, *cells))
+    seeds = {name: seeds_of(found, name, first) for name in rows.values()}
+    others = [(name, k) for name in list(rows.values())[1:] if seeds[name] for k in CHECKS]
+    gaps = [
+        against(*(over_seeds(found, one, seeds[name], k) for one in (name, first)))
+        for name, k in others
+    ]
+    chances = holm([p for _, p in gaps])
+    known = {
+        test: (points(gap), chance(p))
+        for test, (gap, _), p in zip(others, gaps, chances, strict=True)
+    }
+    heads = [f"{what}{k}" for what in ("k = ", "less the first, ", "p (Holm), ") for k in CHECKS]
+    lines = head("who", "seeds", *heads)
+    for shown, name in rows.items():
+        if not seeds[name]:
+            continue
+        caught = [over_seeds(found, name, seeds[name], k).astype(float) for k in CHECKS]
+        mine = [known.get((name, k), ("", "")) for k in CHECKS]
+        cells = [told(hierarchical(one)) for one in caught] + [gap for gap, _ in mine]
+        lines.append(line(shown, str(len(seeds[name])), *cells, *(p for _, p in mine)))
     return lines
-
-
-def _there(found: Found, name: str) -> bool:
-    return all(_seeded(name, seed) in found for seed in FEW)
-
-
-def _seeded(name: str, seed: int) -> str:
-    bare, dash, end = name.partition("-random")
-    return f"{bare}-{seed}{dash}{end}"
-
-
-def _few(found: Found, name: str, checks: int) -> np.ndarray:
-    return np.array([within(found[_seeded(name, seed)], checks) for seed in FEW])
 
 
 def shipped(found: Found, rows: Sequence[Question]) -> list[str]:
@@ -228,19 +231,18 @@ def chosen(found: list[dict[str, Any]], made: Any, what: str) -> list[str]:
 
 def resting(groups: dict[str, Found]) -> list[str]:
     """Learned at rest less learned in motion; equivalent if the interval lies in the margin."""
-    lines = head("questions", "number", "checks", "at rest", "in motion", "points (90 %)",
+    lines = head("questions", "number", "seeds", "checks", "at rest", "in motion", "points (90 %)",
                  "points (95 %)", "within the margin")  # fmt: skip
+    names = [f"{kind}-{STILL}" for kind in ("still", "moving")]
     for group, found in groups.items():
-        for k in (1, 20):
-            still = over_seeds(found, f"still-{STILL}", REST, k).astype(float)
-            moving = over_seeds(found, f"moving-{STILL}", REST, k).astype(float)
-            narrow = hierarchical(still - moving, 0.90)
+        seeds = seeds_of(found, *names)
+        for k in (1, 20) if seeds else ():
+            still, moving = (over_seeds(found, n, seeds, k).astype(float) for n in names)
+            narrow, wide = (hierarchical(still - moving, share) for share in (0.90, 0.95))
             inside = -MARGIN < narrow.low and narrow.high < MARGIN
-            lines.append(line(
-                group, str(still.shape[1]), str(k), told(hierarchical(still)),
-                told(hierarchical(moving)), points(narrow), points(hierarchical(still - moving)),
-                "yes" if inside else "no",
-            ))  # fmt: skip
+            cells = [told(hierarchical(still)), told(hierarchical(moving)), points(narrow)]
+            cells += [points(wide), "yes" if inside else "no"]
+            lines.append(line(group, str(still.shape[1]), str(len(seeds)), str(k), *cells))
     return lines
 
 
@@ -262,14 +264,18 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
     looks = {"learned": style.TARGET, "raw": style.OBSTACLE, "random": style.FAINT}
     for index, colour in looks.items():
         for k, dash in ((1, ":"), (20, "-")):
+            names = {n: f"{index}-{n}" for n in SIZES}
+            there = [n for n, name in names.items() if seeds_of(found, name)]
             shares = [
-                hierarchical(over_seeds(found, f"{index}-{n}", of(index), k).astype(float))
-                for n in SIZES
+                hierarchical(
+                    over_seeds(found, names[n], seeds_of(found, names[n]), k).astype(float)
+                )
+                for n in there
             ]
             value, low, high = 100 * np.array(shares).T
             label = index if k == 20 else None
-            left.plot(SIZES, value, dash, color=colour, marker="o", ms=3, label=label)
-            left.fill_between(SIZES, low, high, color=colour, alpha=0.15, lw=0)
+            left.plot(there, value, dash, color=colour, marker="o", ms=3, label=label)
+            left.fill_between(there, low, high, color=colour, alpha=0.15, lw=0)
     left.set_xscale("log")
     left.set_xlabel("catches, held and learned from")
     left.set_ylabel("caught of W and Q [%]")
@@ -288,7 +294,7 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
 def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], whole: Any) -> None:
     """Write table.md, pairs.json and figure.png of what has been asked."""
     found = _read(suite / "answers")
-    splits = {split: _read(out / "outside" / split) for split in SPLITS}
+    splits = {s: _read(out / "outside" / s) for s in SPLITS if (out / "outside" / s).exists()}
     groups = {name: _read(suite / name) for name in ("W", "at rest")}
     told_ = [json.loads(x) for x in (suite / "fronts.jsonl").read_text("utf-8").splitlines()]
     made = hybrids(told_)

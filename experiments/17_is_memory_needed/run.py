@@ -31,7 +31,8 @@ from gcm_learn.planners import get_planner  # noqa: E402
 
 OUT = HERE / "out"
 FROZEN = HERE / "frozen.json"
-"""The commit that froze code and generator, and the seed that its hash gives."""
+"""The commit that froze code and generator, the seed that its hash gives, and how many situations
+were drawn in the time that there was."""
 
 
 def main() -> None:
@@ -62,7 +63,7 @@ def ask(given: argparse.Namespace) -> None:
     else:
         frozen = json.loads(FROZEN.read_text("utf-8"))
         out = OUT / f"fresh-{frozen['seed']}"
-        whole = suite(frozen["seed"], out / "draws")
+        whole = suite(frozen["seed"], out / "draws", frozen["draws"])
     records, referee, rows = opened(given.dataset), Referee(), asked(whole)
     for name, part in {"equal": equal, "needed": needed, "shipped": shipped}.items():
         if name in given.only:
