@@ -23,7 +23,7 @@ from gcm_learn.storage import write_whole
 CHUNK = 50  # draws of a file
 MOST = 200  # situations of W and of Q that are asked of all
 SPLITS = ("test-pendulum", "test-long-arm", "test-fast", "test-crowded")
-EACH = 100  # situations of W and Q of a split
+EACH = 50  # situations of W and Q of a split
 CROWD = (6, 8)  # obstacles; those of the dataset's own families are five at most
 SEED = 1701  # of the splits
 
