@@ -21,6 +21,7 @@ from gcm_learn.storage import write_whole
 
 CHECKS = (1, 5, 20)
 MARGIN = 0.03  # of equivalence
+CONTROLS = ("shipped", "shipped-raw", "shipped-random", "shipped-family")
 Found = dict[str, dict[str, Any]]
 
 
@@ -168,11 +169,7 @@ def outside(splits: dict[str, Found]) -> list[str]:
         for k in CHECKS:
             caught = {name: within(one, k) for name, one in found.items()}
             mine, count = caught["shipped"], len(caught["shipped"])
-            own = caught["shipped-family"] if "family" not in split else None
-            shown = [
-                told(wilson(int(one.sum()), count)) if one is not None and one.any() else "none"
-                for one in (mine, caught["shipped-raw"], caught["shipped-random"], own)
-            ]
+            shown = [told(wilson(int(caught[name].sum()), count)) for name in CONTROLS]
             row = [split, str(count), str(k), *shown]
             for other in ("shipped-raw", "shipped-random"):
                 gap = difference(mine, caught[other], np.zeros(count))
@@ -291,14 +288,14 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
     drawn.savefig(path)
 
 
-def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], whole: Any) -> None:
+def write(here: Path, out: Path, suite: Path, rows: Sequence[Question]) -> None:
     """Write table.md, pairs.json and figure.png of what has been asked."""
     found = _read(suite / "answers")
-    splits = {s: _read(out / "outside" / s) for s in SPLITS if (out / "outside" / s).exists()}
+    all_of_them = {split: _read(out / "outside" / split) for split in SPLITS}
+    splits = {split: one for split, one in all_of_them.items() if set(CONTROLS) <= set(one)}
     groups = {name: _read(suite / name) for name in ("W", "at rest")}
-    told_ = [json.loads(x) for x in (suite / "fronts.jsonl").read_text("utf-8").splitlines()]
-    made = hybrids(told_)
-    both = {what: pairs(made, what) for what in ("caught", "ready")}
+    kept = suite / "fronts.jsonl"
+    told_ = [json.loads(x) for x in kept.read_text("utf-8").splitlines()] if kept.exists() else []
     strata = np.array([q.stratum for q in rows])
     page = {
         "Equal experience": equal(found, strata),
@@ -307,21 +304,27 @@ def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], whole: A
         "Is a memory needed?": needed(found),
         "The shipped memory": shipped(found, rows),
         "Not trained on": outside(splits),
-        "Fronts and fallbacks: 20 ms charged": fronts(made, "caught"),
-        "Fronts and fallbacks: 20 ms charged, ready by then": fronts(made, "ready"),
-        "What the learned front is worth: charged": chosen(both["caught"], made, "caught"),
-        "What the learned front is worth: ready by 20 ms": chosen(both["ready"], made, "ready"),
-        "Processor time of hybrids: median, 90 %": latencies(made),
         "At rest and in motion": resting(groups),
     }
+    if told_:
+        made = hybrids(told_)
+        both = {what: pairs(made, what) for what in ("caught", "ready")}
+        write_json(here / "pairs.json", both)
+        page |= {
+            "Fronts and fallbacks: 20 ms charged": fronts(made, "caught"),
+            "Fronts and fallbacks: 20 ms charged, ready by then": fronts(made, "ready"),
+            "What the learned front is worth: charged": chosen(both["caught"], made, "caught"),
+            "What the learned front is worth: ready": chosen(both["ready"], made, "ready"),
+            "Processor time of hybrids: median, 90 %": latencies(made),
+        }
     counts = {name: int(np.sum(strata == name)) for name in "WQ"}
     said = judged([found, *splits.values(), *groups.values()], told_)
     note = (
         f"Suite of seed {suite.name.removeprefix('fresh-')}: {counts['W']} situations of W and "
         f"{counts['Q']} of Q are asked of all. The referee judged {said}."
     )
-    write_whole(here / "table.md", sections(page) + f"\n{note}\n")
-    write_json(here / "pairs.json", both)
+    filled = {title: lines for title, lines in page.items() if len(lines) > 2}
+    write_whole(here / "table.md", sections(filled) + f"\n{note}\n")
     figure(here / "figure.png", found, splits)
 
 

@@ -82,7 +82,7 @@ def ask(given: argparse.Namespace) -> None:
                 if who != "shipped-family-stratum":
                     _answered(OUT / "outside" / split / f"{who}.json", make, some, referee)
     if "report" in given.only:
-        report.write(HERE, OUT, out, rows, whole)
+        report.write(HERE, OUT, out, rows)
 
 
 def _answered(file: Path, make: Any, rows: list[Question], referee: Referee) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.evaluation import Interval
 from gcm_learn.seeding import rng
 
-DRAWS = 4000
+DRAWS = 2000
 
 
 class Gap(NamedTuple):
