@@ -275,8 +275,8 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
             left.fill_between(there, low, high, color=colour, alpha=0.15, lw=0)
     left.set_xscale("log")
     left.set_xlabel("catches, held and learned from")
-    left.set_ylabel("caught of W and Q [%]")
-    left.legend(frameon=False, title="20 checks; dotted: 1")
+    left.set_ylabel("caught, 20 checks; dotted: 1 [%]")
+    left.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3)
     names = [split.removeprefix("test-") for split in splits]
     for shift, (name, colour) in zip((-0.25, 0.0, 0.25), looks.items(), strict=True):
         key = "shipped" if name == "learned" else f"shipped-{name}"
