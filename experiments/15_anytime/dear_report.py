@@ -136,31 +136,41 @@ def nearness(rows: Rows, family: np.ndarray) -> dict[str, Any]:
             "90 % ms": float(np.quantile(t, 0.9)),
             "95 % ms": float(np.quantile(t, 0.95)),
             "not in time": int((t >= LIMIT).sum()),
+            "near at once": float(np.mean([at_once(row, arm) for row in rows])),
         }
         for arm, t in times.items()
     }
     for q, kept in ratios.items():
         one, other = (float(np.quantile(times[arm], q)) for arm in ("hybrid", "control"))
         low, high = np.quantile(kept, [0.025, 0.975])
-        out[f"hybrid over control, {q:.0%}"] = [one / other, float(low), float(high)]
+        out[f"ratio, {q:.0%}"] = [one / other, float(low), float(high)]
     return out
 
 
 def until_near(row: dict[str, Any], arm: str) -> float:
     """That of one situation; the limit where there is none."""
+    last = latest(row)
+    return min([ms for time, ms in row["improved"][arm] if time <= last], default=LIMIT)
+
+
+def at_once(row: dict[str, Any], arm: str) -> bool:
+    """Whether the first answer comes so early."""
+    return any(time <= latest(row) for time, _ in row["improved"][arm][:1])
+
+
+def latest(row: dict[str, Any]) -> float:
+    """By when a catch comes within a tenth of the horizon of the best known [s]."""
     known = [time for mine in row["improved"].values() for time, _ in mine]
     if row["reference"] is not None:
         known.append(row["reference"])
-    last = min(known, default=-np.inf) + NEAR * row["horizon"]
-    return min([ms for time, ms in row["improved"][arm] if time <= last], default=LIMIT)
+    return min(known, default=-np.inf) + NEAR * float(row["horizon"])
 
 
 def figure(made: dict[str, Any], path: Path) -> None:
     """Catches over the time to think, and time until a good catch."""
     drawn = style.new_figure(4.4 * len(made), 3.2)
-    for ax, (kind, mine) in zip(
-        np.atleast_1d(drawn.subplots(1, len(made))), made.items(), strict=True
-    ):
+    panels = np.atleast_1d(drawn.subplots(1, len(made)))
+    for ax, (kind, mine) in zip(panels, made.items(), strict=True):
         told = mine["curve"]
         for arm in ARMS:
             share = 100 * np.array(told[arm])
@@ -177,5 +187,5 @@ def figure(made: dict[str, Any], path: Path) -> None:
             xlabel="time to think [ms], while the world goes on", ylabel="caught [%]", ylim=(0, 100)
         )
         style.title(ax, f"{KINDS[kind]}, {told['situations']} of W and Q")
-    ax.legend(frameon=False, fontsize=style.SMALL, loc="lower right")
+    panels[0].legend(frameon=False, fontsize=style.SMALL, loc="lower right")
     drawn.savefig(path)
