@@ -25,8 +25,7 @@ REPOSITORY = HERE.parents[1]
 sys.path[:0] = [str(REPOSITORY)]
 
 from gcm_learn.dataset import make_item, quantities_of, read_spec  # noqa: E402
-from gcm_learn.evaluation import chance, difference, mcnemar, wilson  # noqa: E402
-from gcm_learn.evaluation.statistics import holm  # noqa: E402
+from gcm_learn.evaluation import chance, difference, holm, mcnemar, wilson  # noqa: E402
 from gcm_learn.planners import plan_to_json  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402  # noqa: E402
     SPACE,

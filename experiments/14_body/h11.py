@@ -25,7 +25,7 @@ sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from closed_loop import CHOSEN, DROPOUTS, SEED, situation_of  # noqa: E402
 
-from gcm_learn.evaluation.statistics import difference, holm, mcnemar, wilson  # noqa: E402
+from gcm_learn.evaluation import difference, holm, mcnemar, wilson  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
     OUTCOMES,
     Loop,

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.evaluation import difference, mcnemar, wilson
-from gcm_learn.evaluation.statistics import holm
+from gcm_learn.evaluation import difference, holm, mcnemar, wilson
 from gcm_learn.plots import style
 from gcm_learn.storage import write_whole
 

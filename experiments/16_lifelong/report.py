@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from stream import Met
 
-from gcm_learn.evaluation import mcnemar, stratified, wilson
+from gcm_learn.evaluation import holm, mcnemar, stratified, wilson
 from gcm_learn.plots import style
 from gcm_learn.storage import write_whole
 
@@ -79,11 +79,8 @@ def pairs_of(runs: dict[str, Run], seen: dict[str, list[Met]]) -> list[Run]:
                 points = round(100.0 * (ours - theirs) / len(one), 2)
                 out.append({"one": title, "other": against, "measure": measure, "only one": ours,
                             "only other": theirs, "points": points, "p": p})  # fmt: skip
-    order, worst = sorted(out, key=lambda pair: pair["p"]), 0.0
-    for rank, pair in enumerate(order):
-        worst = max(worst, min(1.0, (len(order) - rank) * pair["p"]))
-        pair["holm"] = float(f"{worst:.2g}")
-        pair["p"] = float(f"{pair['p']:.2g}")
+    for pair, chance in zip(out, holm([pair["p"] for pair in out]), strict=True):
+        pair["holm"], pair["p"] = float(f"{chance:.2g}"), float(f"{pair['p']:.2g}")
     return out
 
 

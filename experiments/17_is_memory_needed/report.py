@@ -12,10 +12,10 @@ import numpy as np
 from answers import within
 from fronts import hybrids
 from questions import SPLITS, Question
-from tally import hierarchical, holm, points, told
+from tally import hierarchical, points, told
 from trainings import PROTOTYPES, SEEDS, SIZES, STILL
 
-from gcm_learn.evaluation import Interval, chance, difference, mcnemar, stratified, wilson
+from gcm_learn.evaluation import Interval, chance, difference, holm, mcnemar, stratified, wilson
 from gcm_learn.plots import style
 from gcm_learn.storage import write_whole
 

@@ -20,15 +20,6 @@ class Gap(NamedTuple):
     """Of the exact test of McNemar; over seeds the largest."""
 
 
-def holm(chances: list[float]) -> list[float]:
-    """Probabilities after Holm's correction, in the order given."""
-    out, worst = [0.0] * len(chances), 0.0
-    for rank, k in enumerate(np.argsort(chances, kind="stable").tolist()):
-        worst = max(worst, min(1.0, (len(chances) - rank) * chances[k]))
-        out[k] = worst
-    return out
-
-
 def hierarchical(values: np.ndarray, share: float = 0.95) -> Interval:
     """Mean of values (seeds, situations) with its interval: both are drawn again.
 
