@@ -53,7 +53,7 @@ RULES = {
 """What is forgotten, the most telling first; "stops" learns no more once it is full, and "drawn" is
 a fixed memory of records of all families."""
 FIRST, MIXED = 500, 1000  # fresh situations of the first family, and of all
-SEED, COUNT = 4265997287, 5_000
+SEED, COUNT = 4265997287, 20_000
 Run = dict[str, Any]
 JUDGED = 200  # one catch of so many goes to the referee
 EVERY = 4  # families, after which a memory is asked for the first again
