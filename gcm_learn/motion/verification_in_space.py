@@ -68,14 +68,12 @@ def _rather_near(scene, time, joints, rates, desk):
 
     The smallest of some instants of every move, and then of what is about it.
     """
-    best, when, at, share, q = 1e300, 0.0, 0, 0.0, desk.joints
+    best, when, at, share = 1e300, 0.0, 0, 0.0
     for k in range(time.size - 1):
         _piece(time, joints, rates, k, desk.curve)
         for i in range(_GLANCES):
             s = (i + 1.0) / _GLANCES
-            t = time[k] + s * (time[k + 1] - time[k])
-            on_curve(desk.curve, s, q)
-            found = distance_at(scene, q, t, desk)
+            found, t = _glance(scene, time, k, s, desk)
             if found < best:
                 best, when, at, share = found, t, k, s
     if best == 1e300:
@@ -86,13 +84,19 @@ def _rather_near(scene, time, joints, rates, desk):
         middle = share
         for side in (-1.0, 1.0):
             s = min(max(middle + side * width, 0.0), 1.0)
-            t = time[at] + s * (time[at + 1] - time[at])
-            on_curve(desk.curve, s, q)
-            found = distance_at(scene, q, t, desk)
+            found, t = _glance(scene, time, at, s, desk)
             if found < best:
                 best, when, share = found, t, s
         width *= 0.5
     return best, when
+
+
+@njit(_nrt=False)
+def _glance(scene, time, k, s, desk):
+    """Distance of limb and obstacles at share s of move k, which is in ``desk.curve``; when [s]."""
+    t = time[k] + s * (time[k + 1] - time[k])
+    on_curve(desk.curve, s, desk.joints)
+    return distance_at(scene, desk.joints, t, desk), t
 
 
 @njit(_nrt=False)

@@ -239,9 +239,14 @@ def _way_of(query, work, count, first, last):
 
 
 @njit
-def _bump(share, top, wide):
-    """Height of a bump at a share of the path: 1 at its top, 0 at the ends or `wide` from there."""
-    s = 1.0 - abs(share - top) / min(wide, top if share < top else 1.0 - top)
+def bump(share, top, wide):
+    """Height of a bump at a share of the path: 1 at its top, 0 `wide` from there and at the ends.
+
+    An end that is its top is 1.
+    """
+    s = 1.0
+    if share != top:
+        s = 1.0 - abs(share - top) / min(wide, top if share < top else 1.0 - top)
     return np.sin(0.5 * np.pi * min(max(s, 0.0), 1.0)) ** 2
 
 
@@ -249,7 +254,7 @@ def _bump(share, top, wide):
 def _raise(work, turn, rise, top, wide):
     """Move the path by a bump."""
     for k in range(1, KNOTS - 1):
-        height = _bump(work.share[k], top, wide)
+        height = bump(work.share[k], top, wide)
         work.base[k, 0] += height * turn
         work.base[k, 1] += height * rise
 
@@ -304,7 +309,7 @@ def _least_on(query, way, a, u, top, wide, enough):
     limb, least = query.scene.limb, 1e300
     width = limb.far - limb.near
     for i in range(way.instants.size):
-        height = _bump(way.places[i, 0], top, wide)
+        height = bump(way.places[i, 0], top, wide)
         ring = (way.places[i, 1] - limb.near) / width + height * u
         r = limb.near + min(max(ring, _RINGS[0]), _RINGS[1]) * width
         turned = way.places[i, 2] + limb.side * height * a

@@ -23,7 +23,7 @@ from gcm_learn import seeding
 from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.processes import Crew, Here
-from gcm_learn.recall.adaptation import Adaptation
+from gcm_learn.recall.adaptation import DEFAULT
 from gcm_learn.recall.clearance_features import (
     FeatureBatch,
     Features,
@@ -45,7 +45,6 @@ EASY = 0.15  # share of situations that are kept although a straight line catche
 READ, TRIED = 500, 32  # records that are read at once, situations that are
 EXAMINED = 300  # situations of each stratum to validate with
 PLACES = (1, 5, 20)  # up to which a valid memory is looked for then
-PLAIN = Adaptation()  # how memories are tried
 _BATCH, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
 
 Best = Callable[[FeatureBatch, int], np.ndarray]
@@ -283,7 +282,7 @@ def _tried(ask: _Try) -> np.ndarray:
 
 def _valid_in(problem: Any, ask: _Try, rows: np.ndarray) -> np.ndarray:
     """Which memories are valid in one of the situations (m,) bool."""
-    tries = kind_of(problem.situation).tries(problem, PLAIN)
+    tries = kind_of(problem.situation).tries(problem, DEFAULT)
     return tries.catch_times(ask.knots, ask.goals, np.ascontiguousarray(rows, np.int64)) >= 0.0
 
 

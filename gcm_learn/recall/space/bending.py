@@ -17,7 +17,7 @@ import numpy as np
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.space.moves import between
-from gcm_learn.recall.bending import SHORTER
+from gcm_learn.recall.bending import SHORTER, bump
 from gcm_learn.recall.space.kernels import HURRY, KNOTS, keep, meet, meet_any
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.spatial_limb import motion_bounds
@@ -154,15 +154,14 @@ def _copy(base, wanted, to_base, to_wanted):
 
 @njit(_nrt=False)
 def _posture(way, t, q):
-    """Write the joints of a movement at t [s] into q (4,); its knot before."""
+    """Write the joints of a movement at t [s] into q (4,); knot before, and share from there."""
     k = 0
     while k < KNOTS - 2 and way.reached[k + 1] <= t:
         k += 1
     span = way.reached[k + 1] - way.left[k]
-    between(
-        way.joints[k], way.joints[k + 1], min((t - way.left[k]) / span, 1.0) if span > 0 else 1.0, q
-    )
-    return k
+    s = min((t - way.left[k]) / span, 1.0) if span > 0.0 else 1.0
+    between(way.joints[k], way.joints[k + 1], s, q)
+    return k, s
 
 
 @njit(_nrt=False)
@@ -209,9 +208,7 @@ def _touch(study, work, first, last):
     sides, knot = np.empty((_SIDES.shape[0] + 1, 4)), 1
     for i in range(n):
         t = min((first + (last - first) * i // max(n - 1, 1)) * step, way.left[KNOTS - 1])
-        k = _posture(way, t, joints[i])
-        span = way.reached[k + 1] - way.left[k]
-        s = min((t - way.left[k]) / span, 1.0) if span > 0.0 else 1.0
+        k, s = _posture(way, t, joints[i])
         share[i] = work.share[k] + s * (work.share[k + 1] - work.share[k])
         time[i] = t
         if i == 0:
@@ -241,15 +238,6 @@ def _uphill(study, q, t, out):
 
 
 @njit(_nrt=False)
-def _bump(share, top, wide):
-    """Height of a bump: 1 at its top, 0 at ends that are not its top, or `wide` from there."""
-    s = 1.0
-    if share != top:
-        s = 1.0 - abs(share - top) / min(wide, top if share < top else 1.0 - top)
-    return np.sin(0.5 * np.pi * min(max(s, 0.0), 1.0)) ** 2
-
-
-@njit(_nrt=False)
 def _pushed(study, work, touch, wide, side):
     """Push a movement aside by the lowest bump that frees the limb where it touched.
 
@@ -276,7 +264,7 @@ def _pushed(study, work, touch, wide, side):
                 continue
             least = 1e300
             for i in range(n):
-                height = push * _bump(touch.share[i], top, wide)
+                height = push * bump(touch.share[i], top, wide)
                 for j in range(4):
                     q[j] = touch.joints[i, j] + height * touch.sides[d, j]
                     q[j] = min(max(q[j], limb.low[j]), limb.high[j])
@@ -289,7 +277,7 @@ def _pushed(study, work, touch, wide, side):
             for j in range(4):
                 side[j] = touch.sides[chosen, j]
                 for k in range(1, KNOTS):
-                    work.base[k, j] += push * _bump(work.share[k], top, wide) * side[j]
+                    work.base[k, j] += push * bump(work.share[k], top, wide) * side[j]
             return True
     return False
 
