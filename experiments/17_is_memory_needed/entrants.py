@@ -85,11 +85,15 @@ def paths_of(folder: Path, by_other: Index | None = None) -> Memory:
     index = by_other or LearnedIndex(load_encoder(folder))
     with np.load(folder / "paths.npz") as file:
         knots, goals = file["knots"], file["goals"]
-    memory, count = Memory(index), len(knots)
+    paths = [Waypoints(k, g) for k, g in zip(knots, goals, strict=True)]
+    return filed(Memory(index), index.embed_memories([], paths), knots, goals)
+
+
+def filed(memory: Memory, embeddings: np.ndarray, knots: np.ndarray, goals: np.ndarray) -> Memory:
+    """An empty memory, filled with movements (n, ...) under embeddings (n, d)."""
+    count = len(knots)
     columns = {
-        "embeddings": index.embed_memories(
-            [], [Waypoints(k, g) for k, g in zip(knots, goals, strict=True)]
-        ),
+        "embeddings": embeddings,
         "traces": knots,
         "goals": goals,
         "labels": np.zeros((count, 2), np.int16),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -38,11 +38,13 @@ def planners() -> dict[str, Planner]:
     return found | {"ST-RRT*": replace(trees, budget_ms=BUDGET_MS)}
 
 
-def parts(file: Path, rows: Sequence[Question], referee: Referee) -> list[dict[str, Any]]:
+def parts(
+    file: Path, rows: Sequence[Question], referee: Referee, who: Mapping[str, Planner]
+) -> list[dict[str, Any]]:
     """What each says of every situation as it is after 20 ms of rest; kept in a file."""
     if file.exists():
         return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
-    who, out = planners(), []
+    out = []
     for question in rows[:5]:
         for planner in who.values():
             planner.plan(question.situation)
@@ -69,11 +71,15 @@ def _asked(name: str, planner: Planner, situation: Any, referee: Referee) -> lis
     return [plan.caught, round(ms, 3), plan.caught and referee.broken(situation, plan)]
 
 
-def hybrids(told: list[dict[str, Any]]) -> dict[tuple[str, str], dict[str, np.ndarray]]:
+def hybrids(
+    told: list[dict[str, Any]],
+    fronts: Iterable[str] = FRONTS,
+    fallbacks: Iterable[str] = FALLBACKS,
+) -> dict[tuple[str, str], dict[str, np.ndarray]]:
     """By front and fallback: what is caught, and what is caught within 20 ms."""
     out = {}
-    for front in ("none", *FRONTS):
-        for fallback in FALLBACKS:
+    for front in ("none", *fronts):
+        for fallback in fallbacks:
             rows = [_joined(one, front, fallback) for one in told]
             names = ("caught", "ready", "ms")
             out[front, fallback] = dict(

@@ -23,7 +23,6 @@ from gcm_learn.recall import (
     training,
     waypoints_of,
 )
-from gcm_learn.recall.adaptation import Tries
 from gcm_learn.recall.transfer_labels import ALONE, ANY, DEPTH, EASY, SITUATIONS, _hard
 from gcm_learn.situation import Pendulum, Situation
 
@@ -71,9 +70,8 @@ class Strict(TransferLabels):
     def _valid(self, problems: list[Any], rows: np.ndarray) -> np.ndarray:
         rows = np.ascontiguousarray(rows, np.int64)
         tries = zip(problems, rows, strict=True)
-        return np.array(
-            [Tries(p, PLAIN).catch_times(self.knots, self.goals, r) >= 0.0 for p, r in tries]
-        )
+        how = [(self.kind.tries(problem, PLAIN), r) for problem, r in tries]
+        return np.array([t.catch_times(self.knots, self.goals, r) >= 0.0 for t, r in how])
 
 
 class Prototypes(Strict):
@@ -171,7 +169,7 @@ def _resting(motion: Any, t: float) -> Any:
 
 def trained(data: TransferLabels, seed: int, folder: Path, turns: int, work: Path) -> Encoder:
     """An encoder, trained for some turns; its lessons stay in `work`."""
-    trainer = Trainer(EncoderConfig(seed=seed), data, work, Effort(turns=turns))
+    trainer = Trainer(EncoderConfig(seed=seed, arm=data.kind.name), data, work, Effort(turns=turns))
     trainer.run()
     save_encoder(trainer.encoder, folder)
     scores = " ".join(f"{k}: {v:.3f}" for k, v in trainer.validate().items())

@@ -29,7 +29,6 @@ from gcm_learn.recall.planners import _first_plan, _offer
 from gcm_learn.recall.trials import Budget
 
 WIDTH = 256
-NUMBERS = KNOTS * 4 + 2
 SHOWN = 8  # valid memories of a situation that are looked at in a step
 OTHERS = 0.05  # weight of the paths that are not the nearest
 RATE, DECAY = 1.5e-3, 0.02  # as of encoders
@@ -39,33 +38,36 @@ WAITS = 0.5  # a knot waits if it is told to be there no earlier than this share
 class Paths(nn.Module):
     """The towers of an encoder, then twenty paths and how likely each is."""
 
-    def __init__(self, mean: np.ndarray, spread: np.ndarray) -> None:
+    def __init__(self, mean: np.ndarray, spread: np.ndarray, arm: Any = "planar") -> None:
         super().__init__()
-        self.look = EncoderNet(EncoderConfig(dim=WIDTH), 1)
+        self.numbers = len(mean)
+        self.look = EncoderNet(EncoderConfig(dim=WIDTH, arm=arm), 1)
         self.middle = nn.Linear(WIDTH, WIDTH)
-        self.paths = nn.Linear(WIDTH, CHECKS * NUMBERS)
+        self.paths = nn.Linear(WIDTH, CHECKS * self.numbers)
         self.choice = nn.Linear(WIDTH, CHECKS)
         self.register_buffer("mean", torch.from_numpy(mean))
         self.register_buffer("spread", torch.from_numpy(spread))
 
     def forward(self, features: FeatureBatch) -> tuple[Tensor, Tensor]:
-        """Scaled paths (n, CHECKS, NUMBERS), scores (n, CHECKS)."""
+        """Scaled paths (n, CHECKS, numbers), scores (n, CHECKS)."""
         inner = torch.relu(self.middle(torch.relu(self.look.queries(features))))
-        return self.paths(inner).view(-1, CHECKS, NUMBERS), self.choice(inner)
+        return self.paths(inner).view(-1, CHECKS, self.numbers), self.choice(inner)
 
 
 def told(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
-    """Memories as numbers (n, NUMBERS) float32."""
+    """Memories as numbers (n, m) float32."""
     return np.hstack([knots.reshape(len(knots), -1), goals]).astype(np.float32)
 
 
-def regressor(lessons: Path, paths: np.ndarray, seed: int, steps: int) -> Paths:
+def regressor(
+    lessons: Path, paths: np.ndarray, seed: int, steps: int, arm: Any = "planar"
+) -> Paths:
     """Train it on the lessons of a folder."""
     batches = [Labels.load(file) for file in sorted(lessons.glob("lesson-*.npz"))]
     mean, spread = paths.mean(axis=0), np.maximum(paths.std(axis=0), 0.05)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        net = Paths(mean, spread)
+        net = Paths(mean, spread, arm)
     context, cells = batches[0].features.context, batches[0].features.cells
     whose = batches[0].features.whose
     net.look.situation.fit_scale(context)

@@ -23,6 +23,7 @@ CHECKS = (1, 5, 20)
 MARGIN = 0.03  # of equivalence
 CONTROLS = ("shipped", "shipped-raw", "shipped-random", "shipped-family")
 Found = dict[str, dict[str, Any]]
+LOOKS = {"learned": style.TARGET, "raw": style.OBSTACLE, "random": style.FAINT}
 
 
 def line(*cells: str) -> str:
@@ -57,11 +58,11 @@ def against(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
     return hierarchical(first.astype(float) - second), worst
 
 
-def equal(found: Found, strata: np.ndarray) -> list[str]:
+def equal(found: Found, strata: np.ndarray, sizes: Sequence[int] = SIZES) -> list[str]:
     """The same catches by three indexes, at every size."""
     lines = head("N", "index", "seeds", *(f"k = {k}" for k in CHECKS), *(f"W, {k}" for k in CHECKS),
                  *(f"Q, {k}" for k in CHECKS))  # fmt: skip
-    for size in SIZES:
+    for size in sizes:
         for index in ("learned", "raw", "random"):
             seeds = seeds_of(found, f"{index}-{size}")
             if not seeds:
@@ -76,10 +77,10 @@ def equal(found: Found, strata: np.ndarray) -> list[str]:
     return lines
 
 
-def h8(found: Found) -> list[str]:
+def h8(found: Found, sizes: Sequence[int] = SIZES) -> list[str]:
     """Learned less raw, after Holm over all that is shown."""
     both = {}
-    for size in SIZES:
+    for size in sizes:
         names = [f"{index}-{size}" for index in ("learned", "raw")]
         seeds = seeds_of(found, *names)
         for k in CHECKS if seeds else ():
@@ -95,9 +96,9 @@ def h8(found: Found) -> list[str]:
     return lines
 
 
-def seeds_apart(found: Found) -> list[str]:
+def seeds_apart(found: Found, size: int = max(SIZES)) -> list[str]:
     """The encoders of the largest memories, one by one."""
-    name = f"learned-{max(SIZES)}"
+    name = f"learned-{size}"
     lines = head("encoder", *(f"k = {k}" for k in CHECKS))
     for seed in seeds_of(found, name):
         caught = [within(found[_seeded(name, seed)], k) for k in CHECKS]
@@ -106,9 +107,8 @@ def seeds_apart(found: Found) -> list[str]:
     return lines
 
 
-def needed(found: Found) -> list[str]:
+def needed(found: Found, size: int = max(SIZES)) -> list[str]:
     """What stands in for a memory, beside the memory of the same seeds."""
-    size = max(SIZES)
     first, few = f"learned-{size}", f"prototypes-{PROTOTYPES}"
     rows = {
         f"{size:,} memories, learned": first,
@@ -213,7 +213,7 @@ def chosen(found: list[dict[str, Any]], made: Any, what: str) -> list[str]:
                  "p (Holm)")  # fmt: skip
     known = {(one["first"], one["second"]): one for one in found}
     for fallback in dict.fromkeys(b for _, b in made):
-        for front in ("none", "raw", "random", "splines"):
+        for front in dict.fromkeys(front for front, _ in made if front != "learned"):
             names = [f"{name} + {fallback}" for name in ("learned", front)]
             one = known.get(tuple(names)) or known[tuple(names[::-1])]
             caught = [made[name, fallback][what] for name in ("learned", front)]
@@ -254,14 +254,11 @@ def latencies(made: dict[tuple[str, str], dict[str, np.ndarray]]) -> list[str]:
     return lines
 
 
-def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
-    """Equal experience by size, and what stands in for a memory."""
-    drawn = style.new_figure(8.0, 3.0)
-    left, right = drawn.subplots(1, 2)
-    looks = {"learned": style.TARGET, "raw": style.OBSTACLE, "random": style.FAINT}
-    for index, colour in looks.items():
+def by_size(axes: Any, found: Found, sizes: Sequence[int]) -> None:
+    """Shares over what was held and learned from, by index."""
+    for index, colour in LOOKS.items():
         for k, dash in ((1, ":"), (20, "-")):
-            names = {n: f"{index}-{n}" for n in SIZES}
+            names = {n: f"{index}-{n}" for n in sizes}
             there = [n for n, name in names.items() if seeds_of(found, name)]
             shares = [
                 hierarchical(
@@ -271,14 +268,21 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
             ]
             value, low, high = 100 * np.array(shares).T
             label = index if k == 20 else None
-            left.plot(there, value, dash, color=colour, marker="o", ms=3, label=label)
-            left.fill_between(there, low, high, color=colour, alpha=0.15, lw=0)
-    left.set_xscale("log")
-    left.set_xlabel("catches, held and learned from")
-    left.set_ylabel("caught, 20 checks; dotted: 1 [%]")
-    left.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3)
+            axes.plot(there, value, dash, color=colour, marker="o", ms=3, label=label)
+            axes.fill_between(there, low, high, color=colour, alpha=0.15, lw=0)
+    axes.set_xscale("log")
+    axes.set_xlabel("catches, held and learned from")
+    axes.set_ylabel("caught, 20 checks; dotted: 1 [%]")
+    axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3)
+
+
+def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
+    """Equal experience by size, and what stands in for a memory."""
+    drawn = style.new_figure(8.0, 3.0)
+    left, right = drawn.subplots(1, 2)
+    by_size(left, found, SIZES)
     names = [split.removeprefix("test-") for split in splits]
-    for shift, (name, colour) in zip((-0.25, 0.0, 0.25), looks.items(), strict=True):
+    for shift, (name, colour) in zip((-0.25, 0.0, 0.25), LOOKS.items(), strict=True):
         key = "shipped" if name == "learned" else f"shipped-{name}"
         for k, alpha in ((20, 0.45), (1, 1.0)):
             tall = [100 * within(one[key], k).mean() for one in splits.values()]

@@ -70,7 +70,7 @@ def ask(given: argparse.Namespace) -> None:
             for who, make in part(records, OUT):
                 _answered(out / "answers" / f"{who}.json", make, rows, referee)
     if "fronts" in given.only:
-        fronts.parts(out / "fronts.jsonl", rows, referee)
+        fronts.parts(out / "fronts.jsonl", rows, referee, fronts.planners())
     if "resting" in given.only:
         for group, some in waitless(whole).items():
             for who, make in resting(records, OUT):

@@ -1,0 +1,71 @@
+"""Is a memory needed in space, and what is it worth with the same experience?
+
+python experiments/17_is_memory_needed/space.py DATASET train   the encoders, one after the other
+python experiments/17_is_memory_needed/space.py DATASET ask     what is missing, then the tables
+
+DATASET is a folder of `gcm-learn generate data/specs/space.toml`.  What is done is kept in
+out/space and not done again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "02_waiting"), str(HERE.parents[1])]
+
+import fronts  # noqa: E402
+import space_report  # noqa: E402
+from run import _answered  # noqa: E402
+from space_asked import RefereeInSpace, planners, suite  # noqa: E402
+from space_entrants import equal, needed, shipped  # noqa: E402
+from space_lessons import catches_of, train, train_all  # noqa: E402
+
+from gcm_learn import dataset  # noqa: E402
+
+OUT = HERE / "out" / "space"
+FROZEN = HERE / "frozen-space.json"
+"""The commit that froze code and generator, the seed that its hash gives, and how many of W and of
+Q were asked in the time that there was: of all, and of fronts and fallbacks."""
+PARTS = {"equal": equal, "needed": needed, "shipped": shipped}
+
+
+def main() -> None:
+    """Do one of the parts."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("dataset", type=Path)
+    parser.add_argument("part", choices=("train", "ask"))
+    parser.add_argument("--name", help="of one training")
+    parser.add_argument("--only", nargs="+", default=[*PARTS, "fronts", "report"])
+    given = parser.parse_args()
+    if given.part == "train" and given.name:
+        train(given.name, dataset.open(given.dataset), OUT)
+    elif given.part == "train":
+        train_all(given.dataset, OUT)
+    else:
+        ask(given.dataset, given.only)
+
+
+def ask(folder: Path, only: list[str]) -> None:
+    """Ask what was not asked yet, and write the tables of what there is."""
+    frozen = json.loads(FROZEN.read_text("utf-8"))
+    out, referee = OUT / f"fresh-{frozen['seed']}", RefereeInSpace()
+    rows = suite(frozen["seed"], out / "draws", frozen["each"])
+    whole = catches_of(dataset.open(folder), OUT / "catches.npz")
+    for name, part in PARTS.items():
+        if name in only:
+            for who, make in part(whole, OUT):
+                _answered(out / "answers" / f"{who}.json", make, rows, referee)
+    if "fronts" in only:
+        numbers = [n for n in range(len(rows)) if n % frozen["each"] < frozen["fronts"]]
+        some = [rows[n] for n in numbers]
+        fronts.parts(out / "fronts.jsonl", some, referee, planners())
+    if "report" in only:
+        space_report.write(HERE, out, rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,90 @@
+"""What is asked in space, who judges it, and who plans after whom."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from answers import Referee
+from fronts import BUDGET_MS
+from questions import Question
+
+from gcm_learn.dataset import make_item, read_spec
+from gcm_learn.planners import Planner, STRRTStarPlanner, get_planner, plan_to_json
+from gcm_learn.planners.space.layered import COARSE, FINE, LayeredInSpace
+from gcm_learn.situation import situation_from_json, situation_to_json
+from gcm_learn.storage import content_hash, write_whole
+from tests.referee_in_space import judge
+
+SPEC = Path(__file__).resolve().parents[2] / "data" / "specs" / "space.toml"
+AS_TRAINED = ("train", "validation", "test")  # splits: whatever this seed draws, no memory has seen
+CHUNK = 50  # draws of a file
+FRONTS = {"learned": "recall", "raw": "recall-raw", "random": "recall-random"}
+SMALL = 6**4  # nodes of the lattice that was chosen as the fastest without memory
+
+
+def suite(seed: int, folder: Path, most: int) -> list[Question]:
+    """The first `most` of W and of Q that the specification draws under a seed.
+
+    `layered` with half its moves sorts them, as it sorted the records.
+    """
+    spec = replace(read_spec(SPEC), seed=seed, audit=0.0, count=10**6)
+    found: dict[str, list[Question]] = {"W": [], "Q": []}
+    first = 0
+    while any(len(kept) < most for kept in found.values()):
+        for question in _chunk(spec, first, folder):
+            found[question.stratum].append(question)
+        first += CHUNK
+    print(f"{first} draws", {name: len(kept) for name, kept in found.items()}, flush=True)
+    return [*found["W"][:most], *found["Q"][:most]]
+
+
+def _chunk(spec: Any, first: int, folder: Path) -> list[Question]:
+    """W and Q of CHUNK draws, kept in a file."""
+    file = folder / f"draws_{first:07d}.jsonl"
+    if not file.exists():
+        made = (make_item(spec, k) for k in range(first, first + CHUNK))
+        kept = [
+            [r.stratum, r.family, r.index, situation_to_json(r.situation)]
+            for r in made
+            if r.situation is not None and r.stratum in ("W", "Q") and r.split in AS_TRAINED
+        ]
+        folder.mkdir(parents=True, exist_ok=True)
+        write_whole(file, "".join(json.dumps(row) + "\n" for row in kept))
+    rows = map(json.loads, file.read_text("utf-8").splitlines())
+    return [Question(*row[:3], situation_from_json(row[3])) for row in rows]  # type: ignore
+
+
+@dataclass
+class RefereeInSpace(Referee):
+    """Judges catches in space; the same catch of the same situation once."""
+
+    def broken(self, situation: Any, plan: Any) -> bool:
+        """Whether a catch does not keep what it promises."""
+        path = plan.trajectory
+        parts = (path.time, path.joints, np.array([plan.clearance, plan.catch_time]))
+        key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
+        if key not in self.known:
+            found = judge(situation_to_json(situation), plan_to_json(plan, situation))
+            self.known[key] = bool(found.complaints)
+        return self.known[key]
+
+
+def fallbacks() -> dict[str, Planner]:
+    """Who plans where the front has no catch; the second was chosen in 15_anytime."""
+    coarse, fine = (COARSE._replace(nodes=SMALL), FINE._replace(nodes=SMALL))
+    return {
+        "layered": get_planner("layered"),
+        "layered, small": LayeredInSpace(coarse=coarse, fine=fine, instants=16, swivels=6),
+        "straight-wait": get_planner("straight-wait"),
+        "marching": get_planner("marching"),
+        "ST-RRT*": STRRTStarPlanner(budget_ms=BUDGET_MS),
+    }
+
+
+def planners() -> dict[str, Planner]:
+    """Fronts and fallbacks by name."""
+    return {name: get_planner(known) for name, known in FRONTS.items()} | fallbacks()

@@ -1,0 +1,125 @@
+"""Everybody who is asked in space, by name; made when it is their turn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from answers import CHECKS, Answer, Ask, among_equals, by
+from entrants import Make, filed
+from questions import Question
+from regressor import WAITS, Paths, regressor, told
+from space_lessons import OF, PROTOTYPES, SEEDS, SIZES, TURNS, Catches
+from torch import argsort, no_grad
+
+from gcm_learn.planners import SpatialProblem
+from gcm_learn.recall import (
+    Adaptation,
+    EncoderConfig,
+    LearnedIndex,
+    Memory,
+    RandomIndex,
+    RawIndex,
+    load_encoder,
+    shipped_memory,
+)
+from gcm_learn.recall.clearance_features import batched
+from gcm_learn.recall.index import nearest_rows
+from gcm_learn.recall.kinds import SPACE
+from gcm_learn.recall.planners import _first_plan, _offer
+from gcm_learn.recall.raw_features import Scale
+from gcm_learn.recall.space.kernels import EARLIEST, TIME
+from gcm_learn.recall.space.waypoints import SpatialWaypoints
+from gcm_learn.recall.trials import Budget
+
+
+def equal(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
+    """The same N catches, asked by the encoder that saw no others, by raw parameters, at random."""
+    for seed in SEEDS:
+        for size in SIZES:
+            folder = out / "encoders" / f"strict-{size}-{seed}"
+            yield f"raw-{size}-{seed}", lambda s=size, k=seed: by(_raw(whole.part(s, k)))
+            yield f"learned-{size}-{seed}", lambda folder=folder: by(_learned(folder))
+            if seed == SEEDS[0]:
+                yield f"random-{size}-{seed}", lambda s=size, k=seed: by(_any(whole.part(s, k)))
+
+
+def needed(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
+    """What could stand in for a memory, learned from the same labels."""
+    for seed in SEEDS:
+        folder = out / "encoders" / f"prototypes-{PROTOTYPES}-{seed}"
+        yield folder.name, lambda folder=folder: by(_learned(folder))
+        yield f"{folder.name}-random", lambda folder=folder: by(_any(_paths(folder)))
+        yield f"regressor-{OF}-{seed}", lambda seed=seed: _regressor(out, seed)
+
+
+def shipped(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
+    """The memory that is shipped and its controls."""
+    memory = shipped_memory("recall", SPACE)
+    yield "shipped", lambda: by(memory)
+    yield "shipped-raw", lambda: by(memory.refiled(RawIndex.fit(memory.situations())))
+    yield "shipped-random", lambda: by(memory.refiled(RandomIndex()))
+    yield "shipped-family", lambda: among_equals(memory, lambda q: q.family, 0)
+    both = among_equals(memory, lambda q: f"{q.family}/{q.stratum}", -1)
+    yield "shipped-family-stratum", lambda: both
+
+
+def _paths(folder: Path) -> Catches:
+    """The movements that an encoder was trained on."""
+    with np.load(folder / "paths.npz") as file:
+        knots, goals = file["knots"], file["goals"]
+    nothing = np.zeros(len(knots))
+    return Catches(nothing, knots, goals, nothing, nothing)
+
+
+def _learned(folder: Path) -> Memory:
+    index, some = LearnedIndex(load_encoder(folder)), _paths(folder)
+    places = index.encoder.embed_memories([], some.knots, some.goals)
+    return filed(Memory(index, kind=SPACE), places, some.knots, some.goals)
+
+
+def _raw(some: Catches) -> Memory:
+    index = RawIndex(Scale.of(some.raw))
+    places = nearest_rows(index.scale(some.raw))
+    return filed(Memory(index, kind=SPACE), places, some.knots, some.goals)
+
+
+def _any(some: Catches) -> Memory:
+    index = RandomIndex()
+    paths = [SpatialWaypoints(k, g) for k, g in zip(some.knots, some.goals, strict=True)]
+    places = index.embed_memories([], paths)
+    return filed(Memory(index, kind=SPACE), places, some.knots, some.goals)
+
+
+def _regressor(out: Path, seed: int) -> Ask:
+    """One that learns as many steps as an encoder, from its lessons."""
+    name = f"strict-{OF}-{seed}"
+    some = _paths(out / "encoders" / name)
+    paths, steps = told(some.knots, some.goals), TURNS * EncoderConfig().steps
+    net = regressor(out / "work" / name, paths, seed, steps, "spatial")
+
+    def ask(question: Question, checks: int) -> Answer:
+        problem = SpatialProblem(question.situation, "regressor")
+        answer = SPACE.early_answer(problem)
+        if answer is not None:
+            return Answer(answer, 0)
+        how, movements = Adaptation(), proposed(net, problem)
+        offer = _offer(np.arange(checks), movements[0])
+        budget = Budget(how.bends, checks, 0.0, 0.0)
+        plan, _, tried = _first_plan(problem, SPACE.tries(problem, how), movements, offer, budget)
+        return Answer(plan, tried)
+
+    return ask
+
+
+@no_grad()
+def proposed(net: Paths, problem: SpatialProblem) -> tuple[np.ndarray, np.ndarray]:
+    """Knots (CHECKS, KNOTS, COLUMNS) and goals (CHECKS, GOAL), the likeliest first."""
+    made, scores = net(batched([SPACE.look(problem.situation, problem.scene)]))
+    numbers = (made[0] * net.spread + net.mean)[argsort(-scores[0])].numpy()
+    knots = numbers[:, : -SPACE.goal].reshape(CHECKS, *SPACE.knots)
+    time = np.maximum.accumulate(np.maximum(knots[:, :, TIME], 0.0), axis=1)
+    waits = knots[:, :, EARLIEST] > WAITS * np.maximum(time, 1e-3)
+    knots[:, :, TIME], knots[:, :, EARLIEST] = time, np.where(waits, time, 0.0)
+    return np.ascontiguousarray(knots), np.ascontiguousarray(numbers[:, -SPACE.goal :])

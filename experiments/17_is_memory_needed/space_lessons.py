@@ -1,0 +1,137 @@
+"""Equal experience in space: the catches are read once, encoders learn from N of them alone."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from lessons import PICK, Prototypes, Strict, medoids, trained
+
+from gcm_learn import seeding
+from gcm_learn.dataset import Dataset
+from gcm_learn.processes import Here
+from gcm_learn.recall import transfer_labels
+from gcm_learn.recall.growth import catch_of
+from gcm_learn.recall.kinds import SPACE, raw_numbers
+from gcm_learn.recall.transfer_labels import ALONE, EASY, SITUATIONS
+from gcm_learn.storage import write_whole
+
+transfer_labels.ANY = 64
+"""Memories of a batch about any: these lessons cost most and tell least."""
+TURNS = 20
+SIZES = (1000, 3000, 10_000, 30_000)
+SEEDS = (0, 1, 2, 3, 4)
+PROTOTYPES, OF = 100, 10_000
+"""Prototypes, and the catches that they are medoids of, whose situations their scorer sees."""
+READ = 1000  # records that are read at once
+
+
+class Catches(NamedTuple):
+    """Catches of a dataset: all of split train that are not U, or some of them."""
+
+    where: np.ndarray
+    """Rows (n,) of the dataset."""
+    knots: np.ndarray
+    goals: np.ndarray
+    raw: np.ndarray
+    """Raw parameters of the situations (n, m)."""
+    easy: np.ndarray
+    """Whether a straight movement catches (n,) bool."""
+
+    def part(self, count: int, seed: int) -> Catches:
+        """`count` of them, drawn by a seed; fewer are among more."""
+        order = seeding.rng(seed, PICK).permutation(len(self.where))[:count]
+        return Catches(*(column[np.sort(order)] for column in self))
+
+
+def catches_of(records: Dataset, file: Path) -> Catches:
+    """Read the catches, or the file in which they are kept."""
+    if not file.exists():
+        rows = np.flatnonzero(
+            (records.column("split") == "train") & (records.column("stratum") != "U")
+        )
+        parts = []
+        for first in range(0, len(rows), READ):
+            parts += _read(records, rows[first : first + READ])
+        columns = [np.array(column) for column in zip(*parts, strict=True)]
+        stream = io.BytesIO()
+        np.savez(stream, *columns)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(file, stream.getvalue())
+    with np.load(file) as kept:
+        return Catches(*(kept[f"arr_{k}"] for k in range(len(Catches._fields))))
+
+
+def _read(records: Dataset, rows: np.ndarray) -> list[tuple]:
+    """Rows of `Catches`; some are caught by the yardstick alone, and are left out."""
+    found = []
+    for row, record in zip(rows.tolist(), records[rows], strict=True):
+        path = catch_of(record)
+        if path is not None:
+            raw = raw_numbers(record.situation)
+            found.append((row, path.knots, path.goal, raw, record.stratum == "L"))
+    return found
+
+
+class Told(Strict):
+    """`Strict` lessons of catches that were read before: only situations are left to read.
+
+    Parameters
+    ----------
+    experience : (Dataset, Catches)
+        Where the situations are, and the catches to learn from.
+    seed : int
+    """
+
+    def __init__(self, experience: tuple[Dataset, Catches], seed: int) -> None:
+        records, some = experience
+        self.spec, self.seed, self.crew, self.kind = records.spec, seed, Here(), SPACE
+        self.knots, self.goals = some.knots, some.goals
+        self.path_features = SPACE.path_features(self.knots, self.goals)
+        self.map_features = None
+        lots = seeding.rng(seed, PICK, 1)
+        self._order = np.flatnonzero(~some.easy | (lots.random(len(some.easy)) < EASY))
+        self._again()
+        used = np.unique(self._order[: TURNS * (SITUATIONS - int(ALONE * SITUATIONS))])
+        read = zip(used.tolist(), records[some.where[used]], strict=True)
+        self.situations = {k: record.situation for k, record in read}  # type: ignore[assignment]
+        self._held = records.where(split="validation")
+        self._exam = [(r.stratum, r.situation) for r in self._examined()]
+
+
+class Few(Prototypes, Told):
+    """`Prototypes` of such catches."""
+
+
+def names() -> list[str]:
+    """All trainings, one seed after the other."""
+    kinds = [*(f"strict-{size}" for size in SIZES), f"prototypes-{PROTOTYPES}"]
+    return [f"{kind}-{seed}" for seed in SEEDS for kind in kinds]
+
+
+def train(name: str, records: Dataset, out: Path) -> None:
+    """Train one of them, and keep the memories that it was trained on."""
+    kind, size, seed = name.split("-")
+    whole = catches_of(records, out / "catches.npz")
+    if kind == "strict":
+        data: Strict = Told((records, whole.part(int(size), int(seed))), int(seed))
+    else:
+        some = whole.part(OF, int(seed))
+        kept = medoids(SPACE.path_features(some.knots, some.goals), int(size), int(seed))
+        data = Few((records, some), int(seed), kept)
+    place = out / "encoders" / name
+    trained(data, int(seed), place, TURNS, out / "work" / name)
+    np.savez(place / "paths.npz", knots=data.knots, goals=data.goals)
+
+
+def train_all(folder: Path, out: Path) -> None:
+    """Train what is missing, each in a process of its own."""
+    script = Path(__file__).with_name("space.py")
+    for name in names():
+        if not (out / "encoders" / name / "paths.npz").exists():
+            call = [sys.executable, str(script), str(folder), "train", "--name", name]
+            subprocess.run(call, check=True)
