@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 from answers import CHECKS, Answer, Ask, among_equals, by
-from lessons import experience
+from lessons import drawn_from, experience
 from questions import Question
 from regressor import by_regressor, regressor, told
-from trainings import FEW, PROTOTYPES, REST, SEEDS, SIZES, STILL
+from trainings import FEW, LONG, PROTOTYPES, REST, SEEDS, SIZES, STILL, WHOLE
 
 from gcm_learn import dataset
 from gcm_learn.dataset import Dataset
@@ -36,12 +36,27 @@ def equal(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
     """The same N catches, asked by the encoder that saw no others, by raw parameters, at random."""
     for seed in SEEDS:
         for size in SIZES:
-            some = partial(experience, records, size, seed)
+            some = partial(_catches, records, size, seed)
             yield f"raw-{size}-{seed}", lambda some=some: by(remember(some(), "raw"))
             if seed == SEEDS[0]:
                 yield f"random-{size}-{seed}", lambda some=some: by(remember(some(), RandomIndex()))
             folder = out / "encoders" / f"strict-{size}-{seed}"
             yield f"learned-{size}-{seed}", lambda folder=folder: by(paths_of(folder))
+
+
+def longer(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
+    """Encoders that learned five times as long, beside the same catches by the others."""
+    for seed in REST:
+        for size in LONG:
+            some = partial(_catches, records, size, seed)
+            yield f"raw-{size}-{seed}", lambda some=some: by(remember(some(), "raw"))
+            for name, kind in (("learned", "strict"), ("long", "long")):
+                folder = out / "encoders" / f"{kind}-{size}-{seed}"
+                yield f"{name}-{size}-{seed}", lambda folder=folder: by(paths_of(folder))
+
+
+def _catches(records: Dataset, size: int, seed: int) -> Dataset:
+    return experience(drawn_from(records, size), size, seed)
 
 
 def needed(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
@@ -51,7 +66,7 @@ def needed(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
         yield folder.name, lambda folder=folder: by(paths_of(folder))
         yield f"{folder.name}-random", lambda folder=folder: by(paths_of(folder, RandomIndex()))
     for seed in FEW:
-        yield f"regressor-{max(SIZES)}-{seed}", lambda seed=seed: _regressor(out, seed)
+        yield f"regressor-{WHOLE}-{seed}", lambda seed=seed: _regressor(out, seed)
 
 
 def resting(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
@@ -105,7 +120,7 @@ def filed(memory: Memory, embeddings: np.ndarray, knots: np.ndarray, goals: np.n
 
 
 def _regressor(out: Path, seed: int) -> Ask:
-    name = f"strict-{max(SIZES)}-{seed}"
+    name = f"strict-{WHOLE}-{seed}"
     with np.load(out / "encoders" / name / "paths.npz") as file:
         paths = told(file["knots"], file["goals"])
     return by_regressor(regressor(out / "work" / name, paths, seed, STEPS))

@@ -21,7 +21,8 @@ from gcm_learn.situation import Situation, situation_from_json, situation_to_jso
 from gcm_learn.storage import write_whole
 
 CHUNK = 50  # draws of a file
-MOST = 200  # situations of W and of Q that are asked of all
+MOST = 300  # situations of W and of Q that are asked of all
+TIMED = 200  # of these, that are asked where processor time is told
 SPLITS = ("test-pendulum", "test-long-arm", "test-fast", "test-crowded")
 EACH = 50  # situations of W and Q of a split
 CROWD = (6, 8)  # obstacles; those of the dataset's own families are five at most
@@ -37,15 +38,12 @@ class Question(NamedTuple):
     situation: Situation
 
 
-def suite(seed: int, folder: Path, most: int) -> list[Question]:
-    """W and Q among the first `most` situations that families draw in turn under a seed."""
+def suite(seed: int, folder: Path) -> list[Question]:
+    """The first situations of W and of Q that families draw in turn under a seed."""
     config = {"seed": seed, "families": list(FAMILIES)}
     found: dict[str, list[Question]] = {"W": [], "Q": []}
     first = 0
-    while first < most:
-        wanted = tuple(name for name, kept in found.items() if len(kept) < MOST)
-        if not wanted:
-            break
+    while wanted := tuple(name for name, kept in found.items() if len(kept) < MOST):
         for case in _chunk(config, first, wanted, folder):
             one = Question(case.stratum, case.family, case.index, case.read())
             found[case.stratum].append(one)
@@ -76,9 +74,9 @@ def development(folder: Path, most: int) -> list[Question]:
     return rows
 
 
-def asked(rows: list[Question]) -> list[Question]:
+def asked(rows: list[Question], most: int = MOST) -> list[Question]:
     """As many of each stratum as are asked of everybody."""
-    return [q for name in ("W", "Q") for q in [r for r in rows if r.stratum == name][:MOST]]
+    return [q for name in ("W", "Q") for q in [r for r in rows if r.stratum == name][:most]]
 
 
 def outside(split: str, spec: DatasetSpec, folder: Path, seed: int = SEED) -> list[Question]:

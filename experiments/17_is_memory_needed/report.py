@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from answers import within
 from fronts import hybrids
-from questions import SPLITS, Question
+from questions import MOST, SPLITS, Question
 from tally import hierarchical, points, told
-from trainings import PROTOTYPES, SEEDS, SIZES, STILL
+from trainings import LONG, LONGER, PROTOTYPES, SEEDS, SIZES, STILL, TURNS, WHOLE
 
 from gcm_learn.evaluation import Interval, chance, difference, holm, mcnemar, stratified, wilson
 from gcm_learn.plots import style
@@ -58,12 +58,17 @@ def against(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
     return hierarchical(first.astype(float) - second), worst
 
 
-def equal(found: Found, strata: np.ndarray, sizes: Sequence[int] = SIZES) -> list[str]:
-    """The same catches by three indexes, at every size."""
+def equal(
+    found: Found,
+    strata: np.ndarray,
+    sizes: Sequence[int] = SIZES,
+    indexes: Sequence[str] = ("learned", "raw", "random"),
+) -> list[str]:
+    """The same catches by several indexes, at every size."""
     lines = head("N", "index", "seeds", *(f"k = {k}" for k in CHECKS), *(f"W, {k}" for k in CHECKS),
                  *(f"Q, {k}" for k in CHECKS))  # fmt: skip
     for size in sizes:
-        for index in ("learned", "raw", "random"):
+        for index in indexes:
             seeds = seeds_of(found, f"{index}-{size}")
             if not seeds:
                 continue
@@ -96,8 +101,24 @@ def h8(found: Found, sizes: Sequence[int] = SIZES) -> list[str]:
     return lines
 
 
-def seeds_apart(found: Found, size: int = max(SIZES)) -> list[str]:
-    """The encoders of the largest memories, one by one."""
+def differences(found: Found, pairs: Sequence[tuple[str, str]]) -> list[str]:
+    """What one catches more than the other of each pair, after Holm over all that is shown."""
+    tests = []
+    for size in LONG:
+        for pair in pairs:
+            names = [f"{index}-{size}" for index in pair]
+            seeds = seeds_of(found, *names)
+            for k in CHECKS if seeds else ():
+                gap = against(*(over_seeds(found, name, seeds, k) for name in names))
+                tests.append((f"{size:,}", " less ".join(pair), str(k), str(len(seeds)), gap))
+    lines = head("N", "which", "checks", "seeds", "points", "p (Holm)")
+    for (*cells, (gap, _)), p in zip(tests, holm([p for *_, (_, p) in tests]), strict=True):
+        lines.append(line(*cells, points(gap), chance(p)))
+    return lines
+
+
+def seeds_apart(found: Found, size: int = WHOLE) -> list[str]:
+    """The encoders of memories of a size, one by one."""
     name = f"learned-{size}"
     lines = head("encoder", *(f"k = {k}" for k in CHECKS))
     for seed in seeds_of(found, name):
@@ -107,7 +128,7 @@ def seeds_apart(found: Found, size: int = max(SIZES)) -> list[str]:
     return lines
 
 
-def needed(found: Found, size: int = max(SIZES)) -> list[str]:
+def needed(found: Found, size: int = WHOLE) -> list[str]:
     """What stands in for a memory, beside the memory of the same seeds."""
     first, few = f"learned-{size}", f"prototypes-{PROTOTYPES}"
     rows = {
@@ -292,7 +313,7 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
     drawn.savefig(path)
 
 
-def write(here: Path, out: Path, suite: Path, rows: Sequence[Question]) -> None:
+def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], later: Path) -> None:
     """Write table.md, pairs.json and figure.png of what has been asked."""
     found = _read(suite / "answers")
     all_of_them = {split: _read(out / "outside" / split) for split in SPLITS}
@@ -308,7 +329,6 @@ def write(here: Path, out: Path, suite: Path, rows: Sequence[Question]) -> None:
         "Is a memory needed?": needed(found),
         "The shipped memory": shipped(found, rows),
         "Not trained on": outside(splits),
-        "At rest and in motion": resting(groups),
     }
     if told_:
         made = hybrids(told_)
@@ -321,11 +341,17 @@ def write(here: Path, out: Path, suite: Path, rows: Sequence[Question]) -> None:
             "What the learned front is worth: ready": chosen(both["ready"], made, "ready"),
             "Processor time of hybrids: median, 90 %": latencies(made),
         }
-    counts = {name: int(np.sum(strata == name)) for name in "WQ"}
-    said = judged([found, *splits.values(), *groups.values()], told_)
+    page["At rest and in motion"] = resting(groups)
+    more = _read(later / "answers")
+    turns, indexes = f"{TURNS * LONGER} turns (long), afterwards", ("long", "learned", "raw")
+    page[turns] = equal(more, np.repeat(["W", "Q"], MOST), LONG, indexes)
+    page[f"{turns}: differences"] = differences(more, list(combinations(indexes, 2)))
+    said = judged([found, *splits.values(), *groups.values(), more], told_)
+    seeds = [one.name.removeprefix("fresh-") for one in (suite, later)]
     note = (
-        f"Suite of seed {suite.name.removeprefix('fresh-')}: {counts['W']} situations of W and "
-        f"{counts['Q']} of Q are asked of all. The referee judged {said}."
+        f"Suite of seed {seeds[0]}, of long trainings {seeds[1]}: {MOST} situations of W and "
+        f"{MOST} of Q are asked of all, {len(told_) // 2} of each of fronts and fallbacks. "
+        f"The referee judged {said}."
     )
     filled = {title: lines for title, lines in page.items() if len(lines) > 2}
     write_whole(here / "table.md", sections(filled) + f"\n{note}\n")

@@ -3,8 +3,9 @@
 python experiments/17_is_memory_needed/run.py DATASET train     the encoders, one after the other
 python experiments/17_is_memory_needed/run.py DATASET ask       what is missing, then the tables
 
-DATASET is a folder of `gcm-learn generate data/specs/recall.toml`.  What is done is kept in out/
-and not done again.
+DATASET is a folder of `gcm-learn generate data/specs/recall.toml`, with a `count` of 40,000: its
+first 15,000 records hold enough for all but 30,000 catches.  What is done is kept in out/ and not
+done again.
 """
 
 from __future__ import annotations
@@ -21,18 +22,29 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "02_waiting"), str(HERE.parents[1])
 import fronts  # noqa: E402
 import report  # noqa: E402
 from answers import Referee, answered  # noqa: E402
-from entrants import equal, needed, opened, resting, shipped  # noqa: E402
+from entrants import equal, longer, needed, opened, resting, shipped  # noqa: E402
 from lessons import at_rest  # noqa: E402
-from questions import SPLITS, Question, asked, development, outside, suite  # noqa: E402
+from questions import (  # noqa: E402
+    SPLITS,
+    TIMED,
+    Question,
+    asked,
+    development,
+    outside,
+    suite,
+)
 from trainings import train, train_all  # noqa: E402
 
+from gcm_learn.dataset import Dataset  # noqa: E402
 from gcm_learn.errors import EncoderError  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
 
 OUT = HERE / "out"
 FROZEN = HERE / "frozen.json"
-"""The commit that froze code and generator, the seed that its hash gives, and how many situations
-were drawn in the time that there was."""
+"""The commit that froze code and generator, and the seed that its hash gives."""
+FROZEN_LONGER = HERE / "frozen-longer.json"
+"""The same of the suite of encoders that learned longer: these were added once answers of the first
+suite were known."""
 
 
 def main() -> None:
@@ -53,7 +65,7 @@ def main() -> None:
         ask(given)
 
 
-PARTS = ("equal", "needed", "shipped", "fronts", "resting", "outside", "report")
+PARTS = ("equal", "needed", "shipped", "fronts", "resting", "outside", "longer", "report")
 
 
 def ask(given: argparse.Namespace) -> None:
@@ -61,28 +73,42 @@ def ask(given: argparse.Namespace) -> None:
     if given.development:
         out, whole = OUT / "development", development(given.development, given.count)
     else:
-        frozen = json.loads(FROZEN.read_text("utf-8"))
-        out = OUT / f"fresh-{frozen['seed']}"
-        whole = suite(frozen["seed"], out / "draws", frozen["draws"])
+        out, whole = _fresh(FROZEN)
     records, referee, rows = opened(given.dataset), Referee(), asked(whole)
     for name, part in {"equal": equal, "needed": needed, "shipped": shipped}.items():
         if name in given.only:
             for who, make in part(records, OUT):
                 _answered(out / "answers" / f"{who}.json", make, rows, referee)
     if "fronts" in given.only:
-        fronts.parts(out / "fronts.jsonl", rows, referee, fronts.planners())
+        fronts.parts(out / "fronts.jsonl", asked(whole, TIMED), referee, fronts.planners())
     if "resting" in given.only:
         for group, some in waitless(whole).items():
             for who, make in resting(records, OUT):
                 _answered(out / group / f"{who}.json", make, some, referee)
     if "outside" in given.only:
-        for split in SPLITS:
-            some = outside(split, records.spec, OUT / "outside")
-            for who, make in shipped(records, OUT):
-                if who != "shipped-family-stratum":
-                    _answered(OUT / "outside" / split / f"{who}.json", make, some, referee)
+        _ask_outside(records, referee)
+    if "longer" in given.only:
+        later, more = _fresh(FROZEN_LONGER)
+        for who, make in longer(records, OUT):
+            _answered(later / "answers" / f"{who}.json", make, asked(more), referee)
     if "report" in given.only:
-        report.write(HERE, OUT, out, rows)
+        report.write(HERE, OUT, out, rows, _fresh(FROZEN_LONGER)[0])
+
+
+def _fresh(frozen: Path) -> tuple[Path, list[Question]]:
+    """Where the answers of a suite are kept, and the suite."""
+    seed = json.loads(frozen.read_text("utf-8"))["seed"]
+    out = OUT / f"fresh-{seed}"
+    return out, suite(seed, out / "draws")
+
+
+def _ask_outside(records: Dataset, referee: Referee) -> None:
+    """The shipped memory and its controls, of what training leaves out."""
+    for split in SPLITS:
+        some = outside(split, records.spec, OUT / "outside")
+        for who, make in shipped(records, OUT):
+            if who != "shipped-family-stratum":
+                _answered(OUT / "outside" / split / f"{who}.json", make, some, referee)
 
 
 def _answered(file: Path, make: Any, rows: list[Question], referee: Referee) -> None:
