@@ -22,7 +22,7 @@ import space_report  # noqa: E402
 from run import _answered  # noqa: E402
 from space_asked import RefereeInSpace, planners, suite  # noqa: E402
 from space_entrants import equal, needed, shipped  # noqa: E402
-from space_lessons import catches_of, train, train_all  # noqa: E402
+from space_lessons import catches_of, names, train_all  # noqa: E402
 
 from gcm_learn import dataset  # noqa: E402
 
@@ -38,13 +38,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("dataset", type=Path)
     parser.add_argument("part", choices=("train", "ask"))
-    parser.add_argument("--name", help="of one training")
+    parser.add_argument("--names", nargs="+", default=names(), help="of some trainings")
     parser.add_argument("--only", nargs="+", default=[*PARTS, "fronts", "report"])
     given = parser.parse_args()
-    if given.part == "train" and given.name:
-        train(given.name, dataset.open(given.dataset), OUT)
-    elif given.part == "train":
-        train_all(given.dataset, OUT)
+    if given.part == "train":
+        train_all(given.names, dataset.open(given.dataset), OUT)
     else:
         ask(given.dataset, given.only)
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import lessons
 import numpy as np
 from lessons import PICK, Prototypes, Strict, medoids, trained
 
@@ -17,12 +16,13 @@ from gcm_learn.processes import Here
 from gcm_learn.recall import transfer_labels
 from gcm_learn.recall.growth import catch_of
 from gcm_learn.recall.kinds import SPACE, raw_numbers
-from gcm_learn.recall.transfer_labels import ALONE, EASY, SITUATIONS
+from gcm_learn.recall.transfer_labels import ALONE, EASY, TransferLabels
 from gcm_learn.storage import write_whole
 
-transfer_labels.ANY = 64
-"""Memories of a batch about any: these lessons cost most and tell least."""
-TURNS = 20
+SITUATIONS, transfer_labels.ANY = 256, 64
+"""Situations of a batch, and memories of one about any: half of the package's and two fifths."""
+lessons.SITUATIONS = transfer_labels.SITUATIONS = SITUATIONS  # type: ignore[attr-defined]
+TURNS = 24
 SIZES = (1000, 3000, 10_000, 30_000)
 SEEDS = (0, 1, 2, 3, 4)
 PROTOTYPES, OF = 100, 10_000
@@ -82,13 +82,13 @@ class Told(Strict):
 
     Parameters
     ----------
-    experience : (Dataset, Catches)
-        Where the situations are, and the catches to learn from.
+    experience : (Dataset, Catches, list)
+        Where the situations are, the catches to learn from, and what to validate with.
     seed : int
     """
 
-    def __init__(self, experience: tuple[Dataset, Catches], seed: int) -> None:
-        records, some = experience
+    def __init__(self, experience: tuple[Dataset, Catches, list[Any]], seed: int) -> None:
+        records, some, self._exam = experience
         self.spec, self.seed, self.crew, self.kind = records.spec, seed, Here(), SPACE
         self.knots, self.goals = some.knots, some.goals
         self.path_features = SPACE.path_features(self.knots, self.goals)
@@ -99,8 +99,6 @@ class Told(Strict):
         used = np.unique(self._order[: TURNS * (SITUATIONS - int(ALONE * SITUATIONS))])
         read = zip(used.tolist(), records[some.where[used]], strict=True)
         self.situations = {k: record.situation for k, record in read}  # type: ignore[assignment]
-        self._held = records.where(split="validation")
-        self._exam = [(r.stratum, r.situation) for r in self._examined()]
 
 
 class Few(Prototypes, Told):
@@ -113,25 +111,33 @@ def names() -> list[str]:
     return [f"{kind}-{seed}" for seed in SEEDS for kind in kinds]
 
 
-def train(name: str, records: Dataset, out: Path) -> None:
+def train_all(some: list[str], records: Dataset, out: Path) -> None:
+    """Train what is missing of some, one after the other."""
+    whole = catches_of(records, out / "catches.npz")
+    held = Held(records)
+    for name in some:
+        if not (out / "encoders" / name / "paths.npz").exists():
+            _train(name, (records, whole, held.exam), out)
+
+
+class Held(TransferLabels):
+    """What is validated with, read once for all."""
+
+    def __init__(self, records: Dataset) -> None:
+        self._held = records.where(split="validation")
+        self.exam = [(r.stratum, r.situation) for r in self._examined()]
+
+
+def _train(name: str, experience: tuple[Dataset, Catches, list[Any]], out: Path) -> None:
     """Train one of them, and keep the memories that it was trained on."""
     kind, size, seed = name.split("-")
-    whole = catches_of(records, out / "catches.npz")
+    records, whole, exam = experience
     if kind == "strict":
-        data: Strict = Told((records, whole.part(int(size), int(seed))), int(seed))
+        data: Strict = Told((records, whole.part(int(size), int(seed)), exam), int(seed))
     else:
         some = whole.part(OF, int(seed))
         kept = medoids(SPACE.path_features(some.knots, some.goals), int(size), int(seed))
-        data = Few((records, some), int(seed), kept)
+        data = Few((records, some, exam), int(seed), kept)
     place = out / "encoders" / name
     trained(data, int(seed), place, TURNS, out / "work" / name)
     np.savez(place / "paths.npz", knots=data.knots, goals=data.goals)
-
-
-def train_all(folder: Path, out: Path) -> None:
-    """Train what is missing, each in a process of its own."""
-    script = Path(__file__).with_name("space.py")
-    for name in names():
-        if not (out / "encoders" / name / "paths.npz").exists():
-            call = [sys.executable, str(script), str(folder), "train", "--name", name]
-            subprocess.run(call, check=True)
