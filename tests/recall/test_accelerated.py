@@ -22,7 +22,14 @@ from gcm_learn.recall import (
     waypoints_of,
 )
 from gcm_learn.recall.space.kernels import EARLIEST, TIME
-from gcm_learn.situation import canonical, situation_from_json, situation_to_json
+from gcm_learn.situation import (
+    Body,
+    SolidQuadratic,
+    Sphere,
+    canonical,
+    situation_from_json,
+    situation_to_json,
+)
 from gcm_learn.situation.spatial_frame import _in_base, _mirrored
 from tests import strategies
 from tests.planners.test_fuzz_in_space import answered, wild_situations
@@ -177,6 +184,30 @@ def test_more_times_of_the_end_catch_more(memory):
         ]
         plain = times[0] >= 0.0
         assert np.array_equal(times[1][plain], times[0][plain])
+
+
+def test_what_touches_at_all_times_is_pushed_aside(catches):
+    """A ball rests where the hand comes through halfway, so no other time helps."""
+    pushed = 0
+    for situation, plan in catches:
+        if plan.catch_time < 0.2:
+            continue
+        place = tuple(plan.trajectory.hand_at(0.5 * plan.catch_time).tolist())
+        ball = Body(
+            "obstacle",
+            "in the way",
+            Sphere(0.06),
+            SolidQuadratic(place, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        )
+        blocked = replace(situation, bodies=(*situation.bodies, ball))
+        memory = Memory(RawIndex.fit([situation]), kind=SPACE)
+        memory.add([situation], [waypoints_of(situation, plan)])
+        found = RecallPlanner(memory, 1, novelty=0.0).plan(blocked)
+        if found.caught:
+            pushed += 1
+            record = plan_to_json(found, blocked)
+            assert judge(situation_to_json(blocked), record).complaints == []
+    assert pushed >= 5
 
 
 def test_hybrid_keeps_deadlines_and_bounds():

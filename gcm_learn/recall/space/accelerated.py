@@ -4,7 +4,7 @@ A movement ends when the memory did, or at the nearest time at which a target ca
 limits be kept; its other times are stretched with it.  Only where a piece would be too fast for the
 joints or the hand its neighbours make room for it.  The arm follows step by step: each step aims,
 with one constant acceleration, at where the movement is a little later.  What is missing at the end
-is added to all of it, and it is followed anew.
+is added to all of it, and it is followed anew.  What touches at all these times is pushed aside.
 """
 
 from __future__ import annotations
@@ -19,6 +19,18 @@ from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.motion.verification_in_space import NOTHING, piece_fault
 from gcm_learn.planners.space.goals import pulled
 from gcm_learn.planners.space.moves import time_of
+from gcm_learn.recall.space.bending import (
+    CLEARANCE,
+    INSTANTS,
+    PROGRESS,
+    PUSHED,
+    SIDES,
+    WIDTHS,
+    Touch,
+    copy_move,
+    pushed,
+    sides_of,
+)
 from gcm_learn.recall.space.kernels import KEEP, KNOTS, load, seed_end, write_path
 from gcm_learn.recall.trials import learn, most_promising
 from gcm_learn.scene.bodies import HAND, PART
@@ -172,15 +184,8 @@ def _is_free(study, track):
 
 
 @njit(_nrt=False)
-def catch_by(knots, m, query, times, work, track):
-    """Adapt memory m until it catches; the movement is left in `track`.
-
-    Parameters
-    ----------
-    knots : (n, KNOTS, COLUMNS) ndarray of float32
-        All memories.
-    times : int
-        At how many times of the end that keep all limits it is looked for touches.
+def _at_some_time(study, own, times, work, track):
+    """Adapt the movement to the nearest time of its end at which it catches.
 
     Returns
     -------
@@ -188,9 +193,12 @@ def catch_by(knots, m, query, times, work, track):
         The target that is caught, -1 if none is.
     looked : int
         How often it was looked at.
+    first : int
+        Target of the first look.
+    until : float
+        When it would have been caught there [s].
     """
-    study, looked = query.study, 0
-    rows, own = study.scene.bodies.rows, _remembered(knots, m, query, work)
+    rows, looked, first, since = study.scene.bodies.rows, 0, -1, 0.0
     for stretch in STRETCHES:
         until = own * stretch
         if until > study.scene.limits.horizon:
@@ -198,29 +206,141 @@ def catch_by(knots, m, query, times, work, track):
         for b in range(rows.shape[0]):
             if rows[b, PART] == HAND and _adapted(study, b, until, work, track):
                 looked += 1
+                if looked == 1:
+                    first, since = b, until
                 if _is_free(study, track):
-                    return b, looked
+                    return b, looked, first, since
                 if looked >= times:
-                    return -1, looked
-    return -1, looked
+                    return -1, looked, first, since
+    return -1, looked, first, since
+
+
+@njit(_nrt=False)
+def _look(study, track, most):
+    """How much the limb touches, and the first and last piece of the first time; -1 if not.
+
+    What is nearer than CLEARANCE costs what it lacks; if it touches, to know that it is above
+    `most` is enough.
+    """
+    near = CLEARANCE * study.scene.limb.length
+    cost, first, last = 0.0, -1, -2
+    for k in range(STEPS):
+        _piece(track, k, study.desk.curve)
+        room, _ = least_on(
+            study.scene,
+            track.time[k],
+            track.time[k + 1],
+            -1e300,
+            0.1 * near,
+            study.touch + near,
+            study.desk,
+        )
+        cost += study.touch + near - room
+        if room <= study.touch:
+            if first < 0:
+                first, last = k, k
+            elif last == k - 1:
+                last = k
+        if first >= 0 and cost > most:
+            break
+    return cost, first, last
 
 
 @njit
-def catch_times(knots, chosen, query, times, work, track):
+def _touch(study, work, track, first, last):
+    """Where the movement that is followed touches, from piece `first` to `last`."""
+    n = min(last - first + 2, INSTANTS)
+    share, time, joints = np.empty(n), np.empty(n), np.empty((n, 4))
+    for i in range(n):
+        k = first + (last + 1 - first) * i // (n - 1)
+        time[i], joints[i] = track.time[k], track.joints[k]
+        share[i] = np.interp(time[i], work.time, work.share)
+    before = max(first - 1, 0)
+    study.far[:] = track.joints[before]
+    sides = sides_of(study, study.far, track.time[before])
+    return Touch(share, time, joints, sides, 1)
+
+
+@njit
+def _bent(study, b, until, bends, work, track):
+    """Push a movement that would catch target b at `until` [s] aside until it touches nothing.
+
+    As `recall.space.bending.bend`, but its times stay. Returns whether it is free.
+    """
+    if not _adapted(study, b, until, work, track):
+        return False
+    cost, first, last = _look(study, track, np.inf)
+    for _ in range(bends):
+        if first < 0:
+            return True
+        copy_move(work.base, work.wanted, work.from_base, work.from_wanted)
+        touch, side = _touch(study, work, track, first, last), np.zeros(4)
+        before, least = cost, cost
+        for change in range(PUSHED):
+            copy_move(work.from_base, work.from_wanted, work.base, work.wanted)
+            if change % SIDES == 0:
+                side[:] = 0.0
+            if not pushed(study, work, touch, WIDTHS[change // SIDES], side):
+                continue
+            if not _adapted(study, b, until, work, track):
+                continue
+            cost, first, _ = _look(study, track, least)
+            if first < 0:
+                return True
+            if cost < least:
+                least = cost
+                copy_move(work.base, work.wanted, work.least_base, work.least_wanted)
+        if least > PROGRESS * before:
+            return False
+        copy_move(work.least_base, work.least_wanted, work.base, work.wanted)
+        _adapted(study, b, until, work, track)
+        cost, first, last = _look(study, track, np.inf)
+    return first < 0
+
+
+@njit
+def catch_by(knots, m, query, bends, work, track):
+    """Adapt memory m until it catches; the movement is left in `track`.
+
+    Parameters
+    ----------
+    knots : (n, KNOTS, COLUMNS) ndarray of float32
+        All memories.
+    bends : int
+        Changes at most of a movement that touches at all times of its end; with 0 the nearest that
+        keeps all limits is the only one.
+
+    Returns
+    -------
+    body : int
+        The target that is caught, -1 if none is.
+    met : bool
+        Whether any can be met with all limits kept.
+    """
+    times = STRETCHES.size if bends > 0 else 1
+    own = _remembered(knots, m, query, work)
+    body, looked, first, until = _at_some_time(query.study, own, times, work, track)
+    if body < 0 and looked > 0 and _bent(query.study, first, until, bends, work, track):
+        body = first
+    return body, looked > 0
+
+
+@njit
+def catch_times(knots, chosen, query, bends, work, track):
     """When memories catch (m,) [s]; as `recall.space.trials.catch_times`."""
     out = np.full(chosen.size, -1.0)
     for i in range(chosen.size):
-        body, _ = catch_by(knots, chosen[i], query, times, work, track)
+        body, _ = catch_by(knots, chosen[i], query, bends, work, track)
         if body >= 0:
             out[i] = track.time[STEPS]
     return out
 
 
 @njit
-def first_valid(knots, offer, query, times, budget, work, track):
+def first_valid(knots, offer, query, budget, work, track):
     """Try memories, the most promising first; as `recall.space.trials.first_valid`.
 
-    Looks at other times come before the one check of a memory, and count as none.
+    Other times and pushes come before the one check of a memory, and count as none.
 
     Returns
     -------
@@ -233,8 +353,8 @@ def first_valid(knots, offer, query, times, budget, work, track):
         if i < 0:
             break
         offer.left[i] = False
-        body, looked = catch_by(knots, offer.chosen[i], query, times, work, track)
-        if looked > 0 or budget.novelty <= 0.0:
+        body, met = catch_by(knots, offer.chosen[i], query, budget.changes, work, track)
+        if met or budget.novelty <= 0.0:
             checked += 1
         if body >= 0:
             return i, body, checked

@@ -35,11 +35,6 @@ class TriesInSpace:
     def _tempo(self) -> int:
         return TEMPOS["keep" if self.how.tempo == "keep" else "hurry"]
 
-    @property
-    def _times(self) -> int:
-        """At how many times memories are looked at, where accelerations are limited."""
-        return len(accelerated.STRETCHES) if self.how.bends else 1
-
     def first_valid(
         self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
     ) -> tuple[int, int, Attempt[SpatialTrajectory] | None]:
@@ -60,7 +55,7 @@ class TriesInSpace:
         """The same, where accelerations are limited."""
         track = accelerated.new_track()
         k, body, tried = accelerated.first_valid(
-            knots, offer, self.query, self._times, budget, work_room(), track
+            knots, offer, self.query, budget, work_room(), track
         )
         if k < 0:
             return -1, tried, None
@@ -72,7 +67,7 @@ class TriesInSpace:
         if self.problem.accelerates:
             track = accelerated.new_track()
             return accelerated.catch_times(
-                knots, chosen, self.query, self._times, work_room(), track
+                knots, chosen, self.query, self.how.bends, work_room(), track
             )
         out: np.ndarray = trials.catch_times(
             knots, chosen, self.query, self._tempo, self.how.bends, work_room()

@@ -79,17 +79,17 @@ def bend(query, tempo, work, rounds):
     for _ in range(rounds):
         if first < 0:
             return True
-        _copy(work.base, work.wanted, work.from_base, work.from_wanted)
+        copy_move(work.base, work.wanted, work.from_base, work.from_wanted)
         touch = _touch(query.study, work, first, last)
         end, before, least, found = work.way.left[KNOTS - 1], cost, cost, -1.0
         times = work.way.reached[touch.knot], work.way.reached[1]
         side = np.zeros(4)
         for change in range(CHANGES):
-            _copy(work.from_base, work.from_wanted, work.base, work.wanted)
+            copy_move(work.from_base, work.from_wanted, work.base, work.wanted)
             if change < PUSHED:
                 if change % SIDES == 0:
                     side[:] = 0.0
-                if not _pushed(query.study, work, touch, WIDTHS[change // SIDES], side):
+                if not pushed(query.study, work, touch, WIDTHS[change // SIDES], side):
                     continue
             elif tempo != HURRY or not _held(query.study, work, change - PUSHED, touch.knot, times):
                 continue
@@ -102,10 +102,10 @@ def bend(query, tempo, work, rounds):
                 return True
             if cost < least:
                 least, found = cost, t
-                _copy(work.base, work.wanted, work.least_base, work.least_wanted)
+                copy_move(work.base, work.wanted, work.least_base, work.least_wanted)
         if found < 0.0 or least > PROGRESS * before:
             return False
-        _copy(work.least_base, work.least_wanted, work.base, work.wanted)
+        copy_move(work.least_base, work.least_wanted, work.base, work.wanted)
         keep(work, meet(query, body, work, found), body)
         cost, first, last = _look(query.study, work.way, MARGIN, np.inf)
     return first < 0
@@ -122,7 +122,7 @@ def hasten(query, tempo, work):
     if _drop_waits(work) and meet_any(query, work):
         return True
     base, last = work.from_base, KNOTS - 1
-    _copy(work.base, work.wanted, base, work.from_wanted)
+    copy_move(work.base, work.wanted, base, work.from_wanted)
     for part in SHORTER:
         for k in range(1, last):
             for j in range(4):
@@ -144,7 +144,7 @@ def _drop_waits(work):
 
 
 @njit(_nrt=False)
-def _copy(base, wanted, to_base, to_wanted):
+def copy_move(base, wanted, to_base, to_wanted):
     """Keep a movement as it is adapted from."""
     for k in range(KNOTS):
         to_wanted[k] = wanted[k]
@@ -205,7 +205,7 @@ def _touch(study, work, first, last):
     """Where the best movement touches from instant `first` to `last`."""
     n, way, step = min(last - first + 1, INSTANTS), work.way, study.scene.limits.horizon / LOOKS
     share, time, joints = np.empty(n), np.empty(n), np.empty((n, 4))
-    sides, knot = np.empty((_SIDES.shape[0] + 1, 4)), 1
+    knot = 1
     for i in range(n):
         t = min((first + (last - first) * i // max(n - 1, 1)) * step, way.left[KNOTS - 1])
         k, s = _posture(way, t, joints[i])
@@ -213,11 +213,18 @@ def _touch(study, work, first, last):
         time[i] = t
         if i == 0:
             knot = max(k, 1)
-    sides[1:] = _SIDES
     before = max(first - 1, 0) * step
     _posture(way, before, study.far)
-    _uphill(study, study.far, before, sides[0])
-    return Touch(share, time, joints, sides, knot)
+    return Touch(share, time, joints, sides_of(study, study.far, before), knot)
+
+
+@njit
+def sides_of(study, q, t):
+    """Directions of pushes for a limb that is about to touch, with joints q (4,) at t [s]."""
+    sides = np.empty((_SIDES.shape[0] + 1, 4))
+    sides[1:] = _SIDES
+    _uphill(study, q, t, sides[0])
+    return sides
 
 
 @njit(_nrt=False)
@@ -238,7 +245,7 @@ def _uphill(study, q, t, out):
 
 
 @njit(_nrt=False)
-def _pushed(study, work, touch, wide, side):
+def pushed(study, work, touch, wide, side):
     """Push a movement aside by the lowest bump that frees the limb where it touched.
 
     Parameters
