@@ -168,7 +168,8 @@ def _posture(way, t, q):
 def _look(study, way, margin, most):
     """How much a movement touches, and the first and last instant of the first time; -1 if not.
 
-    What is nearer than CLEARANCE costs what it lacks; to know that it is above `most` is enough.
+    What is nearer than CLEARANCE costs what it lacks; of what touches, to know that it is above
+    `most` is enough.
     """
     scene, q = study.scene, study.near
     step, length = scene.limits.horizon / LOOKS, scene.limb.length
@@ -183,7 +184,7 @@ def _look(study, way, margin, most):
         top = max(top, scene.bodies.rows[b, TOP_SPEED])
     nearer = max((nearer + top) * step, 1e-12)
     cost, first, last, g, end = 0.0, -1, -2, 0, way.left[KNOTS - 1] / step
-    while g < end and cost <= most:
+    while g < end and (first < 0 or cost <= most):
         g += 1
         t = min(g * step, way.left[KNOTS - 1])
         _posture(way, t, q)
