@@ -13,8 +13,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from gcm_learn.errors import FileFormatError, GcmError, MissingExtraError, PolicyError
+from gcm_learn.errors import (
+    FileFormatError,
+    GcmError,
+    MissingExtraError,
+    PolicyError,
+    UnknownNameError,
+)
 from gcm_learn.execution import AnySettings, PhysicalSettings, Settings, SpatialSettings, made_of
+from gcm_learn.planners import get_planner
 from gcm_learn.policies.directions import choices_in
 
 ENVIRONMENTS: dict[str, type[AnySettings]] = {
@@ -172,7 +179,18 @@ def _share(item: Mapping[str, Any], name: str) -> Share:
             values[whole] = int(float(values[whole]))
     for names in ("strata", "families"):
         values[names] = tuple(values.get(names, ()))
+    for role in ("caught_by", "shown_by"):
+        if values.get(role):
+            _known_planner(values[role], f"{name}.{role}")
     return Share(**values)
+
+
+def _known_planner(planner: Any, field: str) -> None:
+    """Fail with the field's name if there is no such planner."""
+    try:
+        get_planner(planner)
+    except UnknownNameError as error:
+        raise PolicyError(f"{field}: {str(error).removeprefix('planner: ')}") from None
 
 
 def _number(value: Any) -> Any:

@@ -32,6 +32,14 @@ def written(path, **changes):
         ({"n_timesteps": 0}, "n_timesteps: must be at least 1"),
         ({"situations": []}, "situations: there is none"),
         ({"situations": [{"count": 3}]}, "situations: each must have source"),
+        (
+            {"situations": [{"source": "gate", "shown_by": "guess"}]},
+            "situations.shown_by: 'guess' is not one of gcm, ",
+        ),
+        (
+            {"validation": [{"source": "gate", "caught_by": "guess"}]},
+            "validation.caught_by: 'guess' is not one of gcm, ",
+        ),
         ({"algo": "sac"}, "actions: sac needs velocity"),
         ({"settings": {"dt": 9}}, "dt: must be from 0.0001 to 1 s"),
         ({"demonstrations": True}, "demonstrations: ppo has no replay buffer"),

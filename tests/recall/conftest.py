@@ -7,7 +7,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.layered import layered
-from gcm_learn.recall import Memory, RawIndex, waypoints_of
+from gcm_learn.recall import SPACE, Memory, RawIndex, waypoints_of
 from gcm_learn.wave import MarchingParams
 
 ENTRIES = 300
@@ -23,6 +23,14 @@ def caught(seed, count):
             found.append((situation, plan))
         k += 1
     return found
+
+
+def memory_in_space(catches):
+    """A memory of situations in space and their catches, filed by raw parameters."""
+    situations = [situation for situation, _ in catches]
+    memory = Memory(RawIndex.fit(situations), kind=SPACE)
+    memory.add(situations, [waypoints_of(situation, plan) for situation, plan in catches])
+    return memory
 
 
 @pytest.fixture(scope="package")

@@ -15,9 +15,7 @@ from gcm_learn.recall import (
     SPACE,
     Adaptation,
     HybridPlanner,
-    Memory,
     RandomIndex,
-    RawIndex,
     RecallPlanner,
     waypoints_of,
 )
@@ -33,6 +31,7 @@ from gcm_learn.situation import (
 from gcm_learn.situation.spatial_frame import _in_base, _mirrored
 from tests import strategies
 from tests.planners.test_fuzz_in_space import answered, wild_situations
+from tests.recall.conftest import memory_in_space
 from tests.referee_in_space import judge
 from tests.situation.test_spatial_arm import MOVING
 
@@ -63,10 +62,7 @@ def catches():
 @pytest.fixture(scope="module")
 def memory(catches):
     """A memory of them."""
-    situations = [situation for situation, _ in catches]
-    made = Memory(RawIndex.fit(situations), kind=SPACE)
-    made.add(situations, [waypoints_of(s, plan) for s, plan in catches])
-    return made
+    return memory_in_space(catches)
 
 
 PLANNERS = {
@@ -145,8 +141,7 @@ def test_memories_without_such_limits_serve_under_them_and_the_other_way_round(m
     free = [families.draw(NAMES[k % 4], 313, k) for k in range(24)]
     plans = [solve(s, "layered") for s in free]
     found = [(s, p) for s, p in zip(free, plans, strict=True) if p.caught]
-    unlimited = Memory(RawIndex.fit([s for s, _ in found]), kind=SPACE)
-    unlimited.add([s for s, _ in found], [waypoints_of(*pair) for pair in found])
+    unlimited = memory_in_space(found)
     assert unlimited.knots.shape[1:] == memory.knots.shape[1:]
     served = [RecallPlanner(unlimited).plan(s).caught for s in drawn(314, 24)]
     assert sum(served) >= 8
@@ -200,9 +195,8 @@ def test_what_touches_at_all_times_is_pushed_aside(catches):
             SolidQuadratic(place, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         )
         blocked = replace(situation, bodies=(*situation.bodies, ball))
-        memory = Memory(RawIndex.fit([situation]), kind=SPACE)
-        memory.add([situation], [waypoints_of(situation, plan)])
-        found = RecallPlanner(memory, 1, novelty=0.0).plan(blocked)
+        planner = RecallPlanner(memory_in_space([(situation, plan)]), 1, novelty=0.0)
+        found = planner.plan(blocked)
         if found.caught:
             pushed += 1
             record = plan_to_json(found, blocked)

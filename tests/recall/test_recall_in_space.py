@@ -17,7 +17,6 @@ from gcm_learn.recall import (
     Memory,
     PcaIndex,
     RandomIndex,
-    RawIndex,
     RecallPlanner,
     Waypoints,
     waypoints_of,
@@ -25,6 +24,7 @@ from gcm_learn.recall import (
 from gcm_learn.recall.space.kernels import EARLIEST, TIME
 from gcm_learn.situation import canonical, situation_to_json
 from gcm_learn.situation.spatial_frame import _in_base, _mirrored
+from tests.recall.conftest import memory_in_space
 from tests.referee_in_space import judge
 
 NAMES = ("static-clutter-space", "window-space", "late-target-space", "pendulum-space")
@@ -47,10 +47,7 @@ def catches():
 @pytest.fixture(scope="module")
 def memory(catches):
     """A memory of them."""
-    situations = [situation for situation, _ in catches]
-    made = Memory(RawIndex.fit(situations), kind=SPACE)
-    made.add(situations, [waypoints_of(s, plan) for s, plan in catches])
-    return made
+    return memory_in_space(catches)
 
 
 PLANNERS = {
