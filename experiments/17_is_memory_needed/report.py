@@ -291,9 +291,15 @@ def by_size(axes: Any, found: Found, sizes: Sequence[int]) -> None:
             label = index if k == 20 else None
             axes.plot(there, value, dash, color=colour, marker="o", ms=3, label=label)
             axes.fill_between(there, low, high, color=colour, alpha=0.15, lw=0)
+            if index == "learned":
+                told_ = "within 20 checks" if k == 20 else "first choice"
+                axes.text(there[0], high[0] + 1, told_, fontsize=8, va="bottom")
     axes.set_xscale("log")
-    axes.set_xlabel("catches, held and learned from")
-    axes.set_ylabel("caught, 20 checks; dotted: 1 [%]")
+    axes.set_xticks(sizes, [f"{n:,}" for n in sizes])
+    axes.minorticks_off()
+    axes.set_ylim(top=100)
+    axes.set_xlabel("catches that are held and learned from")
+    axes.set_ylabel("caught [%]")
     axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3)
 
 
@@ -309,7 +315,8 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
             tall = [100 * within(one[key], k).mean() for one in splits.values()]
             right.bar(np.arange(len(names)) + shift, tall, 0.23, color=colour, alpha=alpha)
     right.set_xticks(range(len(names)), names)
-    right.set_title("not trained on; dark: 1 check", fontsize=9)
+    right.set_ylim(top=100)
+    right.set_title("outside of training; dark: first choice, light: 20 checks", fontsize=8)
     drawn.savefig(path)
 
 
