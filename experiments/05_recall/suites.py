@@ -1,10 +1,11 @@
 """What recall catches of the oracle's strata W and Q, beside its controls; writes suites.md.
 
-python experiments/05_recall/suites.py SUITES [--before MEMORY]
+python experiments/05_recall/suites.py SUITES [--before MEMORY] [--name NAME]
 
 SUITES is a folder with suites W.jsonl and Q.jsonl (`evaluation.draw_suite` keeps them in
-data/suites), MEMORY the folder of another memory to be asked beside the shipped one. Every catch of
-the rows marked so is judged by the tests' referee, which shares no code with the package.
+data/suites), MEMORY the folder of another memory to be asked beside the shipped one, NAME another
+name of what is written. Every catch of the rows marked so is judged by the tests' referee, which
+shares no code with the package.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ def line_of(answers: dict, rows: list[Row]) -> str:
         some = strata == stratum
         value, low, high = stratified(caught[some], families[some])
         cells.append(f"{100 * value:.1f} ({100 * low:.0f}–{100 * high:.0f})")
-    judged = answers["name"] in JUDGED
+    judged = answers["name"] in JUDGED or answers["complaints"]
     cells.append(f"{len(answers['complaints'])} of {caught.sum()}" if judged else "")
     cells += [f"{np.quantile(answers['ms'], q):.1f}" for q in (0.5, 0.9)]
     return "| " + " | ".join(cells) + " |"
@@ -118,10 +119,11 @@ def main() -> None:
     parser.add_argument("suites", type=Path)
     parser.add_argument("--before", type=Path, help="another memory")
     parser.add_argument("--count", type=int, default=1000, help="situations of a stratum at most")
+    parser.add_argument("--name", default="suites", help="of what is written")
     parser.add_argument("--only", nargs="+", help="of those that answer; several may run at once")
     given = parser.parse_args()
     rows = questions(given.suites, given.count)
-    out = HERE / "out" / "suites" / shipped_memory("recall").index.key
+    out = HERE / "out" / given.name / shipped_memory("recall").index.key
     out.mkdir(parents=True, exist_ok=True)
     head = ["| asked | W | Q | complaints | ms | 90 % |", "|---" * 6 + "|"]
     lines = [
@@ -131,13 +133,15 @@ def main() -> None:
     ]
     if given.only is not None:
         return
+    former = sorted(out.glob("former*.json"))  # answers of other code to the same
+    lines += [line_of(json.loads(file.read_text("utf-8")), rows) for file in former]
     counts = [sum(stratum == name for stratum, _, _ in rows) for name in ("W", "Q")]
     note = (
         f"Catches [%] of {counts[0]} situations of W and {counts[1]} of Q, 95 % intervals within "
         "families; what the referee complains of, of so many catches; processor time, median and "
         "90 %."
     )
-    (HERE / "suites.md").write_text("\n".join([*head, *lines, "", note]) + "\n", "utf-8")
+    (HERE / f"{given.name}.md").write_text("\n".join([*head, *lines, "", note]) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -36,9 +36,10 @@ class Adaptation:
     tempo: Literal["hurry", "keep", "both"] = "hurry"
     """Whether only waits are kept ("hurry"), or all of the memory's times; or one after the
     other."""
-    bends: int = 3
+    bends: int = 5
     """Changes at most, one upon the other, of a path that looks as if it touched: it is pushed
-    aside, or held back. Only what comes out of them is checked. Under limits of acceleration a
+    aside, or held back. Only what comes out of them is checked. In space there are three at
+    most. Under limits of acceleration a
     path that touches is tried with other times; 0 keeps the first that the limits allow."""
 
     @cached_property

@@ -5,7 +5,8 @@ touches an obstacle there is changed: by a bump whose top is where the limb firs
 zero at both ends and no higher than needed for the limb to be free there, to the one side or the
 other; by leaving later, or waiting before it would touch; or by leaving its remembered waits out.
 The first change that looks free is taken, else the one that touches least, and that is looked at
-again. A path that comes too late is shortened before. What comes out is verified like any other.
+again. Until the end some room is asked for; then a path may pass as near as it can. One that comes
+too late is shortened before. What comes out is verified like any other.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def bend(query, style, work, count, body, rounds):
     """
     if rounds == 0 or style.space != POLAR:
         return count, True
-    cost, first, last = _look(query, work, count, 0.0)
+    cost, first, last = look(query, work, count, 0.0)
     if first < 0:
         return count, True
     for _ in range(rounds):
@@ -87,19 +88,25 @@ def bend(query, style, work, count, body, rounds):
                 continue
             keep(work, t)
             count = KNOTS + 1
-            cost, first, last = _look(query, work, count, MARGIN)
+            cost, first, last = look(query, work, count, MARGIN)
             if first < 0:
                 return count, True
             if cost < least:
                 least, found = cost, True
                 _copy(work.base, work.knots, work.least_base, work.least_early)
-        if not found:
+        if found:
+            _restore(work.least_base, work.least_early, work)
+        else:
+            _restore(work.from_base, work.from_early, work)
+        t = meet(query, body, style, work)
+        if t < 0.0:
             return count, False
-        _restore(work.least_base, work.least_early, work)
-        keep(work, meet(query, body, style, work))
+        keep(work, t)
         count = KNOTS + 1
-        cost, first, last = _look(query, work, count, MARGIN)
-    return count, False
+        cost, first, last = look(query, work, count, MARGIN)
+        if not found:
+            break
+    return count, look(query, work, count, 0.0)[1] < 0
 
 
 @njit
@@ -188,7 +195,7 @@ def _at(query, work, count, g):
 
 
 @njit(_nrt=False)
-def _look(query, work, count, margin):
+def look(query, work, count, margin):
     """How much the best path touches, and the first and last instant of the first time; -1 if not.
 
     What is nearer than CLEARANCE costs what it lacks.
@@ -278,6 +285,8 @@ def _hold(query, work, which, way):
 def _push(query, way, wide, turn_before, rise_before):
     """The lowest bump that frees the limb where it touched, to another side than one before.
 
+    If none does so by CLEARANCE it is the one that does by most.
+
     Returns
     -------
     turn, rise : float
@@ -288,19 +297,19 @@ def _push(query, way, wide, turn_before, rise_before):
     limb, places, n = query.scene.limb, way.places, way.instants.size
     width, middle = limb.far - limb.near, max(places[n // 2, 1], 0.2)
     top = min(max(0.5 * (places[0, 0] + places[n - 1, 0]), 0.04), 0.96)
+    most, turn, rise = query.rules.touch, 0.0, 0.0
     for push in PUSHES:
-        best, turn, rise = query.rules.touch + CLEARANCE, 0.0, 0.0
         for d in range(TURNS):
             a = push * np.sin(2.0 * np.pi * d / TURNS) / middle
             u = push * np.cos(2.0 * np.pi * d / TURNS) / width
             if a * turn_before * middle * middle + u * rise_before * width * width > 0.0:
                 continue
-            least = _least_on(query, way, a, u, top, wide, best)
-            if least > best:
-                best, turn, rise = least, a, u
-        if turn != 0.0 or rise != 0.0:
-            return turn, rise, top
-    return 0.0, 0.0, -1.0
+            least = _least_on(query, way, a, u, top, wide, most)
+            if least > most:
+                most, turn, rise = least, a, u
+        if most > query.rules.touch + CLEARANCE:
+            break
+    return turn, rise, top if turn != 0.0 or rise != 0.0 else -1.0
 
 
 @njit(_nrt=False)

@@ -1,7 +1,8 @@
 """Many memories tried on one situation, in compiled code: adapted, bent, checked.
 
 Every memory is checked once, in the form that its adaptation gave it: a path that looks as if it
-touched is bent first (`bending`), and one that still does so counts as a check that failed.
+touched is bent first (`bending`), and one that still does so counts as a check that failed. After
+the first failure more are looked at than are checked: what touches less is more easily freed.
 """
 
 from __future__ import annotations
@@ -13,8 +14,11 @@ import numpy as np
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.verification import nearest_to_shoulder
-from gcm_learn.recall.bending import bend, hasten
+from gcm_learn.recall.bending import bend, hasten, look
 from gcm_learn.recall.kernels import HUB, KNOTS, Style, adapt_to_targets, workspace_for
+
+LOOKS = 5  # memories that are looked at for each check after the first
+TOUCH = 32.0  # what a memory loses by touching, before it is bent [log-odds by cost of a look]
 
 
 class Offer(NamedTuple):
@@ -110,7 +114,9 @@ def first_valid(knots, goals, offer, query, styles, budget):
     """Try memories, the most promising first, until one is valid.
 
     Each failure says something about the situation: memories in the same direction are put back, so
-    that the next one tried is another kind of path.
+    that the next one tried is another kind of path. After the first failure some are looked at for
+    each that is checked, as they are adapted and not yet bent, and those that touch are put back.
+    Where near ones are not passed over the order is that of the offer.
 
     Parameters
     ----------
@@ -134,9 +140,15 @@ def first_valid(knots, goals, offer, query, styles, budget):
     work = workspace_for(query)
     time, hand = work.best_time, work.best_hand
     failed = np.empty((budget.tries, KNOTS + 1, 3))
+    costs = np.full(offer.scores.size, np.nan)
     checked, kept = 0, 0
     while True:
-        i = most_promising(offer)
+        if checked == 0 or budget.novelty <= 0.0:
+            i = most_promising(offer)
+        else:
+            style = Style(styles[0, 0], styles[0, 1])
+            _look_on(knots, goals, offer, costs, query, style, work, failed[:kept], budget)
+            i = _least_touching(offer, costs)
         if i < 0:
             return -1, -1, checked, time[:0], hand[:0]
         offer.left[i] = False
@@ -166,6 +178,41 @@ def most_promising(offer):
     for i in range(offer.scores.size):
         if offer.left[i] and (best < 0 or offer.scores[i] > offer.scores[best]):
             best = i
+    return best
+
+
+@njit
+def _look_on(knots, goals, offer, costs, query, style, work, failed, budget):
+    """Look at some more memories, the most promising first, and note how much they touch.
+
+    Those that meet no target, or are near to one that failed, are left no more.
+    """
+    looked = 0
+    while looked < LOOKS:
+        i = -1
+        for j in range(costs.size):
+            if offer.left[j] and np.isnan(costs[j]):
+                if i < 0 or offer.scores[j] > offer.scores[i]:
+                    i = j
+        if i < 0:
+            break
+        count, _ = _met(knots, goals, offer.chosen[i], query, style, work, budget.changes)
+        if count == 0 or _known(failed, query, work, count, budget):
+            offer.left[i] = False
+            continue
+        costs[i], _, _ = look(query, work, count, 0.0)
+        looked += 1
+
+
+@njit(_nrt=False)
+def _least_touching(offer, costs):
+    """Position of the most promising memory that was looked at, less what it touches; or -1."""
+    best, most = -1, -np.inf
+    for i in range(costs.size):
+        if offer.left[i] and not np.isnan(costs[i]):
+            score = offer.scores[i] - TOUCH * costs[i]
+            if best < 0 or score > most:
+                best, most = i, score
     return best
 
 

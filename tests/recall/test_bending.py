@@ -24,6 +24,7 @@ from gcm_learn.recall import (
 )
 from gcm_learn.recall.adaptation import INSTANTS, query_of
 from gcm_learn.recall.kernels import EARLIEST, TIME, Style, adapt_to_targets, workspace_for
+from gcm_learn.recall.trials import is_valid
 from gcm_learn.scene.bodies import poses_at
 
 BARE, BENT = Adaptation(bends=0), Adaptation()
@@ -109,7 +110,7 @@ def test_the_look_leaves_no_instant_out(traces):
             count, _ = adapt_to_targets(knots, goals, m, query, POLAR, work)
             if count < 2:
                 continue
-            _, first, _ = bending._look(query, work, count, 0.0)
+            _, first, _ = bending.look(query, work, count, 0.0)
             step = situation.horizon / (INSTANTS - 1)
             end = int(work.best_time[count - 1] / step)
             gaps = []
@@ -169,3 +170,24 @@ def test_every_memory_is_checked_once_however_much_it_is_bent(catches, traces):
                 assert (transfer(situation, memory.knots, memory.goals, chosen) < 0.0).all()
                 failed += 1
     assert failed > 10
+
+
+def test_a_path_may_pass_nearer_than_it_is_meant_to(traces):
+    """Room is asked for while a path is bent; what has none left in the end is checked as well."""
+    knots, goals = stacked(traces)
+    near = bent = 0
+    for k in range(40):
+        problem = Problem(draw(get_family("gate"), 75, k), "near")
+        if problem.early_answer() is not None:
+            continue
+        query = query_of(problem)
+        work = workspace_for(query)
+        for m in range(0, len(traces), 5):
+            count, body = adapt_to_targets(knots, goals, m, query, POLAR, work)
+            if count < 2 or bending.look(query, work, count, 0.0)[1] < 0:
+                continue
+            count, free = bending.bend(query, POLAR, work, count, body, 5)
+            if free and is_valid(query, work, count):
+                bent += 1
+                near += bending.look(query, work, count, bending.MARGIN)[1] >= 0
+    assert near > 0 and bent > near

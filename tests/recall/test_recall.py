@@ -15,7 +15,7 @@ from gcm_learn.errors import RecallError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.completion import Problem
 from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, index_class
-from gcm_learn.recall.adaptation import DEFAULT, query_of, transfer
+from gcm_learn.recall.adaptation import DEFAULT, Adaptation, query_of, transfer
 from gcm_learn.recall.encoder import Encoder
 from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.kernels import KNOTS
@@ -125,6 +125,33 @@ def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
         assert tried[2.0] <= 4
         tested += 1
     assert tested > 20
+
+
+def test_after_a_failure_the_memory_that_touches_least_is_next(traces):
+    """Some are looked at before the second is checked, unless their order is to be kept."""
+    knots = np.stack([trace.knots for trace in traces])
+    goals = np.stack([trace.goal for trace in traces])
+    unbent = Adaptation(bends=0)
+    tested = first = 0
+    for k in range(200):
+        situation = random_planar(seeding.rng(79, k))
+        problem = Problem(situation, "looks")
+        if problem.early_answer() is not None:
+            continue
+        valid = transfer(situation, knots, goals, how=unbent) >= 0.0
+        if valid.sum() < 1 or (~valid).sum() < 4:
+            continue
+        chosen = np.concatenate([np.flatnonzero(~valid)[:4], np.flatnonzero(valid)[:1]])
+        found = {}
+        for novelty in (0.0, 1e-9):
+            places = np.zeros((5, 2), np.float32)
+            offer = Offer(chosen, -1e-3 * np.arange(5.0), places, np.ones(5, bool))
+            budget = Budget(0, 2, novelty, 0.0)
+            query = query_of(problem)
+            found[novelty] = first_valid(knots, goals, offer, query, unbent.styles, budget)[0]
+        assert found[0.0] == -1
+        tested, first = tested + 1, first + (found[1e-9] == 4)
+    assert tested > 20 and first > 0.8 * tested
 
 
 def test_cells_find_nearly_what_exact_search_finds(rng):

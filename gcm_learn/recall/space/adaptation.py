@@ -14,6 +14,8 @@ from gcm_learn.recall.space.kernels import Query, work_room
 from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.situation import JOINTS, spatial_frame_of
 
+BENDS = 3  # changes at most of a movement that touches, however many are allowed
+
 
 class TriesInSpace:
     """Memories tried on a situation of a spatial arm, see `recall.adaptation.Tries`.
@@ -41,6 +43,7 @@ class TriesInSpace:
         """The first of the offered memories that is valid; see `recall.adaptation.Tries`."""
         if self.problem.accelerates:
             return self._first_accelerated(paths[0], offer, budget)
+        budget = budget._replace(changes=min(budget.changes, BENDS))
         k, body, tried, time, joints = trials.first_valid(
             paths[0], offer, self.query, self._tempo, budget, work_room()
         )
@@ -70,7 +73,7 @@ class TriesInSpace:
                 knots, chosen, self.query, self.how.bends, work_room(), track
             )
         out: np.ndarray = trials.catch_times(
-            knots, chosen, self.query, self._tempo, self.how.bends, work_room()
+            knots, chosen, self.query, self._tempo, min(self.how.bends, BENDS), work_room()
         )
         return out
 
