@@ -23,7 +23,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
 from gcm_learn import get_planner  # noqa: E402
-from gcm_learn.evaluation import stratified  # noqa: E402
+from gcm_learn.evaluation import mcnemar, stratified  # noqa: E402
 from gcm_learn.planners import Plan  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402
     Adaptation,
@@ -38,7 +38,7 @@ from gcm_learn.situation import Situation, situation_from_json  # noqa: E402
 from tests.referee import judge  # noqa: E402
 
 BLIND = Adaptation(bends=0)
-JUDGED = ("recall", "recall-1")
+JUDGED = ("recall", "recall-1", "former recall", "former recall-1")
 Row = tuple[str, str, Situation]
 
 
@@ -107,10 +107,22 @@ def line_of(answers: dict, rows: list[Row]) -> str:
         some = strata == stratum
         value, low, high = stratified(caught[some], families[some])
         cells.append(f"{100 * value:.1f} ({100 * low:.0f}–{100 * high:.0f})")
-    judged = answers["name"] in JUDGED or answers["complaints"]
+    judged = answers["name"] in JUDGED
     cells.append(f"{len(answers['complaints'])} of {caught.sum()}" if judged else "")
     cells += [f"{np.quantile(answers['ms'], q):.1f}" for q in (0.5, 0.9)]
     return "| " + " | ".join(cells) + " |"
+
+
+def _pair(out: Path, former: Path) -> str:
+    """What the former code and this one catch that the other does not."""
+    name = former.stem.removeprefix("former ")
+    files = (out / f"{name}.json", former)
+    now, then = (np.array(json.loads(file.read_text("utf-8"))["caught"]) for file in files)
+    more, less, p = mcnemar(now, then)
+    return (
+        f"`{name}` catches {now.sum()} of {len(now)}, its former code {then.sum()}; "
+        f"{more} that are caught are new, {less} are lost (McNemar's p {p:.2g})."
+    )
 
 
 def main() -> None:
@@ -120,7 +132,7 @@ def main() -> None:
     parser.add_argument("--before", type=Path, help="another memory")
     parser.add_argument("--count", type=int, default=1000, help="situations of a stratum at most")
     parser.add_argument("--name", default="suites", help="of what is written")
-    parser.add_argument("--only", nargs="+", help="of those that answer; several may run at once")
+    parser.add_argument("--only", nargs="+", help="of those that answer; the table has no others")
     given = parser.parse_args()
     rows = questions(given.suites, given.count)
     out = HERE / "out" / given.name / shipped_memory("recall").index.key
@@ -131,17 +143,18 @@ def main() -> None:
         for name, ask in entrants(given.before)
         if given.only is None or name in given.only
     ]
-    if given.only is not None:
-        return
     former = sorted(out.glob("former*.json"))  # answers of other code to the same
     lines += [line_of(json.loads(file.read_text("utf-8")), rows) for file in former]
+    pairs = [_pair(out, file) for file in former]
     counts = [sum(stratum == name for stratum, _, _ in rows) for name in ("W", "Q")]
     note = (
         f"Catches [%] of {counts[0]} situations of W and {counts[1]} of Q, 95 % intervals within "
         "families; what the referee complains of, of so many catches; processor time, median and "
         "90 %."
     )
-    (HERE / f"{given.name}.md").write_text("\n".join([*head, *lines, "", note]) + "\n", "utf-8")
+    (HERE / f"{given.name}.md").write_text(
+        "\n".join([*head, *lines, "", note, *pairs]) + "\n", "utf-8"
+    )
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ CHECKS = 20  # of recall, and of all that it is compared with but `recall-1`
 @pytest.fixture(scope="module")
 def drawn():
     """Return situations of two families."""
-    return [families.draw(("gate", "random-planar")[k % 2], 21, k) for k in range(60)]
+    return [families.draw(("gate", "crossing-swarm")[k % 2], 21, k) for k in range(60)]
 
 
 def test_the_first_choice_stands_alone(drawn):

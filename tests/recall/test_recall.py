@@ -151,7 +151,7 @@ def test_after_a_failure_the_memory_that_touches_least_is_next(traces):
             found[novelty] = first_valid(knots, goals, offer, query, unbent.styles, budget)[0]
         assert found[0.0] == -1
         tested, first = tested + 1, first + (found[1e-9] == 4)
-    assert tested > 20 and first > 0.8 * tested
+    assert tested > 20 and first > 0.5 * tested
 
 
 def test_cells_find_nearly_what_exact_search_finds(rng):
