@@ -107,10 +107,13 @@ def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
         near_upper, near_fore = upper - upper_slack <= enough, fore - fore_slack <= enough
         if turned and (near_upper or near_fore):
             rotate(bodies, b, t, poses)
-        if near_upper:
+        first = upper < fore  # the other bone needs not be asked after if its ball is farther
+        if near_upper and first:
             upper = solid_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
-        if near_fore:
+        if near_fore and (not first or fore < upper or fore - fore_slack < upper - upper_slack):
             fore = solid_distance(bodies, poses, b, (ex, ey, ez), (hx, hy, hz))
+        if near_upper and not first and (upper < fore or upper - upper_slack < fore - fore_slack):
+            upper = solid_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
     upper, fore = max(upper, 0.0), max(fore, 0.0)
     room = upper - upper_slack
     if room <= enough and upper_slack > 0.0 and bodies.rows[b, TOP_SPEED] == 0.0:

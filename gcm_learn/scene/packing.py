@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -38,6 +39,7 @@ _KIND = {
     Capsule: k.CAPSULE,
     Cylinder: k.CYLINDER,
 }
+_UNTURNED = np.eye(3)
 _SWING_STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13 rad
 
 
@@ -92,7 +94,9 @@ def pack_bodies(situation: AnySituation) -> Bodies:
     Bodies
         Arrays indexed as ``situation.bodies``.
     """
-    frame, origin = arm_frame(situation)
+    turn, shoulder = arm_frame(situation)
+    frame = None if (turn == _UNTURNED).all() else turn
+    origin = shoulder.tolist()
     made: list[list[float]] = []  # lists, because writing into parts of arrays takes longer
     vertices: list[tuple[float, float]] = []
     swings: list[Pendulum] = []
@@ -157,22 +161,45 @@ def _place_planar(row: list[float], motion: PlanarQuadratic) -> None:
     row[k.TURN : k.TURN + 9] = (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 
 
+def _turned(frame: np.ndarray | None, vector: Sequence[float]) -> list[float]:
+    """A vector of the world in the arm's coordinates; `frame` is None where they are not turned.
+
+    Mostly they are not, and numpy takes long for three numbers.
+    """
+    if frame is None:
+        x, y, z = vector
+        return [x + 0.0, y + 0.0, z + 0.0]  # as a product: without negative zeros
+    seen: list[float] = (frame @ vector).tolist()
+    return seen
+
+
+def _placed(
+    frame: np.ndarray | None, origin: Sequence[float], point: Sequence[float]
+) -> list[float]:
+    """A point of the world in the arm's coordinates."""
+    return _turned(frame, [a - b for a, b in zip(point, origin, strict=True)])
+
+
 def _place_solid(
-    row: list[float], motion: SolidQuadratic, frame: np.ndarray, origin: np.ndarray
+    row: list[float], motion: SolidQuadratic, frame: np.ndarray | None, origin: Sequence[float]
 ) -> None:
-    row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.position) - origin)
-    row[k.VELOCITY : k.VELOCITY + 3] = frame @ motion.velocity
-    row[k.ACCELERATION : k.ACCELERATION + 3] = frame @ motion.acceleration
-    row[k.SPIN : k.SPIN + 3] = frame @ motion.spin
-    row[k.TURN : k.TURN + 9] = (frame @ rotation_of(motion.orientation)).ravel()
+    row[k.POSITION : k.POSITION + 3] = _placed(frame, origin, motion.position)
+    row[k.VELOCITY : k.VELOCITY + 3] = _turned(frame, motion.velocity)
+    row[k.ACCELERATION : k.ACCELERATION + 3] = _turned(frame, motion.acceleration)
+    row[k.SPIN : k.SPIN + 3] = _turned(frame, motion.spin)
+    rotation = rotation_of(motion.orientation)
+    turn = rotation + 0.0 if frame is None else frame @ rotation
+    row[k.TURN : k.TURN + 9] = turn.ravel().tolist()
 
 
-def _place_swing(row: list[float], motion: Pendulum, frame: np.ndarray, origin: np.ndarray) -> None:
-    row[k.POSITION : k.POSITION + 3] = frame @ (np.asarray(motion.pivot) - origin)
+def _place_swing(
+    row: list[float], motion: Pendulum, frame: np.ndarray | None, origin: Sequence[float]
+) -> None:
+    row[k.POSITION : k.POSITION + 3] = _placed(frame, origin, motion.pivot)
     row[k.HANG] = motion.hang_distance
-    row[k.DOWN : k.DOWN + 3] = frame @ motion.down
-    row[k.SIDE : k.SIDE + 3] = frame @ np.cross(motion.axis, motion.down)
-    row[k.AXIS : k.AXIS + 3] = frame @ motion.axis
+    row[k.DOWN : k.DOWN + 3] = _turned(frame, motion.down)
+    row[k.SIDE : k.SIDE + 3] = _turned(frame, np.cross(motion.axis, motion.down).tolist())
+    row[k.AXIS : k.AXIS + 3] = _turned(frame, motion.axis)
 
 
 def _size(shape: object) -> tuple[float, float, float]:

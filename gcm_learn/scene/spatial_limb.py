@@ -240,11 +240,14 @@ def _reaches(limb, q, ex, ey, ez, hx, hy, hz):
 
 def spatial_limb(arm: SpatialArm) -> SpatialLimb:
     """A spatial arm as kernels read it."""
-    low, high = np.array(arm.joint_range).T.copy()
-    pole, zero = _pole(arm.upper_arm, arm.forearm, arm.joint_range)
-    return _limb(arm.upper_arm, arm.forearm, low, high, arm.thickness)._replace(
-        pole=np.array(pole),
-        zero=np.array(zero),
+    pole = _pole(arm.upper_arm, arm.forearm, arm.joint_range)
+    return SpatialLimb(
+        *_bones(arm.upper_arm, arm.forearm, arm.joint_range),
+        pole=_TOWARDS[pole].copy(),
+        zero=_ACROSS[pole].copy(),
+        rho=math.hypot(*arm.upper_arm),
+        length=math.hypot(*arm.forearm),
+        thickness=arm.thickness,
         start=np.array(arm.joints),
         rates=np.array(arm.joint_rates or (0.0,) * JOINTS),
     )
@@ -304,58 +307,68 @@ def swivel_in_space(arm: SpatialArm, joints: ArrayLike) -> float:
     return float(swivel_of(limb, *limb_at(limb, np.asarray(joints, dtype=float))))
 
 
-def _limb(
-    upper: ArrayLike, fore: ArrayLike, low: np.ndarray, high: np.ndarray, thickness: float
-) -> SpatialLimb:
-    """A limb whose pole and start are not chosen yet."""
-    u, f = np.array(upper, dtype=float), np.array(fore, dtype=float)
-    none, rest = np.zeros(3), np.zeros(JOINTS)
-    lengths = math.hypot(*u), math.hypot(*f)
-    return SpatialLimb(u, f, low, high, none, none, *lengths, thickness, rest, rest)
+def _bones(
+    upper: ArrayLike, fore: ArrayLike, ranges: ArrayLike
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Upper arm, forearm and the ends of the joints' ranges, as arrays."""
+    low, high = np.array(ranges).T.copy()
+    return np.array(upper, dtype=float), np.array(fore, dtype=float), low, high
 
 
 @lru_cache(maxsize=64)
 def _pole(
     upper: tuple[float, ...], fore: tuple[float, ...], ranges: tuple[tuple[float, float], ...]
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """A direction that hands avoid, and one orthogonal to it.
+) -> int:
+    """Which of the directions in `_TOWARDS` hands avoid.
 
-    Of the 26 directions to the neighbours in a grid it is the one that sampled hands are
-    farthest from, seen from the shoulder.  The hands of some arms can be in every direction; then
-    few of them come near to it.
+    It is the one that sampled hands are farthest from, seen from the shoulder.  The hands of some
+    arms can be in every direction; then few of them come near to it.
     """
-    low, high = np.array(ranges).T.copy()
-    near = _nearest_hands(_limb(upper, fore, low, high, 0.0), _SPREAD, _TOWARDS)
-    pole = _TOWARDS[int(np.argmin(near))]
-    across = np.cross(pole, np.eye(3)[int(np.argmin(np.abs(pole)))])
-    zero = across / np.linalg.norm(across)
-    return tuple(pole.tolist()), tuple(zero.tolist())
+    return int(_avoided(_Bones(*_bones(upper, fore, ranges)), _SPREAD, _TOWARDS))
+
+
+class _Bones(NamedTuple):
+    """What `limb_at` must know of a limb, and its ranges."""
+
+    upper: np.ndarray
+    fore: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
 
 
 @njit
-def _nearest_hands(limb, spread, towards):
-    """Cosine between each direction (m, 3) and the NEAREST-th nearest hand to it.
+def _avoided(bones, spread, towards):
+    """First of the directions (m, 3) whose NEAREST-th nearest hand is farthest away.
 
     Parameters
     ----------
     spread : (n, 4) ndarray
         The hands' joints, as shares of their ranges.
     """
-    found, q = np.full((towards.shape[0], NEAREST), -2.0), np.empty(4)
+    hands, q, found = np.empty((spread.shape[0], 4)), np.empty(4), np.empty(NEAREST)
     for k in range(spread.shape[0]):
         for j in range(4):
-            q[j] = limb.low[j] + spread[k, j] * (limb.high[j] - limb.low[j])
-        _, _, _, x, y, z = limb_at(limb, q)
+            q[j] = bones.low[j] + spread[k, j] * (bones.high[j] - bones.low[j])
+        _, _, _, x, y, z = limb_at(bones, q)
         far = max(np.sqrt(x * x + y * y + z * z), 1e-300)
-        for m in range(towards.shape[0]):
-            cosine = (x * towards[m, 0] + y * towards[m, 1] + z * towards[m, 2]) / far
-            if cosine > found[m, 0]:
+        hands[k, 0], hands[k, 1], hands[k, 2], hands[k, 3] = x, y, z, far
+    best, least = 0, 2.0
+    for m in range(towards.shape[0]):
+        found[:] = -2.0
+        for k in range(hands.shape[0]):
+            along = hands[k, 0] * towards[m, 0] + hands[k, 1] * towards[m, 1]
+            cosine = (along + hands[k, 2] * towards[m, 2]) / hands[k, 3]
+            if cosine > found[0]:
                 i = 0
-                while i + 1 < NEAREST and cosine > found[m, i + 1]:
-                    found[m, i] = found[m, i + 1]
+                while i + 1 < NEAREST and cosine > found[i + 1]:
+                    found[i] = found[i + 1]
                     i += 1
-                found[m, i] = cosine
-    return found[:, 0].copy()
+                found[i] = cosine
+                if found[0] >= least:
+                    break
+        if found[0] < least:
+            best, least = m, found[0]
+    return best
 
 
 def _grid() -> np.ndarray:
@@ -371,4 +384,12 @@ def _spread() -> np.ndarray:
     return (0.5 + np.arange(SAMPLES)[:, None] * steps) % 1.0
 
 
+def _across(directions: np.ndarray) -> np.ndarray:
+    """One direction orthogonal to each."""
+    least = np.abs(directions).argmin(axis=1)
+    across = np.cross(directions, np.eye(3)[least])
+    return np.array([row / np.linalg.norm(row) for row in across])
+
+
 _SPREAD, _TOWARDS = _spread(), _grid()
+_ACROSS = _across(_TOWARDS)

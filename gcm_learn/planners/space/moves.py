@@ -12,7 +12,6 @@ import numpy as np
 
 from gcm_learn.collision.postures import Desk, desk_of, line, move_is_free
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Rules
 from gcm_learn.motion.verification_in_space import hand_rate
 from gcm_learn.scene import Scene
 from gcm_learn.scene.spatial_limb import motion_bounds
@@ -44,14 +43,14 @@ class Study(NamedTuple):
     branches: np.ndarray  # (4, 4)
 
 
-def study_of(scene: Scene, rules: Rules, backward: bool = False) -> Study:
-    """Get ready to plan for a scene."""
-    near, far, posture, goal, low, high = np.zeros((6, 4))
-    desk, pace, jacobian, branches = (
-        desk_of(scene), np.zeros(PIECES), np.zeros((3, 4)), np.zeros((4, 4))
+@njit
+def study_of(scene, rules):
+    """Get ready to plan for a `Scene` by its `Rules`."""
+    return Study(
+        scene, rules.touch, rules.catch, rules.instant, False,
+        desk_of(scene), np.zeros(PIECES), np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4),
+        np.zeros(4), np.zeros(4), np.zeros((3, 4)), np.zeros((4, 4)),
     )  # fmt: skip
-    kept = rules.touch, rules.catch, rules.instant, backward
-    return Study(scene, *kept, desk, pace, near, far, posture, goal, low, high, jacobian, branches)
 
 
 @njit(_nrt=False)

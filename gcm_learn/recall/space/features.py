@@ -55,6 +55,10 @@ EVERYWHERE = LOW + _spread(POSTURES, JOINTS) * (HIGH - LOW)
 BESIDE = _spread(ROUND, JOINTS + 1)
 """Shares of the straight way, and where to from there (-1 to 1 in each joint)."""
 BESIDE[:, 1:] = 2.0 * BESIDE[:, 1:] - 1.0
+AGAIN = np.concatenate(
+    [np.tile(np.arange(t.size) > 0, n) for t, n in ((TIMES, POSTURES), (LATER, ROUND))]
+)
+"""Whether the posture of a cell is that of the cell before, at another instant."""
 
 
 def features_in_space(situation: Situation[SpatialArm], scene: Scene | None = None) -> Features:
@@ -67,15 +71,15 @@ def features_in_space(situation: Situation[SpatialArm], scene: Scene | None = No
         The situation packed, if the caller has it at hand.
     """
     scene = pack(situation) if scene is None else scene
-    limits, frame = scene.limits, spatial_frame_of(situation)
-    turns = frame.canonical_joints(np.ones(JOINTS))
-    rules = Rules(0.0, limits.grasp, limits.speed, limits.horizon)
-    return Features(*_features(study_of(scene, rules), turns, situation.arm.reach))
+    turns = spatial_frame_of(situation).canonical_joints(np.ones(JOINTS))
+    return Features(*_features(scene, turns, situation.arm.reach))
 
 
 @njit
-def _features(study, turns, reach):
+def _features(scene, turns, reach):
     """Context and cells, as of `Features`."""
+    limits = scene.limits
+    study = study_of(scene, Rules(0.0, limits.grasp, limits.speed, limits.horizon))
     context, obstacles = np.zeros(CONTEXT, dtype=np.float32), study.desk.obstacles
     cells = np.zeros((obstacles.size, CELLS), dtype=np.float32)
     target = _nearest_target(study)
@@ -84,17 +88,16 @@ def _features(study, turns, reach):
         end[j] = study.goal[j]
     _fill_context(study, target, turns, reach, end, when, context)
     limbs, times = _looked_at(study, turns, end, abs(when))
-    far, again = FREE * reach, np.zeros(CELLS, dtype=np.bool_)
-    for c in range(1, CELLS):
-        again[c] = (limbs[c] == limbs[c - 1]).all()
+    far = FREE * reach
     for o in range(obstacles.size):
         still = study.scene.bodies.rows[obstacles[o], TOP_SPEED] == 0.0
         for c in range(CELLS):
-            row = limbs[c]
-            if still and again[c]:
+            if still and AGAIN[c]:
                 cells[o, c] = cells[o, c - 1]
                 continue
-            place = (row[0], row[1], row[2], row[3], row[4], row[5])
+            place = (
+                limbs[c, 0], limbs[c, 1], limbs[c, 2], limbs[c, 3], limbs[c, 4], limbs[c, 5]
+            )  # fmt: skip
             found, _ = body_distance(
                 study.scene.bodies, obstacles[o], times[c], place, 0.0, 0.0,
                 far + study.scene.limb.thickness, study.desk.poses,
