@@ -30,7 +30,7 @@ from gcm_learn.planners import get_planner, plan_to_json  # noqa: E402
 from gcm_learn.situation import situation_to_json  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
 
-SEEDS = {"space": 2601981331, "space-accelerated": 885590443}
+SEEDS = {"space": 3437426931, "space-accelerated": 885590443}
 """Heads of the hashes of the commits that froze code, memory and encoder, by specification."""
 AUDIT = 0.2  # share that the yardstick labels, where accelerations have no limits
 PLANNERS = ("recall", "recall-1", "recall-raw", "recall-random", "hybrid")
