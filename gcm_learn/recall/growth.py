@@ -224,8 +224,9 @@ def _booked(memory: Memory, situation: Situation, valid: int, fresh: bool, how: 
     book = memory.book
     page = book.offered()
     if page is not None:
-        turned, problem = canonical(situation)[0], memory.kind.problem(situation, "book")
-        query = memory.index.embed_query(situation, problem.scene)
+        turned = canonical(situation)[0]  # what is kept, so what is noted is true of it
+        problem = memory.kind.problem(turned, "book")
+        query = memory.index.embed_query(turned, problem.scene)
         near = memory.recall(query, WORKS)
         others = near[_catching(memory, problem, near, how) & (near != valid)]
         book.write(page, turned, query, np.append(valid, others))
