@@ -39,8 +39,8 @@ class Adaptation:
     bends: int = 5
     """Changes at most, one upon the other, of a path that looks as if it touched: it is pushed
     aside, or held back. Only what comes out of them is checked. In space there are three at
-    most. Under limits of acceleration a
-    path that touches is tried with other times; 0 keeps the first that the limits allow."""
+    most. Under limits of acceleration a path that touches is tried with other times, and pushed
+    aside if it touches at all of them; 0 keeps the first time that the limits allow."""
 
     @cached_property
     def styles(self) -> np.ndarray:

@@ -37,13 +37,17 @@ class TriesInSpace:
     def _tempo(self) -> int:
         return TEMPOS["keep" if self.how.tempo == "keep" else "hurry"]
 
+    @property
+    def _bends(self) -> int:
+        return min(self.how.bends, BENDS)
+
     def first_valid(
         self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
     ) -> tuple[int, int, Attempt[SpatialTrajectory] | None]:
         """The first of the offered memories that is valid; see `recall.adaptation.Tries`."""
         if self.problem.accelerates:
             return self._first_accelerated(paths[0], offer, budget)
-        budget = budget._replace(changes=min(budget.changes, BENDS))
+        budget = budget._replace(changes=self._bends)
         k, body, tried, time, joints = trials.first_valid(
             paths[0], offer, self.query, self._tempo, budget, work_room()
         )
@@ -70,10 +74,10 @@ class TriesInSpace:
         if self.problem.accelerates:
             track = accelerated.new_track()
             return accelerated.catch_times(
-                knots, chosen, self.query, self.how.bends, work_room(), track
+                knots, chosen, self.query, self._bends, work_room(), track
             )
         out: np.ndarray = trials.catch_times(
-            knots, chosen, self.query, self._tempo, min(self.how.bends, BENDS), work_room()
+            knots, chosen, self.query, self._tempo, self._bends, work_room()
         )
         return out
 
