@@ -80,14 +80,18 @@ def resting(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
 
 def shipped(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
     """The memory that is shipped and its controls."""
-    memory = shipped_memory("recall")
+    yield from with_controls(shipped_memory("recall"))
+    yield "splines", lambda: splines
+
+
+def with_controls(memory: Memory) -> Iterator[tuple[str, Make]]:
+    """A memory, and the same asked otherwise."""
     yield "shipped", lambda: by(memory)
     yield "shipped-raw", lambda: by(memory.refiled(RawIndex.fit(memory.situations())))
     yield "shipped-random", lambda: by(memory.refiled(RandomIndex()))
     yield "shipped-family", lambda: among_equals(memory, lambda q: q.family, 0)
     both = among_equals(memory, lambda q: f"{q.family}/{q.stratum}", -1)
     yield "shipped-family-stratum", lambda: both
-    yield "splines", lambda: splines
 
 
 def splines(question: Question, checks: int) -> Answer:

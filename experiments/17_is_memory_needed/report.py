@@ -322,12 +322,11 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
 
 def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], later: Path) -> None:
     """Write table.md, pairs.json and figure.png of what has been asked."""
-    found = _read(suite / "answers")
-    all_of_them = {split: _read(out / "outside" / split) for split in SPLITS}
+    found = read(suite / "answers")
+    all_of_them = {split: read(out / "outside" / split) for split in SPLITS}
     splits = {split: one for split, one in all_of_them.items() if set(CONTROLS) <= set(one)}
-    groups = {name: _read(suite / name) for name in ("W", "at rest")}
-    kept = suite / "fronts.jsonl"
-    told_ = [json.loads(x) for x in kept.read_text("utf-8").splitlines()] if kept.exists() else []
+    groups = {name: read(suite / name) for name in ("W", "at rest")}
+    told_ = lines_of(suite / "fronts.jsonl")
     strata = np.array([q.stratum for q in rows])
     page = {
         "Equal experience": equal(found, strata),
@@ -338,18 +337,9 @@ def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], later: P
         "Not trained on": outside(splits),
     }
     if told_:
-        made = hybrids(told_)
-        both = {what: pairs(made, what) for what in ("caught", "ready")}
-        write_json(here / "pairs.json", both)
-        page |= {
-            "Fronts and fallbacks: 20 ms charged": fronts(made, "caught"),
-            "Fronts and fallbacks: 20 ms charged, ready by then": fronts(made, "ready"),
-            "What the learned front is worth: charged": chosen(both["caught"], made, "caught"),
-            "What the learned front is worth: ready": chosen(both["ready"], made, "ready"),
-            "Processor time of hybrids: median, 90 %": latencies(made),
-        }
+        page |= before_fallbacks(hybrids(told_), here / "pairs.json")
     page["At rest and in motion"] = resting(groups)
-    more = _read(later / "answers")
+    more = read(later / "answers")
     turns, indexes = f"{TURNS * LONGER} turns (long), afterwards", ("long", "learned", "raw")
     page[turns] = equal(more, np.repeat(["W", "Q"], MOST), LONG, indexes)
     page[f"{turns}: differences"] = differences(more, list(combinations(indexes, 2)))
@@ -360,12 +350,37 @@ def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], later: P
         f"{MOST} of Q are asked of all, {len(told_) // 2} of each of fronts and fallbacks. "
         f"The referee judged {said}."
     )
-    filled = {title: lines for title, lines in page.items() if len(lines) > 2}
-    write_whole(here / "table.md", sections(filled) + f"\n{note}\n")
+    write_page(here / "table.md", page, note)
     figure(here / "figure.png", found, splits)
 
 
-def _read(folder: Path) -> Found:
+def write_page(path: Path, page: dict[str, list[str]], note: str) -> None:
+    """Write the tables that have rows, and a note below."""
+    filled = {title: lines for title, lines in page.items() if len(lines) > 2}
+    write_whole(path, sections(filled) + f"\n{note}\n")
+
+
+def before_fallbacks(
+    made: dict[tuple[str, str], dict[str, np.ndarray]], path: Path
+) -> dict[str, list[str]]:
+    """Tables of fronts before fallbacks; all pairs are written to a file."""
+    both = {what: pairs(made, what) for what in ("caught", "ready")}
+    write_json(path, both)
+    return {
+        "Fronts and fallbacks: 20 ms charged": fronts(made, "caught"),
+        "Fronts and fallbacks: 20 ms charged, ready by then": fronts(made, "ready"),
+        "What the learned front is worth: charged": chosen(both["caught"], made, "caught"),
+        "What the learned front is worth: ready": chosen(both["ready"], made, "ready"),
+        "Processor time of hybrids: median, 90 %": latencies(made),
+    }
+
+
+def lines_of(path: Path) -> list[dict[str, Any]]:
+    """What a file of JSON lines holds, nothing if there is none."""
+    return [json.loads(x) for x in path.read_text("utf-8").splitlines()] if path.exists() else []
+
+
+def read(folder: Path) -> Found:
     """All answers of a folder."""
     return {
         file.stem: json.loads(file.read_text("utf-8")) for file in sorted(folder.glob("*.json"))

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from answers import CHECKS, Answer, Ask, among_equals, by
-from entrants import Make, filed
+from answers import CHECKS, Answer, Ask, by
+from entrants import Make, filed, with_controls
 from questions import Question
 from regressor import WAITS, Paths, regressor, told
 from space_lessons import OF, PROTOTYPES, SEEDS, SIZES, TURNS, Catches
@@ -56,13 +56,7 @@ def needed(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
 
 def shipped(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
     """The memory that is shipped and its controls."""
-    memory = shipped_memory("recall", SPACE)
-    yield "shipped", lambda: by(memory)
-    yield "shipped-raw", lambda: by(memory.refiled(RawIndex.fit(memory.situations())))
-    yield "shipped-random", lambda: by(memory.refiled(RandomIndex()))
-    yield "shipped-family", lambda: among_equals(memory, lambda q: q.family, 0)
-    both = among_equals(memory, lambda q: f"{q.family}/{q.stratum}", -1)
-    yield "shipped-family-stratum", lambda: both
+    yield from with_controls(shipped_memory("recall", SPACE))
 
 
 def _paths(folder: Path) -> Catches:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,28 +10,24 @@ from fronts import hybrids
 from questions import Question
 from report import (
     Found,
-    _read,
+    before_fallbacks,
     by_size,
-    chosen,
     equal,
-    fronts,
     h8,
     judged,
-    latencies,
+    lines_of,
     needed,
     over_seeds,
-    pairs,
-    sections,
+    read,
     seeds_apart,
     seeds_of,
     shipped,
-    write_json,
+    write_page,
 )
 from space_asked import FRONTS, fallbacks
 from space_lessons import OF, PROTOTYPES, SIZES
 
 from gcm_learn.plots import style
-from gcm_learn.storage import write_whole
 
 INSTEAD = {
     "memories": f"learned-{OF}",
@@ -62,8 +57,7 @@ def figure(path: Path, found: Found) -> None:
 
 def write(here: Path, suite: Path, rows: Sequence[Question]) -> None:
     """Write table-space.md, pairs-space.json and figure-space.png of what has been asked."""
-    found, kept = _read(suite / "answers"), suite / "fronts.jsonl"
-    told = [json.loads(x) for x in kept.read_text("utf-8").splitlines()] if kept.exists() else []
+    found, told = read(suite / "answers"), lines_of(suite / "fronts.jsonl")
     strata = np.array([q.stratum for q in rows])
     page = {
         "Equal experience": equal(found, strata, SIZES),
@@ -74,21 +68,12 @@ def write(here: Path, suite: Path, rows: Sequence[Question]) -> None:
     }
     if told:
         made = hybrids(told, FRONTS, fallbacks())
-        both = {what: pairs(made, what) for what in ("caught", "ready")}
-        write_json(here / "pairs-space.json", both)
-        page |= {
-            "Fronts and fallbacks: 20 ms charged": fronts(made, "caught"),
-            "Fronts and fallbacks: 20 ms charged, ready by then": fronts(made, "ready"),
-            "What the learned front is worth: charged": chosen(both["caught"], made, "caught"),
-            "What the learned front is worth: ready": chosen(both["ready"], made, "ready"),
-            "Processor time of hybrids: median, 90 %": latencies(made),
-        }
+        page |= before_fallbacks(made, here / "pairs-space.json")
     counts = {name: int(np.sum(strata == name)) for name in "WQ"}
     note = (
         f"Suite of seed {suite.name.removeprefix('fresh-')}: {counts['W']} situations of W and "
         f"{counts['Q']} of Q are asked of all, {len(told)} of them of fronts and fallbacks. "
         f"The referee judged {judged([found], told)}."
     )
-    filled = {title: lines for title, lines in page.items() if len(lines) > 2}
-    write_whole(here / "table-space.md", sections(filled) + f"\n{note}\n")
+    write_page(here / "table-space.md", page, note)
     figure(here / "figure-space.png", found)
