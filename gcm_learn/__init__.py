@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from gcm_learn import registration
 
 if TYPE_CHECKING:
+    from gcm_learn.arms import Arm, SpatialArm
     from gcm_learn.errors import GcmError, SituationError
     from gcm_learn.families import paper_scene
     from gcm_learn.handspace import Lattice
@@ -20,14 +21,12 @@ if TYPE_CHECKING:
     from gcm_learn.planners import Plan, get_planner, planner_names, solve
     from gcm_learn.seeding import rng
     from gcm_learn.situation import (
-        Arm,
         Body,
         Disc,
         PlanarQuadratic,
         Polygon,
         Situation,
         SolidQuadratic,
-        SpatialArm,
         Sphere,
         read_situations,
         write_situations,
@@ -41,6 +40,7 @@ registration.announce()  # so that gymnasium.make("gcm_learn:CatchArm-v0") finds
 # Loaded when they are asked for: compiled code takes most of a second to load, in which the
 # command line could neither answer nor be stopped.
 _PLACES = {
+    "arms": ("Arm", "SpatialArm"),
     "errors": ("GcmError", "SituationError"),
     "families": ("paper_scene",),
     "handspace": ("Lattice",),
@@ -49,8 +49,8 @@ _PLACES = {
     "planners": ("Plan", "get_planner", "planner_names", "solve"),
     "seeding": ("rng",),
     "situation": (
-        "Arm", "Body", "Disc", "PlanarQuadratic", "Polygon", "Situation", "SolidQuadratic",
-        "SpatialArm", "Sphere", "read_situations", "write_situations",
+        "Body", "Disc", "PlanarQuadratic", "Polygon", "Situation", "SolidQuadratic", "Sphere",
+        "read_situations", "write_situations",
     ),
     "wave": ("MarchingParams", "WaveParams"),
 }  # fmt: skip

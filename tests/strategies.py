@@ -7,9 +7,8 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
+from gcm_learn.arms import Arm, Base, SpatialArm
 from gcm_learn.situation import (
-    Arm,
-    Base,
     Body,
     Box,
     Capsule,
@@ -21,7 +20,6 @@ from gcm_learn.situation import (
     Polygon,
     Situation,
     SolidQuadratic,
-    SpatialArm,
     Sphere,
 )
 

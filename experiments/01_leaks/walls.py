@@ -17,9 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.handspace import Lattice, hand_space
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
 from gcm_learn.wave import Front, WaveParams, front_speed, kappa_of
 
 PARTS = {"upper arm": (1.0, 0.5), "forearm": (0.4, 0.5)}  # rho and distance s from the shoulder

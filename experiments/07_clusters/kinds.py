@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.cluster import KMeans
 
+from gcm_learn.arms import Arm, SpatialArm, forward_in_space
 from gcm_learn.motion import SpatialTrajectory, Trajectory
-from gcm_learn.scene import forward_in_space
-from gcm_learn.situation import Arm, Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 FEATURES = (
     "straight way",

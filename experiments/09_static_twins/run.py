@@ -24,6 +24,7 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 from report import write_example, write_figure, write_table  # noqa: E402
 
 from gcm_learn import dataset, seeding  # noqa: E402
+from gcm_learn.arms.planar_limb import SIDE, elbow_of  # noqa: E402
 from gcm_learn.collision.distance import arm_distance  # noqa: E402
 from gcm_learn.dataset import Record, planner_of  # noqa: E402
 from gcm_learn.plots import birth  # noqa: E402
@@ -39,7 +40,6 @@ from gcm_learn.recall import (  # noqa: E402
     waypoints_of,
 )
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at  # noqa: E402
-from gcm_learn.scene.limb import SIDE, elbow_of  # noqa: E402
 from gcm_learn.scene.packing import pack_bodies  # noqa: E402
 from gcm_learn.situation import Body, PlanarQuadratic, Situation  # noqa: E402
 

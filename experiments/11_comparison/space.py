@@ -24,6 +24,7 @@ from scipy.stats import binomtest
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
+from gcm_learn.arms import SpatialArm  # noqa: E402
 from gcm_learn.evaluation import get_method  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
     OUTCOMES,
@@ -37,7 +38,7 @@ from gcm_learn.execution import (  # noqa: E402
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
 from gcm_learn.planners import Plan, STRRTStarPlanner, plan_to_json  # noqa: E402
 from gcm_learn.policies import actor_names, shipped_actor  # noqa: E402
-from gcm_learn.situation import ArmBody, Situation, SpatialArm, situation_to_json  # noqa: E402
+from gcm_learn.situation import ArmBody, Situation, situation_to_json  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
 

@@ -26,6 +26,7 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 from report import write_table  # noqa: E402
 
 from gcm_learn import seeding  # noqa: E402
+from gcm_learn.arms import SpatialArm  # noqa: E402
 from gcm_learn.families import draw, family_names  # noqa: E402
 from gcm_learn.planners import (  # noqa: E402
     STRRTStarPlanner,
@@ -35,14 +36,7 @@ from gcm_learn.planners import (  # noqa: E402
     yardstick,
 )
 from gcm_learn.planners.space.layered import LayeredInSpace  # noqa: E402
-from gcm_learn.situation import (  # noqa: E402
-    Body,
-    Situation,
-    SolidQuadratic,
-    SpatialArm,
-    Sphere,
-    situation_to_json,
-)
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, situation_to_json  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
 

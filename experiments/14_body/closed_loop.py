@@ -26,6 +26,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
+from gcm_learn.arms import SpatialArm  # noqa: E402
 from gcm_learn.evaluation.statistics import difference, mcnemar, wilson  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
     OUTCOMES,
@@ -41,7 +42,7 @@ from gcm_learn.execution import (  # noqa: E402
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
 from gcm_learn.policies import actor_names, shipped_actor  # noqa: E402
-from gcm_learn.situation import Situation, SpatialArm  # noqa: E402
+from gcm_learn.situation import Situation  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 
 SEED = 1400

@@ -25,6 +25,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
 from gcm_learn import seeding  # noqa: E402
+from gcm_learn.arms import SpatialArm, forward_in_space  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
     Controller,
     Execution,
@@ -36,12 +37,8 @@ from gcm_learn.execution import (  # noqa: E402
 from gcm_learn.families import paper_scene  # noqa: E402
 from gcm_learn.motion import start_clearance  # noqa: E402
 from gcm_learn.planners import InTube, Tube, get_planner  # noqa: E402
-from gcm_learn.scene import forward_in_space, pack, pose  # noqa: E402
-from gcm_learn.situation import (  # noqa: E402
-    Capsule,
-    Situation,
-    SpatialArm,
-)
+from gcm_learn.scene import pack, pose  # noqa: E402
+from gcm_learn.situation import Capsule, Situation  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 
 SEED = 1408

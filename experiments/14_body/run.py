@@ -22,6 +22,7 @@ from scipy.stats import binomtest
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
+from gcm_learn.arms import SpatialArm  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
     Controller,
     Execution,
@@ -32,7 +33,7 @@ from gcm_learn.execution import (  # noqa: E402
 )
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
 from gcm_learn.planners import InTube, Tube, get_planner  # noqa: E402
-from gcm_learn.situation import ArmBody, Situation, SpatialArm  # noqa: E402
+from gcm_learn.situation import ArmBody, Situation  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 
 DEVELOPMENT, SEED = 1410, 1411

@@ -32,13 +32,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from gcm_learn import families, get_planner, read_situations, rng  # noqa: E402
-from gcm_learn.situation import (  # noqa: E402
-    AnySituation,
-    Pendulum,
-    Situation,
-    SolidQuadratic,
-    SpatialArm,
-)
+from gcm_learn.arms import SpatialArm  # noqa: E402
+from gcm_learn.situation import AnySituation, Pendulum, Situation, SolidQuadratic  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 from tests.referee import judge  # noqa: E402
 

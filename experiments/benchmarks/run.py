@@ -30,19 +30,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng  # noqa: E402
+from gcm_learn.arms import Arm, SpatialArm  # noqa: E402
 from gcm_learn.families import random_planar  # noqa: E402
 from gcm_learn.handspace import SpaceLattice, hand_space, occupied_cells, space_of  # noqa: E402
 from gcm_learn.scene import Scene, pack  # noqa: E402
-from gcm_learn.situation import (  # noqa: E402
-    Arm,
-    Body,
-    Disc,
-    PlanarQuadratic,
-    Situation,
-    SolidQuadratic,
-    SpatialArm,
-    Sphere,
-)
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere  # noqa: E402
 from gcm_learn.wave import (  # noqa: E402
     front_speed,
     kappa_of,

@@ -29,18 +29,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from gcm_learn import MarchingParams, rng  # noqa: E402
+from gcm_learn.arms import Base, SpatialArm  # noqa: E402
 from gcm_learn.handspace import SpaceLattice  # noqa: E402
 from gcm_learn.motion import start_clearance  # noqa: E402
 from gcm_learn.scene import Scene, pack  # noqa: E402
-from gcm_learn.situation import (  # noqa: E402
-    Base,
-    Body,
-    Situation,
-    SolidQuadratic,
-    SpatialArm,
-    Sphere,
-    read_situations,
-)
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, read_situations  # noqa: E402
 from gcm_learn.wave import march  # noqa: E402
 from tests.spatial import EXAMPLES  # noqa: E402
 

@@ -18,8 +18,9 @@ from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.solve import plan_one, read
 
 if TYPE_CHECKING:
+    from gcm_learn.arms import SpatialArm
     from gcm_learn.execution import Execution, Mind
-    from gcm_learn.situation import ArmBody, Situation, SpatialArm
+    from gcm_learn.situation import ArmBody, Situation
 
     Spatial = Situation[SpatialArm]
     Draw = Callable[[Spatial, Execution], None]

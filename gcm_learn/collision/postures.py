@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.chains import room_in_pose, solid_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
@@ -29,7 +30,6 @@ from gcm_learn.scene.bodies import (
     drift,
     rotate,
 )
-from gcm_learn.scene.spatial_limb import limb_at
 
 CHUNK = 60  # obstacles that one search asks after: the bits of an integer
 _HINGE = 1e-5  # share of the upper arm that is near the shoulder

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import elbow_of, elbows_of
 from gcm_learn.collision.distance import arm_distance, limb_point2, segment_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, REACH, SWING, drift, glide, pose_at, swing
-from gcm_learn.scene.limb import elbow_of, elbows_of
 
 _SHOULDER = 1e-9  # hands this near to the shoulder have no direction [forearm lengths]
 DEEPEST = 48  # bisections of one segment before it counts as touching

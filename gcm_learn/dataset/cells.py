@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
 from gcm_learn.planners import AnyPlan, Plan
-from gcm_learn.situation import JOINTS, AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.wave import WaveParams
 
 UNREACHED = 65535  # step count of cells without an arrival

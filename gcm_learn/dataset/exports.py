@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcm_learn.arms import elbow_position
 from gcm_learn.dataset import Dataset, Record
 from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.planners import Plan
-from gcm_learn.scene import elbow_position, pack_bodies, poses_at
+from gcm_learn.scene import pack_bodies, poses_at
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:

@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 
+from gcm_learn.arms import Arm, SpatialArm, rotation_of
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import pack
 from gcm_learn.situation import (
     AnySituation,
-    Arm,
     Body,
     Box,
     Capsule,
@@ -25,9 +25,7 @@ from gcm_learn.situation import (
     PlanarQuadratic,
     Polygon,
     SolidQuadratic,
-    SpatialArm,
     Sphere,
-    rotation_of,
 )
 
 DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]

@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeVar, overload
 import numpy as np
 import pyarrow as pa
 
+from gcm_learn.arms import Base
 from gcm_learn.dataset.cells import (
     COUNT,
     MAP,
@@ -33,7 +34,6 @@ from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners import Plan
 from gcm_learn.situation import (
     AnySituation,
-    Base,
     Frame,
     SpatialFrame,
     situation_from_json,

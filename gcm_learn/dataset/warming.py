@@ -11,9 +11,10 @@ from filelock import FileLock
 from llvmlite import binding
 
 from gcm_learn import compiled
+from gcm_learn.arms import Arm
 from gcm_learn.dataset.item import Case, make_item
 from gcm_learn.dataset.spec import DatasetSpec
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 
 DRAWS = 2  # items of each family
 _WARM: set[str] = set()  # specifications that this process is ready for

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArmInSpace, known_mode
 from gcm_learn.execution import (
     Source,
@@ -18,7 +19,7 @@ from gcm_learn.execution import (
     way_of,
 )
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 
 class CatchArm3D(OneArmInSpace):

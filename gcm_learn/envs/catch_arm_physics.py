@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArmInSpace, known_mode
 from gcm_learn.execution import (
     PhysicalArms,
@@ -16,7 +17,7 @@ from gcm_learn.execution import (
     physical_pool_of,
 )
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import ArmBody, Situation, SpatialArm
+from gcm_learn.situation import ArmBody, Situation
 
 
 class CatchArmPhysics(OneArmInSpace):

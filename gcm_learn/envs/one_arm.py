@@ -9,10 +9,11 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from gcm_learn.arms import rotation_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import CAUGHT, COLLIDED, LATE, OUTCOMES, RUNNING, Batch
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import Situation, rotation_of
+from gcm_learn.situation import Situation
 
 POOL = 256  # situations that an environment draws from a family, by default
 IN_SPACE = "static-clutter-space"  # where they are drawn in space, by default

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.scene import elbow_position, outline
+from gcm_learn.arms import elbow_position
+from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
 
 SIZE_INCHES, DPI = 4.8, 100

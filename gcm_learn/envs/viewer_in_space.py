@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.envs.viewer import DPI, SIZE_INCHES
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 PIXELS = round(SIZE_INCHES * DPI)  # of a side
 

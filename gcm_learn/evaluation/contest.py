@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import SIDE, elbow_of
 from gcm_learn.collision import segment_distance
 from gcm_learn.evaluation.crew import Rows, rows_of
 from gcm_learn.evaluation.methods import Method, Result, get_method
@@ -15,7 +16,7 @@ from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged
 from gcm_learn.motion import PARTS, SpatialTrajectory, Trajectory, clearance, joint_turns
-from gcm_learn.scene import LIMB, PART, SIDE, elbow_of, pack, poses_at
+from gcm_learn.scene import LIMB, PART, pack, poses_at
 from gcm_learn.situation import AnySituation, Situation, planar
 
 DELAYS = (0.0, 0.02, 0.05, 0.1, 0.2)  # thinking that is charged [s]

@@ -8,19 +8,13 @@ from typing import Protocol
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import OUTCOMES, Pool, SpatialPool, way_of
 from gcm_learn.motion import SpatialTrajectory, Trajectory
 from gcm_learn.planners import Planner, get_planner, plan_with, planner_names
 from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
-from gcm_learn.situation import (
-    AnySituation,
-    Situation,
-    SpatialArm,
-    canonical,
-    planar,
-    spatial,
-)
+from gcm_learn.situation import AnySituation, Situation, canonical, planar, spatial
 
 CLOCKED = ("st-rrt-star",)  # plan for a given time, in a process of their own
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.collision import least_distance
 from gcm_learn.evaluation.methods import Method
 from gcm_learn.motion import resting_in_space
 from gcm_learn.planners import Problem, first_catch_on
 from gcm_learn.scene import later, pack
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 _ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
 

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.perception import Percept, Perception
 from gcm_learn.scene import integrate_swing, later
-from gcm_learn.situation import Body, Motion, Pendulum, Situation, SolidQuadratic, SpatialArm
+from gcm_learn.situation import Body, Motion, Pendulum, Situation, SolidQuadratic
 
 ACCELERATION = 10.0  # standard deviation of each coordinate, before anything is seen [forearms/s^2]
 _EXACT = 1e-9  # nothing is taken for more exact than this [forearms, rad]

@@ -13,13 +13,14 @@ import time as clock
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.belief import ACCELERATION, Belief
 from gcm_learn.execution.following import LedPlant, at_first, begun, led, rest_of
 from gcm_learn.execution.perception import Perception
 from gcm_learn.execution.world import RUNNING
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 TRIES = 4  # at a plan, each of which allows for the time that the last one took
 _HAIR = 1e-9  # of a period, against rounding

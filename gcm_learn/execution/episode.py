@@ -8,9 +8,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.execution.world import RUNNING
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import JOINTS, SpatialArm
 
 
 class Moment(NamedTuple):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, SpatialArm, forward_in_space
 from gcm_learn.collision.postures import desk_of, hermite, least_on, line, part
 from gcm_learn.compiled import njit
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory, rules_of
 from gcm_learn.motion.interception_in_space import first_meeting
-from gcm_learn.scene import Scene, forward_in_space, pack
-from gcm_learn.situation import JOINTS, Situation, SpatialArm
+from gcm_learn.scene import Scene, pack
+from gcm_learn.situation import Situation
 
 JUMP = 1e-6  # joints of a trajectory may be off by this where it is taken up [rad]
 _NARROWEST = 1e-6  # how exactly the moment of a touch is found [shares of a move]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at
-from gcm_learn.scene.limb import elbow_of
 
 RAY = 2  # numbers of a ray
 RAYS = 25  # directions, the first to the meeting with the target, and last to rest

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS
 from gcm_learn.execution.episode import Moment, into_frame
 from gcm_learn.motion import SpatialTrajectory, Trajectory
-from gcm_learn.situation import JOINTS
 
 
 class Follower:

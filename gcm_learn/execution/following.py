@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.motion import SpatialTrajectory, braked
-from gcm_learn.situation import JOINTS, SpatialArm
 
 
 class LedPlant(Protocol):

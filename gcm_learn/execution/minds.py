@@ -8,6 +8,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.closed_loop import Occasion
 from gcm_learn.execution.episode import way_of
@@ -16,7 +17,7 @@ from gcm_learn.execution.settings import SpatialSettings
 from gcm_learn.execution.space.one_step import OneStep
 from gcm_learn.execution.world import CAUGHT
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 HABITS = ("once", "always", "broken")
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.compiled import njit
 from gcm_learn.execution.fan import tell_fan
 from gcm_learn.execution.nearness import (
@@ -43,7 +44,6 @@ from gcm_learn.scene.bodies import (
     pose_at,
     swing,
 )
-from gcm_learn.scene.limb import elbow_of
 
 ARM, TARGET, OBSTACLE = 10, 17, 20  # numbers of the arm, the target, an obstacle
 MEETING = ARM + 14  # where the direction of the meeting is told, two numbers

@@ -14,17 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn import seeding
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.scene import later
-from gcm_learn.situation import (
-    Body,
-    Motion,
-    Pendulum,
-    PlanarQuadratic,
-    Situation,
-    SolidQuadratic,
-    SpatialArm,
-)
+from gcm_learn.situation import Body, Motion, Pendulum, PlanarQuadratic, Situation, SolidQuadratic
 
 PERIOD = 0.02  # between two looks: 50 Hz [s]
 DARK = 0.1  # how long a dropout lasts [s]

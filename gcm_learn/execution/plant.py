@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import PlanarLimb
 from gcm_learn.compiled import njit
 from gcm_learn.execution.batch import Batch
 from gcm_learn.execution.embedding import FARTHEST
@@ -12,9 +13,8 @@ from gcm_learn.execution.pool import Pool
 from gcm_learn.execution.settings import Settings
 from gcm_learn.execution.stepping import step
 from gcm_learn.execution.world import HORIZON, Options, State, Told, World, workspace_for
-from gcm_learn.scene import Limb
 
-_HAND = Limb._fields.index("x")
+_HAND = PlanarLimb._fields.index("x")
 
 
 class KinematicPlant(Batch):

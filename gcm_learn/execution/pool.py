@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.settings import Settings, SpatialSettings
 from gcm_learn.execution.space.stepping import can_stop
@@ -14,7 +15,7 @@ from gcm_learn.execution.space.world import SpatialWorld, spatial_world_of
 from gcm_learn.execution.world import World, world_of
 from gcm_learn.motion import HOLE_MARGIN, Rules, opening
 from gcm_learn.scene import Limits, Scene, pack
-from gcm_learn.situation import Frame, Situation, SpatialArm, canonical, planar, spatial
+from gcm_learn.situation import Frame, Situation, canonical, planar, spatial
 
 _SPEED = Limits._fields.index("speed")
 HUB = 0.015  # distance that hands keep from the shoulder, where joints jump [forearm lengths]

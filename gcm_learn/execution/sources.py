@@ -7,21 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from gcm_learn import seeding
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.physics.pool import PhysicalPool
 from gcm_learn.execution.pool import Pool, SpatialPool, stops
 from gcm_learn.families import Family, SpatialFamily, draw, family_names, get_family
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import pack
-from gcm_learn.situation import (
-    AnySituation,
-    ArmBody,
-    Situation,
-    SpatialArm,
-    planar,
-    read_situations,
-    spatial,
-)
+from gcm_learn.situation import AnySituation, ArmBody, Situation, planar, read_situations, spatial
 
 Source = str | Path | Family | AnySituation | Sequence[Situation] | Sequence[Situation[SpatialArm]]
 SALT = 77  # of the draws for pools, so that item k of a family is not in all of them

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.execution.nearness import stays_away, stays_free
@@ -25,7 +26,6 @@ from gcm_learn.execution.world import (
 from gcm_learn.motion.interception import first_catch
 from gcm_learn.motion.verification import PARTS, joint_turns, nearest_to_shoulder
 from gcm_learn.planners import CATCH_STEP
-from gcm_learn.scene.limb import elbow_of
 
 CATCH, TOUCH, HASTE, GUIDE = range(4)  # terms of the reward
 TERMS = 4

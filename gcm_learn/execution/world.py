@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import PlanarLimb
 from gcm_learn.compiled import njit
 from gcm_learn.execution.nearness import MOMENT_COLUMNS
 from gcm_learn.motion.rules import Rules
 from gcm_learn.recall import own_axis
-from gcm_learn.scene import Limb, Limits, Scene
+from gcm_learn.scene import Limits, Scene
 from gcm_learn.scene.bodies import COLUMNS, FIRST, LAST, SWING, Bodies
 
 HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # what an action is
@@ -21,7 +22,8 @@ RUNNING, CAUGHT, COLLIDED, LATE = range(4)  # how an episode stands
 LONG = COLUMNS  # 3: the longest axis in the body's own frame, see `own_axis`
 ROW_COLUMNS = COLUMNS + 3
 
-FAR, HORIZON = Limb._fields.index("far"), Limits._fields.index("horizon")  # columns of a world's
+# Columns of a world's limbs and limits.
+FAR, HORIZON = PlanarLimb._fields.index("far"), Limits._fields.index("horizon")
 
 MOMENTS = 6  # that can be looked at at once
 
@@ -95,7 +97,7 @@ def scene_of(world, s):
     rows = world.rows[world.first[s] : world.first[s + 1]]
     bodies = Bodies(rows, world.vertices, world.angles, world.angle_steps[s])
     a, b = world.limbs, world.limits
-    limb = Limb(a[s, 0], a[s, 1], a[s, 2], a[s, 3], a[s, 4], a[s, 5], a[s, 6])
+    limb = PlanarLimb(a[s, 0], a[s, 1], a[s, 2], a[s, 3], a[s, 4], a[s, 5], a[s, 6])
     return Scene(bodies, limb, Limits(b[s, 0], b[s, 1], b[s, 2], b[s, 3], b[s, 4]))
 
 

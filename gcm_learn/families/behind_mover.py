@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece
@@ -19,7 +20,6 @@ from gcm_learn.families.ranges import (
     pick_angle,
     span,
 )
-from gcm_learn.situation import Arm
 
 
 @dataclass(frozen=True)

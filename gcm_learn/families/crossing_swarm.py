@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece
 from gcm_learn.families.ranges import Counts, Range, counts, pick, pick_angle, span
-from gcm_learn.situation import Arm
 
 
 @dataclass(frozen=True)

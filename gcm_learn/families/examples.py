@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from gcm_learn.arms import Arm, SpatialArm
 from gcm_learn.families.paper import HAND_SPEED
 from gcm_learn.situation import (
-    Arm,
     Body,
     Capsule,
     Disc,
@@ -14,7 +14,6 @@ from gcm_learn.situation import (
     Polygon,
     Situation,
     SolidQuadratic,
-    SpatialArm,
     Sphere,
 )
 

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.errors import FamilyError
 from gcm_learn.families.ranges import (
     Counts,
@@ -24,7 +25,7 @@ from gcm_learn.families.ranges import (
 )
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import pack
-from gcm_learn.situation import AnySituation, Arm, Pendulum, Situation
+from gcm_learn.situation import AnySituation, Pendulum, Situation
 
 ATTEMPTS = 50  # draws until the limb starts free; after that many the last one is given
 TINY = 1e-3  # what must be positive is at least this

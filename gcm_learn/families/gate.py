@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.families.layout import TRIES, Event, anywhere, elbow_at, polar, way_time
 from gcm_learn.families.piece_family import InSpace, PieceFamily
 from gcm_learn.families.pieces import Piece, Vector, solid_body
@@ -30,7 +31,7 @@ from gcm_learn.families.ranges import (
     pick_sign,
     span,
 )
-from gcm_learn.situation import Arm, Body
+from gcm_learn.situation import Body
 
 STEEPEST = 1.2  # [rad] runners would have to run far if the target were farther behind
 LONGEST = 0.5  # straight way to the target, in ways that the hand can make within the horizon

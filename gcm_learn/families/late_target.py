@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece, ball_through
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, pick_sign, span
-from gcm_learn.situation import Arm, Body
+from gcm_learn.situation import Body
 
 RIM = 0.97  # the hand may wait for the target at this share of its reach
 

@@ -13,11 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SIDE, Arm, elbow_of
 from gcm_learn.collision import limb_segment2
 from gcm_learn.families.pieces import Piece, Vector
 from gcm_learn.families.ranges import Range, Ranges, pick, pick_angle, pick_sign, span
-from gcm_learn.scene import SIDE, elbow_of
-from gcm_learn.situation import Arm
 
 TRIES = 10  # draws of what has to fit; after that many the last one is taken
 LATEST = 0.9  # latest planned meeting [horizons]

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from gcm_learn.arms import Arm
 from gcm_learn.situation import (
-    Arm,
     Body,
     Box,
     Capsule,

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.families.layout import Event
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece, Vector, in_world
@@ -23,7 +24,7 @@ from gcm_learn.families.ranges import (
     span,
 )
 from gcm_learn.scene import integrate_swing
-from gcm_learn.situation import Arm, Body, Capsule, Pendulum, Situation, Sphere
+from gcm_learn.situation import Body, Capsule, Pendulum, Situation, Sphere
 
 _STEPS = 100  # of the integration back to t = 0; the error of a swing is far below 1e-6 rad
 

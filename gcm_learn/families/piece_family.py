@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.families.family import TINY, PlanarFamily
 from gcm_learn.families.layout import (
     TRIES,
@@ -38,7 +39,7 @@ from gcm_learn.families.ranges import (
     pick_sign,
     span,
 )
-from gcm_learn.situation import Arm, Body, Plane, Situation
+from gcm_learn.situation import Body, Plane, Situation
 
 
 @dataclass(frozen=True)

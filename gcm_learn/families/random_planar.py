@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.errors import SituationError
 from gcm_learn.families.family import TINY, ArmRanges, PlanarFamily
 from gcm_learn.families.ranges import (
@@ -19,7 +20,7 @@ from gcm_learn.families.ranges import (
     pick_count,
     span,
 )
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Shape, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Shape, Situation
 
 SPEED = 3.3  # largest hand speed [forearm lengths / s]: kappa is about 1/400 s on 80 cells
 HORIZON = 1.2  # [s], about 480 tau

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms import Arm, rotation_of
 from gcm_learn.families.family import TINY, PlanarFamily
 from gcm_learn.families.layout import polar
 from gcm_learn.families.ranges import Counts, Range, number, pick, pick_angle, pick_count, span
 from gcm_learn.situation import (
-    Arm,
     Body,
     Box,
     Capsule,
@@ -22,7 +22,6 @@ from gcm_learn.situation import (
     SolidQuadratic,
     SolidShape,
     Sphere,
-    rotation_of,
 )
 
 Vector3 = tuple[float, float, float]

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from gcm_learn.checks import number as checked_number
+from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, SituationError
-from gcm_learn.situation import number as checked_number
-from gcm_learn.situation import show
 
 Range = tuple[float, float]
 Counts = tuple[int, int]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from gcm_learn import seeding
+from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError
 from gcm_learn.families.behind_mover import BehindMover, BehindMoverSolid
 from gcm_learn.families.crossing_swarm import CrossingSwarm, CrossingSwarmSolid
@@ -33,7 +34,7 @@ from gcm_learn.families.space.pendulum import PendulumSpace
 from gcm_learn.families.space.walls import DoorSpace, WindowSpace
 from gcm_learn.families.spinning import Spinning, SpinningSolid
 from gcm_learn.families.static_clutter import StaticClutter, StaticClutterSolid
-from gcm_learn.situation import AnySituation, JsonTextError, RepeatedField, line_of, parse, show
+from gcm_learn.situation import AnySituation, JsonTextError, RepeatedField, line_of, parse
 
 _Record = TypeVar("_Record", bound=Ranges)
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.families.layout import Event
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece
 from gcm_learn.families.ranges import pick_angle
-from gcm_learn.situation import Arm
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.scene import SIDE
+from gcm_learn.arms import SIDE
 
 
 def reach_angle(point: ArrayLike, upper_arm: float = 1.0) -> float:

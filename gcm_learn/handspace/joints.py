@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
-from gcm_learn.situation import JOINTS
 
 MOST_VALUES = 64  # of one joint
 

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import SIDE, elbow_of, joints_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace.chart import Steps, steps_of
 from gcm_learn.scene import Limits, Scene
-from gcm_learn.scene.limb import SIDE, elbow_of, joints_of
 
 SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it

@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import SpatialLimb, in_range, limb_at, swivel_axes, swivel_of
 from gcm_learn.compiled import njit
-from gcm_learn.scene.spatial_limb import SpatialLimb, in_range, limb_at, swivel_axes, swivel_of
 
 TRIED = np.pi / 12.0  # swivels that are tried where the first is not allowed are this near [rad]
 HALVINGS = 7  # of what lies between the first that is allowed and the last that is not

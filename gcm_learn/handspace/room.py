@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.collision.postures import Desk, desk_of, distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.space import SpaceLattice
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 
 def room_in_space(situation: Situation[SpatialArm], lattice: SpaceLattice, t: float) -> np.ndarray:

@@ -9,14 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, Arm, SpatialArm, rotation_of
+from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, limbs_at, spatial_limb
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace.chart import Chart, Steps, steps_of
 from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
 from gcm_learn.handspace.postures import Rule, leap_of, posture_of, rule_of
-from gcm_learn.scene import Scene, SpatialLimits
-from gcm_learn.scene.spatial_limb import SpatialLimb, limb_at, limbs_at, spatial_limb
-from gcm_learn.situation import JOINTS, Arm, SpatialArm, rotation_of
+from gcm_learn.scene import JointLimits as JointLimits
+from gcm_learn.scene import Scene
 
 LARGEST_IN_SPACE = 80
 MOST_POSTURES = 16
@@ -209,7 +210,7 @@ class SpaceLattice:
         base = self.arm.base
         return (np.asarray(points) - np.array(base.origin)) @ rotation_of(base.rotation)
 
-    def steps(self, limits: SpatialLimits) -> Steps:
+    def steps(self, limits: JointLimits) -> Steps:
         """The 26 neighbours of every cell with the same posture, and two postures beside it.
 
         A step takes as long as the hand, or the joint that has farthest to turn; none is shorter
@@ -237,12 +238,12 @@ class SpaceLattice:
         turns = (turn[good] / scene.limits.joint_speed).max(axis=1, initial=0.0)
         return nodes[good], np.maximum(turns, away)
 
-    def lower_bound(self, place: np.ndarray, near: float, limits: SpatialLimits) -> np.ndarray:
+    def lower_bound(self, place: np.ndarray, near: float, limits: JointLimits) -> np.ndarray:
         """Least time (nodes,) from every node until the hand is `near` a place (3,) [s]."""
         away = np.linalg.norm(self.hands - place, axis=1)
         return np.maximum(away - near, 0.0) / self._fastest(limits)
 
-    def _fastest(self, limits: SpatialLimits) -> float:
+    def _fastest(self, limits: JointLimits) -> float:
         """Speed that the hand nowhere exceeds."""
         rate, limb = limits.joint_speed, self.limb
         turning = np.hypot(*rate[:2]) * self.reach + np.hypot(*rate[2:]) * limb.length
@@ -274,7 +275,7 @@ class SpaceLattice:
         joints = self.nodes.joints
         return pairs[np.abs(joints[pairs[:, 1]] - joints[pairs[:, 0]]).max(axis=1) <= leap]
 
-    def _times(self, pairs: np.ndarray, limits: SpatialLimits) -> np.ndarray:
+    def _times(self, pairs: np.ndarray, limits: JointLimits) -> np.ndarray:
         joints, hands = self.nodes.joints.astype(float), self.hands
         turn = np.abs(joints[pairs[:, 1]] - joints[pairs[:, 0]]) / limits.joint_speed
         away = np.linalg.norm(hands[pairs[:, 1]] - hands[pairs[:, 0]], axis=1)

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, chart_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import AnySituation, Arm, planar
+from gcm_learn.situation import AnySituation, planar
 from gcm_learn.wave import (
     Front,
     MarchingParams,

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcm_learn.arms import Base, SpatialArm
 from gcm_learn.errors import FileFormatError
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice
-from gcm_learn.situation import Base, SpatialArm
 from gcm_learn.storage import whole_file
 
 if TYPE_CHECKING:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.chains import room_in_pose
 from gcm_learn.collision.postures import desk_of, free_until, line, on_curve
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
-from gcm_learn.scene.spatial_limb import limb_at
 
 _LOOKS = 20_000  # at a resting limb, at most
 _CLOSE = 1e-5  # share of the horizon too short to be told apart from now

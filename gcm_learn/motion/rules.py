@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SpatialLimb
 from gcm_learn.collision.postures import desk_of, distance_at
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import may_be_reached
 from gcm_learn.motion.interception_in_space import fastest_hand, may_be_met
-from gcm_learn.scene import Scene, SpatialLimb
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 
 SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]

@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gcm_learn.scene import forward_in_space
-from gcm_learn.situation import JOINTS, SpatialArm
+from gcm_learn.arms import JOINTS, SpatialArm, forward_in_space
 
 REST = 1e-6  # joints that are slower than this rest [rad/s]
 CREEP = 0.02  # of its fastest sample; a smooth curve that waits is slower, and never quite still

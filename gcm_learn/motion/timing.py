@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import Arm
+from gcm_learn.arms.planar_limb import SIDE, joints_of
 from gcm_learn.compiled import njit
 from gcm_learn.motion.verification import PARTS, joint_turns
-from gcm_learn.scene.limb import SIDE, joints_of
-from gcm_learn.situation import Arm
 
 SPACING = 0.02  # samples of a straight path are at most this far apart [forearm lengths]
 JOINT_SLACK = 1.01  # joint speeds vary within the pieces on which they are measured

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.scene import SIDE, joints_of
+from gcm_learn.arms import SIDE, joints_of
 
 REST = 0.01  # a hand rests when it is slower than this share of its greatest speed on the way
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import joints_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import verification_in_space as space
@@ -17,7 +18,6 @@ from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import pose_at
-from gcm_learn.scene.limb import joints_of
 
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import desk_of, distance_at, hermite, least_on, line, on_curve
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.motion.rules import CATCH_SAFETY
-from gcm_learn.scene.spatial_limb import limb_at
 
 NOTHING, ELSEWHERE, LATE, RANGE, JOINT, FORCED, FAST, MISSED, TOUCHED = range(9)
 TOLERANCE = 1e-7  # relative, of limits; the contract grants 1e-6

@@ -10,6 +10,7 @@ from typing import Any, Generic
 
 import numpy as np
 
+from gcm_learn.arms import Arm, SpatialArm
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import (
     HOLE_MARGIN,
@@ -32,7 +33,7 @@ from gcm_learn.motion import (
 from gcm_learn.planners.deadline import GAIN, Deadline
 from gcm_learn.planners.plan import Movement, Plan
 from gcm_learn.scene import Bodies, Scene, pack
-from gcm_learn.situation import AnySituation, Arm, Situation, SpatialArm, planar
+from gcm_learn.situation import AnySituation, Situation, planar
 
 CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first

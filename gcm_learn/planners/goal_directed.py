@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import elbow_of
 from gcm_learn.collision import postures_of
 from gcm_learn.handspace import LARGEST_LATTICE, Lattice, hand_space
 from gcm_learn.motion import Failure, refine, straight_path
@@ -27,7 +28,6 @@ from gcm_learn.planners.sipp_labels import (
     room_for,
     unasked,
 )
-from gcm_learn.scene import elbow_of
 
 MOST = 40_000  # labels that are taken up at most
 BRIEF = 4_000  # of them on the finer lattice

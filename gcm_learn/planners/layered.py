@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.handspace import chart_of
 from gcm_learn.maps import explore, map_of
 from gcm_learn.planners.completion import (
@@ -22,7 +23,6 @@ from gcm_learn.planners.completion import (
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import FrontPlanner, Level, finer, first_arrival, without_margin
 from gcm_learn.planners.goal_directed import found
-from gcm_learn.situation import Arm
 from gcm_learn.wave import Front, MarchingParams, WaveParams, fastest
 
 MEETING = 1.5  # the hand may meet a target so long before the map says so [crossings]

@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import joints_of
 from gcm_learn.compiled import njit
 from gcm_learn.handspace import Lattice
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import FrontPlanner, wave_levels
 from gcm_learn.planners.layered import explored, spread
-from gcm_learn.scene import Scene, joints_of
+from gcm_learn.scene import Scene
 from gcm_learn.wave import Front, WaveParams
 
 EARLY = 0.75  # a cell may be passed so long before the front is at its centre [crossings]

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.collision.intervals import NEVER
 from gcm_learn.compiled import njit
 from gcm_learn.planners.sipp_labels import Aim
 from gcm_learn.scene.bodies import HAND, PART, REACH, drift, pose_at
-from gcm_learn.scene.limb import elbow_of
 
 SPANS = 32  # of a horizon
 LOOKS = 4  # at a span, for a place where the hand can be

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
 from gcm_learn.planners.deadline import Deadline
-from gcm_learn.situation import AnySituation, Situation, SpatialArm, planar
+from gcm_learn.situation import AnySituation, Situation, planar
 
 if TYPE_CHECKING:
     from typing_extensions import TypeVar  # a default makes a plain `Plan` one of the plane

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm, elbow_position
 from gcm_learn.collision import arm_distance
 from gcm_learn.motion import SpatialTrajectory, Trajectory, clearance, rules_of, verify
-from gcm_learn.scene import elbow_position, pack, pack_bodies, poses_at
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.scene import pack, pack_bodies, poses_at
+from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
     from gcm_learn.planners.plan import AnyPlan

@@ -6,6 +6,7 @@ import importlib
 from collections.abc import Callable
 from typing import Any, cast, overload
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners.baselines.potential import PotentialPlanner
@@ -21,7 +22,7 @@ from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, taken
 from gcm_learn.planners.space.layered import LayeredInSpace
 from gcm_learn.planners.space.marching import gcm_in_space, marching_in_space
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
     "gcm": lambda: ByArm(gcm(), gcm_in_space()),

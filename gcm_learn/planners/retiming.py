@@ -26,6 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.checks import positive
 from gcm_learn.motion import (
     Failure,
     Reason,
@@ -37,7 +38,7 @@ from gcm_learn.motion import (
 )
 from gcm_learn.planners.completion import Attempt, Problem, attempt_of, checked, first_catch_on
 from gcm_learn.planners.plan import Plan
-from gcm_learn.situation import Situation, positive
+from gcm_learn.situation import Situation
 
 CHORD = 1e-4  # what is linear between samples keeps that near to the motion [forearm lengths]
 FEWEST_SAMPLES = 50

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArmKindError
 from gcm_learn.motion import Failure, SpatialTrajectory, fastest_hand
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 HURRIES = (1.0, 0.7, 0.5, 0.35)
 """Shares of the hand's fastest speed that are tried in turn: the slower, the narrower the tube."""

@@ -11,6 +11,7 @@ from typing import Any, overload
 import numpy as np
 
 from gcm_learn import artifacts, seeding
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, AnyPool, Pool, SpatialPool, SpatialSettings, way_of
 from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory, refine
@@ -19,7 +20,6 @@ from gcm_learn.policies.actor import FILE, FILES, Actor
 from gcm_learn.situation import (
     AnySituation,
     Situation,
-    SpatialArm,
     canonical,
     planar,
     situation_to_json,

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.recall.kernels import EARLIEST, HURRY, KNOTS, POLAR, keep, meet, meet_any
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, TOP_SPEED, poses_at
-from gcm_learn.scene.limb import elbow_of
 
 PUSHES = np.array([0.06, 0.12, 0.2, 0.3, 0.42])  # heights of bumps [forearm lengths]
 TURNS = 8  # directions of bumps

@@ -14,13 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.rules import Rules
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at, poses_at
-from gcm_learn.scene.limb import elbow_of
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
 

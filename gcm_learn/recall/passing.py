@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.planar_limb import SIDE, elbows_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Trajectory
 from gcm_learn.recall.waypoints import Waypoints, path_of
 from gcm_learn.scene.bodies import HAND, PART, pose_at
-from gcm_learn.scene.limb import SIDE, elbows_of
 from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Situation, frame_of
 

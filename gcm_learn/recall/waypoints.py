@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Trajectory
 from gcm_learn.motion.timing import segment_times
@@ -14,7 +15,7 @@ from gcm_learn.planners import Plan
 from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.scene.packing import pack_bodies
-from gcm_learn.situation import Arm, Situation, frame_of
+from gcm_learn.situation import Situation, frame_of
 
 CLOSE = 1e-5  # knots are put where the hand would be farther off than this [forearm lengths]
 SLOW = 2.0  # a piece that takes this much longer than it must is a wait

@@ -17,17 +17,9 @@ from gcm_learn.scene.bodies import (
     poses_at,
 )
 from gcm_learn.scene.later import later
-from gcm_learn.scene.limb import SIDE, elbow_of, elbow_position, forward, joint_angles, joints_of
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import integrate_swing, pack, pack_bodies, pose
-from gcm_learn.scene.scene import Limb, Limits, Scene, SpatialLimits
-from gcm_learn.scene.spatial_limb import (
-    SpatialLimb,
-    forward_in_space,
-    inverse_in_space,
-    spatial_limb,
-    swivel_in_space,
-)
+from gcm_learn.scene.scene import JointLimits, Limits, Scene
 
 __all__ = [
     "ACCELERATION",
@@ -37,25 +29,15 @@ __all__ = [
     "HAND",
     "KIND",
     "LIMB",
-    "Limb",
     "Limits",
     "PART",
     "POSITION",
-    "SIDE",
     "SIZE",
     "Scene",
-    "SpatialLimb",
-    "SpatialLimits",
+    "JointLimits",
     "TOP_SPEED",
     "VELOCITY",
-    "elbow_of",
-    "elbow_position",
-    "forward",
-    "forward_in_space",
     "integrate_swing",
-    "inverse_in_space",
-    "joint_angles",
-    "joints_of",
     "later",
     "outline",
     "pack",
@@ -63,6 +45,4 @@ __all__ = [
     "pose",
     "pose_at",
     "poses_at",
-    "spatial_limb",
-    "swivel_in_space",
 ]

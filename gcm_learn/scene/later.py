@@ -9,21 +9,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, Arm, SpatialArm, quaternion_of, rotation_of
 from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.scene.packing import integrate_swing
-from gcm_learn.situation import (
-    JOINTS,
-    Arm,
-    Body,
-    Motion,
-    Pendulum,
-    PlanarQuadratic,
-    Situation,
-    SolidQuadratic,
-    SpatialArm,
-    quaternion_of,
-    rotation_of,
-)
+from gcm_learn.situation import Body, Motion, Pendulum, PlanarQuadratic, Situation, SolidQuadratic
 
 AnyKind = TypeVar("AnyKind", Situation[Arm], Situation[SpatialArm])
 

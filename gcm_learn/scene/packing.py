@@ -7,16 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, Arm, SpatialArm, planar_limb, rotation_of, spatial_limb
 from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.limb import SIDE
-from gcm_learn.scene.scene import Limb, Limits, Scene, SpatialLimits
-from gcm_learn.scene.spatial_limb import spatial_limb
+from gcm_learn.scene.scene import JointLimits as JointLimits
+from gcm_learn.scene.scene import Limits, Scene
 from gcm_learn.situation import (
-    JOINTS,
     AnySituation,
-    Arm,
     Box,
     Capsule,
     Cylinder,
@@ -25,10 +23,8 @@ from gcm_learn.situation import (
     PlanarQuadratic,
     Polygon,
     SolidQuadratic,
-    SpatialArm,
     Sphere,
     arm_frame,
-    rotation_of,
 )
 
 _KIND = {
@@ -56,15 +52,9 @@ def pack(situation: AnySituation) -> Scene:
     """
     arm = situation.arm
     if isinstance(arm, SpatialArm):
-        limits: Limits | SpatialLimits = _spatial_limits(arm, situation.horizon)
+        limits: Limits | JointLimits = _spatial_limits(arm, situation.horizon)
         return Scene(pack_bodies(situation), spatial_limb(arm), limits)
-    return Scene(pack_bodies(situation), _limb(arm), _limits(arm, situation.horizon))
-
-
-def _limb(arm: Arm) -> Limb:
-    return Limb(
-        arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach, arm.thickness, *arm.hand
-    )
+    return Scene(pack_bodies(situation), planar_limb(arm), _limits(arm, situation.horizon))
 
 
 def _limits(arm: Arm, horizon: float) -> Limits:
@@ -72,10 +62,10 @@ def _limits(arm: Arm, horizon: float) -> Limits:
     return Limits(arm.max_hand_speed, shoulder, elbow, arm.grasp, horizon)
 
 
-def _spatial_limits(arm: SpatialArm, horizon: float) -> SpatialLimits:
+def _spatial_limits(arm: SpatialArm, horizon: float) -> JointLimits:
     acceleration = arm.max_joint_acceleration or (math.inf,) * JOINTS
     speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
-    return SpatialLimits(
+    return JointLimits(
         np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, horizon
     )
 

@@ -9,21 +9,6 @@ import numpy as np
 from gcm_learn.scene.bodies import Bodies
 
 
-class Limb(NamedTuple):
-    """A planar arm of two bones with its shoulder at the origin, and where its hand starts.
-
-    Lengths in forearms.
-    """
-
-    rho: float  # length of the upper arm
-    side: float  # of the elbow: `SIDE` of `scene.limb`
-    near: float  # radii of the ring that the hand can reach
-    far: float
-    thickness: float  # radius of both bones
-    x: float  # hand at t = 0
-    y: float
-
-
 class Limits(NamedTuple):
     """What a movement may do, as the situation says it."""
 
@@ -34,11 +19,11 @@ class Limits(NamedTuple):
     horizon: float  # last moment at which a catch counts [s]
 
 
-class SpatialLimits(NamedTuple):
-    """What a movement of a spatial arm may do; infinite where the situation says nothing."""
+class JointLimits(NamedTuple):
+    """Limits of a movement in the joints; infinite where the situation gives none."""
 
-    joint_speed: np.ndarray  # (4,) [rad/s]
-    joint_acceleration: np.ndarray  # (4,) [rad/s^2]
+    joint_speed: np.ndarray  # (n,) [rad/s; lengths/s of prismatic joints]
+    joint_acceleration: np.ndarray  # (n,) [the same per second]
     speed: float  # of the hand [lengths/s]
     grasp: float  # signed distance of hand and target at which it is caught [lengths]
     horizon: float  # last moment at which a catch counts [s]
@@ -47,9 +32,10 @@ class SpatialLimits(NamedTuple):
 class Scene(NamedTuple):
     """A situation, packed once and handed from kernel to kernel.
 
-    Kernels of the plane take a `Limb` with `Limits`, those of space the other two.
+    A planar arm has a `PlanarLimb` with `Limits`, other arms a limb of their kind with
+    `JointLimits`.
     """
 
     bodies: Bodies
-    limb: Any  # Limb or SpatialLimb
-    limits: Any  # Limits or SpatialLimits
+    limb: Any  # of the kind of the arm
+    limits: Any  # Limits or JointLimits

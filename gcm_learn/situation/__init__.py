@@ -12,8 +12,7 @@ from gcm_learn.situation.arm_body import (
     read_arm_body,
 )
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
-from gcm_learn.situation.checks import number, positive, show
-from gcm_learn.situation.frames import arm_frame, carried, plane_frame, quaternion_of, rotation_of
+from gcm_learn.situation.frames import arm_frame, carried, plane_frame
 from gcm_learn.situation.json_format import (
     FORMAT,
     SPATIAL_FORMAT,
@@ -43,24 +42,13 @@ from gcm_learn.situation.shapes import (
     SolidShape,
     Sphere,
 )
-from gcm_learn.situation.situation import (
-    AnySituation,
-    Arm,
-    Body,
-    Plane,
-    Situation,
-    planar,
-    spatial,
-)
-from gcm_learn.situation.spatial_arm import JOINTS, Base, SpatialArm
+from gcm_learn.situation.situation import AnySituation, Body, Plane, Situation, planar, spatial
 from gcm_learn.situation.spatial_frame import SpatialFrame, spatial_frame_of
 
 __all__ = [
     "AnySituation",
-    "Arm",
     "ArmBody",
     "BODY_FORMAT",
-    "Base",
     "Body",
     "BoneMass",
     "Box",
@@ -69,7 +57,6 @@ __all__ = [
     "Disc",
     "FORMAT",
     "Frame",
-    "JOINTS",
     "JsonTextError",
     "Motion",
     "Motor",
@@ -87,7 +74,6 @@ __all__ = [
     "SolidMotion",
     "SolidQuadratic",
     "SolidShape",
-    "SpatialArm",
     "SpatialFrame",
     "Sphere",
     "arm_body_from_json",
@@ -97,16 +83,11 @@ __all__ = [
     "carried",
     "frame_of",
     "line_of",
-    "number",
     "parse",
     "planar",
     "plane_frame",
-    "positive",
-    "quaternion_of",
     "read_arm_body",
     "read_situations",
-    "rotation_of",
-    "show",
     "situation_from_json",
     "situation_to_json",
     "spatial",

@@ -15,11 +15,11 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.situation.frames import carried, plane_frame
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import Polygon, Shape
 from gcm_learn.situation.situation import AnySituation, Body, Plane, Situation
-from gcm_learn.situation.spatial_arm import SpatialArm
 from gcm_learn.situation.spatial_frame import SpatialFrame, canonical_in_space
 
 _SPACE = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))

@@ -7,8 +7,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from gcm_learn.checks import quote
 from gcm_learn.errors import FileFormatError, SituationError
-from gcm_learn.situation.checks import quote
 from gcm_learn.situation.json_text import JsonTextError, line_of, parse
 from gcm_learn.situation.json_values import (
     FORMAT,

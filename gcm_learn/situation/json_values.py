@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, TypeVar
 
+from gcm_learn.arms import Arm, Base, SpatialArm
+from gcm_learn.checks import quote, sequence, show
 from gcm_learn.errors import SituationError
-from gcm_learn.situation.checks import quote, sequence, show
 from gcm_learn.situation.json_text import RepeatedField
 from gcm_learn.situation.motion import Motion, Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
-from gcm_learn.situation.situation import AnySituation, Arm, Body, Plane, Situation
-from gcm_learn.situation.spatial_arm import Base, SpatialArm
+from gcm_learn.situation.situation import AnySituation, Body, Plane, Situation
 
 FORMAT = "gcm-learn/situation@1"
 SPATIAL_FORMAT = "gcm-learn/situation@2"

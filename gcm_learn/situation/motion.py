@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from gcm_learn.situation.checks import (
+from gcm_learn.checks import (
     non_negative,
     number,
     orthogonal,

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from gcm_learn.situation.checks import positive, positive_vector, put, sequence, vector
+from gcm_learn.checks import positive, positive_vector, put, sequence, vector
 from gcm_learn.situation.polygons import check_polygon
 
 

@@ -6,13 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic
 
-from gcm_learn.errors import ArmKindError, SituationError
-from gcm_learn.situation.checks import (
+from gcm_learn.arms import Arm, SpatialArm, is_arm
+from gcm_learn.checks import (
     choice,
-    non_negative,
     orthogonal,
     positive,
-    positive_vector,
     put,
     quote,
     sequence,
@@ -21,6 +19,7 @@ from gcm_learn.situation.checks import (
     unit_vector,
     vector,
 )
+from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.situation.motion import (
     MOST_PERIODS,
     Motion,
@@ -29,76 +28,8 @@ from gcm_learn.situation.motion import (
     SolidQuadratic,
 )
 from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
-from gcm_learn.situation.spatial_arm import SpatialArm
 
 ROLES = ("target", "obstacle")
-ELBOWS = ("left", "right")
-
-REACH_TOLERANCE = 1e-9
-"""Relative slack for a hand that stands on the rim of the reachable ring up to rounding."""
-
-
-@dataclass(frozen=True)
-class Arm:
-    """A planar arm of two segments with its shoulder at the origin; the forearm has length 1.
-
-    Parameters
-    ----------
-    hand : (2,) tuple of float
-        Position of the hand at t = 0, inside the reachable ring.
-    max_hand_speed : float
-        Above zero [forearms/s].
-    upper_arm : float
-        Length of the upper arm, rho, above zero.
-    elbow : {"right", "left"}
-        Side on which the elbow lies when looking from shoulder to hand; it is kept.
-    max_joint_speed : (2,) tuple of float, optional
-        Limits for shoulder and elbow [rad/s], above zero; no limits when absent.
-    thickness : float
-        Radius of both segments, not negative.
-    grasp : float
-        Distance at which the hand catches a target, not negative.
-    """
-
-    hand: tuple[float, float]
-    max_hand_speed: float
-    upper_arm: float = 1.0
-    elbow: str = "right"
-    max_joint_speed: tuple[float, float] | None = None
-    thickness: float = 0.0
-    grasp: float = 0.05
-
-    def __post_init__(self) -> None:
-        """Check the documented ranges, then that the hand is within reach."""
-        put(self, "upper_arm", positive(self.upper_arm, "upper_arm"))
-        put(self, "elbow", choice(self.elbow, "elbow", ELBOWS))
-        put(self, "hand", vector(self.hand, "hand", 2))
-        put(self, "max_hand_speed", positive(self.max_hand_speed, "max_hand_speed"))
-        if self.max_joint_speed is not None:
-            limits = positive_vector(self.max_joint_speed, "max_joint_speed", 2)
-            put(self, "max_joint_speed", limits)
-        put(self, "thickness", non_negative(self.thickness, "thickness"))
-        put(self, "grasp", non_negative(self.grasp, "grasp"))
-        self._check_reach()
-
-    def _check_reach(self) -> None:
-        """Refuse a hand outside the reachable ring."""
-        distance = math.hypot(*self.hand)
-        slack = REACH_TOLERANCE * self.reach
-        if distance > self.reach + slack:
-            raise SituationError("hand", f"{self.hand} is out of reach (max {self.reach})")
-        if distance < self.inner_reach - slack:
-            raise SituationError("hand", f"{self.hand} is out of reach (min {self.inner_reach})")
-
-    @property
-    def reach(self) -> float:
-        """Largest distance between shoulder and hand."""
-        return self.upper_arm + 1.0
-
-    @property
-    def inner_reach(self) -> float:
-        """Smallest distance between shoulder and hand."""
-        return abs(self.upper_arm - 1.0)
 
 
 @dataclass(frozen=True)
@@ -213,7 +144,7 @@ class Situation(Generic[ArmKind]):
         """Check the fields, then the bodies against each other and against the plane."""
         put(self, "name", text(self.name, "name"))
         put(self, "horizon", positive(self.horizon, "horizon"))
-        if not isinstance(self.arm, Arm | SpatialArm):
+        if not is_arm(self.arm):
             raise SituationError("arm", f"must be an arm (got {show(self.arm)})")
         if self.is_spatial and self.plane is not None:
             raise SituationError("plane", "is for planar arms (the arm is spatial)")

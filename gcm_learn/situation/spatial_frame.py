@@ -15,10 +15,10 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.situation.frames import arm_frame, carried, rotation_of
+from gcm_learn.arms import IDENTITY, Base, SpatialArm, rotation_of
+from gcm_learn.situation.frames import arm_frame, carried
 from gcm_learn.situation.motion import Pendulum, SolidQuadratic
 from gcm_learn.situation.situation import Body, Situation
-from gcm_learn.situation.spatial_arm import IDENTITY, Base, SpatialArm
 
 NOTHING = 1e-9
 """Share of the reach, and angle [rad], below which a number has no side."""

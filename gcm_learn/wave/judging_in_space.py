@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
-from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.wave.ground_in_space import (
     ADAPTED,
     ARRIVED,

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.postures import posture_of
 from gcm_learn.handspace.space import NOWHERE, is_there
-from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.wave.ground_in_space import (
     ADAPTED,
     ARRIVED,

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import SpatialLimb, joints_of
 from gcm_learn.collision import Postures, postures_of
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, cell_joints, hand_space
 from gcm_learn.motion import fastest_hand
-from gcm_learn.scene import Scene, SpatialLimb, joints_of
+from gcm_learn.scene import Scene
 from gcm_learn.wave.kernels import Terms
 from gcm_learn.wave.params import MarchingParams, WaveParams
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import SIDE
 from gcm_learn.collision import arm_distance
 from gcm_learn.handspace import Lattice, hand_space
 from gcm_learn.scene import (
@@ -17,7 +18,6 @@ from gcm_learn.scene import (
     KIND,
     PART,
     POSITION,
-    SIDE,
     SIZE,
     TOP_SPEED,
     VELOCITY,

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from gcm_learn.arms import Arm
 from gcm_learn.collision import distance
 from gcm_learn.families.random_solid import random_rotation
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import (
-    Arm,
     Body,
     Box,
     Capsule,

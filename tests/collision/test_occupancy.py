@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.collision.occupancy import blocked_cells, first_touch, met_targets, postures_of
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
@@ -13,7 +14,7 @@ from gcm_learn.handspace import Lattice
 from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack_bodies
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from tests.referee import elbow_of, place, segment_distances
 
 SHORTEST = 1e-5  # [s]

@@ -10,6 +10,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.collision.sweep import Sweep, least_in_segment, limb_sweep
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_shape, random_solid
@@ -17,7 +18,6 @@ from gcm_learn.motion import Trajectory
 from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import (
-    Arm,
     Body,
     Box,
     Capsule,

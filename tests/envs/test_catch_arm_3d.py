@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
+from gcm_learn.arms import forward_in_space
 from gcm_learn.errors import ArenaError, ArmKindError
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
-from gcm_learn.scene import forward_in_space
 from gcm_learn.scene.packing import pack
 from tests.execution.space.conftest import arms  # noqa: F401
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
+from gcm_learn.arms import forward_in_space
 from gcm_learn.errors import ArenaError, ArmKindError, MissingExtraError, PhysicsError
-from gcm_learn.scene import forward_in_space
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs import CatchArm3D, CatchArmPhysics, CatchArmsPhysics  # noqa: E402

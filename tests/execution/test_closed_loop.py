@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
     CAUGHT,
@@ -25,7 +26,7 @@ from gcm_learn.execution import (
 )
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import get_planner
-from gcm_learn.situation import Body, Situation, SolidQuadratic, SpatialArm, Sphere
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 
 EXACT = Perception()
 ARM = SpatialArm(

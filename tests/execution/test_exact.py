@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
+from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.execution import CAUGHT, COLLIDED, LATE, RUNNING, ExactPlant
 from gcm_learn.execution.following import at_first, begun, led, rest_of
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import get_planner
-from gcm_learn.scene import forward_in_space, pack, pose
-from gcm_learn.situation import Body, Situation, SolidQuadratic, SpatialArm, Sphere
+from gcm_learn.scene import pack, pose
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 
 ARM = SpatialArm(
     upper_arm=(1.0, 0.0, 0.0), forearm=(1.0, 0.0, 0.0), joints=(0.0, 0.0, 0.0, 0.0),

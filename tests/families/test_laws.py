@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.families import draw, family_names, get_family
 from gcm_learn.families.layout import (
     CORNER,
@@ -25,7 +26,6 @@ from gcm_learn.planners import get_planner
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack, pack_bodies, pose
 from gcm_learn.situation import (
-    Arm,
     Body,
     Box,
     Disc,

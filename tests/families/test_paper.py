@@ -61,7 +61,7 @@ def test_hand_speed_gives_the_papers_time_scale():
 
 def test_fig1_direct_way_is_barred():
     """The forearm crosses the point somewhere on the straight way of the hand."""
-    from gcm_learn.scene.limb import elbow_position
+    from gcm_learn.arms.planar_limb import elbow_position
 
     situation = paper.fig1()
     start = np.array(situation.arm.hand)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import forward_in_space, rotation_of
 from gcm_learn.families import (
     CAPTION_INSTANTS,
     KAPPA,
@@ -26,14 +27,13 @@ from gcm_learn.families.space.arms import HUMAN, NAO
 from gcm_learn.families.space.solids import axes_along, gap, placed, solid, unit_vector
 from gcm_learn.motion import opening
 from gcm_learn.planners import get_planner, solve
-from gcm_learn.scene import forward_in_space, pack, pose
+from gcm_learn.scene import pack, pose
 from gcm_learn.situation import (
     Box,
     Capsule,
     Cylinder,
     Pendulum,
     Sphere,
-    rotation_of,
     situation_from_json,
     situation_to_json,
 )

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from gcm_learn.arms import Arm
 from gcm_learn.handspace import (
     Lattice,
     extended_obstacle,
@@ -18,7 +19,7 @@ from gcm_learn.handspace import (
 )
 from gcm_learn.handspace.extended import reach_angle
 from gcm_learn.handspace.lattice import hand_space
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
 from tests.referee import elbow_of, point_distances, segment_distances
 
 sides = st.sampled_from(["right", "left"])

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gcm_learn.arms import Arm
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import Lattice
 from gcm_learn.handspace.lattice import LARGEST_LATTICE, SMALLEST_LATTICE, hand_space
-from gcm_learn.situation import Arm
 from tests.referee import elbow_of
 
 ARMS = [(1.0, "right"), (0.7, "left"), (1.4, "right")]

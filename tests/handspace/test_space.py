@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gcm_learn.arms import forward_in_space, inverse_in_space
+from gcm_learn.arms.spatial_limb import limb_at, spatial_limb
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import Chart, SpaceLattice, space_of
 from gcm_learn.handspace.postures import posture_of, rule_of
 from gcm_learn.handspace.space import NOWHERE, hand_of_node, ring_leap
-from gcm_learn.scene import forward_in_space, inverse_in_space, pack
-from gcm_learn.scene.spatial_limb import limb_at, spatial_limb
+from gcm_learn.scene import pack
 from gcm_learn.situation import read_situations
 from tests.spatial import EXAMPLES
 

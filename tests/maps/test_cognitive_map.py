@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.errors import FileFormatError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
@@ -17,7 +18,7 @@ from gcm_learn.handspace import Lattice
 from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.handspace.occupied import occupied_cells
 from gcm_learn.maps import CognitiveMap, Interception, build_map
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 
 ENGINES = {"wave": WaveParams(), "marching": MarchingParams()}

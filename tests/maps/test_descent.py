@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion import Trajectory
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 from tests.referee import by_hand, nearest
 

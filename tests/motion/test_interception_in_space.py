@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gcm_learn.arms import forward_in_space, rotation_of
 from gcm_learn.collision.postures import line
 from gcm_learn.motion.interception_in_space import (
     fastest_hand,
@@ -13,7 +14,7 @@ from gcm_learn.motion.interception_in_space import (
     met_at,
     target_room,
 )
-from gcm_learn.scene import forward_in_space, pack
+from gcm_learn.scene import pack
 from gcm_learn.situation import (
     Body,
     Box,
@@ -23,7 +24,6 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
     read_situations,
-    rotation_of,
 )
 from tests.motion.test_verification_in_space import ARM
 from tests.spatial import EXAMPLES

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import Arm
 from gcm_learn.motion import Failure, Trajectory, refine, rules_of, verify
 from gcm_learn.scene import pack
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 
 START, END = (0.12, 0.3), (0.12, 0.1)
 ARM = Arm(START, 3.0)

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm, forward, joint_angles
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.motion import Trajectory
@@ -29,10 +30,8 @@ from gcm_learn.motion.timing import (
     spread,
     straight_path,
 )
-from gcm_learn.scene import forward, joint_angles
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack, pack_bodies
-from gcm_learn.situation import Arm
 from tests.referee import depths, place, point_distances, rates
 
 FAMILIES = {"planar": random_planar, "solid": random_solid}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gcm_learn.arms import forward, joint_angles
 from gcm_learn.motion import Trajectory
-from gcm_learn.scene import forward, joint_angles
 
 TIME = np.array([0.0, 0.5, 0.5, 1.0])
 HAND = np.array([[1.0, 0.0], [1.0, 0.5], [1.0, 0.5], [0.4, 1.3]])

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.motion import Failure, SpatialTrajectory, opening, verify
-from gcm_learn.scene import forward_in_space, pack
-from gcm_learn.situation import Body, Situation, SolidQuadratic, SpatialArm, Sphere
+from gcm_learn.scene import pack
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 
 ARM = SpatialArm(
     upper_arm=(1.0, 0.0, 0.0),
@@ -188,7 +189,7 @@ def test_a_hand_that_is_too_fast_at_once_keeps_no_promise():
 
 
 def test_bodies_are_judged_in_the_world_wherever_the_base_is():
-    from gcm_learn.situation import Base
+    from gcm_learn.arms import Base
 
     turn = np.array([0.5, 0.5, -0.5, 0.5])
     arm = replace(ARM, base=Base((0.3, -2.0, 1.0), tuple(turn)))

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding, solve
+from gcm_learn.arms import Arm
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import (
-    Arm,
     Body,
     Disc,
     PlanarQuadratic,

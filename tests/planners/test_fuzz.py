@@ -13,9 +13,9 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from gcm_learn import solve
+from gcm_learn.arms import Arm
 from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import (
-    Arm,
     Body,
     Box,
     Capsule,

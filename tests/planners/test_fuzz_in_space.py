@@ -17,11 +17,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from gcm_learn import solve
+from gcm_learn.arms import Base, SpatialArm
 from gcm_learn.cli import main
 from gcm_learn.errors import FileFormatError
 from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import (
-    Base,
     Body,
     Box,
     Capsule,
@@ -29,7 +29,6 @@ from gcm_learn.situation import (
     Pendulum,
     Situation,
     SolidQuadratic,
-    SpatialArm,
     Sphere,
     read_situations,
     situation_from_json,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import families, seeding
+from gcm_learn.arms import Arm, elbow_of
 from gcm_learn.collision.occupancy import passes_by
 from gcm_learn.collision.sweep import DEEPEST, Sweep, least_distance, leg_is_free
 from gcm_learn.families.random_planar import random_planar
@@ -17,9 +18,8 @@ from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.deadline import GAIN
 from gcm_learn.planners.goal_directed import ground_of, searched
 from gcm_learn.planners.meetings import aim_at
-from gcm_learn.scene import elbow_of, pack
+from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, poses_at
-from gcm_learn.situation import Arm
 from gcm_learn.wave import MarchingParams
 from tests.referee import judge
 

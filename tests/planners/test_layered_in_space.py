@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from gcm_learn import families, get_planner, seeding, solve
+from gcm_learn.arms import forward_in_space
 from gcm_learn.handspace import joint_lattice
 from gcm_learn.handspace.joints import nearest, neighbour, posture_of
 from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.space.backward import reversed_scene
 from gcm_learn.planners.space.layered import LayeredInSpace
-from gcm_learn.scene import forward_in_space, pack, poses_at
+from gcm_learn.scene import pack, poses_at
 from gcm_learn.situation import (
     Body,
     Box,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import get_planner
@@ -16,7 +17,7 @@ from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle.bounds import OraclePlanner, bounds, earliest_catch, stratum
 from gcm_learn.planners.oracle.moves import BETWEEN, MOVES, SHARES, STRETCH
 from gcm_learn.planners.oracle.reachable_set import ReachableSet
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
 from tests.referee import judge
 
 SPEED = 3.3

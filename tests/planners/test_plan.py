@@ -10,10 +10,11 @@ import pytest
 
 import gcm_learn
 from gcm_learn import seeding, solve
+from gcm_learn.arms import Arm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import Plan, get_planner, plan_to_json, planner_names
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from tests.extras import INSTALLED, planner_params
 
 REST = (0.0, 0.0)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import solve
+from gcm_learn.arms import Arm
 from gcm_learn.motion import Trajectory
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import (
-    Arm,
     Body,
     Box,
     Disc,

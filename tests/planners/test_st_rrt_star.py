@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.baselines import st_rrt_star
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner, task_of
@@ -19,7 +20,7 @@ from gcm_learn.planners.baselines.st_rrt_star_moves import draw_goal, leg_holds
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle.bounds import bounds
-from gcm_learn.situation import Arm, Body, Disc, Situation, read_situations
+from gcm_learn.situation import Body, Disc, Situation, read_situations
 from tests.extras import INSTALLED
 from tests.planners.test_baselines import FREE, GATE, OPENS, TRAP, body, goal, scene
 from tests.referee import judge

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.motion import rules_of
 from gcm_learn.planners import SpatialProblem, plan_to_json
 from gcm_learn.planners.baselines.straight import StraightPlanner
@@ -15,7 +16,7 @@ from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.planners.space.goals import box, met_from, slope_at
 from gcm_learn.planners.space.moves import study_of, time_of
 from gcm_learn.planners.space.straight import attempt_along
-from gcm_learn.scene import forward_in_space, pack
+from gcm_learn.scene import pack
 from gcm_learn.situation import (
     Body,
     Box,
@@ -23,7 +24,6 @@ from gcm_learn.situation import (
     Pendulum,
     Situation,
     SolidQuadratic,
-    SpatialArm,
     Sphere,
     read_situations,
     situation_to_json,

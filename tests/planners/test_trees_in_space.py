@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn import seeding
+from gcm_learn.arms import forward_in_space
 from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.space.trees import draw_posture, task_in_space
-from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Sphere, read_situations, situation_to_json
 from tests.planners.test_st_rrt_star import needs_ompl
 from tests.planners.test_straight_in_space import ARM, GOAL, RADIUS, ball, flying, hand_of, scene

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 from gcm_learn import families
+from gcm_learn.arms import forward_in_space
 from gcm_learn.evaluation.contest import compare
 from gcm_learn.evaluation.measures import measured
 from gcm_learn.evaluation.suites import Entry, draw_suite
@@ -18,7 +19,6 @@ from gcm_learn.plots.figures import comparison as figures
 from gcm_learn.plots.figures import failures
 from gcm_learn.plots.figures.space import body_poses
 from gcm_learn.plots.reports import tables
-from gcm_learn.scene import forward_in_space
 
 NAMES = ["straight", "layered", "clone"]
 

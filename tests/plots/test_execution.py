@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from gcm_learn.arms import Base, forward_in_space
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import paper_scene
 from gcm_learn.planners import get_planner
 from gcm_learn.plots import animate_execution
 from gcm_learn.plots.figures.execution import HIT, MET, Replay, told, touched_at
 from gcm_learn.plots.figures.film import ROUND
-from gcm_learn.scene import forward_in_space, pose
-from gcm_learn.situation import Base, Body, Box, Capsule, Cylinder, SolidQuadratic, Sphere
+from gcm_learn.scene import pose
+from gcm_learn.situation import Body, Box, Capsule, Cylinder, SolidQuadratic, Sphere
 
 
 def caught():

@@ -11,13 +11,13 @@ from hypothesis import HealthCheck, given, settings
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan
 from gcm_learn.plots import animate, plan_figure, style
 from gcm_learn.plots.figures import rendering, solids, space, staging
 from gcm_learn.plots.figures.film import ROUND
 from gcm_learn.plots.reports.dataset import draw_record
-from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Box, Capsule, Cylinder, Sphere, read_situations
 from tests.spatial import EXAMPLES
 from tests.strategies import spatial_situations

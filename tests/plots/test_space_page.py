@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.families import thrown_scene
 from gcm_learn.planners import solve
 from gcm_learn.plots import write_space_page
 from gcm_learn.plots.figures.space_maps import frozen_cells, places_of
 from gcm_learn.plots.reports.space import page_data
-from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Box, read_situations
 from tests.plots.test_space import plan_of, turning
 from tests.spatial import EXAMPLES

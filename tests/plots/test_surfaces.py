@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.handspace import SpaceLattice, room_in_space
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.plots import style
@@ -12,7 +13,6 @@ from gcm_learn.plots.figures import space_maps, staging
 from gcm_learn.plots.figures.rendering import normals
 from gcm_learn.plots.figures.space import view_of
 from gcm_learn.plots.figures.surfaces import softened, surface
-from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import arm_frame, read_situations
 from tests.plots.test_space import near, turning
 from tests.spatial import EXAMPLES

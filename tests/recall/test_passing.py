@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gcm_learn.arms import Arm
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.recall.passing import NEAR, passing, passing_of
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned
 

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm, rotation_of
 from gcm_learn.errors import SituationError
 from gcm_learn.families.random_solid import random_rotation, random_solid
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.packing import pack_bodies, pose
 from gcm_learn.situation import (
-    Arm,
     Body,
     Capsule,
     Cylinder,
@@ -29,7 +29,6 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
 )
-from gcm_learn.situation.frames import rotation_of
 from tests import strategies
 from tests.referee import place
 from tests.transforms import carried, quaternion_of

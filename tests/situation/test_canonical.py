@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from gcm_learn import rng as generator
 from gcm_learn import solve
+from gcm_learn.arms import quaternion_of, rotation_of
 from gcm_learn.families import random_planar
 from gcm_learn.families.random_solid import random_rotation, random_solid
 from gcm_learn.motion.rules import rules_of
@@ -20,7 +21,6 @@ from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack, pose
 from gcm_learn.situation import situation_to_json
 from gcm_learn.situation.canonical import Frame, canonical
-from gcm_learn.situation.frames import quaternion_of, rotation_of
 from tests.strategies import unit_vectors
 from tests.transforms import carried, mirrored, turned
 

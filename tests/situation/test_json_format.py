@@ -11,9 +11,9 @@ import sys
 import pytest
 from hypothesis import given, settings
 
+from gcm_learn.arms import Arm
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation import (
-    Arm,
     Body,
     Disc,
     Pendulum,

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from gcm_learn.arms import Arm
 from gcm_learn.errors import GcmError, SituationError
 from gcm_learn.situation import (
-    Arm,
     Body,
     Disc,
     Pendulum,

@@ -11,14 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gcm_learn.arms import Base, SpatialArm
 from gcm_learn.errors import ArmKindError, FileFormatError, SituationError
 from gcm_learn.situation import (
-    Base,
     Body,
     Plane,
     Situation,
     SolidQuadratic,
-    SpatialArm,
     Sphere,
     planar,
     read_situations,

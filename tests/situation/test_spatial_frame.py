@@ -10,16 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gcm_learn.scene import forward_in_space, pose
-from gcm_learn.situation import (
-    Base,
-    Pendulum,
-    SpatialFrame,
-    canonical,
-    quaternion_of,
-    rotation_of,
-    situation_from_json,
-)
+from gcm_learn.arms import Base, forward_in_space, quaternion_of, rotation_of
+from gcm_learn.scene import pose
+from gcm_learn.situation import Pendulum, SpatialFrame, canonical, situation_from_json
 from tests import strategies
 from tests.situation.test_spatial_arm import MOVING, NAO
 from tests.transforms import carried_motion

@@ -10,8 +10,8 @@ import itertools
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.scene.bodies import ACCELERATION, HAND, PART, POSITION, SIZE, TOP_SPEED, VELOCITY
-from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.kernels_in_space import SPREAD
 from gcm_learn.wave.limits import CONTACT_RADIUS_IN_SPACE

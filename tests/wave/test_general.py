@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import Chart, Lattice
 from gcm_learn.maps import build_map, chain_to, descend, explore
 from gcm_learn.scene import pack
-from gcm_learn.situation import Arm, Body, Plane, Situation, SolidQuadratic, Sphere
+from gcm_learn.situation import Body, Plane, Situation, SolidQuadratic, Sphere
 from gcm_learn.wave import MarchingParams, WaveParams, march, march_layers
 from gcm_learn.wave.general import spread
 from tests.handspace.toy import SWIVELS, Cube

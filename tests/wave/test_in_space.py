@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.collision.postures import desk_of, distance_at
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.scene import pack
-from gcm_learn.situation import Body, Situation, SolidQuadratic, SpatialArm, Sphere
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 from gcm_learn.wave import WaveParams, solver_in_space
 from gcm_learn.wave.solver_in_space import (
     front_speed_in_space,

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from gcm_learn import build_map
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import desk_of, distance_at, free_spans, move_is_free
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.maps import CognitiveMap, chain_to, descend
 from gcm_learn.scene import pack
-from gcm_learn.scene.spatial_limb import limb_at
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, read_situations
 from gcm_learn.wave import MarchingParams, fastest, march, march_layers
 from tests.spatial import EXAMPLES

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.compiled import njit
 from gcm_learn.execution.batch import Batch
 from gcm_learn.execution.physics.model import STEP
@@ -26,8 +28,6 @@ from gcm_learn.execution.space.world import (
 )
 from gcm_learn.execution.stepping import GUIDE, pay
 from gcm_learn.execution.world import LATE, RUNNING, Told
-from gcm_learn.scene.spatial_limb import limb_at
-from gcm_learn.situation import JOINTS
 
 KEPT = 256
 """Plants that wait for their situations to come again, at most; about a megabyte each."""

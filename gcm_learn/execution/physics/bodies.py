@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from gcm_learn import artifacts
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import PhysicsError
-from gcm_learn.situation import ArmBody, SpatialArm, read_arm_body
+from gcm_learn.situation import ArmBody, read_arm_body
 
 FOLDER = "bodies"
 

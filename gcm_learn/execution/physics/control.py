@@ -13,10 +13,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.model import rested
 from gcm_learn.execution.physics.motors import Dynamics, load_of
-from gcm_learn.situation import JOINTS, ArmBody, SpatialArm
+from gcm_learn.situation import ArmBody
 
 Feedforward = Literal["computed-torque", "gravity"]
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.closed_loop import Loop, Mind, run_closed_loop
 from gcm_learn.execution.exact import ExactPlant
@@ -20,8 +21,7 @@ from gcm_learn.execution.physics.plant import Contact, PhysicalPlant
 from gcm_learn.execution.world import CAUGHT, COLLIDED
 from gcm_learn.motion import SpatialTrajectory, braked
 from gcm_learn.planners import Plan
-from gcm_learn.scene import forward_in_space
-from gcm_learn.situation import ArmBody, Situation, SpatialArm
+from gcm_learn.situation import ArmBody, Situation
 
 FORMAT = "gcm-learn/execution@1"
 STAYS = 0.2

@@ -16,19 +16,9 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
+from gcm_learn.arms import Base, SpatialArm, rotation_of
 from gcm_learn.errors import MissingExtraError, PhysicsError
-from gcm_learn.situation import (
-    ArmBody,
-    Base,
-    Body,
-    Box,
-    Capsule,
-    Cylinder,
-    Shape,
-    SpatialArm,
-    Sphere,
-    rotation_of,
-)
+from gcm_learn.situation import ArmBody, Body, Box, Capsule, Cylinder, Shape, Sphere
 
 STEP = 0.002
 """Of the physics [s]."""

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import seeding
+from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.model import compiled, model_xml, mujoco, rested
-from gcm_learn.situation import JOINTS, ArmBody, Situation, SpatialArm
+from gcm_learn.situation import ArmBody, Situation
 
 SAMPLES = 400
 """Postures at which motors are asked."""

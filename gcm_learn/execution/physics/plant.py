@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, SpatialArm, SpatialLimb, forward_in_space
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.chains import room_in_pose
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
@@ -15,9 +17,9 @@ from gcm_learn.execution.physics.model import STEP, model_of, mujoco
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.motion.interception_in_space import met_at
-from gcm_learn.scene import Bodies, Scene, SpatialLimb, SpatialLimits, forward_in_space, pack
-from gcm_learn.scene.spatial_limb import limb_at
-from gcm_learn.situation import JOINTS, ArmBody, Situation, SpatialArm
+from gcm_learn.scene import Bodies, Scene, pack
+from gcm_learn.scene import JointLimits as JointLimits
+from gcm_learn.situation import ArmBody, Situation
 
 AFTER = 0.5
 """How long the world goes on after the horizon [s]."""
@@ -313,7 +315,7 @@ def _quiet(message: str) -> None:
 @njit
 def _first_met(parts, joints, first, last, step, poses):
     """First step from `first` to `last` with a target within grasp, and which; -1 if none."""
-    scene = Scene(Bodies(*parts[0]), SpatialLimb(*parts[1]), SpatialLimits(*parts[2]))
+    scene = Scene(Bodies(*parts[0]), SpatialLimb(*parts[1]), JointLimits(*parts[2]))
     for k in range(first, last + 1):
         b = met_at(scene, joints[k], k * step, scene.limits.grasp, poses)
         if b >= 0:

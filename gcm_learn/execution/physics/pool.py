@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.bodies import body_for
 from gcm_learn.execution.physics.motors import with_motor_limits
 from gcm_learn.execution.pool import SpatialPool
 from gcm_learn.execution.settings import SpatialSettings
-from gcm_learn.situation import ArmBody, Situation, SpatialArm, spatial
+from gcm_learn.situation import ArmBody, Situation, spatial
 
 
 @dataclass(frozen=True)

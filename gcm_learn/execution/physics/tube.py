@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.executing import Execution
 from gcm_learn.execution.physics.model import STEP
 from gcm_learn.planners import Tube
-from gcm_learn.scene import forward_in_space
 
 QUANTILE = 0.99
 """Share of moments that are within the tube, at every speed."""

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
-from gcm_learn.scene.spatial_limb import hand_jacobian, limb_at
 
 _INSTANTS = 16  # at which an interception is looked for
 _BISECTIONS = 6

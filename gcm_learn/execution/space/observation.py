@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.execution.space.fan import tell_fan
@@ -22,7 +23,6 @@ from gcm_learn.execution.space.nearness import (
 )
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene.bodies import BOX, CAPSULE, KIND, REACH, SIZE, SPHERE, centre_at, pose_at
-from gcm_learn.scene.spatial_limb import limb_at
 
 ARM, TARGET, OBSTACLE = 35, 30, 20  # numbers of the arm, the target, an obstacle
 MEETING_AT = ARM + 21  # where the direction of the first meeting is told, three numbers

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.compiled import njit
 from gcm_learn.execution.settings import SpatialSettings
 from gcm_learn.execution.space.plant import observe_all
@@ -21,7 +22,7 @@ from gcm_learn.execution.space.world import (
 )
 from gcm_learn.motion import opening
 from gcm_learn.scene import pack
-from gcm_learn.situation import JOINTS, Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 
 class OneStep:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.compiled import njit
 from gcm_learn.execution.batch import Batch
 from gcm_learn.execution.pool import SpatialPool
@@ -19,7 +20,6 @@ from gcm_learn.execution.space.world import (
     views_for,
 )
 from gcm_learn.execution.world import Told
-from gcm_learn.scene.spatial_limb import limb_at
 
 _START = slice(23, 31)  # columns of a world's limbs: joints and rates at t = 0
 

@@ -7,16 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SpatialLimb
 from gcm_learn.collision.postures import Desk, desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.execution.world import side_by_side
 from gcm_learn.motion import fastest_hand
 from gcm_learn.motion.rules import Rules
-from gcm_learn.scene import LIMB, PART, Scene, SpatialLimb, SpatialLimits
+from gcm_learn.scene import LIMB, PART, Scene
+from gcm_learn.scene import JointLimits as JointLimits
 from gcm_learn.scene.bodies import Bodies
 
 _LIMB = 31  # columns of a world's limbs: the fields of `SpatialLimb`, one after the other
-HORIZON = 10  # column of a world's limits, which are the fields of `SpatialLimits` likewise
+HORIZON = 10  # column of a world's limits, which are the fields of `JointLimits` likewise
 
 
 class SpatialWorld(NamedTuple):
@@ -109,7 +111,7 @@ def scene_in_space(world, s):
         a[0:3], a[3:6], a[6:10], a[10:14], a[14:17], a[17:20], a[20], a[21], a[22], a[23:27],
         a[27:31],
     )  # fmt: skip
-    return Scene(bodies, limb, SpatialLimits(b[0:4], b[4:8], b[8], b[9], b[10]))
+    return Scene(bodies, limb, JointLimits(b[0:4], b[4:8], b[8], b[9], b[10]))
 
 
 @njit(_nrt=False)

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.families.paper import EARTH
 from gcm_learn.families.ranges import Range, Ranges, number, pick, span
-from gcm_learn.situation import SpatialArm
 
 Matrix = tuple[tuple[float, float], ...]
 

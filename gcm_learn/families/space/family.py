@@ -9,6 +9,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
@@ -23,16 +24,7 @@ from gcm_learn.families.space.solids import (
     unit_vector,
 )
 from gcm_learn.families.space.stage import CHECKS, Stage, Way, stage_of
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Capsule,
-    Cylinder,
-    Situation,
-    SolidShape,
-    SpatialArm,
-    Sphere,
-)
+from gcm_learn.situation import Body, Box, Capsule, Cylinder, Situation, SolidShape, Sphere
 
 STORIES = 20  # that are told at most; the last one is taken then
 BETWEEN = 40  # random postures, and as many beside the end, by which a way may lead

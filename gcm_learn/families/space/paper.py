@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.families.paper import (
     BALL_DIAMETER,
     BOX_DISTANCE,
@@ -21,15 +22,7 @@ from gcm_learn.families.paper import (
     pendulum_of,
 )
 from gcm_learn.families.space.arms import HUMAN, NAO, arm_of
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Capsule,
-    Situation,
-    SolidQuadratic,
-    SpatialArm,
-    Sphere,
-)
+from gcm_learn.situation import Body, Box, Capsule, Situation, SolidQuadratic, Sphere
 
 RAISED = (-0.32, 0.59, -1.01, -1.8)  # [rad] chosen: the hand is where it is in the plane
 HANGING = (1.5, 0.1, -1.2, -0.05)  # [rad] chosen: the arm hangs down behind the box

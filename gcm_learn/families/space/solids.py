@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcm_learn.arms import quaternion_of, rotation_of
 from gcm_learn.situation import (
     Body,
     Box,
@@ -23,8 +24,6 @@ from gcm_learn.situation import (
     SolidShape,
     Sphere,
     carried,
-    quaternion_of,
-    rotation_of,
 )
 
 UP = np.array([0.0, 0.0, 1.0])

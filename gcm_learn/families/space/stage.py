@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import Base, SpatialArm, forward_in_space, rotation_of
 from gcm_learn.families.ranges import Range, pick, pick_angle
 from gcm_learn.families.space.arms import Build, arm_of
 from gcm_learn.families.space.solids import gap, placed, solid, triple
-from gcm_learn.scene import forward_in_space
-from gcm_learn.situation import Base, Body, Capsule, Situation, SpatialArm, rotation_of
+from gcm_learn.situation import Body, Capsule, Situation
 
 POSTURES = 160  # that a draw chooses its start and its end from
 ALONG = np.linspace(0.0, 1.0, 6)  # places on a bone that are asked for their distance

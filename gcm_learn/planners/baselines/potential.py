@@ -15,6 +15,8 @@ from typing import ClassVar, NamedTuple, overload
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
+from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, SpatialTrajectory
@@ -24,8 +26,7 @@ from gcm_learn.planners.completion import Problem, SpatialProblem, checked, fini
 from gcm_learn.planners.plan import AnyPlan, Plan
 from gcm_learn.planners.space.potential import potential_plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
-from gcm_learn.scene.limb import elbow_of
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 STEP = 0.02  # how far the hand goes in a step at most [forearm lengths]
 MOST_STEPS = 20_000  # against absurdly long horizons

@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import MissingExtraError, PlatformError
 from gcm_learn.motion import (
     HOLE_MARGIN,
@@ -52,7 +53,7 @@ from gcm_learn.planners.completion import (
 )
 from gcm_learn.planners.plan import AnyPlan, Movement, Plan
 from gcm_learn.planners.space.trees import task_in_space, ways_along
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
     from gcm_learn.planners.baselines.st_rrt_star_search import SpaceTime

@@ -16,11 +16,12 @@ from typing import Any
 import ompl
 
 from gcm_learn import seeding
+from gcm_learn.arms import Arm
 from gcm_learn.motion import Rules
 from gcm_learn.planners.baselines.st_rrt_star_moves import HandTask, leg_holds
 from gcm_learn.planners.space.trees import JointTask
 from gcm_learn.scene import pack
-from gcm_learn.situation import Arm, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 
 # The wheel of 1.7.0 holds its library twice: the modules find the one they are linked with, and
 # `dll_loader` loads the other on top, after which the process crashes when it ends.

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, overload
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners.completion import Problem, SpatialProblem, straight_plan
 from gcm_learn.planners.plan import AnyPlan, Plan
 from gcm_learn.planners.space.straight import earliest_straight
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 
 @dataclass(frozen=True)

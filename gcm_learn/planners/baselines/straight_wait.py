@@ -8,6 +8,7 @@ from typing import ClassVar, overload
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.motion import (
     Failure,
     Reason,
@@ -20,7 +21,7 @@ from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
 from gcm_learn.planners.plan import AnyPlan, Plan
 from gcm_learn.planners.space.straight import any_straight, earliest_straight
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 
 @dataclass(frozen=True)

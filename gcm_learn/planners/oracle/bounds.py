@@ -17,6 +17,7 @@ from typing import ClassVar, Literal, NamedTuple, cast, overload
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.motion import (
     Failure,
     Reason,
@@ -32,7 +33,7 @@ from gcm_learn.planners.oracle.in_space import Yardstick, oracle_in_space, yards
 from gcm_learn.planners.oracle.moves import leg_from, pull
 from gcm_learn.planners.oracle.reachable_set import Meeting, ReachableSet
 from gcm_learn.planners.plan import AnyPlan, Plan
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 SIZES = (60, 120)  # cells along a side, one lattice after the other until the bounds are tight
 LAST_SIZE = 240  # for situations in which these neither find a catch nor rule it out

@@ -16,6 +16,7 @@ from typing import Literal
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import MissingExtraError, PlatformError
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.planners.baselines.potential import PotentialPlanner
@@ -30,7 +31,7 @@ from gcm_learn.planners.space.marching import marching_in_space
 from gcm_learn.planners.space.moves import Study, study_of, time_of
 from gcm_learn.planners.space.sides import Effort
 from gcm_learn.planners.space.straight import any_straight, attempt_along
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 TREES_MS = 10_000.0  # of processor time for ST-RRT*
 TIGHT = 0.02  # share of a catch's time within which nothing earlier is looked for

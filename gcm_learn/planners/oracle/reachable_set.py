@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import Arm, elbow_position, joint_angles
 from gcm_learn.collision import first_touch
 from gcm_learn.handspace import SMALLEST_LATTICE, Lattice
 from gcm_learn.planners.completion import Problem, hole_of
 from gcm_learn.planners.oracle import kernels
 from gcm_learn.planners.oracle.kernels import Front, Grid, Regime, Workspace
 from gcm_learn.planners.oracle.moves import MOVES, PAST, RIM, STRETCH
-from gcm_learn.scene import LIMB, PART, elbow_position, joint_angles
-from gcm_learn.situation import Arm
+from gcm_learn.scene import LIMB, PART
 
 STEP = 0.97  # of the shortest move: nothing comes into the set and goes on within one step
 FEWEST_STEPS, MOST_STEPS = 100, 3000  # in a horizon

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.collision.postures import hermite, least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, Reason, SpatialTrajectory
@@ -24,7 +25,7 @@ from gcm_learn.planners.space.goals import CENTRE, Goals, add_goals
 from gcm_learn.planners.space.moves import study_of
 from gcm_learn.scene.bodies import HAND as TARGET
 from gcm_learn.scene.bodies import PART
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 PACES = (
     (1.0, 1.0),

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import hand_jacobian, inverse, limb_at
 from gcm_learn.collision.postures import distance_at, free_until
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
@@ -17,7 +18,6 @@ from gcm_learn.planners.space.moves import (
     turning_time,
 )
 from gcm_learn.scene.bodies import HAND, PART
-from gcm_learn.scene.spatial_limb import hand_jacobian, inverse, limb_at
 
 ROUNDS = 16  # of pulling a hand to a target
 DEPTH = 1e-4  # how far into the catch it is pulled [forearms]

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import motion_bounds
 from gcm_learn.collision.postures import Desk, desk_of, line, move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.motion.verification_in_space import hand_rate
 from gcm_learn.scene import Scene
-from gcm_learn.scene.spatial_limb import motion_bounds
 
 PIECES = 24  # of a move, at most
 LONGEST = 0.3  # turn of a joint in a piece of a move that the hand's speed limits [rad]

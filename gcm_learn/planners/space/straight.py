@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import BRANCHES, inverse, limb_at
 from gcm_learn.collision.postures import line
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, SpatialTrajectory
@@ -26,7 +27,6 @@ from gcm_learn.planners.space.moves import (
     timed_move_is_free,
 )
 from gcm_learn.scene.bodies import HAND, KIND, PART, SPHERE
-from gcm_learn.scene.spatial_limb import BRANCHES, inverse, limb_at
 
 SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for

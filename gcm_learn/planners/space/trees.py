@@ -11,6 +11,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS
+from gcm_learn.arms.spatial_limb import inverse, limb_at
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.motion import SpatialTrajectory
@@ -26,8 +28,6 @@ from gcm_learn.planners.space.moves import (
 from gcm_learn.planners.space.straight import attempt_along, soonest_straight
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, centre_at
-from gcm_learn.scene.spatial_limb import inverse, limb_at
-from gcm_learn.situation import JOINTS
 
 SPEED = 1.0
 """Of places, with which OMPL reckons. It leaves out legs on which several joints turn at their

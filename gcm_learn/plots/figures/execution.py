@@ -12,6 +12,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
+from gcm_learn.arms import forward_in_space, rotation_of
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.plots.figures import style
@@ -37,8 +38,7 @@ from gcm_learn.plots.figures.space import (
     view_of,
 )
 from gcm_learn.plots.figures.staging import SpatialSituation, from_above, turned_view
-from gcm_learn.scene import forward_in_space
-from gcm_learn.situation import Box, Capsule, Cylinder, rotation_of
+from gcm_learn.situation import Box, Capsule, Cylinder
 
 if TYPE_CHECKING:
     from gcm_learn.execution import Execution, PhysicalPlant

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from gcm_learn.arms import elbow_position
 from gcm_learn.evaluation import Entry, Results, collision_point, get_method
 from gcm_learn.motion import SpatialTrajectory, Trajectory
 from gcm_learn.plots.figures import style
@@ -20,7 +21,6 @@ from gcm_learn.plots.figures.failures_in_space import MissedCatch, closest_momen
 from gcm_learn.plots.figures.film import note_in_corner, pixels, write_film
 from gcm_learn.plots.figures.staging import SpatialSituation
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_courses
-from gcm_learn.scene import elbow_position
 from gcm_learn.situation import Situation
 
 MOST = 8  # failures that are drawn

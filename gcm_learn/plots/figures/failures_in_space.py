@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.rendering import Faces
 from gcm_learn.plots.figures.solids import tube
@@ -21,7 +22,6 @@ from gcm_learn.plots.figures.space import (
     draw_courses_in_space,
 )
 from gcm_learn.plots.figures.staging import SpatialSituation, show_image, staged
-from gcm_learn.scene import forward_in_space
 
 if TYPE_CHECKING:
     from gcm_learn.motion import SpatialTrajectory

@@ -13,6 +13,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.planners import Plan
 from gcm_learn.plots.figures import style
@@ -22,7 +23,7 @@ from gcm_learn.plots.figures.space import TIME_COLOURS, Scenery
 from gcm_learn.plots.figures.space_maps import HandSpace, ball_window
 from gcm_learn.plots.figures.staging import from_above
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits, waiting_at
-from gcm_learn.situation import AnySituation, Situation, SpatialArm
+from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
     from gcm_learn.motion import SpatialTrajectory

@@ -10,10 +10,11 @@ from matplotlib.colors import to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.patches import Circle
 
+from gcm_learn.arms import Arm
 from gcm_learn.handspace import Lattice, occupied_cells
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.workspace import draw_bodies
-from gcm_learn.situation import Arm, Situation
+from gcm_learn.situation import Situation
 
 FINE = 320  # cells a side: a point-like obstacle's image is a curve, 1/80 is the finest to see
 

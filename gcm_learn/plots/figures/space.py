@@ -18,6 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import ArrayLike
 
+from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from, render
 from gcm_learn.plots.figures.solids import placed, tube
@@ -33,8 +34,8 @@ from gcm_learn.plots.figures.staging import (
     window_of,
 )
 from gcm_learn.plots.figures.workspace import body_colour
-from gcm_learn.scene import forward_in_space, pack_bodies, poses_at
-from gcm_learn.situation import Capsule, SpatialArm, Sphere, arm_frame
+from gcm_learn.scene import pack_bodies, poses_at
+from gcm_learn.situation import Capsule, Sphere, arm_frame
 
 if TYPE_CHECKING:
     from gcm_learn.motion import SpatialTrajectory

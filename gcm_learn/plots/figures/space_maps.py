@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
 from scipy.ndimage import map_coordinates, maximum_filter, minimum_filter
 
+from gcm_learn.arms import forward_in_space, rotation_of
 from gcm_learn.handspace import SpaceLattice, room_in_space, space_of
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import SpatialTrajectory
@@ -25,8 +26,7 @@ from gcm_learn.plots.figures.solids import placed
 from gcm_learn.plots.figures.space import body_faces, path_faces, show_through
 from gcm_learn.plots.figures.staging import PIXELS, SpatialSituation, show_image, turned_view
 from gcm_learn.plots.figures.surfaces import softened, surface
-from gcm_learn.scene import forward_in_space
-from gcm_learn.situation import Sphere, rotation_of
+from gcm_learn.situation import Sphere
 
 COARSE = 40  # cells a side of the lattice for drawn extended obstacles
 GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off

@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from, render
-from gcm_learn.situation import Situation, SpatialArm
+from gcm_learn.situation import Situation
 
 SpatialSituation = Situation[SpatialArm]
 

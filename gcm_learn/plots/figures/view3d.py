@@ -14,11 +14,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
+from gcm_learn.arms import elbow_position
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.rendering import Camera, shaded
 from gcm_learn.plots.figures.solids import faces
 from gcm_learn.plots.figures.workspace import body_colour
-from gcm_learn.scene import elbow_position, pose
+from gcm_learn.scene import pose
 from gcm_learn.situation import PLANAR, Cylinder, Plane, Situation, Sphere
 
 HEADROOM = 3.6  # [forearms] what figures show above the shoulder; a long cord goes on

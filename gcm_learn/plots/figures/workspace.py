@@ -9,9 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon as Patch
 
+from gcm_learn.arms import Arm, elbow_position
 from gcm_learn.plots.figures import style
-from gcm_learn.scene import elbow_position, outline, pose
-from gcm_learn.situation import Arm, Body, Situation
+from gcm_learn.scene import outline, pose
+from gcm_learn.situation import Body, Situation
 
 if TYPE_CHECKING:
     from gcm_learn.motion import Trajectory, Wait

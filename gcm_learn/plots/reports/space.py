@@ -9,6 +9,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.colors import to_hex
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.errors import MissingExtraError
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.maps import CognitiveMap
@@ -28,7 +29,6 @@ from gcm_learn.plots.figures.space_maps import effective_skin
 from gcm_learn.plots.figures.staging import SpatialSituation
 from gcm_learn.plots.figures.workspace import body_colour
 from gcm_learn.plots.reports.page import fill
-from gcm_learn.scene import forward_in_space
 from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
 
 if TYPE_CHECKING:

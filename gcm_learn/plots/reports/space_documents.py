@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import SPATIAL_SCENES, thrown_scene
 from gcm_learn.motion import SpatialTrajectory
@@ -27,7 +28,6 @@ from gcm_learn.plots.figures.space import (
 )
 from gcm_learn.plots.figures.space_maps import HandSpace, key_of_hand_space
 from gcm_learn.plots.figures.staging import SpatialSituation
-from gcm_learn.scene import forward_in_space
 
 ENGINE = "gcm"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import hermite, least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
@@ -34,7 +35,6 @@ from gcm_learn.recall.space.bending import (
 from gcm_learn.recall.space.kernels import KEEP, KNOTS, load, seed_end, write_path
 from gcm_learn.recall.trials import learn, most_promising
 from gcm_learn.scene.bodies import HAND, PART
-from gcm_learn.scene.spatial_limb import limb_at
 
 STEPS = 24  # of a movement that is followed, as long as each other
 AHEAD = 2  # steps after which a step aims to be where the movement is

@@ -6,13 +6,14 @@ from functools import cached_property
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Attempt, Plan, SpatialProblem, at_once, study_of
 from gcm_learn.recall.adaptation import TEMPOS, Adaptation
 from gcm_learn.recall.space import accelerated, trials
 from gcm_learn.recall.space.kernels import Query, work_room
 from gcm_learn.recall.trials import Budget, Offer
-from gcm_learn.situation import JOINTS, spatial_frame_of
+from gcm_learn.situation import spatial_frame_of
 
 BENDS = 3  # changes at most of a movement that touches, however many are allowed
 

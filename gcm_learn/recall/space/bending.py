@@ -14,13 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import motion_bounds
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.space.moves import between
 from gcm_learn.recall.bending import SHORTER, bump
 from gcm_learn.recall.space.kernels import HURRY, KNOTS, keep, meet, meet_any
 from gcm_learn.scene.bodies import TOP_SPEED
-from gcm_learn.scene.spatial_limb import motion_bounds
 
 LOOKS = 96  # instants in a horizon
 PUSHES = np.array([0.15, 0.35, 0.7, 1.1, 1.6])  # heights of bumps [rad]

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Rules
@@ -19,8 +21,7 @@ from gcm_learn.recall.clearance_features import Features
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
 from gcm_learn.scene.packing import pack
-from gcm_learn.scene.spatial_limb import limb_at
-from gcm_learn.situation import JOINTS, Situation, SpatialArm, spatial_frame_of
+from gcm_learn.situation import Situation, spatial_frame_of
 
 POSTURES = 64  # all over the joints
 LOW = np.array([-2.4, -0.5, -2.2, -2.4])  # of left arms, ends of what is covered [rad]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import fastest_hand, target_room
@@ -18,7 +19,6 @@ from gcm_learn.planners.space.goals import pulled
 from gcm_learn.planners.space.moves import Study, time_of, turning_time
 from gcm_learn.planners.space.ways import Way, new_way, write
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
-from gcm_learn.scene.spatial_limb import limb_at
 
 KNOTS = 12  # of a remembered movement, see `gcm_learn.recall.space.waypoints`
 TIME, EARLIEST = 4, 5  # columns of a knot, after its joints

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.recall.raw_features import INSTANTS, OBSTACLE, SLOTS, TARGET, own_axis
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
 from gcm_learn.scene.packing import pack
-from gcm_learn.scene.spatial_limb import limb_at
-from gcm_learn.situation import Situation, SpatialArm, spatial_frame_of
+from gcm_learn.situation import Situation, spatial_frame_of
 
 ARM = 20  # numbers of the arm
 COUNT = ARM + TARGET + SLOTS * OBSTACLE

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.motion import SpatialTrajectory, opening
 from gcm_learn.planners import Plan, study_of
 from gcm_learn.recall.space.kernels import (
@@ -18,7 +19,7 @@ from gcm_learn.recall.space.kernels import (
 )
 from gcm_learn.recall.waypoints import SLOW, knot_times
 from gcm_learn.scene import pack
-from gcm_learn.situation import Situation, SpatialArm, canonical
+from gcm_learn.situation import Situation, canonical
 
 CLOSE = 1e-2  # knots are put where the joints would be farther off than this [rad]
 RESTS = 10.0  # as `SLOW`, of a movement that takes time to come to its speed

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from gcm_learn.arms import Base, forward_in_space, rotation_of
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution import (
     Controller,
@@ -28,18 +29,8 @@ from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE
 from gcm_learn.families import paper_scene
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import get_planner
-from gcm_learn.scene import forward_in_space, pack, pose
-from gcm_learn.situation import (
-    Base,
-    Body,
-    Capsule,
-    Motor,
-    Pendulum,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-    rotation_of,
-)
+from gcm_learn.scene import pack, pose
+from gcm_learn.situation import Body, Capsule, Motor, Pendulum, Situation, SolidQuadratic, Sphere
 
 NAO = paper_scene("fig8-space")
 TURNED = (0.5, -0.5, 0.1, np.sqrt(1.0 - 0.51))

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from gcm_learn.arms import forward_in_space, rotation_of
 from gcm_learn.collision.chains import solid_distance
 from gcm_learn.execution import (
     AIM,
@@ -19,9 +20,8 @@ from gcm_learn.execution import (
 from gcm_learn.execution.space import fan
 from gcm_learn.motion.interception_in_space import fastest_hand
 from gcm_learn.motion.rules import opening
-from gcm_learn.scene import forward_in_space, pack, poses_at
+from gcm_learn.scene import pack, poses_at
 from gcm_learn.scene.bodies import KIND, LIMB, PART, REACH, SPHERE
-from gcm_learn.situation import rotation_of
 
 SETTINGS = SpatialSettings(fan=True, slots=2)
 

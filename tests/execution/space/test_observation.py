@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gcm_learn.arms import Base, forward_in_space, rotation_of
 from gcm_learn.collision.chains import solid_distance
 from gcm_learn.execution import AIM, SpatialPlant, SpatialPool, SpatialSettings
 from gcm_learn.execution.space import nearness
 from gcm_learn.execution.space.observation import ARM, OBSTACLE, TARGET
 from gcm_learn.motion.interception_in_space import fastest_hand, target_room
 from gcm_learn.motion.rules import opening
-from gcm_learn.scene import forward_in_space, pack, pack_bodies, poses_at
+from gcm_learn.scene import pack, pack_bodies, poses_at
 from gcm_learn.scene.bodies import BOX, KIND, SPHERE
-from gcm_learn.situation import Base, carried, rotation_of
+from gcm_learn.situation import carried
 
 
 @pytest.fixture(scope="module")

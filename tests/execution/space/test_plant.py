@@ -195,7 +195,7 @@ def test_many_arms_are_single_ones(arms, rng):
 def test_a_target_in_the_hand_is_caught_at_once(arms):
     situation = next(s for s in arms if s.arm.max_joint_acceleration is None)
     arm = situation.arm
-    from gcm_learn.scene import forward_in_space
+    from gcm_learn.arms import forward_in_space
 
     hand = forward_in_space(arm, arm.joints)[1]
     held = resting(hand)

@@ -17,8 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcm_learn.arms.rotations import rotation_of
+from gcm_learn.arms.spatial import JOINTS, SpatialArm
 from gcm_learn.compiled import njit
-from gcm_learn.situation import JOINTS, SpatialArm, rotation_of
 
 BRANCHES = 4  # most ways in which four joints can hold elbow and hand where they are
 SLACK = 1e-7  # of angles at the ends of their ranges, where they are put back [rad]

@@ -1,4 +1,4 @@
-"""Checks of single values, shared by the records of this folder.
+"""Checks of single values, shared by records of arms, bodies and situations.
 
 Each check returns the value in its stored form (Python floats, tuples) or raises a
 `SituationError` that names the field and says what was given.
@@ -66,6 +66,14 @@ def number(value: object, field: str) -> float:
     return result
 
 
+def whole(value: object, field: str) -> int:
+    """Return `value` as an integer; booleans and fractions are refused."""
+    result = number(value, field)
+    if result != int(result):
+        raise SituationError(field, f"must be a whole number (got {result!r})")
+    return int(result)
+
+
 def positive(value: object, field: str) -> float:
     """Return `value` as a float above zero."""
     result = number(value, field)
@@ -110,11 +118,13 @@ def positive_vector(value: object, field: str, size: int) -> tuple[float, ...]:
     return tuple(positive(x, f"{field}[{k}]") for k, x in enumerate(vector(value, field, size)))
 
 
-def unit_vector(value: object, field: str, size: int = 3) -> tuple[float, ...]:
+def unit_vector(
+    value: object, field: str, size: int = 3, *, tolerance: float = UNIT_TOLERANCE
+) -> tuple[float, ...]:
     """Return `value` as a tuple of `size` floats whose Euclidean length is one."""
     result = vector(value, field, size)
     length = math.hypot(*result)
-    if abs(length - 1.0) > UNIT_TOLERANCE:
+    if abs(length - 1.0) > tolerance:
         raise SituationError(field, f"must have length 1 (got {length:.9g})")
     return result
 

@@ -6,21 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from gcm_learn.errors import SituationError
-from gcm_learn.situation.checks import (
+from gcm_learn.arms.rotations import unit_quaternion
+from gcm_learn.checks import (
     non_negative,
     positive,
     positive_vector,
     put,
     sequence,
     show,
-    unit_vector,
     vector,
 )
+from gcm_learn.errors import SituationError
 
 JOINTS = 4
-UNIT_ROUNDING = 1e-15
-"""A quaternion this near to length 1 stays as it is, so that normalising twice changes nothing."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +39,7 @@ class Base:
     def __post_init__(self) -> None:
         """Check the documented shapes and normalise the rotation."""
         put(self, "origin", vector(self.origin, "origin", 3))
-        rotation = unit_vector(self.rotation, "rotation", 4)
-        length = math.hypot(*rotation)
-        if abs(length - 1.0) > UNIT_ROUNDING:
-            rotation = tuple(part / length for part in rotation)
-        put(self, "rotation", rotation)
+        put(self, "rotation", unit_quaternion(self.rotation, "rotation"))
 
 
 IDENTITY = Base()

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gcm_learn.scene import elbow_position, forward, joint_angles
+from gcm_learn.arms import elbow_position, forward, joint_angles
 
 SIDES = ("right", "left")
 uppers = st.sampled_from([1.0, 0.3, 2.0]) | st.floats(0.05, 20.0)

@@ -2,10 +2,29 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcm_learn.arms.planar import Arm
 from gcm_learn.compiled import njit
+
+
+class PlanarLimb(NamedTuple):
+    """A planar arm of two bones with its shoulder at the origin, and its hand at t = 0.
+
+    Lengths in forearms.
+    """
+
+    rho: float  # length of the upper arm
+    side: float  # of the elbow: a value of `SIDE`
+    near: float  # radii of the ring that the hand can reach
+    far: float
+    thickness: float  # radius of both bones
+    x: float  # hand at t = 0
+    y: float
+
 
 SIDE = {"right": 1.0, "left": -1.0}  # sign of the elbow's offset, seen from shoulder to hand
 
@@ -47,6 +66,13 @@ def joints_of(hands, rho, side):
             shoulder -= 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
         out[k, 0] = shoulder
     return out
+
+
+def planar_limb(arm: Arm) -> PlanarLimb:
+    """Return a planar arm as kernels read it."""
+    return PlanarLimb(
+        arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach, arm.thickness, *arm.hand
+    )
 
 
 def elbow_position(hand: ArrayLike, upper_arm: float = 1.0, elbow: str = "right") -> np.ndarray:

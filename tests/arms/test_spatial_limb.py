@@ -10,13 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gcm_learn.scene import (
+from gcm_learn.arms import (
+    Base,
+    SpatialArm,
     forward_in_space,
     inverse_in_space,
+    rotation_of,
     spatial_limb,
     swivel_in_space,
 )
-from gcm_learn.scene.spatial_limb import (
+from gcm_learn.arms.spatial_limb import (
     elbow_at,
     hand_jacobian,
     joints_of_limb,
@@ -25,7 +28,6 @@ from gcm_learn.scene.spatial_limb import (
     swivel_axes,
     swivel_of,
 )
-from gcm_learn.situation import Base, SpatialArm, rotation_of
 from tests import strategies
 
 SPEEDS = (8.268, 7.194, 8.268, 7.194)

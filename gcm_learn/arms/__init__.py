@@ -1,0 +1,81 @@
+"""Arms: records, kinematics, and the registry of their kinds."""
+
+from gcm_learn.arms.chain import Chain, ChainJoint, ChainModel, Hand, Link
+from gcm_learn.arms.chain_limb import ChainLimb, chain_limb, links_of_chain
+from gcm_learn.arms.kinds import (
+    CHAIN,
+    PLANAR,
+    SPATIAL,
+    ByKind,
+    Kind,
+    is_arm,
+    kind_named,
+    kind_of,
+    kinds,
+    register_kind,
+    solution_format,
+)
+from gcm_learn.arms.planar import ELBOWS, Arm
+from gcm_learn.arms.planar_limb import (
+    SIDE,
+    PlanarLimb,
+    elbow_of,
+    elbow_position,
+    forward,
+    joint_angles,
+    joints_of,
+    planar_limb,
+)
+from gcm_learn.arms.rotations import quaternion_of, rotation_of, unit_quaternion
+from gcm_learn.arms.spatial import IDENTITY, JOINTS, Base, SpatialArm
+from gcm_learn.arms.spatial_limb import (
+    SpatialLimb,
+    forward_in_space,
+    inverse_in_space,
+    spatial_limb,
+    swivel_in_space,
+)
+
+__all__ = [
+    "Arm",
+    "Base",
+    "ByKind",
+    "CHAIN",
+    "Chain",
+    "ChainJoint",
+    "ChainLimb",
+    "ChainModel",
+    "ELBOWS",
+    "Hand",
+    "IDENTITY",
+    "JOINTS",
+    "Kind",
+    "Link",
+    "PLANAR",
+    "PlanarLimb",
+    "SIDE",
+    "SPATIAL",
+    "SpatialArm",
+    "SpatialLimb",
+    "chain_limb",
+    "elbow_of",
+    "elbow_position",
+    "forward",
+    "forward_in_space",
+    "inverse_in_space",
+    "is_arm",
+    "joint_angles",
+    "joints_of",
+    "kind_named",
+    "kind_of",
+    "kinds",
+    "links_of_chain",
+    "planar_limb",
+    "quaternion_of",
+    "register_kind",
+    "rotation_of",
+    "solution_format",
+    "spatial_limb",
+    "swivel_in_space",
+    "unit_quaternion",
+]

@@ -1,0 +1,342 @@
+"""The chain: any number of revolute and prismatic joints that carry capsules."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from gcm_learn.arms.rotations import unit_quaternion
+from gcm_learn.arms.spatial import IDENTITY, Base
+from gcm_learn.checks import (
+    choice,
+    non_negative,
+    positive,
+    positive_vector,
+    put,
+    quote,
+    sequence,
+    show,
+    text,
+    unit_vector,
+    vector,
+    whole,
+)
+from gcm_learn.errors import SituationError
+
+JOINT_TYPES = ("revolute", "prismatic")
+UNIT = 1e-5
+"""How far the length of an axis or quaternion may be from 1; nearer ones are normalised."""
+FROM_MODEL = "model"
+"""Default of `Chain.max_joint_acceleration`: the limits that the model gives."""
+
+
+@dataclass(frozen=True)
+class ChainJoint:
+    """A joint of a chain: frame k = frame k-1 * T(origin) * R(rotation) * motion of q_k.
+
+    Parameters
+    ----------
+    axis : (3,) tuple of float
+        Unit vector about which the joint turns (`revolute`) or along which it moves
+        (`prismatic`); normalised.
+    range : (2,) tuple of float
+        Lowest and highest value, both allowed [rad or lengths].
+    max_speed : float
+        Above zero [rad/s or lengths/s].
+    type : {"revolute", "prismatic"}
+    origin : (3,) tuple of float
+        Place in the frame of the joint before.
+    rotation : (4,) tuple of float
+        Unit quaternion (w, x, y, z); normalised.
+    max_acceleration : float, optional
+        Above zero [rad/s^2 or lengths/s^2]; no limit when absent.
+    name : str
+    """
+
+    axis: tuple[float, float, float]
+    range: tuple[float, float]
+    max_speed: float
+    type: str = "revolute"
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    max_acceleration: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the documented ranges and normalise axis and rotation."""
+        put(self, "type", choice(self.type, "type", JOINT_TYPES))
+        put(self, "origin", vector(self.origin, "origin", 3))
+        put(self, "rotation", unit_quaternion(self.rotation, "rotation", UNIT))
+        put(self, "axis", _unit(self.axis, "axis"))
+        low, high = vector(self.range, "range", 2)
+        if low > high:
+            raise SituationError("range", f"low {low} is above high {high}")
+        put(self, "range", (low, high))
+        put(self, "max_speed", positive(self.max_speed, "max_speed"))
+        if self.max_acceleration is not None:
+            put(self, "max_acceleration", positive(self.max_acceleration, "max_acceleration"))
+        put(self, "name", text(self.name, "name"))
+
+
+@dataclass(frozen=True)
+class Link:
+    """A capsule that a joint's frame carries; a sphere where both ends are equal.
+
+    Parameters
+    ----------
+    joint : int
+        Number of the joint, from 1; 0 is the base.
+    start, end : (3,) tuple of float
+        Ends of the capsule's axis, `from` and `to` in files, in the joint's frame.
+    radius : float
+        Above zero.
+    """
+
+    joint: int
+    start: tuple[float, float, float]
+    end: tuple[float, float, float]
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Check the documented ranges."""
+        put(self, "joint", whole(self.joint, "joint"))
+        put(self, "start", vector(self.start, "from", 3))
+        put(self, "end", vector(self.end, "to", 3))
+        put(self, "radius", positive(self.radius, "radius"))
+
+
+@dataclass(frozen=True)
+class Hand:
+    """The point that catches and the direction in which it reaches.
+
+    Parameters
+    ----------
+    joint : int
+        Number of the joint whose frame carries the hand, from 1.
+    point : (3,) tuple of float
+        Place in that frame.
+    axis : (3,) tuple of float
+        Unit vector in that frame; normalised.
+    """
+
+    joint: int
+    point: tuple[float, float, float]
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        """Check the documented ranges and normalise the axis."""
+        put(self, "joint", whole(self.joint, "joint"))
+        put(self, "point", vector(self.point, "point", 3))
+        put(self, "axis", _unit(self.axis, "axis"))
+
+
+@dataclass(frozen=True)
+class ChainModel:
+    """An arm as the exchange format ``gcm-learn/arm@1`` describes it.
+
+    Parameters
+    ----------
+    name : str
+    joints : tuple of ChainJoint
+        From the base outwards, at least one; all have `max_acceleration` or none has.
+    links : tuple of Link
+        At least one.
+    hand : Hand
+    self_collision : tuple of (int, int)
+        Pairs of links that must not overlap.
+    source : str
+        Origin of the numbers.
+    """
+
+    name: str
+    joints: tuple[ChainJoint, ...]
+    links: tuple[Link, ...]
+    hand: Hand
+    self_collision: tuple[tuple[int, int], ...] = ()
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the records against each other."""
+        for name in ("name", "source"):
+            put(self, name, text(getattr(self, name), name))
+        for name, record in (("joints", ChainJoint), ("links", Link)):
+            put(self, name, _records(getattr(self, name), name, record))
+        if not isinstance(self.hand, Hand):
+            raise SituationError("hand", f"must be a hand (got {show(self.hand)})")
+        self._check_joints()
+        for k, link in enumerate(self.links):
+            if not 0 <= link.joint <= self.dof:
+                raise SituationError(f"links[{k}].joint", self._no_joint(link.joint, 0))
+        if not 1 <= self.hand.joint <= self.dof:
+            raise SituationError("hand.joint", self._no_joint(self.hand.joint, 1))
+        put(self, "self_collision", self._pairs())
+
+    def _check_joints(self) -> None:
+        limited = [joint.max_acceleration is not None for joint in self.joints]
+        if any(limited) and not all(limited):
+            k = limited.index(False)
+            reason = f"is missing, but joints[{limited.index(True)}] has one: all have it or none"
+            raise SituationError(f"joints[{k}].max_acceleration", reason)
+
+    def _no_joint(self, given: int, least: int) -> str:
+        return f"must be from {least} to {self.dof} (got {given})"
+
+    def _pairs(self) -> tuple[tuple[int, int], ...]:
+        result = []
+        for k, given in enumerate(sequence(self.self_collision, "self_collision", "pairs")):
+            field = f"self_collision[{k}]"
+            pair = [whole(item, field) for item in sequence(given, field, "2 links")]
+            if len(pair) != 2:
+                raise SituationError(field, f"must be a list of 2 links (got {len(pair)})")
+            for item in pair:
+                if not 0 <= item < len(self.links):
+                    raise SituationError(field, _no_link(item, len(self.links)))
+            if pair[0] == pair[1]:
+                raise SituationError(field, f"is a pair of link {pair[0]} with itself")
+            result.append((pair[0], pair[1]))
+        return tuple(result)
+
+    @property
+    def dof(self) -> int:
+        """Number of joints."""
+        return len(self.joints)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A chain at t = 0.
+
+    Parameters
+    ----------
+    model : ChainModel
+    joints : (n,) tuple of float
+        Posture q at t = 0, within the joints' ranges; `posture` in files [rad or lengths].
+    grasp : float
+        Signed distance of hand and target at which it is caught, not negative.
+    base : Base
+        Pose of frame 0 in the world.
+    joint_rates : (n,) tuple of float, optional
+        Rates at t = 0, `rates` in files; only with limits of acceleration, and zero there when
+        absent.
+    max_hand_speed : float, optional
+        Above zero [lengths/s]; no limit when absent.
+    max_joint_acceleration : (n,) tuple of float, optional
+        Above zero, `max_acceleration` in files; the model's by default, None for no limits.
+    ignore : tuple of (int, str)
+        Pairs of a link and the name of an obstacle that are not checked.
+    """
+
+    model: ChainModel
+    joints: tuple[float, ...]
+    grasp: float
+    base: Base = IDENTITY
+    joint_rates: tuple[float, ...] | None = None
+    max_hand_speed: float | None = None
+    max_joint_acceleration: Any = FROM_MODEL
+    ignore: tuple[tuple[int, str], ...] = ()
+
+    kind: ClassVar[str] = "chain"
+    thickness: ClassVar[float] = 0.0  # links have radii of their own
+
+    def __post_init__(self) -> None:
+        """Check the documented ranges, then posture and rates against the model."""
+        if not isinstance(self.model, ChainModel):
+            raise SituationError("model", f"must be a chain's model (got {show(self.model)})")
+        if not isinstance(self.base, Base):
+            raise SituationError("base", f"must be a base (got {show(self.base)})")
+        put(self, "joints", vector(self.joints, "posture", self.model.dof))
+        put(self, "grasp", non_negative(self.grasp, "grasp"))
+        if self.max_hand_speed is not None:
+            put(self, "max_hand_speed", positive(self.max_hand_speed, "max_hand_speed"))
+        put(self, "max_joint_acceleration", self._accelerations())
+        for k, (value, (low, high)) in enumerate(zip(self.joints, self.joint_range, strict=True)):
+            if not low <= value <= high:
+                reason = f"{value} is outside its range [{low}, {high}]"
+                raise SituationError(f"posture[{k}]", reason)
+        self._check_rates()
+        put(self, "ignore", self._ignored())
+
+    def _accelerations(self) -> tuple[float, ...] | None:
+        given = self.max_joint_acceleration
+        if isinstance(given, str) and given == FROM_MODEL:
+            given = tuple(joint.max_acceleration for joint in self.model.joints)
+            return None if given[0] is None else given
+        return None if given is None else positive_vector(given, "max_acceleration", self.dof)
+
+    def _check_rates(self) -> None:
+        if self.joint_rates is None:
+            if self.max_joint_acceleration is not None:
+                put(self, "joint_rates", (0.0,) * self.dof)
+            return
+        put(self, "joint_rates", vector(self.joint_rates, "rates", self.dof))
+        if self.max_joint_acceleration is None:
+            raise SituationError("rates", "are given without max_acceleration")
+        for k, (rate, most) in enumerate(zip(self.joint_rates, self.max_joint_speed, strict=True)):
+            if abs(rate) > most:
+                raise SituationError(f"rates[{k}]", f"{rate} is too fast (max {most})")
+
+    def _ignored(self) -> tuple[tuple[int, str], ...]:
+        result = []
+        for k, given in enumerate(sequence(self.ignore, "ignore", "pairs")):
+            field = f"ignore[{k}]"
+            pair = sequence(given, field, "a link and an obstacle")
+            if len(pair) != 2:
+                raise SituationError(field, f"must be a link and an obstacle (got {len(pair)})")
+            link, name = whole(pair[0], field), text(pair[1], field)
+            if not 0 <= link < len(self.model.links):
+                raise SituationError(field, _no_link(link, len(self.model.links)))
+            result.append((link, name))
+        return tuple(result)
+
+    @property
+    def dof(self) -> int:
+        """Number of joints."""
+        return self.model.dof
+
+    @property
+    def joint_range(self) -> tuple[tuple[float, float], ...]:
+        """(n, 2) Lowest and highest value of each joint."""
+        return tuple(joint.range for joint in self.model.joints)
+
+    @property
+    def max_joint_speed(self) -> tuple[float, ...]:
+        """(n,) Limits of the joints' rates."""
+        return tuple(joint.max_speed for joint in self.model.joints)
+
+    @property
+    def reach(self) -> float:
+        """Bound of the distance between the base's origin and the hand."""
+        reach = math.hypot(*self.model.hand.point)
+        for joint in self.model.joints[: self.model.hand.joint]:
+            reach += math.hypot(*joint.origin)
+            if joint.type == "prismatic":
+                reach += max(abs(joint.range[0]), abs(joint.range[1]))
+        return reach
+
+
+def _unit(value: object, field: str) -> tuple[float, ...]:
+    """Return a vector (3,) of length 1 up to `UNIT`, normalised."""
+    result = unit_vector(value, field, tolerance=UNIT)
+    length = math.hypot(*result)
+    return tuple(part / length for part in result)
+
+
+def _records(value: object, field: str, record: type[Any]) -> tuple[Any, ...]:
+    """Return a tuple of at least one record of a type."""
+    items = tuple(sequence(value, field, f"{record.__name__} records"))
+    if not items:
+        raise SituationError(field, "must not be empty")
+    for k, item in enumerate(items):
+        if not isinstance(item, record):
+            raise SituationError(f"{field}[{k}]", f"must be a {record.__name__} (got {show(item)})")
+    return items
+
+
+def _no_link(given: int, count: int) -> str:
+    return f"{given} is no link (there are {count}, from 0)"
+
+
+def unknown_obstacle(name: str) -> str:
+    """Return the sentence on an ignored obstacle that is not in the situation."""
+    return f"{quote(name)} is not the name of an obstacle"

@@ -1,0 +1,172 @@
+"""The registry of kinds of arms: the only place where the program asks which kind it has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from gcm_learn.arms.chain import Chain
+from gcm_learn.arms.chain_limb import ChainLimb
+from gcm_learn.arms.planar import Arm
+from gcm_learn.arms.planar_limb import PlanarLimb
+from gcm_learn.arms.spatial import SpatialArm
+from gcm_learn.arms.spatial_limb import SpatialLimb
+from gcm_learn.errors import ArmKindError
+
+Entry = TypeVar("Entry")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of arm.
+
+    Parameters
+    ----------
+    name : str
+        Short name, e.g. ``"spatial"``; also the `kind` in files and tables.
+    plural : str
+        Name in messages, e.g. ``"spatial arms"``.
+    arm : type
+        Record of an arm, which people use.
+    limb : type
+        NamedTuple of an arm, which kernels use.
+    formats : tuple of str
+        Formats of situations that hold such arms, the default first.
+    """
+
+    name: str
+    plural: str
+    arm: type[Any]
+    limb: type[Any]
+    formats: tuple[str, ...]
+
+    @property
+    def solution(self) -> str:
+        """Format of a solution of a situation in the default format."""
+        return solution_format(self.formats[0])
+
+
+PLANAR = Kind("planar", "planar arms", Arm, PlanarLimb, ("gcm-learn/situation@1",))
+SPATIAL = Kind(
+    "spatial",
+    "spatial arms",
+    SpatialArm,
+    SpatialLimb,
+    ("gcm-learn/situation@2", "gcm-learn/situation@3"),
+)
+CHAIN = Kind("chain", "chains", Chain, ChainLimb, ("gcm-learn/situation@3",))
+
+_BY_ARM: dict[type, Kind] = {}
+_BY_LIMB: dict[type, Kind] = {}
+
+
+def register_kind(kind: Kind) -> None:
+    """Make a kind of arm known by its record and its limb."""
+    _BY_ARM[kind.arm] = kind
+    _BY_LIMB[kind.limb] = kind
+
+
+for _kind in (PLANAR, SPATIAL, CHAIN):
+    register_kind(_kind)
+
+
+def kinds() -> tuple[Kind, ...]:
+    """Return all registered kinds in the order of registration."""
+    return tuple(_BY_ARM.values())
+
+
+def kind_of(subject: Any) -> Kind:
+    """Return the kind of an arm, of a limb, or of a situation or a scene that has one.
+
+    Raises
+    ------
+    ArmKindError
+        If the subject is not an arm of a registered kind, and has none.
+    """
+    for name, table in (("arm", _BY_ARM), ("limb", _BY_LIMB)):
+        kind = table.get(type(getattr(subject, name, subject)))
+        if kind is not None:
+            return kind
+    raise ArmKindError(f"arm: {type(subject).__name__} is not a registered kind of arm")
+
+
+def kind_named(name: str) -> Kind:
+    """Return the kind of a name.
+
+    Raises
+    ------
+    ArmKindError
+        If no kind has the name; lists the known ones.
+    """
+    for kind in kinds():
+        if kind.name == name:
+            return kind
+    known = ", ".join(kind.name for kind in kinds())
+    raise ArmKindError(f"kind: {name!r} is not one of {known}")
+
+
+def is_arm(value: object) -> bool:
+    """Return whether a value is an arm of a registered kind."""
+    return type(value) in _BY_ARM
+
+
+def solution_format(situation_format: str) -> str:
+    """Return the format that answers a situation's format: the same version of solutions."""
+    return situation_format.replace("situation@", "solution@")
+
+
+class ByKind(Generic[Entry]):
+    """A table with one entry for each kind of arm, kept by the layer that needs it.
+
+    Parameters
+    ----------
+    entries : dict of Kind to entry
+        Entries of single kinds.
+    default : entry, optional
+        Entry of all other kinds, such as kernels that are generic over joints.
+    who : str
+        Subject of the message to a kind without an entry, e.g. ``"planner 'gcm'"``.
+    """
+
+    def __init__(
+        self, entries: dict[Kind, Entry], default: Entry | None = None, who: str = "this"
+    ) -> None:
+        self._entries = dict(entries)
+        self._default = default
+        self.who = who
+
+    def register(self, kind: Kind, entry: Entry) -> None:
+        """Add the entry of a kind, or replace it."""
+        self._entries[kind] = entry
+
+    def takes(self, subject: Any) -> bool:
+        """Return whether there is an entry for an arm, situation or kind."""
+        return self._default is not None or _as_kind(subject) in self._entries
+
+    def of(self, subject: Any) -> Entry:
+        """Return the entry for a kind, or for the kind of an arm, situation, limb or scene.
+
+        Raises
+        ------
+        ArmKindError
+            If the kind has no entry.
+        """
+        kind = _as_kind(subject)
+        entry = self._entries.get(kind, self._default)
+        if entry is None:
+            name = getattr(subject, "name", None)
+            where = f" (situation {name!r})" if hasattr(subject, "arm") else ""
+            raise ArmKindError(f"{self.who} does not take {kind.plural}{where}")
+        return entry
+
+    def __iter__(self) -> Iterator[Kind]:
+        return iter(self._entries)
+
+    def entries(self) -> Iterator[Entry]:
+        """Return the entries of single kinds, in the order of registration."""
+        return iter(self._entries.values())
+
+
+def _as_kind(subject: Any) -> Kind:
+    return subject if isinstance(subject, Kind) else kind_of(subject)
