@@ -60,7 +60,8 @@ def folder_of(module: str) -> str:
 
 def is_compiled(module: str) -> bool:
     """Return whether a module has kernels."""
-    return folder_of(module) != "" and "@njit" in MODULES[module].read_text("utf-8")
+    text = MODULES[module].read_text("utf-8")
+    return folder_of(module) != "" and ("@njit" in text or "@by_limb" in text)
 
 
 def offers(folder: str) -> set[str]:

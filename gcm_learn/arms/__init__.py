@@ -1,7 +1,7 @@
 """Arms: records, kinematics, and the registry of their kinds."""
 
 from gcm_learn.arms.chain import Chain, ChainJoint, ChainModel, Hand, Link
-from gcm_learn.arms.chain_limb import ChainLimb, chain_limb, links_of_chain
+from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of, links_of_chain
 from gcm_learn.arms.kinds import (
     CHAIN,
     PLANAR,
@@ -24,7 +24,7 @@ from gcm_learn.arms.planar_limb import (
     forward,
     joint_angles,
     joints_of,
-    planar_limb,
+    planar_limb_of,
 )
 from gcm_learn.arms.rotations import quaternion_of, rotation_of, unit_quaternion
 from gcm_learn.arms.spatial import IDENTITY, JOINTS, Base, SpatialArm
@@ -32,7 +32,7 @@ from gcm_learn.arms.spatial_limb import (
     SpatialLimb,
     forward_in_space,
     inverse_in_space,
-    spatial_limb,
+    spatial_limb_of,
     swivel_in_space,
 )
 
@@ -57,7 +57,7 @@ __all__ = [
     "SPATIAL",
     "SpatialArm",
     "SpatialLimb",
-    "chain_limb",
+    "chain_limb_of",
     "elbow_of",
     "elbow_position",
     "forward",
@@ -70,12 +70,12 @@ __all__ = [
     "kind_of",
     "kinds",
     "links_of_chain",
-    "planar_limb",
+    "planar_limb_of",
     "quaternion_of",
     "register_kind",
     "rotation_of",
     "solution_format",
-    "spatial_limb",
+    "spatial_limb_of",
     "swivel_in_space",
     "unit_quaternion",
 ]

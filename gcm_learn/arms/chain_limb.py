@@ -6,12 +6,14 @@ none is allocated; each worker packs a limb of its own.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms.chain import Chain, ChainJoint
+from gcm_learn.arms.curves import on_curve, rate_of, turn_of
 from gcm_learn.arms.rotations import rotation_of
 from gcm_learn.compiled import njit
 
@@ -30,7 +32,8 @@ class ChainLimb(NamedTuple):
     radii: np.ndarray  # (m,): of the links
     pairs: np.ndarray  # (p, 2): links that must not overlap
     ignored: np.ndarray  # (m, bodies) bool: links and obstacles that are not checked
-    farthest: float  # bound of the distance of the hand from any joint's axis
+    tails: np.ndarray  # (n,): bound of the hand's way for a unit of each joint, at any posture
+    reach: float  # bound of the distance between frame 0 and the hand
     thickness: float  # 0: links have radii of their own
     length: float  # unit of resolutions and safeties
     start: np.ndarray  # (n,) joints at t = 0
@@ -39,6 +42,7 @@ class ChainLimb(NamedTuple):
     axes: np.ndarray  # (n, 6): a point on each joint's axis and its direction; written by `place`
     reaches: np.ndarray  # (m + 1, 6): ends of the links, then hand and axis; written by `place`
     ways: np.ndarray  # (m,): how far points of each link travel; written by `swept`
+    turns: np.ndarray  # (n,): how far joints turn; written by `swept`
 
 
 @njit(_nrt=False)
@@ -119,6 +123,208 @@ def travel(limb, i, turns):
     return way
 
 
+@njit(_nrt=False, forceinline=True)
+def dof(limb):
+    """Number of joints."""
+    return limb.low.size
+
+
+@njit(_nrt=False, forceinline=True)
+def hand_of(limb, place):
+    """Hand where `place` left it."""
+    row = limb.radii.size
+    return limb.reaches[row, 0], limb.reaches[row, 1], limb.reaches[row, 2]
+
+
+@njit(_nrt=False, forceinline=True)
+def axis_of(limb, place):
+    """Direction of the hand where `place` left it."""
+    row = limb.radii.size
+    return limb.reaches[row, 3], limb.reaches[row, 4], limb.reaches[row, 5]
+
+
+@njit(_nrt=False, forceinline=True)
+def link_count(limb):
+    """Number of links."""
+    return limb.radii.size
+
+
+@njit(_nrt=False, forceinline=True)
+def link(limb, place, i):
+    """Ends of a link's axis where `place` left them, and its radius."""
+    r = limb.reaches
+    return r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5], limb.radii[i]
+
+
+@njit(_nrt=False, forceinline=True)
+def ignores(limb, i, b):
+    """Whether a link is not checked against a body."""
+    return limb.ignored[i, b]
+
+
+@njit(_nrt=False)
+def self_gap(limb, place, slack, enough):
+    """Distance of the nearest pair of links that must not overlap, and the same less slack."""
+    best, room, r = 1e300, 1e300, limb.reaches
+    for k in range(limb.pairs.shape[0]):
+        i, j = limb.pairs[k, 0], limb.pairs[k, 1]
+        thick, slip = limb.radii[i] + limb.radii[j], limb.ways[i] + limb.ways[j]
+        gap = _middles_gap(r, i, j) - thick
+        if gap - slip <= enough:
+            gap = np.sqrt(max(_segments_gap2(r, i, j), 0.0)) - thick
+        best, room = min(best, gap), min(room, gap - slip)
+    return best, room
+
+
+@njit(_nrt=False)
+def _middles_gap(r, i, j):
+    """Distance of the balls about two links' axes."""
+    away, first, second = 0.0, 0.0, 0.0
+    for k in range(3):
+        away += (0.5 * (r[i, k] + r[i, 3 + k] - r[j, k] - r[j, 3 + k])) ** 2
+        first += (0.5 * (r[i, 3 + k] - r[i, k])) ** 2
+        second += (0.5 * (r[j, 3 + k] - r[j, k])) ** 2
+    return np.sqrt(away) - np.sqrt(first) - np.sqrt(second)
+
+
+@njit(_nrt=False)
+def _segments_gap2(r, i, j):
+    """Squared distance of two links' axes (C. Ericson, Real-Time Collision Detection, 5.1.9)."""
+    ux, uy, uz = r[i, 3] - r[i, 0], r[i, 4] - r[i, 1], r[i, 5] - r[i, 2]
+    vx, vy, vz = r[j, 3] - r[j, 0], r[j, 4] - r[j, 1], r[j, 5] - r[j, 2]
+    wx, wy, wz = r[i, 0] - r[j, 0], r[i, 1] - r[j, 1], r[i, 2] - r[j, 2]
+    a, e = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+    f, c = vx * wx + vy * wy + vz * wz, ux * wx + uy * wy + uz * wz
+    b = ux * vx + uy * vy + uz * vz
+    s, t = 0.0, 0.0
+    if a <= 1e-30 and e > 1e-30:
+        t = min(max(f / e, 0.0), 1.0)
+    elif a > 1e-30 and e <= 1e-30:
+        s = min(max(-c / a, 0.0), 1.0)
+    elif a > 1e-30:
+        below = a * e - b * b
+        s = min(max((b * f - c * e) / below, 0.0), 1.0) if below > 1e-14 * a * e else 0.0
+        t = (b * s + f) / e
+        if t < 0.0 or t > 1.0:
+            t = min(max(t, 0.0), 1.0)
+            s = min(max((b * t - c) / a, 0.0), 1.0)
+    x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
+    return x * x + y * y + z * z
+
+
+@njit(_nrt=False)
+def still(limb):
+    """Note that no link moves."""
+    for i in range(limb.ways.size):
+        limb.ways[i] = 0.0
+    return 0
+
+
+@njit(_nrt=False)
+def swept(limb, curve, s, half, place):
+    """Note how far points of each link travel from share s of a move to s +- half."""
+    for k in range(limb.turns.size):
+        limb.turns[k] = turn_of(curve, k, s, half)
+    for i in range(limb.ways.size):
+        limb.ways[i] = travel(limb, i, limb.turns)
+    return 0
+
+
+@njit(_nrt=False, forceinline=True)
+def slack_of(limb, slack, i):
+    """How far points of a link travel, as noted last."""
+    return limb.ways[i]
+
+
+@njit(_nrt=False)
+def hand_rate(limb, curve, s, q):
+    """Way of the hand per share of a move at share s; `q` (n,) gets the joints."""
+    on_curve(curve, s, q)
+    place(limb, q)
+    hand, last = limb.radii.size, limb.carriers[limb.radii.size]
+    vx, vy, vz = 0.0, 0.0, 0.0
+    for k in range(last):
+        rate = rate_of(curve, k, s)
+        ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
+        if limb.joints[k, 0] == REVOLUTE:
+            x = limb.reaches[hand, 0] - limb.axes[k, 0]
+            y = limb.reaches[hand, 1] - limb.axes[k, 1]
+            z = limb.reaches[hand, 2] - limb.axes[k, 2]
+            ax, ay, az = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+        vx, vy, vz = vx + rate * ax, vy + rate * ay, vz + rate * az
+    return np.sqrt(vx * vx + vy * vy + vz * vz)
+
+
+@njit(_nrt=False)
+def hand_travel(limb, q, p):
+    """Bound how far the hand travels on the straight move from q to p (n,)."""
+    way = 0.0
+    for k in range(limb.tails.size):
+        way += abs(p[k] - q[k]) * limb.tails[k]
+    return way
+
+
+@njit(_nrt=False)
+def hand_bound(limb, rates):
+    """Bound of the hand's speed while the joints' rates are at most `rates` (n,)."""
+    speed = 0.0
+    for k in range(limb.tails.size):
+        speed += rates[k] * limb.tails[k]
+    return speed
+
+
+@njit(_nrt=False)
+def axis_bound(limb, rates):
+    """Bound of the angular speed of the hand's axis."""
+    speed = 0.0
+    for k in range(limb.carriers[limb.radii.size]):
+        if limb.joints[k, 0] == REVOLUTE:
+            speed += rates[k]
+    return speed
+
+
+@njit(_nrt=False, forceinline=True)
+def reach_of(limb):
+    """Bound of the distance between frame 0 and the hand."""
+    return limb.reach
+
+
+@njit(_nrt=False)
+def lever(limb):
+    """Bound of the hand's way for a unit of any joint; at least 1, as of prismatic joints."""
+    return max(limb.reach, 1.0)
+
+
+@njit(_nrt=False)
+def axis_turns(limb, q, out):
+    """Write the derivative of the hand's axis by the joints (n,) into `out` (3, n)."""
+    place(limb, q)
+    hand, last = limb.radii.size, limb.carriers[limb.radii.size]
+    x, y, z = limb.reaches[hand, 3], limb.reaches[hand, 4], limb.reaches[hand, 5]
+    for k in range(limb.low.size):
+        ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
+        if k >= last or limb.joints[k, 0] == PRISMATIC:
+            ax, ay, az = 0.0, 0.0, 0.0
+        out[0, k], out[1, k], out[2, k] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+
+
+@njit(_nrt=False)
+def postures_at(limb, x, y, z, k, count, low, high, out):
+    """Write one posture between `low` and `high`: point k of an additive recurrence.
+
+    There is no closed-form inverse; the posture has to be pulled to where the hand should be.  The
+    steps are powers of the root of x^(n+1) = x + 1 (M. Roberts, 2018), which fill a box evenly.
+    """
+    n = limb.low.size
+    ratio = 2.0
+    for _ in range(20):
+        ratio = (1.0 + ratio) ** (1.0 / (n + 1.0))
+    for j in range(n):
+        part = (0.5 + k * ratio ** -(j + 1.0)) % 1.0
+        out[0, j] = low[j] + part * (high[j] - low[j])
+    return 1
+
+
 @njit(_nrt=False)
 def jacobian(limb, q, out):
     """Write the derivative of the hand by the joints (n,) into `out` (3, n)."""
@@ -136,25 +342,37 @@ def jacobian(limb, q, out):
         out[0, k], out[1, k], out[2, k] = ax, ay, az
 
 
-def chain_limb(arm: Chain, obstacles: dict[str, int] | None = None, bodies: int = 0) -> ChainLimb:
+def _tails(arm: Chain) -> np.ndarray:
+    """Bound of the hand's way for a unit of each joint (n,), at any posture."""
+    hand, tails = arm.model.hand, np.zeros(arm.dof)
+    far = math.hypot(*hand.point)
+    for k in range(hand.joint - 1, -1, -1):
+        joint = arm.model.joints[k]
+        if joint.type == "prismatic":
+            tails[k] = 1.0
+            far += max(abs(joint.range[0]), abs(joint.range[1]))
+        else:
+            tails[k] = far
+        far += math.hypot(*joint.origin)
+    return tails
+
+
+def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
     """Return a chain as kernels read it.
 
     Parameters
     ----------
     arm : Chain
-    obstacles : dict of str to int, optional
-        Index of each obstacle, by name, for the pairs that the arm ignores.
-    bodies : int
-        Number of all bodies.
+    bodies : tuple of str
+        Names of the situation's bodies, for the pairs that the arm ignores.
     """
     model, n, m = arm.model, arm.dof, len(arm.model.links)
     low, high = np.array(arm.joint_range).T.copy()
     hand = model.hand
     ends = [(*link.start, *link.end) for link in model.links] + [(*hand.point, *hand.axis)]
-    ignored = np.zeros((m, bodies), dtype=np.bool_)
+    ignored = np.zeros((m, len(bodies)), dtype=np.bool_)
     for link, name in arm.ignore:
-        if obstacles is not None and name in obstacles:
-            ignored[link, obstacles[name]] = True
+        ignored[link, [b == name for b in bodies]] = True
     frames = np.zeros((n + 1, 12))
     frames[0, :9] = np.eye(3).ravel()
     return ChainLimb(
@@ -166,15 +384,17 @@ def chain_limb(arm: Chain, obstacles: dict[str, int] | None = None, bodies: int 
         radii=np.array([link.radius for link in model.links]),
         pairs=np.array(model.self_collision, dtype=np.int64).reshape(-1, 2),
         ignored=ignored,
-        farthest=arm.reach,
+        tails=_tails(arm),
+        reach=arm.reach,
         thickness=arm.thickness,
-        length=0.5 * arm.reach,
+        length=max(0.5 * arm.reach, *(link.radius for link in model.links)),
         start=np.array(arm.joints),
         rates=np.array(arm.joint_rates or (0.0,) * n),
         frames=frames,
         axes=np.zeros((n, 6)),
         reaches=np.zeros((m + 1, 6)),
         ways=np.zeros(m),
+        turns=np.zeros(n),
     )
 
 
@@ -207,7 +427,7 @@ def links_of_chain(arm: Chain, joints: ArrayLike) -> np.ndarray:
         For every posture and link both ends; last the hand's point and its axis.
     """
     given = np.ascontiguousarray(joints, dtype=float).reshape(-1, arm.dof)
-    limb = chain_limb(arm)
+    limb = chain_limb_of(arm)
     out = np.empty((given.shape[0], *limb.reaches.shape))
     _hands_and_links(limb, given, out)
     rows = out.reshape(given.shape[0], -1, 2, 3) @ rotation_of(arm.base.rotation).T

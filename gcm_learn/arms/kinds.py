@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from gcm_learn.arms.chain import Chain
-from gcm_learn.arms.chain_limb import ChainLimb
+from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of
 from gcm_learn.arms.planar import Arm
-from gcm_learn.arms.planar_limb import PlanarLimb
+from gcm_learn.arms.planar_limb import PlanarLimb, planar_limb_of
 from gcm_learn.arms.spatial import SpatialArm
-from gcm_learn.arms.spatial_limb import SpatialLimb
+from gcm_learn.arms.spatial_limb import SpatialLimb, spatial_limb_of
 from gcm_learn.errors import ArmKindError
 
 Entry = TypeVar("Entry")
@@ -31,6 +31,8 @@ class Kind:
         Record of an arm, which people use.
     limb : type
         NamedTuple of an arm, which kernels use.
+    pack : callable
+        Limb of an arm and the names of a situation's bodies.
     formats : tuple of str
         Formats of situations that hold such arms, the default first.
     """
@@ -39,6 +41,7 @@ class Kind:
     plural: str
     arm: type[Any]
     limb: type[Any]
+    pack: Callable[[Any, tuple[str, ...]], Any]
     formats: tuple[str, ...]
 
     @property
@@ -47,15 +50,23 @@ class Kind:
         return solution_format(self.formats[0])
 
 
-PLANAR = Kind("planar", "planar arms", Arm, PlanarLimb, ("gcm-learn/situation@1",))
+PLANAR = Kind(
+    "planar",
+    "planar arms",
+    Arm,
+    PlanarLimb,
+    lambda arm, bodies: planar_limb_of(arm),
+    ("gcm-learn/situation@1",),
+)
 SPATIAL = Kind(
     "spatial",
     "spatial arms",
     SpatialArm,
     SpatialLimb,
+    lambda arm, bodies: spatial_limb_of(arm),
     ("gcm-learn/situation@2", "gcm-learn/situation@3"),
 )
-CHAIN = Kind("chain", "chains", Chain, ChainLimb, ("gcm-learn/situation@3",))
+CHAIN = Kind("chain", "chains", Chain, ChainLimb, chain_limb_of, ("gcm-learn/situation@3",))
 
 _BY_ARM: dict[type, Kind] = {}
 _BY_LIMB: dict[type, Kind] = {}

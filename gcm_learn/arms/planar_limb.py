@@ -68,7 +68,7 @@ def joints_of(hands, rho, side):
     return out
 
 
-def planar_limb(arm: Arm) -> PlanarLimb:
+def planar_limb_of(arm: Arm) -> PlanarLimb:
     """Return a planar arm as kernels read it."""
     return PlanarLimb(
         arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach, arm.thickness, *arm.hand

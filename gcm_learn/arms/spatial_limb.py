@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcm_learn.arms.curves import on_curve, rate_of, turn_of
 from gcm_learn.arms.rotations import rotation_of
 from gcm_learn.arms.spatial import JOINTS, SpatialArm
 from gcm_learn.compiled import njit
@@ -109,6 +110,148 @@ def motion_bounds(limb, q, p):
     farthest = min(0.5 * (there + bend), limb.rho + limb.length)
     elbow = shoulder * limb.rho
     return elbow, max(elbow, shoulder * farthest + bend)
+
+
+@njit(_nrt=False, forceinline=True)
+def dof(limb):
+    """Number of joints."""
+    return 4
+
+
+@njit(_nrt=False, forceinline=True)
+def hand_of(limb, place):
+    """Hand of a place, which is elbow and hand."""
+    return place[3], place[4], place[5]
+
+
+@njit(_nrt=False)
+def axis_of(limb, place):
+    """Direction of the forearm, in which the hand reaches."""
+    x, y, z = place[3] - place[0], place[4] - place[1], place[5] - place[2]
+    return x / limb.length, y / limb.length, z / limb.length
+
+
+@njit(_nrt=False, forceinline=True)
+def link_count(limb):
+    """Number of links: upper arm and forearm."""
+    return 2
+
+
+@njit(_nrt=False)
+def link(limb, place, i):
+    """Ends of a bone, and no radius beyond the limb's thickness."""
+    ex, ey, ez, hx, hy, hz = place
+    if i == 0:
+        return 0.0, 0.0, 0.0, ex, ey, ez, 0.0
+    return ex, ey, ez, hx, hy, hz, 0.0
+
+
+@njit(_nrt=False, forceinline=True)
+def ignores(limb, i, b):
+    """No pair is ignored."""
+    return False
+
+
+@njit(_nrt=False, forceinline=True)
+def self_gap(limb, place, slack, enough):
+    """No pair of bones is checked."""
+    return 1e300, 1e300
+
+
+@njit(_nrt=False, forceinline=True)
+def still(limb):
+    """Slack of a limb that rests."""
+    return 0.0, 0.0
+
+
+@njit(_nrt=False)
+def swept(limb, curve, s, half, place):
+    """Bound how far points of upper arm and forearm travel from share s of a move to s +- half.
+
+    Joints 1 and 2 turn about orthogonal axes, and so do 3 and 4, so rates add as the sides of a
+    right angle; turned about the shoulder, a point moves no more than the hand or the elbow.
+    `place` has elbow and hand at s.
+    """
+    shoulder = np.hypot(turn_of(curve, 0, s, half), turn_of(curve, 1, s, half))
+    bend = np.hypot(turn_of(curve, 2, s, half), turn_of(curve, 3, s, half)) * limb.length
+    _, _, _, x, y, z = place
+    farthest = min(np.sqrt(x * x + y * y + z * z) + bend, limb.rho + limb.length)
+    upper = shoulder * limb.rho
+    return upper, max(upper, shoulder * farthest + bend)
+
+
+@njit(_nrt=False, forceinline=True)
+def slack_of(limb, slack, i):
+    """Slack of a bone."""
+    return slack[i]
+
+
+@njit(_nrt=False)
+def hand_rate(limb, curve, s, q):
+    """Way of the hand per share of a move, at share s; `q` (4,) is overwritten with the joints."""
+    on_curve(curve, s, q)
+    x, y, z = hand_velocity(limb, curve, s, q)
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@njit(_nrt=False)
+def hand_velocity(limb, curve, s, q):
+    """Derivative of the hand by the share of a move, at share s where the joints are q (4,)."""
+    ex, ey, ez, hx, hy, hz = limb_at(limb, q)
+    c1, s1, c2, s2 = np.cos(q[0]), np.sin(q[0]), np.cos(q[1]), np.sin(q[1])
+    c3, s3 = np.cos(q[2]), np.sin(q[2])
+    r = rate_of(curve, 0, s), rate_of(curve, 1, s), rate_of(curve, 2, s), rate_of(curve, 3, s)
+    # what turns all: about y, then about R_y z
+    wx, wy, wz = r[1] * s1, r[0], r[1] * c1
+    x, y, z = wy * hz - wz * hy, wz * hx - wx * hz, wx * hy - wy * hx
+    # what turns the forearm: about the upper arm's x, then about R_y R_z R_x z
+    fx, fy, fz = hx - ex, hy - ey, hz - ez
+    wx = r[2] * c1 * c2 + r[3] * (c1 * s2 * s3 + s1 * c3)
+    wy = r[2] * s2 - r[3] * c2 * s3
+    wz = -r[2] * s1 * c2 + r[3] * (c1 * c3 - s1 * s2 * s3)
+    return x + wy * fz - wz * fy, y + wz * fx - wx * fz, z + wx * fy - wy * fx
+
+
+@njit(_nrt=False)
+def hand_travel(limb, q, p):
+    """Bound how far the hand travels on the straight move from q to p (4,)."""
+    return motion_bounds(limb, q, p)[1]
+
+
+@njit(_nrt=False)
+def hand_bound(limb, rates):
+    """Bound of the hand's speed; joints 1 and 2 turn about orthogonal axes, as do 3 and 4."""
+    far = limb.rho + limb.length
+    return np.hypot(rates[0], rates[1]) * far + np.hypot(rates[2], rates[3]) * limb.length
+
+
+@njit(_nrt=False)
+def axis_bound(limb, rates):
+    """Bound of the forearm's angular speed."""
+    return np.hypot(rates[0], rates[1]) + np.hypot(rates[2], rates[3])
+
+
+@njit(_nrt=False, forceinline=True)
+def reach_of(limb):
+    """Bound of the distance between shoulder and hand: both bones in line."""
+    return limb.rho + limb.length
+
+
+@njit(_nrt=False)
+def axis_turns(limb, q, out):
+    """Write the derivative of the forearm's direction by the joints (4,) into `out` (3, 4)."""
+    ex, ey, ez, hx, hy, hz = limb_at(limb, q)
+    c1, s1, c2, s2 = np.cos(q[0]), np.sin(q[0]), np.cos(q[1]), np.sin(q[1])
+    c3, s3 = np.cos(q[2]), np.sin(q[2])
+    fx, fy, fz = (hx - ex) / limb.length, (hy - ey) / limb.length, (hz - ez) / limb.length
+    axes = (
+        (0.0, 1.0, 0.0), (s1, 0.0, c1), (c1 * c2, s2, -s1 * c2),
+        (c1 * s2 * s3 + s1 * c3, -c2 * s3, c1 * c3 - s1 * s2 * s3),
+    )  # fmt: skip
+    for j in range(4):
+        ax, ay, az = axes[j]
+        out[0, j] = ay * fz - az * fy
+        out[1, j], out[2, j] = az * fx - ax * fz, ax * fy - ay * fx
 
 
 @njit(_nrt=False)
@@ -218,6 +361,12 @@ def inverse(limb, hx, hy, hz, swivel, near, out):
 
 
 @njit(_nrt=False)
+def postures_at(limb, x, y, z, k, count, low, high, out):
+    """All joints that put the hand at a point with swivel k of count; their number."""
+    return inverse(limb, x, y, z, 2.0 * np.pi * k / count, limb.start, out)
+
+
+@njit(_nrt=False)
 def _fits(limb, q1, q2, q3, q4, near, out):
     """Whether the angles are in their ranges, some turns away perhaps; `out` (4,) gets them."""
     fits, out[0] = in_range(q1, limb.low[0], limb.high[0], near[0])
@@ -239,7 +388,7 @@ def _reaches(limb, q, ex, ey, ez, hx, hy, hz):
     return elbow <= (CLAMPED * reach) ** 2 and hand <= (ROUNDING * reach) ** 2
 
 
-def spatial_limb(arm: SpatialArm) -> SpatialLimb:
+def spatial_limb_of(arm: SpatialArm) -> SpatialLimb:
     """A spatial arm as kernels read it."""
     pole = _pole(arm.upper_arm, arm.forearm, arm.joint_range)
     return SpatialLimb(
@@ -269,7 +418,7 @@ def forward_in_space(arm: SpatialArm, joints: ArrayLike) -> tuple[np.ndarray, np
     """
     given = np.ascontiguousarray(joints, dtype=float)
     out = np.empty((given.size // JOINTS, 6))
-    limbs_at(spatial_limb(arm), given.reshape(-1, JOINTS), out)
+    limbs_at(spatial_limb_of(arm), given.reshape(-1, JOINTS), out)
     rows = out.reshape(*given.shape[:-1], 2, 3) @ rotation_of(arm.base.rotation).T
     world = rows + np.array(arm.base.origin)
     return world[..., 0, :], world[..., 1, :]
@@ -295,7 +444,7 @@ def inverse_in_space(
     (k, 4) ndarray
         None to four solutions within the joints' ranges [rad].
     """
-    limb = spatial_limb(arm)
+    limb = spatial_limb_of(arm)
     close = 0.5 * (limb.low + limb.high) if near is None else np.asarray(near, dtype=float)
     there = (np.asarray(hand, dtype=float) - arm.base.origin) @ rotation_of(arm.base.rotation)
     out = np.empty((BRANCHES, JOINTS))
@@ -304,7 +453,7 @@ def inverse_in_space(
 
 def swivel_in_space(arm: SpatialArm, joints: ArrayLike) -> float:
     """Swivel of the elbow at joint angles (4,): its angle about the line from shoulder to hand."""
-    limb = spatial_limb(arm)
+    limb = spatial_limb_of(arm)
     return float(swivel_of(limb, *limb_at(limb, np.asarray(joints, dtype=float))))
 
 

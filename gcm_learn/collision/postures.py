@@ -13,7 +13,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.arms.curves import line, on_curve
+from gcm_learn.arms.limbs import (
+    by_limb,
+    dof,
+    give,
+    ignores,
+    link,
+    link_count,
+    place,
+    self_gap,
+    slack_of,
+    still,
+    swept,
+)
+from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.chains import room_in_pose, solid_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
@@ -32,6 +46,7 @@ from gcm_learn.scene.bodies import (
 )
 
 CHUNK = 60  # obstacles that one search asks after: the bits of an integer
+ITSELF = 60  # the bit of the limb itself
 _HINGE = 1e-5  # share of the upper arm that is near the shoulder
 _DEEPEST = 40  # halvings of a move before it counts as touching
 _MOST = 200_000  # looks at a move before it counts as touching: bodies may spin absurdly fast
@@ -41,8 +56,8 @@ class Desk(NamedTuple):
     """Room to work in, made once per scene by `desk_of`."""
 
     poses: np.ndarray  # (bodies, 12)
-    curve: np.ndarray  # (4, 4): coefficients of a move's joints, over its share s in [0, 1]
-    joints: np.ndarray  # (4,)
+    curve: np.ndarray  # (n, 4): coefficients of a move's joints, over its share s in [0, 1]
+    joints: np.ndarray  # (n,)
     spans: np.ndarray  # (_DEEPEST + 2, 2): shares of a move still to be looked at
     waiting: np.ndarray  # (_DEEPEST + 2,): the obstacles that are to be looked at there
     obstacles: np.ndarray  # (k,): indices of the bodies that the limb must not touch
@@ -60,8 +75,8 @@ def desk_of(scene):
             count += 1
     return Desk(
         np.zeros((rows.shape[0], 12)),
-        np.zeros((4, 4)),
-        np.zeros(4),
+        np.zeros((dof(scene.limb), 4)),
+        np.zeros(dof(scene.limb)),
         np.zeros((_DEEPEST + 2, 2)),
         np.zeros(_DEEPEST + 2, dtype=np.int64),
         which[:count].copy(),
@@ -137,75 +152,70 @@ def _hinged_room(bodies, b, elbow, slack, poses):
     return near - slope * _HINGE + min(0.0, slope - slack) - between
 
 
+@by_limb
+def gap_to(limb, where, slack, bodies, b, t, off, enough, poses):
+    """Distance of body b at t [s] to a limb at a place, and the same less slack.
+
+    Parameters
+    ----------
+    slack : slack of the limb
+    off : float
+        How much nearer the body may come, too.
+    enough : float
+        Distances above this, slack taken off, need not be exact.
+    """
+
+
+def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
+    """Ask link by link; the ball that holds the body bounds what is farther."""
+    turned = centre_at(bodies, b, t, poses)
+    x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
+    best, room = 1e300, 1e300
+    for i in range(link_count(limb)):
+        if ignores(limb, i, b):
+            continue
+        px, py, pz, qx, qy, qz, radius = link(limb, where, i)
+        slip = slack_of(limb, slack, i) + off
+        gap = _off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radius
+        if bodies.rows[b, KIND] != SPHERE and gap - slip <= enough:
+            if turned:
+                rotate(bodies, b, t, poses)
+                turned = False
+            gap = solid_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radius
+        best, room = min(best, gap), min(room, gap - slip)
+    return best, room
+
+
+def _gap_to_bones(limb, where, slack, bodies, b, t, off, enough, poses):
+    """Ask both bones at once; see `body_distance`."""
+    return body_distance(bodies, b, t, where, slack[0] + off, slack[1] + off, enough, poses)
+
+
+give(gap_to, None, _gap_to_links)
+give(gap_to, SpatialLimb, _gap_to_bones)
+
+
 @njit(_nrt=False)
 def distance_at(scene, q, t, desk):
-    """Distance of the limb at joints q (4,) to the nearest obstacle at t [s]; 0 when they meet."""
-    best, limb = 1e300, limb_at(scene.limb, q)
+    """Distance of the limb at joints q (n,) to the nearest obstacle at t [s].
+
+    0 where a spatial arm's bones meet an obstacle, negative where links of a chain do.
+    """
+    best, where = 1e300, place(scene.limb, q)
+    slack = still(scene.limb)
     for k in range(desk.obstacles.size):
-        found, _ = body_distance(
-            scene.bodies, desk.obstacles[k], t, limb, 0.0, 0.0, best, desk.poses
+        found, _ = gap_to(
+            scene.limb, where, slack, scene.bodies, desk.obstacles[k], t, 0.0, best, desk.poses
         )
         best = min(best, found)
     return best
 
 
 @njit(_nrt=False)
-def line(q, p, curve):
-    """Write the straight move from joints q to p (4,) into `curve` (4, 4)."""
-    for j in range(4):
-        curve[j, 0], curve[j, 1], curve[j, 2], curve[j, 3] = q[j], p[j] - q[j], 0.0, 0.0
-
-
-@njit(_nrt=False)
-def hermite(q, v, p, w, span, curve):
-    """Write the cubic from q with rates v to p with rates w (4,) in `span` [s] into `curve`."""
-    for j in range(4):
-        a, b, way = v[j] * span, w[j] * span, p[j] - q[j]
-        curve[j, 0], curve[j, 1] = q[j], a
-        curve[j, 2], curve[j, 3] = 3.0 * way - 2.0 * a - b, a + b - 2.0 * way
-
-
-@njit(_nrt=False)
-def on_curve(curve, s, q):
-    """Write the joints at share s of a move into q (4,)."""
-    for j in range(4):
-        q[j] = curve[j, 0] + s * (curve[j, 1] + s * (curve[j, 2] + s * curve[j, 3]))
-
-
-@njit(_nrt=False)
-def part(curve, since, until, out):
-    """Write the part of a move between two shares of it into `out` (4, 4), as a move."""
-    width = until - since
-    for j in range(4):
-        b, c, d = curve[j, 1], curve[j, 2], curve[j, 3]
-        out[j, 0] = curve[j, 0] + since * (b + since * (c + since * d))
-        out[j, 1] = width * (b + since * (2.0 * c + since * 3.0 * d))
-        out[j, 2] = width * width * (c + 3.0 * since * d)
-        out[j, 3] = width * width * width * d
-
-
-@njit(_nrt=False, forceinline=True)
-def _turn(curve, j, s, half):
-    """Bound how far joint j turns from share s to s - half or s + half, at its fastest."""
-    rate = abs(curve[j, 1] + s * (2.0 * curve[j, 2] + s * 3.0 * curve[j, 3]))
-    bend = abs(2.0 * curve[j, 2] + 6.0 * s * curve[j, 3])
-    return half * (rate + half * (bend + half * 3.0 * abs(curve[j, 3])))
-
-
-@njit(_nrt=False)
-def bone_ways(limb, curve, s, half, place):
-    """Bound how far points of upper arm and forearm travel from share s of a move to s +- half.
-
-    Joints 1 and 2 turn about orthogonal axes, and so do 3 and 4, so rates add as the sides of a
-    right angle; turned about the shoulder, a point moves no more than the hand or the elbow.
-    `place` has elbow and hand at s.
-    """
-    shoulder = np.hypot(_turn(curve, 0, s, half), _turn(curve, 1, s, half))
-    bend = np.hypot(_turn(curve, 2, s, half), _turn(curve, 3, s, half)) * limb.length
-    _, _, _, x, y, z = place
-    farthest = min(np.sqrt(x * x + y * y + z * z) + bend, limb.rho + limb.length)
-    upper = shoulder * limb.rho
-    return upper, max(upper, shoulder * farthest + bend)
+def gap_at(scene, q, t, desk):
+    """Distance as of `distance_at`, or of the limb to itself if that is less."""
+    found = distance_at(scene, q, t, desk)
+    return min(found, self_gap(scene.limb, place(scene.limb, q), still(scene.limb), 1e300)[0])
 
 
 @njit(_nrt=False)
@@ -214,21 +224,29 @@ def _least_of(scene, since, until, floor, resolution, best, first, desk):
     count, when = min(desk.obstacles.size - first, CHUNK), -1.0
     desk.spans[0, 0], desk.spans[0, 1] = 0.0, 1.0
     desk.waiting[0] = (np.int64(1) << count) - 1
+    if first == 0:
+        desk.waiting[0] |= np.int64(1) << ITSELF
     depth, looks, span = 1, 0, until - since
     while depth > 0:
         depth -= 1
         low, high, mask = desk.spans[depth, 0], desk.spans[depth, 1], desk.waiting[depth]
         s, half, left = 0.5 * (low + high), 0.5 * (high - low), np.int64(0)
         on_curve(desk.curve, s, desk.joints)
-        place, t = limb_at(scene.limb, desk.joints), since + s * span
-        upper, fore = bone_ways(scene.limb, desk.curve, s, half, place)
+        where, t = place(scene.limb, desk.joints), since + s * span
+        slack = swept(scene.limb, desk.curve, s, half, where)
+        if mask >> ITSELF & 1:
+            found, room = self_gap(scene.limb, where, slack, floor)
+            if found <= floor:
+                return floor, t
+            if room <= floor:
+                left |= np.int64(1) << ITSELF
         for k in range(count):
             if mask >> k & 1:
                 b = desk.obstacles[first + k]
                 off = 0.5 * drift(scene.bodies, b, since + low * span, since + high * span)
                 enough = max(floor, best - resolution)
-                found, room = body_distance(
-                    scene.bodies, b, t, place, upper + off, fore + off, enough, desk.poses
+                found, room = gap_to(
+                    scene.limb, where, slack, scene.bodies, b, t, off, enough, desk.poses
                 )
                 if found < best:
                     best, when = found, t
@@ -270,7 +288,7 @@ def least_on(scene, since, until, floor, resolution, best, desk):
         [s]; -1 if nothing comes nearer.
     """
     when = -1.0
-    for first in range(0, desk.obstacles.size, CHUNK):
+    for first in range(0, max(desk.obstacles.size, 1), CHUNK):
         found, t = _least_of(scene, since, until, floor, resolution, best, first, desk)
         if t >= 0.0:
             best, when = found, t
@@ -285,7 +303,7 @@ def move_is_free(scene, q, since, p, until, touch, desk):
 
     Parameters
     ----------
-    q, p : (4,) ndarray
+    q, p : (n,) ndarray
         Joints at `since` and at `until` [s]; the same for a rest.
     """
     line(q, p, desk.curve)
@@ -304,33 +322,55 @@ def _shortest_radius(bodies, b):
     return min(size, bodies.rows[b, SIZE + 1])
 
 
+@by_limb
+def depth_of(limb, where, bodies, b, found, touch, poses):
+    """How far body b, which touches the limb, must travel at least before it is free."""
+
+
+def _depth_in_links(limb, where, bodies, b, found, touch, poses):
+    """Take the link that is deepest in the body."""
+    return touch - found
+
+
+def _depth_in_bones(limb, where, bodies, b, found, touch, poses):
+    """Take the largest ball in the body, or what the distance lacks."""
+    ex, ey, ez, hx, hy, hz = where
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    away = min(
+        _off_bone(x, y, z, ex, ey, ez),
+        _off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez),
+    )
+    return max(_shortest_radius(bodies, b) + touch - away, touch - found)
+
+
+give(depth_of, None, _depth_in_links)
+give(depth_of, SpatialLimb, _depth_in_bones)
+
+
 @njit(_nrt=False)
-def state_at(scene, place, t, touch, desk):
+def state_at(scene, where, t, touch, desk):
     """Whether a resting limb is free at t [s], and for how long that surely stays so.
 
     Parameters
     ----------
-    place : tuple of 6 floats
-        Elbow and hand.
+    where : place of the limb
     """
-    ex, ey, ez, hx, hy, hz = place
+    limb, bodies = scene.limb, scene.bodies
     blocked, apart, together = False, 1e300, 0.0
+    slack = still(limb)
+    if self_gap(limb, where, slack, touch)[0] <= touch:
+        return False, 1e300
     for k in range(desk.obstacles.size):
         b = desk.obstacles[k]
-        speed = scene.bodies.rows[b, TOP_SPEED]
+        speed = bodies.rows[b, TOP_SPEED]
         far = touch + speed * min(apart, 1e200)
-        found, _ = body_distance(scene.bodies, b, t, place, 0.0, 0.0, far, desk.poses)
+        found, _ = gap_to(limb, where, slack, bodies, b, t, 0.0, far, desk.poses)
         if found > touch:
             if speed > 0.0:
                 apart = min(apart, (found - touch) / speed)
             continue
         blocked = True
-        x, y, z = desk.poses[b, 0], desk.poses[b, 1], desk.poses[b, 2]
-        away = min(
-            _off_bone(x, y, z, ex, ey, ez),
-            _off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez),
-        )
-        inside = max(_shortest_radius(scene.bodies, b) + touch - away, touch - found)
+        inside = depth_of(limb, where, bodies, b, found, touch, desk.poses)
         if inside > 0.0:
             together = max(together, inside / speed if speed > 0.0 else 1e300)
     return not blocked, together if blocked else apart
@@ -338,7 +378,7 @@ def state_at(scene, place, t, touch, desk):
 
 @njit(_nrt=False)
 def free_until(scene, q, since, until, touch, shortest, desk):
-    """Until when a limb may rest at joints q (4,), from `since` on.
+    """Until when a limb may rest at joints q (n,), from `since` on.
 
     Conservative advancement, with steps of at least `shortest` [s].
 
@@ -347,9 +387,9 @@ def free_until(scene, q, since, until, touch, shortest, desk):
     float
         `until` if it is not touched before [s]; `since` if it is touched then.
     """
-    place, t, safe = limb_at(scene.limb, q), since, since
+    where, t, safe = place(scene.limb, q), since, since
     while t < until:
-        free, stays = state_at(scene, place, t, touch, desk)
+        free, stays = state_at(scene, where, t, touch, desk)
         if not free:
             return safe
         safe = t + stays
@@ -359,7 +399,7 @@ def free_until(scene, q, since, until, touch, shortest, desk):
 
 @njit(_nrt=False)
 def free_spans(scene, q, since, until, touch, shortest, desk, out):
-    """Spans of time in which a limb may rest at joints q (4,), into `out` (k, 2).
+    """Spans of time in which a limb may rest at joints q (n,), into `out` (k, 2).
 
     Spans shorter than `shortest` [s] may be missed, and those beyond what `out` holds are left
     out; the ends of a span are inside it.
@@ -368,10 +408,10 @@ def free_spans(scene, q, since, until, touch, shortest, desk, out):
     -------
     count : int
     """
-    place, t, count, begun = limb_at(scene.limb, q), since, 0, False
+    where, t, count, begun = place(scene.limb, q), since, 0, False
     safe = since
     while t <= until and count < out.shape[0]:
-        free, stays = state_at(scene, place, t, touch, desk)
+        free, stays = state_at(scene, where, t, touch, desk)
         if free:
             if not begun:
                 begun, out[count, 0] = True, t

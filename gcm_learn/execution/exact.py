@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms import JOINTS, SpatialArm, forward_in_space
-from gcm_learn.collision.postures import desk_of, hermite, least_on, line, part
+from gcm_learn.arms.curves import hermite, line, part
+from gcm_learn.collision.postures import desk_of, least_on
 from gcm_learn.compiled import njit
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory, rules_of

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import JOINTS, Arm, SpatialArm, rotation_of
-from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, limbs_at, spatial_limb
+from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, limbs_at, spatial_limb_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace.chart import Chart, Steps, steps_of
@@ -125,7 +125,7 @@ class SpaceLattice:
     @cached_property
     def limb(self) -> SpatialLimb:
         """The arm as kernels read it."""
-        return spatial_limb(self.arm)
+        return spatial_limb_of(self.arm)
 
     @cached_property
     def nodes(self) -> Nodes:

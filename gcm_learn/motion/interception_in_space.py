@@ -1,17 +1,29 @@
-"""Where a hand in space meets targets, in the frame of the limb's base."""
+"""Interception of targets by a limb that moves in its joints, in the frame of its base."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.arms.curves import line, on_curve
+from gcm_learn.arms.limbs import axis_bound, axis_of, dof, hand_bound, hand_of, place, reach_of
 from gcm_learn.collision.chains import room_in_pose
-from gcm_learn.collision.postures import desk_of, free_until, line, on_curve
+from gcm_learn.collision.postures import desk_of, free_until
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
+from gcm_learn.scene.bodies import (
+    APPROACH,
+    HAND,
+    PART,
+    SPIN,
+    SWING,
+    TOP_SPEED,
+    WITHIN,
+    pose_at,
+    rotate,
+)
 
 _LOOKS = 20_000  # at a resting limb, at most
+ANGLE = 3e-7  # by which an approach may miss its angle; the contract grants 1e-6 [rad]
 _CLOSE = 1e-5  # share of the horizon too short to be told apart from now
 
 
@@ -28,32 +40,91 @@ def target_room(scene, b, x, y, z, t, poses):
     return room_in_pose(scene.bodies, b, x, y, z, poses)
 
 
+@njit(_nrt=False, forceinline=True)
+def has_approach(scene, b):
+    """Whether a target has to be caught from some direction."""
+    row = scene.bodies.rows
+    return (
+        row[b, APPROACH] != 0.0 or row[b, APPROACH + 1] != 0.0 or row[b, APPROACH + 2] != 0.0
+    )  # fmt: skip
+
+
+@njit(_nrt=False)
+def approach_axis(scene, b, t, poses):
+    """Direction from which target b is caught at t [s]; row b of `poses` holds its pose."""
+    row = scene.bodies.rows
+    if row[b, SWING] < 0.0:  # a pose tells no turn of bodies that look the same from all sides
+        rotate(scene.bodies, b, t, poses)
+    x, y, z = row[b, APPROACH], row[b, APPROACH + 1], row[b, APPROACH + 2]
+    return (
+        poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z,
+        poses[b, 6] * x + poses[b, 7] * y + poses[b, 8] * z,
+        poses[b, 9] * x + poses[b, 10] * y + poses[b, 11] * z,
+    )
+
+
+@njit(_nrt=False)
+def approach_excess(scene, where, b, t, poses):
+    """Angle of the hand's axis to the approach of target b at t [s] beyond what is allowed.
+
+    Parameters
+    ----------
+    where : place of the limb
+    poses : (bodies, 12) ndarray
+        Row b holds the body's pose.
+
+    Returns
+    -------
+    float
+        [rad]; -1 where the target has no approach.
+    """
+    if not has_approach(scene, b):
+        return -1.0
+    ax, ay, az = approach_axis(scene, b, t, poses)
+    bx, by, bz = axis_of(scene.limb, where)
+    cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    sine = np.sqrt(cx * cx + cy * cy + cz * cz)
+    return np.arctan2(sine, ax * bx + ay * by + az * bz) - scene.bodies.rows[b, WITHIN]
+
+
 @njit(_nrt=False)
 def fastest_hand(scene):
     """Bound of the hand's speed [lengths/s]: its own limit, or what the joints allow."""
-    rate, limb = scene.limits.joint_speed, scene.limb
-    far = limb.rho + limb.length
-    turning = np.hypot(rate[0], rate[1]) * far + np.hypot(rate[2], rate[3]) * limb.length
-    return min(turning, scene.limits.speed)
+    return min(hand_bound(scene.limb, scene.limits.joint_speed), scene.limits.speed)
 
 
 @njit(_nrt=False)
 def met_at(scene, q, t, catch, poses):
-    """First of the targets within `catch` of the hand at joints q (4,) and time t [s]; or -1."""
-    _, _, _, x, y, z = limb_at(scene.limb, q)
+    """First of the targets within `catch` of the hand at joints q (n,) and time t [s]; or -1."""
+    where = place(scene.limb, q)
+    x, y, z = hand_of(scene.limb, where)
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] == HAND:
             if target_room(scene, b, x, y, z, t, poses) <= catch:
-                return b
+                if approach_excess(scene, where, b, t, poses) <= ANGLE:
+                    return b
     return -1
+
+
+@njit(_nrt=False)
+def _turn_wait(scene, where, b, t, turning, poses):
+    """Time [s] before the hand can have the approach of target b; 0 if it has it at t."""
+    excess = approach_excess(scene, where, b, t, poses)
+    if excess <= ANGLE:
+        return 0.0
+    row, spin = scene.bodies.rows, 0.0
+    for i in range(3):
+        spin += row[b, SPIN + i] ** 2
+    fast = turning + (np.sqrt(spin) if row[b, SWING] < 0.0 else row[b, TOP_SPEED])
+    return excess / fast if fast > 0.0 else 1e300
 
 
 @njit
 def first_meeting(scene, curve, since, until, catch, shortest, poses):
     """First moment of a move at which a target is within `catch` of the hand.
 
-    Conservative advancement over the move in ``curve`` (4, 4), see `collision.postures`, with
-    steps of at least `shortest` [s].
+    Conservative advancement over the move in ``curve`` (n, 4), see `arms.curves`, with steps of at
+    least `shortest` [s].
 
     Returns
     -------
@@ -61,26 +132,28 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
         -1 if there is none [s].
     body : int
     """
-    span, t = until - since, since
-    rate = np.zeros(4)
-    for j in range(4):
+    limb, span, t = scene.limb, until - since, since
+    rate = np.zeros(dof(limb))
+    for j in range(dof(limb)):
         most = abs(curve[j, 1]) + 2.0 * abs(curve[j, 2]) + 3.0 * abs(curve[j, 3])
         rate[j] = most / span if span > 0.0 else 0.0
-    limb = scene.limb
-    speed = np.hypot(rate[0], rate[1]) * (limb.rho + limb.length)
-    speed += np.hypot(rate[2], rate[3]) * limb.length
+    speed, turning = hand_bound(limb, rate), axis_bound(limb, rate)
     while True:
         s = (t - since) / span if span > 0.0 else 1.0
         on_curve(curve, s, rate)
-        _, _, _, x, y, z = limb_at(limb, rate)
+        where = place(limb, rate)
+        x, y, z = hand_of(limb, where)
         step = 1e300
         for b in range(scene.bodies.rows.shape[0]):
             if scene.bodies.rows[b, PART] == HAND:
                 room = target_room(scene, b, x, y, z, t, poses) - catch
-                if room <= 0.0:
+                wait = _turn_wait(scene, where, b, t, turning, poses)
+                if room <= 0.0 and wait <= 0.0:
                     return t, b
-                fast = speed + scene.bodies.rows[b, TOP_SPEED]
-                step = min(step, room / fast if fast > 0.0 else 1e300)
+                if room > 0.0:
+                    fast = speed + scene.bodies.rows[b, TOP_SPEED]
+                    wait = max(wait, room / fast if fast > 0.0 else 1e300)
+                step = min(step, wait)
         if t >= until:
             return -1.0, -1
         t = min(t + max(step, shortest), until)
@@ -93,8 +166,8 @@ def may_be_met(scene, poses):
     A necessary condition by conservative advancement, so False is certain.
     """
     limb, end = scene.limb, scene.limits.horizon
-    far = limb.rho + limb.length
-    _, _, _, x, y, z = limb_at(limb, limb.start)
+    far = reach_of(limb)
+    x, y, z = hand_of(limb, place(limb, limb.start))
     speed = fastest_hand(scene)
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] != HAND:
@@ -113,7 +186,7 @@ def may_be_met(scene, poses):
 
 
 def resting_in_space(scene: Scene, until: float) -> tuple[float, float]:
-    """What comes to a spatial arm that rests from t = 0 on.
+    """Return what comes to an arm that rests from t = 0 on.
 
     Parameters
     ----------

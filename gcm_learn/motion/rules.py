@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import SpatialLimb
-from gcm_learn.collision.postures import desk_of, distance_at
+from gcm_learn.arms import PLANAR, ByKind
+from gcm_learn.collision.postures import desk_of, gap_at
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import may_be_reached
@@ -18,7 +19,7 @@ from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 SAFETY = 1e-4  # clearance that a plan keeps beyond "does not touch" [forearm lengths]
 CATCH_SAFETY = 1e-6  # how much nearer than `grasp` the hand must come [forearm lengths]
 SPEED_SAFETY = 2e-9  # share of the speed limit that is not used, against rounding
-SPATIAL_SPEED_SAFETY = 1e-4  # the same in space, where speeds are judged along curves
+JOINT_SPEED_SAFETY = 1e-4  # the same where speeds are judged along curves in the joints
 _INSTANT = 5e-4  # resolution of interceptions: how far hand and target get in it [forearm lengths]
 _MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
 
@@ -53,18 +54,18 @@ class Opening(NamedTuple):
 
 
 def opening(scene: Scene) -> Opening:
-    """Look at a scene before it is planned for; many plans take little longer than this.
+    """Return what is known of a scene before it is planned for.
 
-    In space the safeties count in forearms of the arm's own unit.
+    Safeties count in forearms, or in the unit of the limb.
     """
-    spatial, limits = isinstance(scene.limb, SpatialLimb), scene.limits
-    unit = scene.limb.length if spatial else 1.0
-    distance, hand, fastest, hopeful = (_at_start_in_space if spatial else _at_start)(scene)
+    begin, limits = _BEGIN.of(scene), scene.limits
+    unit = begin.unit(scene)
+    distance, hand, fastest, hopeful = begin.look(scene)
     free = distance - scene.limb.thickness
     rules = Rules(
         touch=scene.limb.thickness + safety_of(free, unit),
         catch=limits.grasp - CATCH_SAFETY * unit,
-        speed=limits.speed * (1.0 - (SPATIAL_SPEED_SAFETY if spatial else SPEED_SAFETY)),
+        speed=limits.speed * (1.0 - begin.speed_safety),
         instant=max(_INSTANT * unit / (hand + fastest), limits.horizon / _MOST_INSTANTS),
     )
     return Opening(free, hopeful, rules)
@@ -80,11 +81,11 @@ def _at_start(scene):
 
 
 @njit
-def _at_start_in_space(scene):
-    """The same for a spatial arm."""
+def _at_start_in_joints(scene):
+    """Return the same for a limb that moves in its joints."""
     desk = desk_of(scene)
     distance, hopeful = (
-        distance_at(scene, scene.limb.start, 0.0, desk),
+        gap_at(scene, scene.limb.start, 0.0, desk),
         may_be_met(scene, desk.poses),
     )
     return distance, fastest_hand(scene), _fastest_target(scene.bodies.rows), hopeful
@@ -97,6 +98,20 @@ def _fastest_target(rows):
         if rows[b, PART] == HAND:
             fastest = max(fastest, rows[b, TOP_SPEED])
     return fastest
+
+
+class _Begin(NamedTuple):
+    """What `opening` needs of a kind of arm."""
+
+    unit: Callable[[Scene], float]  # length in which safeties count
+    look: Callable[[Scene], tuple[float, float, float, bool]]
+    speed_safety: float
+
+
+_BEGIN = ByKind(
+    {PLANAR: _Begin(lambda scene: 1.0, _at_start, SPEED_SAFETY)},
+    default=_Begin(lambda scene: scene.limb.length, _at_start_in_joints, JOINT_SPEED_SAFETY),
+)
 
 
 def safety_of(at_start: float, unit: float = 1.0) -> float:

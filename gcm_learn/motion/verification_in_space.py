@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.postures import desk_of, distance_at, hermite, least_on, line, on_curve
+from gcm_learn.arms.curves import hermite, line, on_curve
+from gcm_learn.arms.limbs import dof, hand_of, hand_rate, lever, place
+from gcm_learn.collision.postures import desk_of, distance_at, least_on
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception_in_space import target_room
+from gcm_learn.motion.interception_in_space import ANGLE, approach_excess, target_room
 from gcm_learn.motion.rules import CATCH_SAFETY
 
 NOTHING, ELSEWHERE, LATE, RANGE, JOINT, FORCED, FAST, MISSED, TOUCHED = range(9)
@@ -28,9 +29,9 @@ def judge(scene, touch, time, joints, rates, body):
     touch : float
         Distance of bones and obstacles that is not enough.
     time : (n,) ndarray
-    joints : (n, 4) ndarray
-    rates : (n, 4) ndarray
-        (0, 4) where joints are linear between samples.
+    joints : (n, dof) ndarray
+    rates : (n, dof) ndarray
+        (0, dof) where joints are linear between samples.
     body : int
         The target that is caught at the end.
     """
@@ -101,7 +102,7 @@ def _glance(scene, time, k, s, desk):
 
 @njit(_nrt=False)
 def _piece(time, joints, rates, k, curve):
-    """Write the move between samples k and k + 1 into `curve` (4, 4)."""
+    """Write the move between samples k and k + 1 into `curve` (dof, 4)."""
     if rates.shape[0] == 0:
         line(joints[k], joints[k + 1], curve)
     else:
@@ -112,7 +113,7 @@ def _piece(time, joints, rates, k, curve):
 def _fault_at_ends(scene, time, joints, rates, body, desk):
     """Whether it begins where the arm is, and ends at the target in time."""
     limb, last = scene.limb, time.size - 1
-    for j in range(4):
+    for j in range(dof(limb)):
         if time[0] != 0.0 or joints[0, j] != limb.start[j]:
             return ELSEWHERE
         if rates.shape[0] > 0 and rates[0, j] != limb.rates[j]:
@@ -121,9 +122,12 @@ def _fault_at_ends(scene, time, joints, rates, body, desk):
             return RANGE
     if time[last] > scene.limits.horizon:
         return LATE
-    _, _, _, x, y, z = limb_at(limb, joints[last])
+    where = place(limb, joints[last])
+    x, y, z = hand_of(limb, where)
     away = target_room(scene, body, x, y, z, time[last], desk.poses)
     if away > scene.limits.grasp - 0.5 * CATCH_SAFETY * limb.length:
+        return MISSED
+    if approach_excess(scene, where, body, time[last], desk.poses) > 2.0 * ANGLE:
         return MISSED
     if last == 0 and rates.shape[0] > 0 and _starts_too_fast(scene, joints[0], rates[0], desk):
         return FAST
@@ -133,18 +137,18 @@ def _fault_at_ends(scene, time, joints, rates, body, desk):
 @njit(_nrt=False)
 def _starts_too_fast(scene, joints, rates, desk):
     """Whether the hand is too fast at t = 0; where a movement goes on, its first piece tells."""
-    curve = desk.curve
-    for j in range(4):
+    limb, curve = scene.limb, desk.curve
+    for j in range(dof(limb)):
         curve[j, 0], curve[j, 1], curve[j, 2], curve[j, 3] = joints[j], rates[j], 0.0, 0.0
-    speed = hand_rate(scene.limb, curve, 0.0, desk.joints)
+    speed = hand_rate(limb, curve, 0.0, desk.joints)
     return speed > scene.limits.speed * (1.0 + TOLERANCE)
 
 
 @njit(_nrt=False)
 def piece_fault(scene, curve, span, q):
-    """First limit that the move in `curve` breaks in `span` [s]; `q` (4,) is overwritten."""
+    """First limit that the move in `curve` breaks in `span` [s]; `q` (dof,) is overwritten."""
     limb, limits = scene.limb, scene.limits
-    for j in range(4):
+    for j in range(dof(limb)):
         low, high = _extremes(curve, j)
         below, above = TOLERANCE * abs(limb.low[j]), TOLERANCE * abs(limb.high[j])
         if low < limb.low[j] - below - _ROUNDING or high > limb.high[j] + above + _ROUNDING:
@@ -188,37 +192,6 @@ def _top_rate(curve, j):
 
 
 @njit(_nrt=False)
-def hand_rate(limb, curve, s, q):
-    """Way of the hand per share of a move, at share s; `q` (4,) is overwritten with the joints."""
-    on_curve(curve, s, q)
-    x, y, z = _velocity(limb, curve, s, q)
-    return np.sqrt(x * x + y * y + z * z)
-
-
-@njit(_nrt=False)
-def _velocity(limb, curve, s, q):
-    """Derivative of the hand by the share of a move, at share s where the joints are q (4,)."""
-    ex, ey, ez, hx, hy, hz = limb_at(limb, q)
-    c1, s1, c2, s2 = np.cos(q[0]), np.sin(q[0]), np.cos(q[1]), np.sin(q[1])
-    c3, s3 = np.cos(q[2]), np.sin(q[2])
-    r = _rate(curve, 0, s), _rate(curve, 1, s), _rate(curve, 2, s), _rate(curve, 3, s)
-    # what turns all: about y, then about R_y z
-    wx, wy, wz = r[1] * s1, r[0], r[1] * c1
-    x, y, z = wy * hz - wz * hy, wz * hx - wx * hz, wx * hy - wy * hx
-    # what turns the forearm: about the upper arm's x, then about R_y R_z R_x z
-    fx, fy, fz = hx - ex, hy - ey, hz - ez
-    wx = r[2] * c1 * c2 + r[3] * (c1 * s2 * s3 + s1 * c3)
-    wy = r[2] * s2 - r[3] * c2 * s3
-    wz = -r[2] * s1 * c2 + r[3] * (c1 * c3 - s1 * s2 * s3)
-    return x + wy * fz - wz * fy, y + wz * fx - wx * fz, z + wx * fy - wy * fx
-
-
-@njit(_nrt=False, forceinline=True)
-def _rate(curve, j, s):
-    return curve[j, 1] + s * (2.0 * curve[j, 2] + s * 3.0 * curve[j, 3])
-
-
-@njit(_nrt=False)
 def hand_too_fast(limb, curve, most, q):
     """Whether the hand's way per share of a move exceeds `most` anywhere.
 
@@ -226,8 +199,8 @@ def hand_too_fast(limb, curve, most, q):
     an eighth of its width squared times what bounds the second derivative: each turns the arm once
     more, or is of one joint alone.
     """
-    far, rates, bends, jolts = limb.rho + limb.length, 0.0, 0.0, 0.0
-    for j in range(4):
+    far, rates, bends, jolts = lever(limb), 0.0, 0.0, 0.0
+    for j in range(dof(limb)):
         rates += _top_rate(curve, j)
         bends += max(abs(2.0 * curve[j, 2]), abs(2.0 * curve[j, 2] + 6.0 * curve[j, 3]))
         jolts += 6.0 * abs(curve[j, 3])

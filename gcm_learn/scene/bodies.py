@@ -38,7 +38,9 @@ SIDE = 32  # 3: direction of growing angle, axis x down
 AXIS = 35  # 3: rotation axis
 FIRST, LAST = 38, 39  # the body's polygon is vertices[FIRST:LAST]
 TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
-COLUMNS = 41
+APPROACH = 41  # 3: direction in the body's frame from which a target is caught; 0 if any will do
+WITHIN = 44  # largest angle of the hand's axis to it [rad]
+COLUMNS = 45
 
 
 class Bodies(NamedTuple):

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, Arm, SpatialArm, planar_limb, rotation_of, spatial_limb
+from gcm_learn.arms import PLANAR, Arm, ByKind, kind_of, rotation_of
 from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.scene import JointLimits as JointLimits
-from gcm_learn.scene.scene import Limits, Scene
+from gcm_learn.scene.scene import JointLimits, Limits, Scene
 from gcm_learn.situation import (
     AnySituation,
     Box,
@@ -50,11 +50,10 @@ def pack(situation: AnySituation) -> Scene:
     -------
     Scene
     """
-    arm = situation.arm
-    if isinstance(arm, SpatialArm):
-        limits: Limits | JointLimits = _spatial_limits(arm, situation.horizon)
-        return Scene(pack_bodies(situation), spatial_limb(arm), limits)
-    return Scene(pack_bodies(situation), planar_limb(arm), _limits(arm, situation.horizon))
+    names = tuple(body.name for body in situation.bodies)
+    limb = kind_of(situation).pack(situation.arm, names)
+    limits = _LIMITS.of(situation)(situation.arm, situation.horizon)
+    return Scene(pack_bodies(situation), limb, limits)
 
 
 def _limits(arm: Arm, horizon: float) -> Limits:
@@ -62,12 +61,17 @@ def _limits(arm: Arm, horizon: float) -> Limits:
     return Limits(arm.max_hand_speed, shoulder, elbow, arm.grasp, horizon)
 
 
-def _spatial_limits(arm: SpatialArm, horizon: float) -> JointLimits:
-    acceleration = arm.max_joint_acceleration or (math.inf,) * JOINTS
+def joint_limits(arm: Any, horizon: float) -> JointLimits:
+    """Return the limits of an arm that moves in its joints."""
+    count = len(arm.joints)
+    acceleration = arm.max_joint_acceleration or (math.inf,) * count
     speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
     return JointLimits(
         np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, horizon
     )
+
+
+_LIMITS: ByKind[Callable[[Any, float], Any]] = ByKind({PLANAR: _limits}, default=joint_limits)
 
 
 def pack_bodies(situation: AnySituation) -> Bodies:

@@ -16,7 +16,7 @@ from gcm_learn.arms import (
     forward_in_space,
     inverse_in_space,
     rotation_of,
-    spatial_limb,
+    spatial_limb_of,
     swivel_in_space,
 )
 from gcm_learn.arms.spatial_limb import (
@@ -122,7 +122,7 @@ def test_many_joints_at_once_are_as_one_by_one(rng):
 
 @given(strategies.spatial_arms(), strategies.vectors(4))
 def test_jacobian_is_the_derivative(arm, q):
-    limb, found, step = spatial_limb(arm), np.empty((3, 4)), 1e-5
+    limb, found, step = spatial_limb_of(arm), np.empty((3, 4)), 1e-5
     hand_jacobian(limb, np.array(q), found)
     for k, shift in enumerate(step * np.eye(4)):
         ahead, behind = limb_at(limb, q + shift), limb_at(limb, q - shift)
@@ -135,7 +135,7 @@ def test_jacobian_is_the_derivative(arm, q):
 
 @given(strategies.spatial_arms(), strategies.vectors(4), strategies.vectors(4))
 def test_no_point_travels_farther_than_the_bounds(arm, q, p):
-    limb, q, p = spatial_limb(arm), np.array(q), np.array(p)
+    limb, q, p = spatial_limb_of(arm), np.array(q), np.array(p)
     path = [limb_at(limb, q + s * (p - q)) for s in np.linspace(0.0, 1.0, 200)]
     elbow, hand = np.array(path)[:, :3], np.array(path)[:, 3:]
     upper, whole = motion_bounds(limb, q, p)
@@ -149,7 +149,7 @@ def length(path):
 
 
 def test_bounds_are_what_a_stretched_arm_does():
-    limb = spatial_limb(HUMAN)
+    limb = spatial_limb_of(HUMAN)
     for joint in (0, 1):
         move = np.zeros(4)
         move[joint] = 0.1
@@ -218,7 +218,7 @@ def test_the_joints_that_were_there_are_among_the_solutions(arm, rng):
 def test_there_are_four_ways_where_joints_are_free(arm, rng):
     """Two where offsets keep the forearm from where the upper arm's other turn wants it."""
     free = replace(arm, joint_range=FREE)
-    limb, out, counts = spatial_limb(free), np.empty((4, 4)), []
+    limb, out, counts = spatial_limb_of(free), np.empty((4, 4)), []
     for q in rng.uniform(-2.5, 2.5, (50, 4)):
         counts.append(joints_of_limb(limb, *limb_at(limb, q), np.zeros(4), out))
         found = out[: counts[-1]]
@@ -233,7 +233,7 @@ def test_ranges_choose_among_the_ways(rng):
     free = replace(NAO, joint_range=FREE)
     for q in drawn(NAO, rng, 100):
         hand = forward_in_space(NAO, q)[1]
-        swivel = swivel_of_pole(spatial_limb(NAO), free, q)
+        swivel = swivel_of_pole(spatial_limb_of(NAO), free, q)
         every = inverse_in_space(free, hand, swivel)
         low, high = np.array(NAO.joint_range).T
         wanted = [p for p in every if ((low <= p) & (p <= high)).all()]
@@ -243,7 +243,7 @@ def test_ranges_choose_among_the_ways(rng):
 
 def swivel_of_pole(limb, other, q):
     """The swivel at q of an arm with other ranges, and so another pole."""
-    theirs = spatial_limb(other)
+    theirs = spatial_limb_of(other)
     return swivel_of(theirs, *limb_at(limb, q))
 
 
@@ -256,7 +256,7 @@ def test_angles_some_turns_away_are_taken_if_they_are_nearer():
         found = inverse_in_space(wide, hand, swivel, near=there)
         assert np.abs(found - there).max(axis=1).min() < 1e-9
     tight = replace(wide, joint_range=((5.0, 10.0),) + wide.joint_range[1:], joints=(6, 0, 0, 0))
-    limb, out = spatial_limb(tight), np.empty((4, 4))
+    limb, out = spatial_limb_of(tight), np.empty((4, 4))
     count = joints_of_limb(limb, *limb_at(limb, q), q, out)
     assert np.abs(out[:count] - (q + [2 * math.pi, 0, 0, 0])).max(axis=1).min() < 1e-9
 
@@ -274,7 +274,7 @@ def test_axes_in_line_leave_a_joint_as_it_is():
     """Elbow on the y axis: q1 and q3 do the same; forearm in line: q3 does nothing."""
     arm, out = replace(HUMAN, joint_range=FREE), np.empty((4, 4))
     for q in ((0.7, math.pi / 2, 0.4, -1.0), (0.7, 0.3, 0.4, 0.0), (0.7, math.pi / 2, 0.4, 0.0)):
-        limb = spatial_limb(arm)
+        limb = spatial_limb_of(arm)
         count = joints_of_limb(limb, *limb_at(limb, np.array(q)), np.array(q), out)
         assert np.abs(out[:count] - q).max(axis=1).min() < 1e-6
 
@@ -283,7 +283,7 @@ def test_an_upper_arm_along_its_second_axis(rng):
     """q2 does not move the elbow then, which is on a circle about y."""
     arm = replace(CROOKED, upper_arm=(0, 0, 0.6))
     for q in drawn(arm, rng, 30):
-        limb, out = spatial_limb(arm), np.empty((4, 4))
+        limb, out = spatial_limb_of(arm), np.empty((4, 4))
         place = limb_at(limb, q)
         count = joints_of_limb(limb, *place, q, out)
         assert count >= 1
@@ -296,7 +296,7 @@ def test_an_upper_arm_along_its_second_axis(rng):
 
 @FIXED
 def test_turning_the_elbow_about_the_hand_turns_the_swivel(arm, rng):
-    limb = spatial_limb(arm)
+    limb = spatial_limb_of(arm)
     for q in drawn(arm, rng, 50):
         place = np.array(limb_at(limb, q))
         elbow, hand = place[:3], place[3:]
@@ -313,7 +313,7 @@ def test_turning_the_elbow_about_the_hand_turns_the_swivel(arm, rng):
 @FIXED
 def test_swivels_are_smooth_but_at_the_pole(arm, rng):
     """The reference turns slowly as the hand moves, opposite to the pole as well."""
-    limb = spatial_limb(arm)
+    limb = spatial_limb_of(arm)
     assert np.linalg.norm(limb.pole) == pytest.approx(1.0)
     assert limb.pole @ limb.zero == pytest.approx(0.0, abs=1e-12)
     hands = rng.normal(size=(200, 3))
@@ -329,7 +329,7 @@ def test_swivels_are_smooth_but_at_the_pole(arm, rng):
 
 def angles_to_pole(arm, rng, count=100_000):
     """Angles between the pole and directions to hands in the joints' ranges."""
-    limb = spatial_limb(arm)
+    limb = spatial_limb_of(arm)
     hands = forward_in_space(replace(arm, base=Base()), drawn(arm, rng, count))[1]
     return np.arccos(np.clip(hands @ limb.pole / np.linalg.norm(hands, axis=1), -1, 1))
 

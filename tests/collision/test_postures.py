@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gcm_learn.arms.curves import hermite, line, on_curve
 from gcm_learn.collision.postures import (
     desk_of,
     distance_at,
     free_spans,
     free_until,
-    hermite,
     least_on,
-    line,
     move_is_free,
-    on_curve,
 )
 from gcm_learn.scene import pack
 from gcm_learn.situation import read_situations

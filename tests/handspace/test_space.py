@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space, inverse_in_space
-from gcm_learn.arms.spatial_limb import limb_at, spatial_limb
+from gcm_learn.arms.spatial_limb import limb_at, spatial_limb_of
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import Chart, SpaceLattice, space_of
 from gcm_learn.handspace.postures import posture_of, rule_of
@@ -24,14 +24,14 @@ N = 20
 
 def hands_of(arm, count, seed=0):
     """Draw hands from all over the ranges of the joints, in the frame of the base."""
-    limb = spatial_limb(arm)
+    limb = spatial_limb_of(arm)
     joints = limb.low + np.random.default_rng(seed).random((count, 4)) * (limb.high - limb.low)
     return np.array([limb_at(limb, q)[3:] for q in joints])
 
 
 @pytest.mark.parametrize("arm", ARMS)
 def test_the_first_posture_of_the_hand_at_the_start_is_the_arms_own(arm):
-    limb, q = spatial_limb(arm), np.empty(4)
+    limb, q = spatial_limb_of(arm), np.empty(4)
     for postures in (1, 4):
         rule = rule_of(limb, postures)
         assert posture_of(rule, 0, *limb_at(limb, limb.start)[3:], q)
@@ -52,7 +52,7 @@ def test_a_straight_arm_has_a_rule_as_well(arm, straight):
 @pytest.mark.parametrize("arm", ARMS)
 @pytest.mark.parametrize("postures", [1, 4])
 def test_postures_hold_the_hand_within_the_ranges_of_the_joints(arm, postures):
-    limb, q = spatial_limb(arm), np.empty(4)
+    limb, q = spatial_limb_of(arm), np.empty(4)
     rule, found = rule_of(limb, postures), 0
     for hand in hands_of(arm, 200):
         for k in range(postures):
@@ -66,7 +66,7 @@ def test_postures_hold_the_hand_within_the_ranges_of_the_joints(arm, postures):
 @pytest.mark.parametrize("arm", ARMS)
 def test_hands_that_the_arm_can_hold_have_a_posture(arm):
     """As the inverse finds them, at many swivels; narrow ranges of swivels may be missed."""
-    limb, q = spatial_limb(arm), np.empty(4)
+    limb, q = spatial_limb_of(arm), np.empty(4)
     rule = rule_of(limb)
     held = [posture_of(rule, 0, *hand, q) for hand in hands_of(arm, 300, 1)]
     assert np.mean(held) > 0.96
@@ -80,7 +80,7 @@ def test_hands_that_the_arm_can_hold_have_a_posture(arm):
 @pytest.mark.parametrize("arm", ARMS)
 def test_joints_change_little_but_where_they_jump(arm):
     """Hands nearer together have joints nearer together, or there is a jump between them."""
-    limb, rule = spatial_limb(arm), rule_of(spatial_limb(arm))
+    limb, rule = spatial_limb_of(arm), rule_of(spatial_limb_of(arm))
     far = limb.rho + limb.length
     rng, q, p = np.random.default_rng(3), np.empty(4), np.empty(4)
     steps = {}

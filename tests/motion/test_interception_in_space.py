@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space, rotation_of
-from gcm_learn.collision.postures import line
+from gcm_learn.arms.curves import line
 from gcm_learn.motion.interception_in_space import (
     fastest_hand,
     first_meeting,

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.postures import hermite, least_on, line, on_curve
+from gcm_learn.arms.curves import hermite, line, on_curve
+from gcm_learn.arms.spatial_limb import hand_rate, limb_at
+from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.execution.space.meeting import way_to_go
 from gcm_learn.execution.space.world import HORIZON, view_in
 from gcm_learn.execution.stepping import GUIDE, pay
 from gcm_learn.execution.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion.interception_in_space import first_meeting
-from gcm_learn.motion.verification_in_space import NOTHING, hand_rate, hand_too_fast, piece_fault
+from gcm_learn.motion.verification_in_space import NOTHING, hand_too_fast, piece_fault
 from gcm_learn.scene import Scene
 
 _HAIR = 2e-9  # share of the joints' speeds that is not used, against rounding

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import SpatialArm
-from gcm_learn.collision.postures import hermite, least_on
+from gcm_learn.arms.curves import hermite
+from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, Reason, SpatialTrajectory
 from gcm_learn.motion.acceleration import dash, tracked

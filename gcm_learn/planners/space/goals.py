@@ -6,10 +6,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import hand_jacobian, inverse, limb_at
-from gcm_learn.collision.postures import distance_at, free_until
+from gcm_learn.arms.limbs import (
+    axis_of,
+    axis_turns,
+    dof,
+    hand_of,
+    jacobian,
+    place,
+    postures_at,
+    reach_of,
+)
+from gcm_learn.collision.postures import free_until, gap_at
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception_in_space import target_room
+from gcm_learn.motion.interception_in_space import (
+    ANGLE,
+    approach_axis,
+    approach_excess,
+    has_approach,
+    target_room,
+)
 from gcm_learn.planners.space.moves import (
     HAIR,
     rest_is_free,
@@ -17,9 +32,10 @@ from gcm_learn.planners.space.moves import (
     timed_move_is_free,
     turning_time,
 )
-from gcm_learn.scene.bodies import HAND, PART
+from gcm_learn.scene.bodies import HAND, PART, WITHIN
 
 ROUNDS = 16  # of pulling a hand to a target
+DAMPING = 1e-6  # share of the curvature of distance and angle, against singular postures
 DEPTH = 1e-4  # how far into the catch it is pulled [forearms]
 PROBE = 1e-5  # finite difference for the direction of a target [forearms]
 LONGEST_PULL = 0.5  # of a joint in one round [rad]
@@ -63,34 +79,109 @@ def slope_at(study, b, x, y, z, t):
 
 @njit(_nrt=False)
 def pulled(study, b, t, q):
-    """Turn joints q (4,), within ``study.low`` and ``study.high``, until the hand catches body b.
+    """Turn joints q (n,), within ``study.low`` and ``study.high``, until the hand catches body b.
 
     Newton's method on the signed distance of hand and target, in the metric of the joints' speeds.
     Returns whether it succeeds.
     """
-    scene, low, high, jacobian = study.scene, study.low, study.high, study.jacobian
+    scene, low, high, slopes = study.scene, study.low, study.high, study.jacobian
     limb, rate, poses = scene.limb, scene.limits.joint_speed, study.desk.poses
+    if has_approach(scene, b):
+        return _pulled_along(study, b, t, q)
     for _ in range(ROUNDS):
-        _, _, _, x, y, z = limb_at(limb, q)
+        x, y, z = hand_of(limb, place(limb, q))
         room = target_room(scene, b, x, y, z, t, poses) - study.catch
         if room <= 0.0:
             return True
         nx, ny, nz = slope_at(study, b, x, y, z, t)
-        hand_jacobian(limb, q, jacobian)
+        jacobian(limb, q, slopes)
         size, most = 0.0, 0.0
-        for j in range(4):
-            slope = nx * jacobian[0, j] + ny * jacobian[1, j] + nz * jacobian[2, j]
+        for j in range(dof(limb)):
+            slope = nx * slopes[0, j] + ny * slopes[1, j] + nz * slopes[2, j]
             if (q[j] <= low[j] and slope > 0.0) or (q[j] >= high[j] and slope < 0.0):
                 slope = 0.0
-            jacobian[0, j] = slope * rate[j] * rate[j]
-            size += jacobian[0, j] * slope
-            most = max(most, abs(jacobian[0, j]))
+            slopes[0, j] = slope * rate[j] * rate[j]
+            size += slopes[0, j] * slope
+            most = max(most, abs(slopes[0, j]))
         if size <= 1e-12 * limb.length * limb.length * rate[0] * rate[0]:
             return False
         pull = min((room + DEPTH * limb.length) / size, LONGEST_PULL / most)
-        for j in range(4):
-            q[j] = min(max(q[j] - pull * jacobian[0, j], low[j]), high[j])
+        for j in range(dof(limb)):
+            q[j] = min(max(q[j] - pull * slopes[0, j], low[j]), high[j])
     return False
+
+
+@njit(_nrt=False)
+def _pulled_along(study, b, t, q):
+    """Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
+
+    Newton's method on distance and angle together, damped; joints that would leave their box are
+    held for a round.
+    """
+    scene, poses, rate = study.scene, study.desk.poses, study.scene.limits.joint_speed
+    limb, within = scene.limb, scene.bodies.rows[b, WITHIN]
+    for _ in range(2 * ROUNDS):
+        where = place(limb, q)
+        x, y, z = hand_of(limb, where)
+        room = target_room(scene, b, x, y, z, t, poses) - study.catch
+        excess = approach_excess(scene, where, b, t, poses)
+        if room <= 0.0 and excess <= 0.5 * ANGLE:
+            return True
+        ax, ay, az = approach_axis(scene, b, t, poses)
+        bx, by, bz = axis_of(limb, where)
+        nx, ny, nz = slope_at(study, b, x, y, z, t)
+        jacobian(limb, q, study.jacobian)
+        axis_turns(limb, q, study.turns)
+        cosine = ax * bx + ay * by + az * bz
+        sine = np.sqrt(max(1.0 - cosine * cosine, 1e-12))
+        for j in range(dof(limb)):
+            a, c = study.jacobian[:, j], study.turns[:, j]
+            study.jacobian[0, j] = nx * a[0] + ny * a[1] + nz * a[2]
+            study.turns[0, j] = -(ax * c[0] + ay * c[1] + az * c[2]) / sine
+        depth = room + DEPTH * limb.length if room > 0.0 else 0.0
+        angle = excess + min(0.1 * within, 0.02) if excess > 0.0 else 0.0
+        if not _stepped(study, rate, depth, angle, q):
+            return False
+    return False
+
+
+@njit(_nrt=False)
+def _stepped(study, rate, depth, angle, q):
+    """Lessen distance and angle by a step of joints q (n,); whether there is one.
+
+    Slopes of both are in the first rows of ``study.jacobian`` and ``study.turns``.
+    """
+    low, high, n = study.low, study.high, q.size
+    near, turn = study.jacobian, study.turns
+    for j in range(n):
+        near[1, j] = 1.0
+    for _ in range(2):
+        a, c, d = 0.0, 0.0, 0.0
+        for j in range(n):
+            weight = rate[j] * rate[j] * near[1, j]
+            a += weight * near[0, j] * near[0, j]
+            c += weight * near[0, j] * turn[0, j]
+            d += weight * turn[0, j] * turn[0, j]
+        a, d = a * (1.0 + DAMPING) + 1e-30, d * (1.0 + DAMPING) + 1e-30
+        below = a * d - c * c
+        if not below > 0.0:
+            return False
+        u, v = (d * depth - c * angle) / below, (a * angle - c * depth) / below
+        most, held = 0.0, False
+        for j in range(n):
+            step = -rate[j] * rate[j] * near[1, j] * (u * near[0, j] + v * turn[0, j])
+            if (q[j] <= low[j] and step < 0.0) or (q[j] >= high[j] and step > 0.0):
+                near[1, j], held, step = 0.0, True, 0.0
+            near[2, j] = step
+            most = max(most, abs(step))
+        if not held:
+            break
+    if most == 0.0:
+        return False
+    share = min(1.0, LONGEST_PULL / most)
+    for j in range(n):
+        q[j] = min(max(q[j] + share * near[2, j], low[j]), high[j])
+    return True
 
 
 @njit(_nrt=False)
@@ -100,7 +191,7 @@ def box(study, q, span):
     A hair less, so that by `time_of` no joint is too slow.
     """
     limb, rate, span = study.scene.limb, study.scene.limits.joint_speed, span * (1.0 - 2.0 * HAIR)
-    for j in range(4):
+    for j in range(q.size):
         study.low[j] = max(limb.low[j], q[j] - rate[j] * span)
         study.high[j] = min(limb.high[j], q[j] + rate[j] * span)
 
@@ -123,7 +214,7 @@ def met_from(study, q, since, b, p, t):
     """
     goal = study.goal
     box(study, q, t - since)
-    for j in range(4):
+    for j in range(q.size):
         goal[j] = min(max(p[j], study.low[j]), study.high[j])
     if not pulled(study, b, t, goal):
         return 0
@@ -138,13 +229,13 @@ def _keep(study, goals, b, t, q):
     i = k - 1
     while i >= 0 and goals.time[i] == t and goals.body[i] == b:
         away = 0.0
-        for j in range(4):
+        for j in range(q.size):
             away = max(away, abs(goals.joints[i, j] - q[j]))
         if away < ALIKE:
             return
         i -= 1
-    if k < goals.time.size and distance_at(study.scene, q, t, study.desk) > study.touch:
-        for j in range(4):
+    if k < goals.time.size and gap_at(study.scene, q, t, study.desk) > study.touch:
+        for j in range(q.size):
             goals.joints[k, j] = q[j]
         goals.time[k], goals.body[k] = t, b
         goals.size[0] = k + 1
@@ -165,14 +256,14 @@ def place_on(study, b, t, which):
     scene, poses, limb = study.scene, study.desk.poses, study.scene.limb
     x, y, z = 0.0, 0.0, 0.0
     if which == FROM_HAND:
-        _, _, _, x, y, z = limb_at(limb, limb.start)
+        x, y, z = hand_of(limb, place(limb, limb.start))
     room = target_room(scene, b, x, y, z, t, poses)
     if which == CENTRE or room <= 0.0:
         x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
     else:
         nx, ny, nz = slope_at(study, b, x, y, z, t)
         x, y, z = x - room * nx, y - room * ny, z - room * nz
-    away, far = np.sqrt(x * x + y * y + z * z), (limb.rho + limb.length) * (1.0 - RIM)
+    away, far = np.sqrt(x * x + y * y + z * z), reach_of(limb) * (1.0 - RIM)
     if away <= far:
         return x, y, z, True
     return x * far / away, y * far / away, z * far / away, False
@@ -195,7 +286,7 @@ def add_goals(study, goals, b, t, swivels, turn, which):
     limb = scene.limb
     if which == CENTRE:
         box(study, limb.start, t)
-        for j in range(4):
+        for j in range(q.size):
             q[j] = limb.start[j]
         if pulled(study, b, t, q):
             _keep(study, goals, b, t, q)
@@ -203,8 +294,7 @@ def add_goals(study, goals, b, t, swivels, turn, which):
     if not there and target_room(scene, b, x, y, z, t, poses) > study.catch:
         return
     for k in range(swivels):
-        swivel = 2.0 * np.pi * (k + turn) / swivels
-        found = inverse(limb, x, y, z, swivel, limb.start, study.branches)
+        found = postures_at(limb, x, y, z, k + turn, swivels, study.low, study.high, study.branches)
         for i in range(found):
             if turning_time(scene.limits.joint_speed, limb.start, study.branches[i]) <= t:
                 _keep(study, goals, b, t, study.branches[i])
@@ -231,7 +321,7 @@ def add_spread(study, goals, times, count):
                 continue
             box(study, start, times[n])
             for k in range(count):
-                for j in range(4):
+                for j in range(start.size):
                     share = (0.5 + (k + 1) * GOLDEN ** -(j + 1.0)) % 1.0
                     study.goal[j] = study.low[j] + share * (study.high[j] - study.low[j])
                 if pulled(study, b, times[n], study.goal):
@@ -349,7 +439,7 @@ def earlier(study, q, since, b, p, t):
         pieces = met_from(study, q, since, b, p, middle)
         if pieces > 0 and timed_move_is_free(study, q, since, goal, middle, pieces):
             t = middle
-            for j in range(4):
+            for j in range(q.size):
                 p[j] = goal[j]
         else:
             low = middle

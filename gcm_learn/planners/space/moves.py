@@ -1,4 +1,4 @@
-"""Moves in the joints of a spatial arm: how long they take, whether they are free.
+"""Moves in the joints of an arm: how long they take, whether they are free.
 
 A move is straight in the joints. Where the hand's speed limits it, it is cut into pieces, each as
 fast as its own limits let it be.
@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import motion_bounds
-from gcm_learn.collision.postures import Desk, desk_of, line, move_is_free
+from gcm_learn.arms.curves import line
+from gcm_learn.arms.limbs import dof, hand_rate, hand_travel
+from gcm_learn.collision.postures import Desk, desk_of, move_is_free
 from gcm_learn.compiled import njit
-from gcm_learn.motion.verification_in_space import hand_rate
 from gcm_learn.scene import Scene
 
 PIECES = 24  # of a move, at most
@@ -33,38 +33,40 @@ class Study(NamedTuple):
     backward: bool  # whether time runs from the goals to the start
     desk: Desk
     pace: np.ndarray  # (PIECES,): when the pieces of the move timed last end, from its begin [s]
-    near: np.ndarray  # (4,): joints
-    far: np.ndarray  # (4,)
-    posture: np.ndarray  # (4,)
-    goal: np.ndarray  # (4,)
-    low: np.ndarray  # (4,)
-    high: np.ndarray  # (4,)
-    jacobian: np.ndarray  # (3, 4)
-    branches: np.ndarray  # (4, 4)
+    near: np.ndarray  # (n,): joints
+    far: np.ndarray  # (n,)
+    posture: np.ndarray  # (n,)
+    goal: np.ndarray  # (n,)
+    low: np.ndarray  # (n,)
+    high: np.ndarray  # (n,)
+    jacobian: np.ndarray  # (3, n)
+    turns: np.ndarray  # (3, n): derivative of the hand's axis
+    branches: np.ndarray  # (4, n)
 
 
 @njit
 def study_of(scene, rules):
     """Get ready to plan for a `Scene` by its `Rules`."""
+    n = dof(scene.limb)
     return Study(
         scene, rules.touch, rules.catch, rules.instant, False,
-        desk_of(scene), np.zeros(PIECES), np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4),
-        np.zeros(4), np.zeros(4), np.zeros((3, 4)), np.zeros((4, 4)),
+        desk_of(scene), np.zeros(PIECES), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
+        np.zeros(n), np.zeros(n), np.zeros((3, n)), np.zeros((3, n)), np.zeros((4, n)),
     )  # fmt: skip
 
 
 @njit(_nrt=False)
 def turning_time(rate, q, p):
-    """Time in which joints whose speeds are `rate` (4,) turn from q to p (4,) [s]."""
-    return max(
-        max(abs(p[0] - q[0]) / rate[0], abs(p[1] - q[1]) / rate[1]),
-        max(abs(p[2] - q[2]) / rate[2], abs(p[3] - q[3]) / rate[3]),
-    )
+    """Time in which joints whose speeds are `rate` (n,) turn from q to p (n,) [s]."""
+    most = 0.0
+    for j in range(rate.size):
+        most = max(most, abs(p[j] - q[j]) / rate[j])
+    return most
 
 
 @njit(_nrt=False)
 def time_of(study, q, p):
-    """Least time of the move from q to p (4,), whose pieces are left in ``study.pace``.
+    """Least time of the move from q to p (n,), whose pieces are left in ``study.pace``.
 
     Returns
     -------
@@ -75,10 +77,10 @@ def time_of(study, q, p):
     limits, limb, pace = study.scene.limits, study.scene.limb, study.pace
     turning = turning_time(limits.joint_speed, q, p) * (1.0 + HAIR)
     pace[0] = turning
-    if limits.speed == np.inf or motion_bounds(limb, q, p)[1] <= limits.speed * turning:
+    if limits.speed == np.inf or hand_travel(limb, q, p) <= limits.speed * turning:
         return turning, 1
     longest = 0.0
-    for j in range(4):
+    for j in range(dof(limb)):
         longest = max(longest, abs(p[j] - q[j]))
     count = min(max(int(np.ceil(longest / LONGEST)), 1), PIECES)
     curve, work = study.desk.curve, study.desk.joints
@@ -97,8 +99,8 @@ def time_of(study, q, p):
 
 @njit(_nrt=False)
 def between(q, p, share, out):
-    """Write the joints at a share of the move from q to p (4,) into `out`."""
-    for j in range(4):
+    """Write the joints at a share of the move from q to p (n,) into `out`."""
+    for j in range(out.size):
         out[j] = q[j] + share * (p[j] - q[j]) if share < 1.0 else p[j]
 
 
@@ -122,7 +124,7 @@ def timed_move_is_free(study, q, since, p, until, pieces):
 
 @njit(_nrt=False)
 def rest_is_free(study, q, since, until):
-    """Whether a limb that rests at joints q (4,) is not touched."""
+    """Whether a limb that rests at joints q (n,) is not touched."""
     if until <= since:
         return True
     return move_is_free(study.scene, q, since, q, until, study.touch, study.desk)

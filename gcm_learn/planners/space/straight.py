@@ -1,4 +1,4 @@
-"""Straight lines in the joints of a spatial arm to where a target can be met."""
+"""Straight lines in the joints to where a target can be met."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import BRANCHES, inverse, limb_at
-from gcm_learn.collision.postures import line
+from gcm_learn.arms.curves import line
+from gcm_learn.arms.limbs import hand_of, place, postures_at, reach_of
+from gcm_learn.arms.spatial_limb import BRANCHES
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception_in_space import (
@@ -40,7 +41,7 @@ def _keep(study, goals, b, t, q):
     k = goals.size[0]
     if k == goals.time.size or met_from(study, study.scene.limb.start, 0.0, b, q, t) == 0:
         return
-    for j in range(4):
+    for j in range(q.size):
         goals.joints[k, j] = study.goal[j]
     goals.time[k], goals.body[k] = t, b
     goals.size[0] = k + 1
@@ -58,8 +59,10 @@ def add_straight(study, goals, b, t, swivels):
     for which in range(1 if study.scene.bodies.rows[b, KIND] == SPHERE else PLACES):
         x, y, z, _ = place_on(study, b, t, which)
         for k in range(swivels):
-            swivel = 2.0 * np.pi * (k + 0.5) / swivels
-            for i in range(inverse(limb, x, y, z, swivel, limb.start, study.branches)):
+            found = postures_at(
+                limb, x, y, z, k + 0.5, swivels, study.low, study.high, study.branches
+            )
+            for i in range(found):
                 _keep(study, goals, b, t, study.branches[i])
 
 
@@ -68,8 +71,8 @@ def meet_straight(study, goals, t, swivels):
     """Forget the goals that there are, and add those for all targets at t [s]; see above."""
     scene, poses = study.scene, study.desk.poses
     limb, speed = scene.limb, fastest_hand(scene)
-    far = limb.rho + limb.length
-    _, _, _, x, y, z = limb_at(limb, limb.start)
+    far = reach_of(limb)
+    x, y, z = hand_of(limb, place(limb, limb.start))
     goals.size[0] = 0
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] != HAND:
@@ -90,7 +93,7 @@ def hasten_straight(study, goals, before):
             t = 0.5 * (low + goals.time[k])
             if met_from(study, start, 0.0, goals.body[k], goals.joints[k], t) > 0:
                 goals.time[k] = t
-                for j in range(4):
+                for j in range(start.size):
                     goals.joints[k, j] = study.goal[j]
             else:
                 low = t
@@ -214,7 +217,9 @@ def _room_for_goals(study: Study) -> Goals:
     """Room for all goals of an instant."""
     targets = int((study.scene.bodies.rows[:, PART] == HAND).sum())
     most = targets * (1 + PLACES * SWIVELS * BRANCHES)
-    return Goals(np.empty(most), np.empty((most, 4)), np.empty(most, int), np.zeros(1, int))
+    return Goals(
+        np.empty(most), np.empty((most, study.goal.size)), np.empty(most, int), np.zeros(1, int)
+    )
 
 
 def _attempt(

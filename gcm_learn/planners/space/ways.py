@@ -1,4 +1,4 @@
-"""Ways of a spatial arm: postures, when each is reached and left, and the catch at the end."""
+"""Ways in the joints: postures, when each is reached and left, and the catch at the end."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.postures import line
+from gcm_learn.arms import JOINTS
+from gcm_learn.arms.curves import line
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import first_meeting
 from gcm_learn.planners.space.goals import earlier, reach
@@ -24,17 +25,17 @@ MOST = 512  # postures of a way
 class Way(NamedTuple):
     """A movement that ends in a catch; between postures the joints go straight."""
 
-    joints: np.ndarray  # (MOST, 4) [rad]
+    joints: np.ndarray  # (MOST, n) [rad]
     reached: np.ndarray  # (MOST,) [s]
     left: np.ndarray  # (MOST,): that of the last posture is the time of the catch [s]
     body: np.ndarray  # (1,): that is caught
     size: np.ndarray  # (1,): how many postures there are
 
 
-def new_way() -> Way:
-    """A way without postures."""
+def new_way(dof: int = JOINTS) -> Way:
+    """Return a way without postures."""
     return Way(
-        np.zeros((MOST, 4)),
+        np.zeros((MOST, dof)),
         np.zeros(MOST),
         np.zeros(MOST),
         np.zeros(1, np.int64),
@@ -45,7 +46,7 @@ def new_way() -> Way:
 @njit(_nrt=False)
 def write(way, k, q, reached, left):
     """Make joints q (4,) posture k of a way, and the last."""
-    for j in range(4):
+    for j in range(q.size):
         way.joints[k, j] = q[j]
     way.reached[k], way.left[k] = reached, left
     way.size[0] = k + 1
@@ -139,7 +140,7 @@ def samples_of(study, way):
         That is caught.
     """
     most = way.size[0] * (PIECES + 2)
-    time, joints, n = np.empty(most), np.empty((most, 4)), 1
+    time, joints, n = np.empty(most), np.empty((most, way.joints.shape[1])), 1
     time[0] = 0.0
     joints[0] = way.joints[0]
     for k in range(way.size[0]):
@@ -173,6 +174,6 @@ def _append(time, joints, n, q, t):
     if t <= time[n - 1]:
         return n
     time[n] = t
-    for j in range(4):
+    for j in range(q.size):
         joints[n, j] = q[j]
     return n + 1

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.curves import hermite
 from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.postures import hermite, least_on
+from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.motion.verification_in_space import NOTHING, piece_fault

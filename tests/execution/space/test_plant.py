@@ -88,7 +88,8 @@ def test_what_it_reports_is_what_the_verification_says(arms, rng, wild):
 
 def clearance_until(scene, rules, way, end):
     """Return the least distance of bones and obstacles over a way, as the verification finds it."""
-    from gcm_learn.collision.postures import desk_of, hermite, least_on, line
+    from gcm_learn.arms.curves import hermite, line
+    from gcm_learn.collision.postures import desk_of, least_on
 
     desk, best = desk_of(scene), 1e300
     for k in range(len(way.time) - 1):
