@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.chains import room_in_pose, solid_distance
+from gcm_learn.collision.solids import room_in_pose, solid_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     BOX,

@@ -172,10 +172,8 @@ def _header_of(chart: Chart) -> dict[str, Any]:
     """What a file says of a lattice."""
     if isinstance(chart, Lattice):
         return {"format": FORMAT, "n": chart.n, "upper_arm": chart.upper_arm, "elbow": chart.elbow}
-    if isinstance(chart, SpaceLattice):
-        sizes = {"n": chart.n, "postures": chart.postures}
-        return {"format": SPATIAL_FORMAT, **sizes, "arm": asdict(chart.arm)}
-    raise TypeError(f"maps over a {type(chart).__name__} are not saved")
+    sizes = {"n": chart.n, "postures": chart.postures}
+    return {"format": SPATIAL_FORMAT, **sizes, "arm": asdict(chart.arm)}
 
 
 def _chart_of(header: dict[str, Any]) -> Chart:

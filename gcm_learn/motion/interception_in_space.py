@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.chains import room_in_pose
 from gcm_learn.collision.postures import desk_of, free_until, line, on_curve
+from gcm_learn.collision.solids import room_in_pose
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
