@@ -144,11 +144,6 @@ def test_engines_side_by_side_say_how_each_ended(planar_case, drawn):
     drawn(engines_figure(situation, {"other": failed}))
 
 
-def test_map_plot_method_returns_the_same_picture(planar_case):
-    _, plan = planar_case
-    assert len(plan.map.plot().images) == len(plot_map(plan.map).images)
-
-
 def test_spread_keeps_arrivals_and_goes_on_one_cell(planar_case):
     _, plan = planar_case
     tau, far = plan.map.arrival_tau, spread(plan.map)

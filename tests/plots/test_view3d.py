@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from gcm_learn.families import paper
-from gcm_learn.plots.figures.solids import faces
 from gcm_learn.plots.figures.view3d import beside_plane, camera, to_world
+from gcm_learn.rendering import faces
 from gcm_learn.scene.outlines import outline
 from gcm_learn.situation import Box, Capsule, Cylinder, Plane, Sphere
+from tests.rendering.test_rendering import area_vector
 
 SOLIDS = [
     Sphere(0.3),
@@ -18,18 +19,6 @@ SOLIDS = [
     Cylinder(0.4, 0.05),
     Cylinder(0.05, 1.5),
 ]
-
-
-def area_vector(face: np.ndarray) -> np.ndarray:
-    return 0.5 * np.cross(face, np.roll(face, -1, axis=0)).sum(axis=0)
-
-
-@pytest.mark.parametrize("shape", SOLIDS, ids=repr)
-def test_faces_close_and_look_outward(shape):
-    areas = np.array([area_vector(face) for face in faces(shape)])
-    middles = np.array([face.mean(axis=0) for face in faces(shape)])
-    np.testing.assert_allclose(areas.sum(axis=0), 0.0, atol=1e-12)
-    assert (np.einsum("ij,ij->i", areas, middles) >= -1e-12).all()
 
 
 @pytest.mark.parametrize("shape", SOLIDS, ids=repr)
@@ -49,21 +38,6 @@ def test_faces_that_the_plane_misses_stay_whole():
     face = np.array([(0.0, 0.0, 1.0), (1.0, 0.0, 1.0), (0.0, 1.0, 2.0)])
     np.testing.assert_array_equal(beside_plane(face, 1), face)
     assert beside_plane(face, -1).shape == (0, 3)
-
-
-VOLUMES = {
-    "sphere": lambda s: 4 / 3 * np.pi * s.radius**3,
-    "box": lambda s: 8 * np.prod(s.half_extents),
-    "cylinder": lambda s: 2 * np.pi * s.radius**2 * s.half_length,
-    "capsule": lambda s: np.pi * s.radius**2 * (2 * s.half_length + 4 / 3 * s.radius),
-}
-
-
-@pytest.mark.parametrize("shape", SOLIDS, ids=repr)
-def test_faces_hold_the_solids_volume(shape):
-    """Gauss: the volume is a third of the flux of x through the faces."""
-    volume = sum(area_vector(f) @ f.mean(axis=0) for f in faces(shape)) / 3
-    assert volume == pytest.approx(VOLUMES[shape.kind](shape), rel=0.06)
 
 
 def test_faces_refuse_a_planar_shape():

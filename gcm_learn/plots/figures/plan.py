@@ -23,17 +23,11 @@ from gcm_learn.plots.figures.space import (
     draw_space,
     key_in_space,
     time_bar,
-    view_of,
 )
 from gcm_learn.plots.figures.space_maps import HandSpace
-from gcm_learn.plots.figures.staging import SpatialSituation, from_above
 from gcm_learn.plots.figures.view3d import HEADROOM, draw_scene
-from gcm_learn.plots.figures.workspace import (
-    draw_courses,
-    draw_movement,
-    draw_waits,
-    notable_waits,
-)
+from gcm_learn.plots.figures.workspace import draw_courses, draw_movement, draw_waits, notable_waits
+from gcm_learn.rendering import SpatialSituation, from_above, view_of
 from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.wave import MarchingParams
 
@@ -195,7 +189,7 @@ def shown_sheets(cognitive_map: CognitiveMap) -> int:
 def sheet_of(cognitive_map: CognitiveMap, k: int) -> CognitiveMap:
     """Return sheet k, counted from 0, as a map of its own.
 
-    Walls are the cells that the hand can never be in; the target is on the sheet on which it is
+    Walls are the cells out of the hand's reach; the target is on the sheet on which it is
     met.
     """
     first, sheet = cognitive_map.arrival, cognitive_map.sheets[k]

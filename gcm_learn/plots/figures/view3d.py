@@ -16,9 +16,7 @@ from matplotlib.colors import to_rgb
 
 from gcm_learn.arms import elbow_position
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.rendering import Camera, shaded
-from gcm_learn.plots.figures.solids import faces
-from gcm_learn.plots.figures.workspace import body_colour
+from gcm_learn.rendering import Camera, body_colour, faces, shaded
 from gcm_learn.scene import pose
 from gcm_learn.situation import PLANAR, Cylinder, Plane, Situation, Sphere
 
