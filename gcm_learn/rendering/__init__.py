@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gcm_learn.rendering.bodies import (
     BALL,
+    EYE,
     HAND,
     LINE,
     SAMPLES,
@@ -12,6 +13,7 @@ from gcm_learn.rendering.bodies import (
     body_poses,
     bone_radius,
     frame_along,
+    limb_faces,
     path_faces,
     view_of,
 )
@@ -70,6 +72,8 @@ __all__ = [
     "box_of",
     "camera_from",
     "centred",
+    "EYE",
+    "limb_faces",
     "faces",
     "floor_of",
     "frame_along",

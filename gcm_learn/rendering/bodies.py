@@ -26,7 +26,7 @@ ELEVATION = 24.0  # [degrees] of the eye
 
 
 def body_poses(situation: SpatialSituation, times: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Where the bodies are at some times, in the world.
+    """Places and turns of the bodies at some times, in the world.
 
     Parameters
     ----------
@@ -67,7 +67,12 @@ def arm_faces(arm: SpatialArm, joints: ArrayLike, alpha: float = 1.0) -> list[Fa
     alpha : float
     """
     elbow, hand = forward_in_space(arm, joints)
-    shoulder, radius = np.asarray(arm.base.origin), bone_radius(arm)
+    return limb_faces(np.array([arm.base.origin, elbow, hand]), bone_radius(arm), alpha)
+
+
+def limb_faces(points: np.ndarray, radius: float, alpha: float = 1.0) -> list[Faces]:
+    """Return a limb through shoulder, elbow and hand (3, 3), with bones of a radius."""
+    shoulder, elbow, hand = points
     out = []
     for a, b in ((shoulder, elbow), (elbow, hand)):
         length = float(np.linalg.norm(b - a))
