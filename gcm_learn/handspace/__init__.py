@@ -1,6 +1,6 @@
 """Hand-space: its charts, and what obstacles are in it."""
 
-from gcm_learn.handspace.extended import extended_obstacle, extended_outline, upper_arm_image
+from gcm_learn.handspace.extended import extended_obstacle, upper_arm_image
 from gcm_learn.handspace.joints import JointLattice, joint_lattice
 from gcm_learn.handspace.lattice import (
     LARGEST_LATTICE,
@@ -35,7 +35,6 @@ __all__ = [
     "cell_joints",
     "chart_of",
     "extended_obstacle",
-    "extended_outline",
     "hand_space",
     "joint_lattice",
     "occupied_cells",
