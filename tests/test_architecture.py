@@ -127,8 +127,9 @@ def functions(tree: ast.AST) -> list[ast.FunctionDef]:
 
 
 def is_compiled(function: ast.FunctionDef) -> bool:
-    """Return whether numba compiles the function: ``@njit``, ``@njit(...)``, ``@numba.njit``."""
-    return any("jit" in ast.unparse(decorator) for decorator in function.decorator_list)
+    """Return whether numba compiles the function: ``@njit``, ``@njit(...)``, ``@by_limb``."""
+    names = [ast.unparse(decorator) for decorator in function.decorator_list]
+    return any("jit" in name or "by_limb" in name for name in names)
 
 
 def is_annotated(function: ast.FunctionDef) -> bool:

@@ -1,11 +1,11 @@
-"""What memories catch, by how they are found again and how many there are; writes table.md.
+"""Catches of memories by index and by size; writes table.md.
 
 python experiments/05_recall/run.py DATASET             the controls
 python experiments/05_recall/run.py DATASET ENCODER     the learned index, and all in one table
 
-DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder`. Memories are
-the catches of the training records, situations those of the split `test`. What is done is kept in
-out/ and not done again.
+DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder`. Memories
+are the catches of the training records; situations come from the split `test`. Results are kept in
+out/ and not computed again.
 """
 
 from __future__ import annotations
@@ -83,6 +83,10 @@ class Bank(NamedTuple):
         some = np.sort(seeding.rng(4).permutation(len(self.traces))[:size])
         return Bank(*(column[some] for column in self))
 
+    def filed(self, index: Index, places: np.ndarray, search: str) -> Memory:
+        """A memory of these catches at known places."""
+        return Memory.of(index, places, self.traces, self.goals, search=search)
+
 
 def questions(records: dataset.Dataset, count: int) -> list[tuple[str, str, Situation]]:
     """Stratum, family and situation of the first test records of every stratum."""
@@ -93,44 +97,28 @@ def questions(records: dataset.Dataset, count: int) -> list[tuple[str, str, Situ
     return out
 
 
-def memory_of(index: Index, places: np.ndarray, bank: Bank, search: str) -> Memory:
-    """A memory whose places are known; its situations are not kept, for nobody asks for them."""
-    memory = Memory(index, search)
-    count = len(places)
-    columns = {
-        "embeddings": places.astype(np.float32),
-        "traces": bank.traces,
-        "goals": bank.goals,
-        "labels": np.zeros((count, 2), np.int16),
-        "uses": np.zeros(count, np.int32),
-        "lengths": np.zeros(count, np.int32),
-    }
-    memory._append(columns, [b""] * count)
-    return memory
-
-
 def filed(
     bank: Bank, encoder: Encoder | None, train: dataset.Dataset, maps: int
 ) -> Iterator[tuple[str, Memory]]:
     """The memory under every index."""
     if encoder is not None:
         places = encoder.embed_memories([], bank.traces, bank.goals)
-        yield "learned", memory_of(LearnedIndex(encoder), places, bank, "cells")
+        yield "learned", bank.filed(LearnedIndex(encoder), places, "cells")
         return
     scale = Scale.of(bank.features)
-    yield "raw", memory_of(RawIndex(scale), nearest_rows(scale(bank.features)), bank, "exact")
+    yield "raw", bank.filed(RawIndex(scale), nearest_rows(scale(bank.features)), "exact")
     control = RandomIndex()
     traces = [Waypoints(k, g) for k, g in zip(bank.traces, bank.goals, strict=True)]
     places = np.array([control.embed_memories([None], [trace])[0] for trace in traces])  # type: ignore
-    yield "random", memory_of(control, places, bank, "exact")
+    yield "random", bank.filed(control, places, "exact")
     if len(traces) <= maps:
         situations = [train[int(k)].situation for k in bank.records]
         index = PcaIndex.fit(situations)
-        yield "pca", memory_of(index, index.embed_memories(situations, traces), bank, "exact")
+        yield "pca", bank.filed(index, index.embed_memories(situations, traces), "exact")
 
 
 def recalled(planner: RecallPlanner) -> Ask:
-    """What a planner that recalls answers, and after how many checks."""
+    """Answer of a planner that recalls, and its checks."""
 
     def ask(situation: Situation) -> dict[str, object]:
         found = planner.recollect(situation)
@@ -140,7 +128,7 @@ def recalled(planner: RecallPlanner) -> Ask:
 
 
 def planned(name: str, hybrid: RecallPlanner | None = None) -> Ask:
-    """What a planner answers; one that is preceded by recall if that is given."""
+    """Answer of a planner, after recall if that is given."""
     planner = get_planner(name) if hybrid is None else HybridPlanner(hybrid, get_planner(name))
 
     def ask(situation: Situation) -> dict[str, object]:
@@ -150,7 +138,7 @@ def planned(name: str, hybrid: RecallPlanner | None = None) -> Ask:
 
 
 def first_choice(memory: Memory) -> Ask:
-    """Whether the first memory holds as it is bent, unverified."""
+    """Return whether the first memory holds after adaptation, unverified."""
 
     def ask(situation: Situation) -> dict[str, object]:
         return {"caught": unverified(memory, situation).worked, "checks": 1}

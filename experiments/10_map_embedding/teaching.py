@@ -18,12 +18,11 @@ from gcm_learn.recall import (
     Memory,
     Trainer,
     TransferLabels,
-    training,
 )
 
-# Of the weights over the steps: the package's average is for long runs, and would here still hold
-# much of the weights at random that training starts from.
-training.AVERAGE = 0.98
+AVERAGE = 0.98
+"""Of the weights over the steps: the package's average is for long runs, and would here still hold
+much of the random weights that training starts from."""
 Given = dict[int, Labels]
 
 
@@ -44,7 +43,7 @@ class Same:
         self.path_features, self.map_features = source.path_features, pictures
 
     def labels(self, index: int, best: Best | None) -> Labels:
-        """Batch number `index`, made when it is first asked for."""
+        """Batch number `index`, made at the first call."""
         if best is not None:
             return self.source.labels(index, best)
         if index not in self.given:
@@ -67,22 +66,12 @@ def trained(
     began = time.process_time()
     with tempfile.TemporaryDirectory() as folder:
         data = Same(source, pictures, given)
-        trainer = Trainer(config, data, Path(folder), Effort(turns=turns))
+        trainer = Trainer(config, data, Path(folder), Effort(turns=turns), average=AVERAGE)
         encoder = trainer.run()
     print(config, f"{time.process_time() - began:.0f} s", flush=True)
     return encoder
 
 
 def filed(index: Index, places: np.ndarray, source: TransferLabels) -> Memory:
-    """The source's memories at known places; their situations are not kept."""
-    memory, count = Memory(index, "exact"), len(places)
-    columns = {
-        "embeddings": places.astype(np.float32),
-        "traces": source.knots,
-        "goals": source.goals,
-        "labels": np.zeros((count, 2), np.int16),
-        "uses": np.zeros(count, np.int32),
-        "lengths": np.zeros(count, np.int32),
-    }
-    memory._append(columns, [b""] * count)
-    return memory
+    """The source's memories at known places."""
+    return Memory.of(index, places, source.knots, source.goals, search="exact")

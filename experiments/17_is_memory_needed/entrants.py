@@ -60,7 +60,7 @@ def _catches(records: Dataset, size: int, seed: int) -> Dataset:
 
 
 def needed(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
-    """What could stand in for a memory, learned from the same labels."""
+    """Substitutes for a memory, learned from the same labels."""
     for seed in FEW:
         folder = out / "encoders" / f"prototypes-{PROTOTYPES}-{seed}"
         yield folder.name, lambda folder=folder: by(paths_of(folder))
@@ -105,22 +105,7 @@ def paths_of(folder: Path, by_other: Index | None = None) -> Memory:
     with np.load(folder / "paths.npz") as file:
         knots, goals = file["knots"], file["goals"]
     paths = [Waypoints(k, g) for k, g in zip(knots, goals, strict=True)]
-    return filed(Memory(index), index.embed_memories([], paths), knots, goals)
-
-
-def filed(memory: Memory, embeddings: np.ndarray, knots: np.ndarray, goals: np.ndarray) -> Memory:
-    """An empty memory, filled with movements (n, ...) under embeddings (n, d)."""
-    count = len(knots)
-    columns = {
-        "embeddings": embeddings,
-        "traces": knots,
-        "goals": goals,
-        "labels": np.zeros((count, 2), np.int16),
-        "uses": np.zeros(count, np.int32),
-        "lengths": np.zeros(count, np.int32),
-    }
-    memory._append(columns, [b""] * count)
-    return memory
+    return Memory.of(index, index.embed_memories([], paths), knots, goals)
 
 
 def _regressor(out: Path, seed: int) -> Ask:

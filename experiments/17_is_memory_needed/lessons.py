@@ -20,16 +20,14 @@ from gcm_learn.recall import (
     Trainer,
     TransferLabels,
     save_encoder,
-    training,
     waypoints_of,
 )
-from gcm_learn.recall.transfer_labels import ALONE, ANY, DEPTH, EASY, SITUATIONS, _hard
+from gcm_learn.recall.transfer_labels import DEPTH, EASY
 from gcm_learn.situation import Pendulum, Situation
 
-# Of the weights over the steps: the package's average is for long runs.
-training.AVERAGE = 0.99
+AVERAGE = 0.99  # of the weights over the steps: the package's average is for long runs
 PLAIN = Adaptation(bends=0)
-"""How memories are tried for labels: bent ones take fifteen times as long to make."""
+"""Adaptation for labels: with changes of shape, labels take fifteen times as long."""
 EPOCHS = 200  # orders in which situations come again: more than are ever used up
 PICK = 17  # purpose of random numbers
 MOST = 11_000  # of the first records: catches that are drawn at most
@@ -63,8 +61,7 @@ def with_validation(some: Dataset, records: Dataset) -> Dataset:
 class Strict(TransferLabels):
     """Labels about the situations of the records alone: once all are used up they come again.
 
-    `TransferLabels` goes on with others of the same specification. These need no catch, but they
-    are experience, too.
+    `TransferLabels` goes on with others of the same specification. These are experience, too.
     """
 
     def __init__(self, records: Dataset, seed: int) -> None:
@@ -101,16 +98,16 @@ class Prototypes(Strict):
     def labels(self, index: int, best: Best | None) -> Labels:
         """Every prototype, or the best by what is known, on the next situations."""
         rng = seeding.rng(self.seed, PICK, EPOCHS, index)
-        size = SITUATIONS - int(ALONE * SITUATIONS)
+        size = self.sizes.others
         mine = self._order[index * size : (index + 1) * size]
         problems = [self.kind.problem(self.situations[k], "labels") for k in mine.tolist()]
         problems += self._alone(problems, rng)
         seen, nobody = self._seen(problems), np.full(len(problems), -1)
         if best is None:
-            rows = rng.permutation(len(self.knots))[:ANY]
+            rows = rng.permutation(len(self.knots))[: self.sizes.any]
             each = np.broadcast_to(rows, (len(problems), len(rows)))
         else:
-            each = rows = _hard(best(seen, DEPTH), rng)
+            each = rows = self.sizes.hard(best(seen, DEPTH), rng)
         return Labels(seen, rows, self._valid(problems, each), nobody)
 
 
@@ -154,7 +151,7 @@ class Still(Strict):
 def at_rest(situation: Situation) -> Situation | None:
     """Obstacles as they are at t = 0 for good, the target where `layered` catches it.
 
-    None if it does not, or something swings.
+    Return None without a catch, or where something swings.
     """
     plan = get_planner("layered").plan(situation)
     if plan.catch_time is None or any(isinstance(b.motion, Pendulum) for b in situation.bodies):
@@ -177,7 +174,8 @@ def _resting(motion: Any, t: float) -> Any:
 
 def trained(data: TransferLabels, seed: int, folder: Path, turns: int, work: Path) -> Encoder:
     """An encoder, trained for some turns; its lessons stay in `work`."""
-    trainer = Trainer(EncoderConfig(seed=seed, arm=data.kind.name), data, work, Effort(turns=turns))
+    config = EncoderConfig(seed=seed, arm=data.kind.name)
+    trainer = Trainer(config, data, work, Effort(turns=turns), average=AVERAGE)
     trainer.run()
     save_encoder(trainer.encoder, folder)
     scores = " ".join(f"{k}: {v:.3f}" for k, v in trainer.validate().items())

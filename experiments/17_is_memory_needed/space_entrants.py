@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from answers import CHECKS, Answer, Ask, by
-from entrants import Make, filed, with_controls
+from entrants import Make, with_controls
 from questions import Question
 from regressor import WAITS, Paths, regressor, told
 from space_lessons import OF, PROTOTYPES, SEEDS, SIZES, TURNS, Catches
@@ -46,7 +46,7 @@ def equal(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
 
 
 def needed(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
-    """What could stand in for a memory, learned from the same labels."""
+    """Substitutes for a memory, learned from the same labels."""
     for seed in SEEDS:
         folder = out / "encoders" / f"prototypes-{PROTOTYPES}-{seed}"
         yield folder.name, lambda folder=folder: by(_learned(folder))
@@ -70,20 +70,20 @@ def _paths(folder: Path) -> Catches:
 def _learned(folder: Path) -> Memory:
     index, some = LearnedIndex(load_encoder(folder)), _paths(folder)
     places = index.encoder.embed_memories([], some.knots, some.goals)
-    return filed(Memory(index, kind=SPACE), places, some.knots, some.goals)
+    return Memory.of(index, places, some.knots, some.goals, kind=SPACE)
 
 
 def _raw(some: Catches) -> Memory:
     index = RawIndex(Scale.of(some.raw))
     places = nearest_rows(index.scale(some.raw))
-    return filed(Memory(index, kind=SPACE), places, some.knots, some.goals)
+    return Memory.of(index, places, some.knots, some.goals, kind=SPACE)
 
 
 def _any(some: Catches) -> Memory:
     index = RandomIndex()
     paths = [SpatialWaypoints(k, g) for k, g in zip(some.knots, some.goals, strict=True)]
     places = index.embed_memories([], paths)
-    return filed(Memory(index, kind=SPACE), places, some.knots, some.goals)
+    return Memory.of(index, places, some.knots, some.goals, kind=SPACE)
 
 
 def _regressor(out: Path, seed: int) -> Ask:

@@ -6,22 +6,19 @@ import io
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import lessons
 import numpy as np
 from lessons import PICK, Prototypes, Strict, medoids, trained
 
 from gcm_learn import seeding
 from gcm_learn.dataset import Dataset
 from gcm_learn.processes import Here
-from gcm_learn.recall import transfer_labels
 from gcm_learn.recall.growth import catch_of
 from gcm_learn.recall.kinds import SPACE, raw_numbers
-from gcm_learn.recall.transfer_labels import ALONE, EASY, TransferLabels
+from gcm_learn.recall.transfer_labels import EASY, Sizes, TransferLabels
 from gcm_learn.storage import write_whole
 
-SITUATIONS, transfer_labels.ANY = 256, 64
-"""Situations of a batch, and memories of one about any: half of the package's and two fifths."""
-lessons.SITUATIONS = transfer_labels.SITUATIONS = SITUATIONS  # type: ignore[attr-defined]
+SIZES_OF_BATCHES = Sizes(situations=256, any=64)
+"""Half of the package's situations, and two fifths of its memories."""
 TURNS = 24
 SIZES = (1000, 3000, 10_000, 30_000)
 SEEDS = (0, 1, 2, 3, 4)
@@ -40,7 +37,7 @@ class Catches(NamedTuple):
     raw: np.ndarray
     """Raw parameters of the situations (n, m)."""
     easy: np.ndarray
-    """Whether a straight movement catches (n,) bool."""
+    """Mark (n,) bool of catches by a straight movement."""
 
     def part(self, count: int, seed: int) -> Catches:
         """`count` of them, drawn by a seed; fewer are among more."""
@@ -90,13 +87,14 @@ class Told(Strict):
     def __init__(self, experience: tuple[Dataset, Catches, list[Any]], seed: int) -> None:
         records, some, self._exam = experience
         self.spec, self.seed, self.crew, self.kind = records.spec, seed, Here(), SPACE
+        self.sizes = SIZES_OF_BATCHES
         self.knots, self.goals = some.knots, some.goals
         self.path_features = SPACE.path_features(self.knots, self.goals)
         self.map_features = None
         lots = seeding.rng(seed, PICK, 1)
         self._order = np.flatnonzero(~some.easy | (lots.random(len(some.easy)) < EASY))
         self._again()
-        used = np.unique(self._order[: TURNS * (SITUATIONS - int(ALONE * SITUATIONS))])
+        used = np.unique(self._order[: TURNS * self.sizes.others])
         read = zip(used.tolist(), records[some.where[used]], strict=True)
         self.situations = {k: record.situation for k, record in read}  # type: ignore[assignment]
 
@@ -121,7 +119,7 @@ def train_all(some: list[str], records: Dataset, out: Path) -> None:
 
 
 class Held(TransferLabels):
-    """What is validated with, read once for all."""
+    """Situations for validation, read once."""
 
     def __init__(self, records: Dataset) -> None:
         self._held = records.where(split="validation")

@@ -24,6 +24,7 @@ from pathlib import Path
 
 from gcm_learn import dataset
 from gcm_learn.dataset import DatasetSpec, FamilyShare, make_item
+from gcm_learn.plots import plot_map
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))
 families = tuple(FamilyShare(name) for name in ("gate", "crossing-swarm", "random-planar"))
@@ -57,4 +58,4 @@ print(dict(zip(strata.tolist(), counts.tolist(), strict=True)))
 # %%
 record = next(r for r in records.where(stratum="W") if r.plans["layered"].caught)
 print(record.family, record.stratum, record.plans["layered"].message)
-record.map.plot().figure
+plot_map(record.map).figure

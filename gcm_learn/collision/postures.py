@@ -28,16 +28,13 @@ from gcm_learn.arms.limbs import (
     swept,
 )
 from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.collision.chains import room_in_pose, solid_distance
+from gcm_learn.collision.solids import room_in_pose, solid_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
-    BOX,
-    CAPSULE,
     KIND,
     LIMB,
     PART,
     REACH,
-    SIZE,
     SPHERE,
     TOP_SPEED,
     centre_at,
@@ -84,7 +81,7 @@ def desk_of(scene):
 
 
 @njit(_nrt=False, forceinline=True)
-def _off_bone(px, py, pz, dx, dy, dz):
+def off_bone(px, py, pz, dx, dy, dz):
     """Distance of the point p to the segment from the origin to d."""
     length2 = dx * dx + dy * dy + dz * dz
     s = 0.0
@@ -116,8 +113,8 @@ def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
     turned = centre_at(bodies, b, t, poses)
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     ex, ey, ez, hx, hy, hz = limb
-    upper = _off_bone(x, y, z, ex, ey, ez) - reach
-    fore = _off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez) - reach
+    upper = off_bone(x, y, z, ex, ey, ez) - reach
+    fore = off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez) - reach
     if bodies.rows[b, KIND] != SPHERE:
         near_upper, near_fore = upper - upper_slack <= enough, fore - fore_slack <= enough
         if turned and (near_upper or near_fore):
@@ -166,6 +163,7 @@ def gap_to(limb, where, slack, bodies, b, t, off, enough, poses):
     """
 
 
+@njit(_nrt=False)
 def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
     """Ask link by link; the ball that holds the body bounds what is farther."""
     turned = centre_at(bodies, b, t, poses)
@@ -176,7 +174,7 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
             continue
         px, py, pz, qx, qy, qz, radius = link(limb, where, i)
         slip = slack_of(limb, slack, i) + off
-        gap = _off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radius
+        gap = off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radius
         if bodies.rows[b, KIND] != SPHERE and gap - slip <= enough:
             if turned:
                 rotate(bodies, b, t, poses)
@@ -186,6 +184,7 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
     return best, room
 
 
+@njit(_nrt=False)
 def _gap_to_bones(limb, where, slack, bodies, b, t, off, enough, poses):
     """Ask both bones at once; see `body_distance`."""
     return body_distance(bodies, b, t, where, slack[0] + off, slack[1] + off, enough, poses)
@@ -309,120 +308,3 @@ def move_is_free(scene, q, since, p, until, touch, desk):
     line(q, p, desk.curve)
     best, _ = least_on(scene, since, until, touch, 1e300, 1e300, desk)
     return best > touch
-
-
-@njit(_nrt=False)
-def _shortest_radius(bodies, b):
-    """Radius of the largest ball about its centre that a solid holds."""
-    kind, size = bodies.rows[b, KIND], bodies.rows[b, SIZE]
-    if kind == BOX:
-        return min(size, bodies.rows[b, SIZE + 1], bodies.rows[b, SIZE + 2])
-    if kind == SPHERE or kind == CAPSULE:
-        return size
-    return min(size, bodies.rows[b, SIZE + 1])
-
-
-@by_limb
-def depth_of(limb, where, bodies, b, found, touch, poses):
-    """How far body b, which touches the limb, must travel at least before it is free."""
-
-
-def _depth_in_links(limb, where, bodies, b, found, touch, poses):
-    """Take the link that is deepest in the body."""
-    return touch - found
-
-
-def _depth_in_bones(limb, where, bodies, b, found, touch, poses):
-    """Take the largest ball in the body, or what the distance lacks."""
-    ex, ey, ez, hx, hy, hz = where
-    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
-    away = min(
-        _off_bone(x, y, z, ex, ey, ez),
-        _off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez),
-    )
-    return max(_shortest_radius(bodies, b) + touch - away, touch - found)
-
-
-give(depth_of, None, _depth_in_links)
-give(depth_of, SpatialLimb, _depth_in_bones)
-
-
-@njit(_nrt=False)
-def state_at(scene, where, t, touch, desk):
-    """Whether a resting limb is free at t [s], and for how long that surely stays so.
-
-    Parameters
-    ----------
-    where : place of the limb
-    """
-    limb, bodies = scene.limb, scene.bodies
-    blocked, apart, together = False, 1e300, 0.0
-    slack = still(limb)
-    if self_gap(limb, where, slack, touch)[0] <= touch:
-        return False, 1e300
-    for k in range(desk.obstacles.size):
-        b = desk.obstacles[k]
-        speed = bodies.rows[b, TOP_SPEED]
-        far = touch + speed * min(apart, 1e200)
-        found, _ = gap_to(limb, where, slack, bodies, b, t, 0.0, far, desk.poses)
-        if found > touch:
-            if speed > 0.0:
-                apart = min(apart, (found - touch) / speed)
-            continue
-        blocked = True
-        inside = depth_of(limb, where, bodies, b, found, touch, desk.poses)
-        if inside > 0.0:
-            together = max(together, inside / speed if speed > 0.0 else 1e300)
-    return not blocked, together if blocked else apart
-
-
-@njit(_nrt=False)
-def free_until(scene, q, since, until, touch, shortest, desk):
-    """Until when a limb may rest at joints q (n,), from `since` on.
-
-    Conservative advancement, with steps of at least `shortest` [s].
-
-    Returns
-    -------
-    float
-        `until` if it is not touched before [s]; `since` if it is touched then.
-    """
-    where, t, safe = place(scene.limb, q), since, since
-    while t < until:
-        free, stays = state_at(scene, where, t, touch, desk)
-        if not free:
-            return safe
-        safe = t + stays
-        t += max(stays, shortest)
-    return until
-
-
-@njit(_nrt=False)
-def free_spans(scene, q, since, until, touch, shortest, desk, out):
-    """Spans of time in which a limb may rest at joints q (n,), into `out` (k, 2).
-
-    Spans shorter than `shortest` [s] may be missed, and those beyond what `out` holds are left
-    out; the ends of a span are inside it.
-
-    Returns
-    -------
-    count : int
-    """
-    where, t, count, begun = place(scene.limb, q), since, 0, False
-    safe = since
-    while t <= until and count < out.shape[0]:
-        free, stays = state_at(scene, where, t, touch, desk)
-        if free:
-            if not begun:
-                begun, out[count, 0] = True, t
-            safe = t + stays
-        elif begun:
-            begun, out[count, 1] = False, min(safe, t)
-            count += 1
-        if t >= until:
-            break
-        t = min(t + max(stays, shortest), until)
-    if begun:
-        out[count, 1] = until
-        count += 1
-    return count

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from functools import lru_cache
-from typing import Any, Generic, Literal
+from functools import lru_cache, partial
+from typing import Any, Literal
 
 from gcm_learn.dataset.parameters import parameters_of, quantities_of, structure_of, twin_key
 from gcm_learn.dataset.record import OracleLabel, Record
@@ -14,11 +14,7 @@ from gcm_learn.dataset.splits import lot_of, split_of
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.planners import (
     Bounds,
-    Exploration,
-    Explore,
-    Feedback,
     FrontPlanner,
-    Params,
     Plan,
     Planner,
     Problem,
@@ -64,7 +60,7 @@ def planner_of(name: str, n: int, rungs: int) -> Planner:
 
 
 def make_item(spec: DatasetSpec, k: int) -> Record:
-    """Make item k.  Whatever goes wrong is recorded: one bad item never stops a run."""
+    """Make item k.  Errors are recorded, so a bad item never stops a run."""
     record = no_item(spec, k)
     values = record.values
     try:
@@ -147,7 +143,7 @@ class Case:
 
     @property
     def blocked(self) -> bool:
-        """Whether the limb touches an obstacle at t = 0."""
+        """Return whether the limb touches an obstacle at t = 0."""
         return self._early is not None and self._early.status == "start_blocked"
 
     def verdict(self, wanted: str | None = None) -> Verdict:
@@ -177,7 +173,7 @@ class Case:
         return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
 
     def _caught_straight(self) -> bool:
-        """Whether the straight line to the earliest interception catches; in space, one to any."""
+        """Return whether a straight line catches: to the earliest interception, in space to any."""
         if self.plan("straight").caught:
             return True
         if not self.situation.is_spatial or self.problem.accelerates:
@@ -185,7 +181,7 @@ class Case:
         return self._early is None and any_straight(self.problem, INSTANTS).caught
 
     def _caught_without_waiting(self) -> bool:
-        """Whether first arrivals catch; in space whether `layered` needs no rest for its catch."""
+        """Return whether first arrivals catch; in space, whether `layered` catches without rest."""
         if not self.situation.is_spatial:
             return self.plan("marching").caught
         plan = self.plan("layered")
@@ -194,7 +190,7 @@ class Case:
         return without_waits(self.problem, plan) is not None
 
     def plan(self, name: str) -> Plan[Any]:
-        """What a planner answers."""
+        """Answer of a planner."""
         if name not in self._plans:
             self._plans[name] = self._planned(name)
         return self._plans[name]
@@ -217,9 +213,7 @@ class Case:
             return planner.plan(self.situation)
         if planner.direct and self.plan("straight").caught:
             return replace(self.plan("straight"), planner=name)
-        first, *others = planner.levels
-        witness = _Witness(name, first.explore, self._first_maps)
-        return replace(planner, levels=(replace(first, explore=witness), *others)).search(problem)
+        return planner.search(problem, partial(self._first_maps.setdefault, name))
 
     def map(self) -> CognitiveMap | None:
         """The map of the specification's engine, with its default parameters and full margin."""
@@ -251,16 +245,3 @@ class Case:
         """The oracle's label."""
         known = self.bounds()
         return OracleLabel(stratum(self.situation, known), known.lower, known.upper)
-
-
-class _Witness(Generic[Params]):
-    """Explores for a planner's first level and keeps the first map."""
-
-    def __init__(self, name: str, explore: Explore[Params], maps: dict[str, CognitiveMap]) -> None:
-        self.name, self.maps = name, maps
-        self.explore: Explore[Params] = explore
-
-    def __call__(self, problem: Problem, params: Params, feedback: Feedback) -> Exploration:
-        made = self.explore(problem, params, feedback)
-        self.maps.setdefault(self.name, made.map)
-        return made

@@ -1,4 +1,4 @@
-"""Datasets for ``torch.utils.data.DataLoader``: at random from a cache, or as a stream."""
+"""Streams of datasets for ``torch.utils.data.DataLoader``."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import torch
-from torch.utils.data import Dataset as TorchDataset
 from torch.utils.data import IterableDataset, get_worker_info
 
-from gcm_learn.dataset import WINDOW, Dataset, Example, MapCache
+from gcm_learn.dataset import WINDOW, Dataset, Example
 
 Item = dict[str, Any]
 
@@ -18,27 +17,6 @@ def tensors_of(example: Example) -> Item:
     """The default item: ``image`` (3, n, n) float32, ``index``, and the labels as they are."""
     image = torch.from_numpy(example.image())
     return {"index": example.index, "image": image, **example.labels}
-
-
-class TorchMaps(TorchDataset):
-    """The maps of a cache at random.
-
-    Parameters
-    ----------
-    cache : MapCache
-    transform : callable
-        Makes an item of an `Example`.
-    """
-
-    def __init__(self, cache: MapCache, transform: Callable[[Example], Any] = tensors_of) -> None:
-        self.cache, self.transform = cache, transform
-
-    def __len__(self) -> int:
-        return len(self.cache)
-
-    def __getitem__(self, k: int) -> Any:
-        """Item k."""
-        return self.transform(self.cache[k])
 
 
 class TorchStream(IterableDataset):

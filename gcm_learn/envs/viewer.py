@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.arms import elbow_position
+from gcm_learn.rendering import ARM, INK, PATH, body_colour
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
 
 SIZE_INCHES, DPI = 4.8, 100
-ARM, TARGET, OBSTACLE, PATH = "#a61e3a", "#8e44ad", "#2b6cb0", "#5b2a86"  # as in all pictures
-INK = "#2d3748"
 
 
 class Viewer:
@@ -70,8 +69,7 @@ class Viewer:
         for index, body in enumerate(situation.bodies):
             corners = outline(situation, index, time)
             if corners is not None:
-                colour = TARGET if body.role == "target" else OBSTACLE
-                self._axes.add_patch(Polygon(corners, closed=True, color=colour, lw=0))
+                self._axes.add_patch(Polygon(corners, closed=True, color=body_colour(body), lw=0))
 
     def _picture(self) -> np.ndarray | None:
         canvas = self._figure.canvas

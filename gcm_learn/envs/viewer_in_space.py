@@ -9,6 +9,7 @@ import numpy as np
 from gcm_learn.arms import SpatialArm
 from gcm_learn.envs.viewer import DPI, SIZE_INCHES
 from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.rendering import Spectator
 from gcm_learn.situation import Situation
 
 PIXELS = round(SIZE_INCHES * DPI)  # of a side
@@ -30,8 +31,6 @@ class ViewerInSpace:
 
     def show(self, situation: Situation[SpatialArm], way: SpatialTrajectory) -> np.ndarray | None:
         """Draw the end of a way: a picture (480, 480, 3) uint8, or None in a window."""
-        from gcm_learn.plots import Spectator
-
         seen, spectator = self._seen
         if seen is not situation:
             spectator = Spectator(situation)

@@ -1,7 +1,6 @@
 """Hand-space: its charts, and what obstacles are in it."""
 
-from gcm_learn.handspace.chart import Chart, Steps, steps_of
-from gcm_learn.handspace.extended import extended_obstacle, extended_outline, upper_arm_image
+from gcm_learn.handspace.extended import extended_obstacle, upper_arm_image
 from gcm_learn.handspace.joints import JointLattice, joint_lattice
 from gcm_learn.handspace.lattice import (
     LARGEST_LATTICE,
@@ -16,6 +15,7 @@ from gcm_learn.handspace.room import room_in_space
 from gcm_learn.handspace.space import (
     LARGEST_IN_SPACE,
     MOST_POSTURES,
+    Chart,
     SpaceLattice,
     chart_of,
     ring_leap,
@@ -32,17 +32,14 @@ __all__ = [
     "SMALLEST_LATTICE",
     "START_RADIUS",
     "SpaceLattice",
-    "Steps",
     "cell_joints",
     "chart_of",
     "extended_obstacle",
-    "extended_outline",
     "hand_space",
     "joint_lattice",
     "occupied_cells",
     "ring_leap",
     "room_in_space",
     "space_of",
-    "steps_of",
     "upper_arm_image",
 ]

@@ -81,26 +81,3 @@ def upper_arm_image(
         return np.zeros((0, 2))
     psi = np.arctan2(x[1], x[0]) + SIDE[elbow] * np.linspace(0.0, np.pi, n)
     return upper_arm * x / r + np.stack([np.cos(psi), np.sin(psi)], axis=-1)
-
-
-def extended_outline(
-    outline: ArrayLike, upper_arm: float = 1.0, elbow: str = "right", n: int = 64
-) -> list[np.ndarray]:
-    """Images of the points of a body's outline: the curves that sweep its extended obstacle.
-
-    Parameters
-    ----------
-    outline : (m, 2) array_like
-        Boundary points of a disc or polygon; those out of reach are left out.
-
-    Returns
-    -------
-    list of (n, 2) ndarray
-        Forearm curves, then upper-arm arcs.
-    """
-    points = np.asarray(outline, dtype=float)
-    radius = np.hypot(points[:, 0], points[:, 1])
-    points = points[(radius < upper_arm + 1.0) & (radius > 1e-9)]
-    curves = [extended_obstacle(p, upper_arm, elbow, n) for p in points]
-    arcs = [upper_arm_image(p, upper_arm, elbow, n) for p in points]
-    return curves + [arc for arc in arcs if len(arc)]

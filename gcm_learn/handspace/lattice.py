@@ -8,11 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.planar_limb import SIDE, elbow_of, joints_of
+from gcm_learn.arms.planar_limb import SIDE, elbow_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
-from gcm_learn.handspace.chart import Steps, steps_of
-from gcm_learn.scene import Limits, Scene
 
 SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
@@ -74,61 +72,10 @@ class Lattice:
         """Centres (n * n, 2) of the cells."""
         return hand_space(self).limb[:, :2]
 
-    @property
-    def inside(self) -> np.ndarray:
-        """Cells (n * n,) bool that the hand can be in."""
-        return hand_space(self).inside
-
-    @property
-    def strides(self) -> np.ndarray:
-        """How far (n * n,) points of the limb move when the hand goes half way to the next cell."""
-        return hand_space(self).stride
-
-    @property
-    def limbs(self) -> np.ndarray:
-        """Shoulder, elbow and hand (n * n, 3, 3) in every cell."""
-        limb = hand_space(self).limb
-        out = np.zeros((len(limb), 3, 3))
-        out[:, 1, :2], out[:, 2, :2] = limb[:, 2:], limb[:, :2]
-        return out
-
-    def steps(self, limits: Limits) -> Steps:
-        """The eight neighbours; a step takes as long as the hand, or the slowest joint."""
-        cells = np.arange(self.n**2).reshape(self.shape)
-        pairs = []
-        for i, j in ((0, 1), (1, 0), (1, 1), (1, -1)):
-            here = cells[: self.n - i, max(-j, 0) : self.n - max(j, 0)]
-            there = cells[i:, max(j, 0) : self.n + min(j, 0)]
-            pairs += [np.stack([here, there], -1), np.stack([there, here], -1)]
-        found = np.concatenate([pair.reshape(-1, 2) for pair in pairs])
-        found = found[self.inside[found].all(axis=1)]
-        joints = cell_joints(self)
-        times = self._times(self.hands[found], joints[found], limits)
-        return steps_of(found, times, self.n**2)
-
-    def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-        """Cells within START_RADIUS of the hand, and when it is there [s]."""
-        limb = scene.limb
-        hand = np.array([[limb.x, limb.y]])
-        away = np.hypot(*(self.hands - hand).T) / self.spacing
-        cells = np.flatnonzero(self.inside & (away <= START_RADIUS))
-        joints = joints_of(hand, limb.rho, limb.side)
-        ends = [np.stack(np.broadcast_arrays(a, b[cells]), axis=1)
-                for a, b in ((hand, self.hands), (joints, cell_joints(self)))]  # fmt: skip
-        return cells, self._times(ends[0], ends[1], scene.limits)
-
-    def lower_bound(self, place: np.ndarray, near: float, limits: Limits) -> np.ndarray:
-        """Least time (n * n,) from every cell until the hand is `near` a place (3,) [s]."""
-        away = np.hypot(np.hypot(*(self.hands - place[:2]).T), place[2])
-        return np.maximum(away - near, 0.0) / limits.speed
-
-    @staticmethod
-    def _times(hands: np.ndarray, joints: np.ndarray, limits: Limits) -> np.ndarray:
-        """Times (m,) between pairs of hands (m, 2, 2) with their joint angles (m, 2, 2) [s]."""
-        turn = np.abs(joints[:, 1] - joints[:, 0])
-        turn[:, 0] = np.abs((turn[:, 0] + np.pi) % (2.0 * np.pi) - np.pi)
-        hand = np.hypot(*(hands[:, 1] - hands[:, 0]).T) / limits.speed
-        return np.maximum(hand, (turn / (limits.shoulder, limits.elbow)).max(axis=1))
+    def hand_at(self, node: int) -> tuple[float, float]:
+        """Centre of one cell."""
+        x, y = self.hands[node]
+        return float(x), float(y)
 
 
 class HandSpace(NamedTuple):
@@ -164,8 +111,8 @@ def cell_joints(lattice: Lattice) -> np.ndarray:
 def _geometry(centres, rho, side):
     """Limb, stride and inside of `HandSpace`.
 
-    Every arm that was not met before needs them, so it is a quarter of the lattice that is
-    computed: turned by a right angle, hand and elbow are those of another cell.
+    Every new arm needs this geometry. So a quarter of the lattice is computed: turned by a right
+    angle, a cell's hand and elbow stand in another cell.
     """
     n = centres.size
     limb, stride = np.empty((n * n, 4)), np.empty(n * n)

@@ -1,14 +1,14 @@
 """The rule by which a hand in space has one posture for each of K swivels of the elbow.
 
 A hand leaves the elbow a circle.  Of K postures the k-th has the swivel of the arm at t = 0 and k
-K-ths of a turn, or where the joints' ranges forbid that, the nearest swivel in its own K-th of the
-circle that they allow.  They are on the branch of the inverse kinematics that the arm is on at
+K-ths of a turn. Where the joints' ranges forbid that, it takes the nearest allowed swivel in its
+own K-th of the circle.  They are on the branch of the inverse kinematics that the arm is on at
 t = 0, or on another where that one allows none.  So the first posture of the hand at t = 0 is the
 arm's own.
 
-Joints are continuous over hand-space but where the nearest swivel changes sides, where the branch
-changes, where allowed swivels end or fall apart, next to the shoulder, and on the half-line on
-which swivels are undefined.  There is no step there: a joint would turn farther than `leap_of`.
+Joints jump where the nearest swivel changes sides, where the branch changes, and where allowed
+swivels end or fall apart. They also jump next to the shoulder, and on the half-line on which
+swivels are undefined.  There is no step there: a joint would turn farther than `leap_of`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _GRID = 65  # angles at which the elbow is looked at for the hand's nearest and 
 
 
 class Rule(NamedTuple):
-    """What says which posture a hand has; made by `rule_of`."""
+    """Rule by which a hand has its postures; made by `rule_of`."""
 
     limb: SpatialLimb
     swivel: float  # at t = 0 [rad]
@@ -53,15 +53,15 @@ def rule_of(limb: SpatialLimb, postures: int = 1) -> Rule:
 def leap_of(limb: SpatialLimb, spacing: float) -> float:
     """Angle by which no joint turns in a step between neighbouring cells [rad].
 
-    From the rim, where the arm is stretched, the elbow bends with the root of the way inwards; that
-    is the fastest that joints change anywhere but at jumps.
+    From the rim, where the arm is stretched, the elbow bends with the root of the way
+    inwards. Away from jumps, joints change nowhere faster.
     """
     step, reach = np.sqrt(3.0) * spacing, limb.rho + limb.length
     return float(min(np.sqrt(2.0 * step * reach / (limb.rho * limb.length)), 0.9 * np.pi))
 
 
 def _branches(limb: SpatialLimb, q: np.ndarray) -> np.ndarray:
-    """Branches (m, 2) that the joints' ranges have room for, that of joints q (4,) first."""
+    """Branches (m, 2) within the joints' ranges; the branch of joints q (4,) comes first."""
     u, f, share = limb.upper, limb.fore, np.linspace(0.0, 1.0, _GRID)
     q2, q4 = (np.append(q[j], limb.low[j] + share * (limb.high[j] - limb.low[j])) for j in (1, 3))
     sides = _signs(np.cos(q2) * u[0] - np.sin(q2) * u[1], limb.rho)
@@ -76,7 +76,7 @@ def _signs(values: np.ndarray, unit: float) -> list[float]:
 
 
 def _is_straight(limb: SpatialLimb, q: np.ndarray) -> bool:
-    """Whether elbow, shoulder and hand are in one line, so that the elbow has no swivel."""
+    """Return whether elbow, shoulder and hand are in one line, without a swivel."""
     place = np.array(limb_at(limb, q))
     return bool(np.linalg.norm(np.cross(place[:3], place[3:])) < 1e-6 * limb.rho * limb.length)
 
@@ -107,7 +107,7 @@ def _root(square, unit):
 
 @njit(_nrt=False)
 def held(rule, branch, x, y, z, swivel, q):
-    """Whether the arm can hold the hand (x, y, z) with a swivel; q (4,) gets the joints.
+    """Return whether the arm reaches the hand (x, y, z) with a swivel; q (4,) gets the joints.
 
     It is `scene.spatial_limb.inverse` on one branch of the rule.
     """
@@ -164,7 +164,7 @@ def held(rule, branch, x, y, z, swivel, q):
 
 @njit(_nrt=False)
 def posture_of(rule, k, x, y, z, q):
-    """Write the k-th posture of the hand (x, y, z) into q (4,); False if there is none.
+    """Write the k-th posture of the hand (x, y, z) into q (4,); return False without one.
 
     Parameters
     ----------
@@ -194,12 +194,6 @@ def posture_of(rule, k, x, y, z, q):
                     near = middle
             return held(rule, branch, x, y, z, own + sign * far, q)
     return False
-
-
-@njit(_nrt=False)
-def posture_for(rule, x, y, z, q):
-    """Write the first posture of the hand (x, y, z) into q (4,); False if there is none."""
-    return posture_of(rule, 0, x, y, z, q)
 
 
 @njit(_nrt=False)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from gcm_learn.arms import JOINTS, Arm, SpatialArm, rotation_of
-from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, limbs_at, spatial_limb_of
+from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, spatial_limb_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
-from gcm_learn.handspace.chart import Chart, Steps, steps_of
 from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
 from gcm_learn.handspace.postures import Rule, leap_of, posture_of, rule_of
-from gcm_learn.scene import JointLimits as JointLimits
 from gcm_learn.scene import Scene
 
 LARGEST_IN_SPACE = 80
@@ -26,7 +23,7 @@ UNSEEN, THERE, MISSING = 0, 1, 2  # what is known of a node's posture
 
 
 class Nodes(NamedTuple):
-    """The nodes of a lattice in space as kernels read them; postures are found when asked for.
+    """The nodes of a lattice in space as kernels read them; postures are found at their first use.
 
     Node ``((iz * n + iy) * n + ix) * K + k`` is the k-th posture of a cell.
     """
@@ -55,7 +52,7 @@ def hand_of_node(nodes, node):
 
 @njit(_nrt=False)
 def is_there(nodes, node):
-    """Whether a node has a posture, which is then in ``nodes.joints``."""
+    """Return whether a node has a posture, which is then in ``nodes.joints``."""
     if nodes.known[node] == UNSEEN:
         x, y, z = hand_of_node(nodes, node)
         found = posture_of(nodes.rule, node % nodes.rule.postures, x, y, z, nodes.scratch)
@@ -78,8 +75,9 @@ class SpaceLattice:
 
     The frame is that of the arm's base: the shoulder in the middle, lengths in the arm's unit.
     Arrays over it are indexed ``[iz, iy, ix]``, and ``[iz, iy, ix, k]`` with several postures.
-    `postures` of this folder has the rule by which a hand has its postures. What is asked of all
-    nodes, as `inside`, finds all of them; fronts find those that they come to.
+
+    The module `postures` has the rule by which a hand has its postures. `inside` and `joints` find
+    the postures of all nodes; fronts find the postures of the nodes that they reach.
     """
 
     arm: SpatialArm
@@ -144,7 +142,7 @@ class SpaceLattice:
 
     @property
     def hand(self) -> tuple[float, float, float]:
-        """Where the hand is at t = 0."""
+        """Hand at t = 0."""
         _, _, _, x, y, z = limb_at(self.limb, self.limb.start)
         return float(x), float(y), float(z)
 
@@ -164,25 +162,6 @@ class SpaceLattice:
         """Joints (nodes, 4) float32 of every node; NOWHERE if it has no posture [rad]."""
         look_at_all(self.nodes)
         return self.nodes.joints
-
-    @property
-    def limbs(self) -> np.ndarray:
-        """Shoulder, elbow and hand (nodes, 3, 3); without a posture the elbow is the hand."""
-        both = np.empty((self.size, 6))
-        limbs_at(self.limb, self.joints.astype(float), both)
-        out = np.repeat(self.hands[:, None], 3, axis=1)
-        out[:, 0] = 0.0
-        out[:, 1] = np.where(self.inside[:, None], both[:, :3], self.hands)
-        return out
-
-    @property
-    def strides(self) -> np.ndarray:
-        """How far (nodes,) points of the limb move at most on half a step to a neighbour."""
-        pairs, limbs = self._pairs(), self.limbs
-        way = np.linalg.norm(limbs[pairs[:, 1], 1:] - limbs[pairs[:, 0], 1:], axis=2).max(axis=1)
-        out = np.zeros(self.size)
-        np.maximum.at(out, pairs[:, 0], 0.5 * way)
-        return out
 
     def joints_at(self, nodes: np.ndarray) -> np.ndarray:
         """Joints (m, 4) of some nodes to full precision; NOWHERE if there is no posture [rad]."""
@@ -210,16 +189,6 @@ class SpaceLattice:
         base = self.arm.base
         return (np.asarray(points) - np.array(base.origin)) @ rotation_of(base.rotation)
 
-    def steps(self, limits: JointLimits) -> Steps:
-        """The 26 neighbours of every cell with the same posture, and two postures beside it.
-
-        A step takes as long as the hand, or the joint that has farthest to turn; none is shorter
-        than the hand at its fastest takes to the next cell.  This lists them all; marching in space
-        finds them when it needs them.
-        """
-        pairs = np.concatenate([self._pairs(), self._ring()])
-        return steps_of(pairs, self._times(pairs, limits), self.size)
-
     def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         """First postures of the cells around the hand (k,), and when the arm is there (k,) [s]."""
         limb = scene.limb
@@ -238,49 +207,6 @@ class SpaceLattice:
         turns = (turn[good] / scene.limits.joint_speed).max(axis=1, initial=0.0)
         return nodes[good], np.maximum(turns, away)
 
-    def lower_bound(self, place: np.ndarray, near: float, limits: JointLimits) -> np.ndarray:
-        """Least time (nodes,) from every node until the hand is `near` a place (3,) [s]."""
-        away = np.linalg.norm(self.hands - place, axis=1)
-        return np.maximum(away - near, 0.0) / self._fastest(limits)
-
-    def _fastest(self, limits: JointLimits) -> float:
-        """Speed that the hand nowhere exceeds."""
-        rate, limb = limits.joint_speed, self.limb
-        turning = np.hypot(*rate[:2]) * self.reach + np.hypot(*rate[2:]) * limb.length
-        return float(min(turning, limits.speed))
-
-    def _pairs(self) -> np.ndarray:
-        """Pairs (m, 2) of nodes that are a step apart, in cells next to each other."""
-        index = np.arange(self.size).reshape((self.n,) * 3 + (self.postures,))
-        pairs = []
-        for d in itertools.product((-1, 0, 1), repeat=3):
-            if any(d):
-                here = tuple(slice(max(-i, 0), self.n - max(i, 0)) for i in d)
-                there = tuple(slice(max(i, 0), self.n - max(-i, 0)) for i in d)
-                pairs.append(np.stack([index[here].ravel(), index[there].ravel()], axis=-1))
-        return self._without_leaps(np.concatenate(pairs), self.nodes.leap)
-
-    def _ring(self) -> np.ndarray:
-        """Pairs (m, 2) of nodes whose postures are next to each other in one cell."""
-        if self.postures == 1:
-            return np.empty((0, 2), dtype=np.int64)
-        index = np.arange(self.size).reshape(-1, self.postures)
-        sides = (1, -1) if self.postures > 2 else (1,)
-        pairs = [np.stack([index, np.roll(index, side, axis=1)], -1) for side in sides]
-        return self._without_leaps(np.concatenate(pairs).reshape(-1, 2), ring_leap(self.postures))
-
-    def _without_leaps(self, pairs: np.ndarray, leap: float) -> np.ndarray:
-        """Those of some pairs (m, 2) in which no joint turns farther than `leap`."""
-        pairs = pairs[self.inside[pairs].all(axis=1)]
-        joints = self.nodes.joints
-        return pairs[np.abs(joints[pairs[:, 1]] - joints[pairs[:, 0]]).max(axis=1) <= leap]
-
-    def _times(self, pairs: np.ndarray, limits: JointLimits) -> np.ndarray:
-        joints, hands = self.nodes.joints.astype(float), self.hands
-        turn = np.abs(joints[pairs[:, 1]] - joints[pairs[:, 0]]) / limits.joint_speed
-        away = np.linalg.norm(hands[pairs[:, 1]] - hands[pairs[:, 0]], axis=1)
-        return np.maximum(turn.max(axis=1), np.maximum(away, self.spacing) / self._fastest(limits))
-
 
 def ring_leap(postures: int) -> float:
     """Angle by which no joint turns from one posture in a cell to the next [rad]."""
@@ -289,8 +215,11 @@ def ring_leap(postures: int) -> float:
 
 @lru_cache(maxsize=2)
 def space_of(arm: SpatialArm, n: int, postures: int = 1) -> SpaceLattice:
-    """The lattice of an arm's hand-space; those of the last two arms keep what they found."""
+    """The lattice of an arm's hand-space; the last two lattices keep their postures."""
     return SpaceLattice(arm, n, postures)
+
+
+Chart: TypeAlias = Lattice | SpaceLattice
 
 
 def chart_of(arm: Arm | SpatialArm, n: int) -> Chart:

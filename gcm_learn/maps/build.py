@@ -74,9 +74,9 @@ def explore(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Let a front spread over a chart; the arguments are those of `build_map`.
+    """Let a front spread over a chart; the arguments mean the same as in `build_map`.
 
-    The wave runs over lattices only, in space over those of one posture and without waits.
+    The wave runs in the plane, and in space over lattices of one posture, without waits.
     """
     if isinstance(params, MarchingParams):
         marching = march_layers if wait else march
@@ -101,7 +101,7 @@ def map_of(
         node = int(front.nodes[front.met_state])
         interception = Interception(
             cell=tuple(int(i) for i in np.unravel_index(node, front.chart.shape)),
-            position=_hand_at(front.chart, node),
+            position=front.chart.hand_at(node),
             time=front.met_time,
             body=situation.bodies[front.met_body].name,
         )
@@ -122,15 +122,8 @@ def map_of(
 
 
 def _hand(chart: Chart, situation: AnySituation) -> tuple[float, ...]:
-    """Where the hand is at t = 0, in the chart's frame."""
+    """Return the hand at t = 0, in the chart's frame."""
     if isinstance(situation.arm, Arm):
         return situation.arm.hand
     assert isinstance(chart, SpaceLattice)
     return chart.hand
-
-
-def _hand_at(chart: Chart, node: int) -> tuple[float, ...]:
-    """Where the hand is at a node."""
-    if isinstance(chart, SpaceLattice):
-        return chart.hand_at(node)
-    return tuple(float(x) for x in chart.hands[node])

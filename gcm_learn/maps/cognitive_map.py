@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,15 +14,12 @@ from gcm_learn.errors import FileFormatError
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice
 from gcm_learn.storage import whole_file
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 FORMAT, SPATIAL_FORMAT = "gcm-learn/map@1", "gcm-learn/map@2"
 
 
 @dataclass(frozen=True)
 class Interception:
-    """Where and when the front met a target first."""
+    """Place and time at which the front met a target first."""
 
     cell: tuple[int, ...]
     """Index of the node in the chart's shape: (iy, ix) or (iz, iy, ix) of a lattice."""
@@ -104,12 +101,6 @@ class CognitiveMap:
         sheet = max(int((arrival <= self.interception.time).sum()) - 1, 0)
         return sheet * self.arrival.size + int(cell)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the map as in Fig. 4D; returns the axes."""
-        from gcm_learn import plots
-
-        return plots.plot_map(self, ax=ax)
-
     def save(self, path: str | Path) -> Path:
         """Write a map over a lattice to an .npz file (whole or not at all); returns its path."""
         path = Path(path).with_suffix(".npz")
@@ -169,13 +160,11 @@ class CognitiveMap:
 
 
 def _header_of(chart: Chart) -> dict[str, Any]:
-    """What a file says of a lattice."""
+    """Header of a file for a lattice."""
     if isinstance(chart, Lattice):
         return {"format": FORMAT, "n": chart.n, "upper_arm": chart.upper_arm, "elbow": chart.elbow}
-    if isinstance(chart, SpaceLattice):
-        sizes = {"n": chart.n, "postures": chart.postures}
-        return {"format": SPATIAL_FORMAT, **sizes, "arm": asdict(chart.arm)}
-    raise TypeError(f"maps over a {type(chart).__name__} are not saved")
+    sizes = {"n": chart.n, "postures": chart.postures}
+    return {"format": SPATIAL_FORMAT, **sizes, "arm": asdict(chart.arm)}
 
 
 def _chart_of(header: dict[str, Any]) -> Chart:

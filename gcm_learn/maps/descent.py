@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import Chart, Lattice, SpaceLattice
+from gcm_learn.handspace import Lattice, SpaceLattice
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
 STRIDE = 0.35  # length of a step [cells]
@@ -125,8 +125,8 @@ def descend(
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Path from the hand to a point of the map, with the front's arrival along it (Sect. 2.3.4).
 
-    Over a lattice in the plane it is smooth; over other charts it runs from node to node, and where
-    the hand may wait, through the spans in which they are free.
+    The path is smooth in the plane. In space it runs from node to node and, where the hand may
+    wait, through the spans in which the nodes are free.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def descend(
     """
     lattice = cognitive_map.chart
     if not isinstance(lattice, Lattice):
-        return _over_nodes(cognitive_map, start)
+        return _over_nodes(cognitive_map, lattice, start)
     if start is None:
         if cognitive_map.interception is None:
             return None
@@ -162,10 +162,10 @@ def descend(
 
 
 def _over_nodes(
-    cognitive_map: CognitiveMap, start: tuple[float, ...] | None
+    cognitive_map: CognitiveMap, chart: SpaceLattice, start: tuple[float, ...] | None
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """`descend` over any chart, from the interception or from the earliest node at `start`."""
-    chart, sheets = cognitive_map.chart, cognitive_map.sheets.filled(np.inf).ravel()
+    """Run `descend` in space, from the interception or from the earliest node at `start`."""
+    sheets = cognitive_map.sheets.filled(np.inf).ravel()
     state = cognitive_map.met
     if start is not None:
         nearest = _nearest(chart, start)
@@ -174,25 +174,20 @@ def _over_nodes(
         return None
     states = np.array(chain_to(cognitive_map, state))
     nodes = states % cognitive_map.arrival.size
-    if isinstance(chart, SpaceLattice):
-        return np.array([chart.hand_at(n) for n in nodes]), sheets[states].astype(float)
-    return chart.hands[nodes], sheets[states]
+    return np.array([chart.hand_at(n) for n in nodes]), sheets[states].astype(float)
 
 
-def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
-    """Nodes (k,) whose hand is nearest to a place."""
-    if isinstance(chart, SpaceLattice):
-        cell = np.ravel_multi_index(chart.cell_of(np.array(start)), (chart.n,) * 3)
-        return int(cell) * chart.postures + np.arange(chart.postures)
-    away = np.linalg.norm(chart.hands - start, axis=1)
-    return np.flatnonzero(away <= away.min() + 1e-9)
+def _nearest(chart: SpaceLattice, start: tuple[float, ...]) -> np.ndarray:
+    """Nodes (k,) of the cell that holds a place."""
+    cell = np.ravel_multi_index(chart.cell_of(np.array(start)), (chart.n,) * 3)
+    return int(cell) * chart.postures + np.arange(chart.postures)
 
 
 def chain_to(cognitive_map: CognitiveMap, state: int) -> list[int]:
     """Arrivals by which the front came to one of them, that one the last: indices into the sheets.
 
-    Those of the first sheet, and so all of a map without waits, are nodes; `state` modulo the
-    number of nodes always is one.
+    Indices into the first sheet are nodes; the node of any `state` is its remainder by the number
+    of nodes.
     """
     if cognitive_map.via is None:
         raise ValueError("this map does not say where its front came from")

@@ -6,8 +6,9 @@ import numpy as np
 
 from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.limbs import axis_bound, axis_of, dof, hand_bound, hand_of, place, reach_of
-from gcm_learn.collision.chains import room_in_pose
-from gcm_learn.collision.postures import desk_of, free_until
+from gcm_learn.collision.postures import desk_of
+from gcm_learn.collision.rests import free_until
+from gcm_learn.collision.solids import room_in_pose
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (

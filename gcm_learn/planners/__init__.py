@@ -21,7 +21,7 @@ from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.oracle.in_space import Yardstick, without_waits, yardstick
 from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, plan_to_json, taken
 from gcm_learn.planners.recheck import broken_promise
-from gcm_learn.planners.registry import get_planner, plan_with, planner_names, register, solve
+from gcm_learn.planners.registry import get_planner, plan_with, planner_names, solve
 from gcm_learn.planners.retiming import retime
 from gcm_learn.planners.space.layered import layered_in_space
 from gcm_learn.planners.space.moves import study_of
@@ -68,7 +68,6 @@ __all__ = [
     "plan_to_json",
     "plan_with",
     "planner_names",
-    "register",
     "retime",
     "solve",
     "straight_plan",

@@ -36,12 +36,12 @@ class Level(Generic[Params]):
     explore: Explore[Params]
     """Makes a map and paths that end at its interception."""
     trials: int = 3
-    """How many maps to make, each with the feedback of those before."""
+    """Maps to make at most, each with the feedback of the maps before."""
     beyond: float = 0.0
     """How long after the horizon the front stops [crossings of a cell]: paths are a little shorter
     than those from centre to centre."""
     decisive: bool = False
-    """Whether none of the levels above is tried if this one's first map has no interception."""
+    """Stop at this level if its first map has no interception."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class FrontPlanner:
     """Map, path, verification; and again with more care when the verification fails.
 
     A map knows the cells' centres only.  With obstacles widened by half a cell its paths mostly
-    hold, but narrow gaps are lost; without, gaps are found and the verification rejects what
-    touches.  So both are tried, then both again on a finer lattice, and where a path is touched
+    hold, but narrow gaps are lost; without, gaps are found, and the verification rejects
+    collisions.  So both are tried, then both again on a finer lattice, and where a path is touched
     the margin is widened (`feedback`).
     """
 
@@ -58,7 +58,7 @@ class FrontPlanner:
     levels: tuple[Level[Any], ...]
     """The maps to try, in order."""
     direct: bool = False
-    """Try the straight line first: where it holds, no path is faster, and no map is needed."""
+    """Try the straight line first, which is fastest where it holds."""
     find: Callable[[Problem], Plan | None] | None = None
     """A search without a map, whose answer is final; where it has none, maps are made."""
 
@@ -90,12 +90,21 @@ class FrontPlanner:
             answer = straight if straight.caught else None
         return self.search(problem) if answer is None else answer
 
-    def search(self, problem: Problem) -> Plan:
-        """Answer when it is known that the straight line does not."""
-        answer = None if self.find is None else self.find(problem)
-        return self._by_maps(problem) if answer is None else answer
+    def search(
+        self, problem: Problem, keep: Callable[[CognitiveMap], object] | None = None
+    ) -> Plan:
+        """Answer a problem that no straight line solves.
 
-    def _by_maps(self, problem: Problem) -> Plan:
+        Parameters
+        ----------
+        problem : Problem
+        keep : callable, optional
+            Called with the first map.
+        """
+        answer = None if self.find is None else self.find(problem)
+        return self._by_maps(problem, keep) if answer is None else answer
+
+    def _by_maps(self, problem: Problem, keep: Callable[[CognitiveMap], object] | None) -> Plan:
         """Try one map after the other."""
         first: CognitiveMap | None = None
         reason: Reason | None = None
@@ -105,7 +114,10 @@ class FrontPlanner:
                 if problem.over:
                     return problem.answer(Failure.OUT_OF_TIME, first)
                 found = level.explore(problem, level.params, feedback)
-                first = found.map if first is None else first
+                if first is None:
+                    first = found.map
+                    if keep is not None:
+                        keep(first)
                 if found.map.interception is None:
                     reason = reason or Reason(Failure.NO_INTERCEPTION)
                     if level.decisive and trial == 0:
@@ -122,7 +134,7 @@ class FrontPlanner:
 def _first_that_holds(
     problem: Problem, found: Exploration
 ) -> tuple[Plan | None, list[tuple[Attempt, Verdict]]]:
-    """The plan of the first attempt that holds, or None, and those that do not."""
+    """Return the plan of the first attempt that holds, if any, and the failures before it."""
     failures: list[tuple[Attempt, Verdict]] = []
     for attempt in found.attempts:
         plan, verdict = judged(problem, attempt, found.map)

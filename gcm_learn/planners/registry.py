@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+import pkgutil
 from collections.abc import Callable
 from typing import Any, cast, overload
 
@@ -36,31 +36,21 @@ _PLANNERS: dict[str, Callable[[], Planner]] = {
     "straight-wait": StraightWaitPlanner,
 }
 
-
-# Planners of folders above this one, by the module that registers them. It is imported when one of
-# them is asked for; its name is all that is known of it here.
-_ABOVE = dict.fromkeys(
-    ("hybrid", "recall", "recall-1", "recall-pca", "recall-random", "recall-raw", "splines-random"),
-    "gcm_learn.recall.planners",
-)
-
-
-def register(name: str, factory: Callable[[], Planner]) -> None:
-    """Make a planner known by name.
-
-    Parameters
-    ----------
-    name : str
-        A name that is taken already gets the new planner.
-    factory : callable
-        Makes the planner with its default settings.
-    """
-    _PLANNERS[name] = factory
+_ABOVE = {
+    "hybrid": "gcm_learn.recall.planners:hybrid",
+    "recall": "gcm_learn.recall.planners:recall",
+    "recall-1": "gcm_learn.recall.planners:first_choice",
+    "recall-pca": "gcm_learn.recall.planners:recall_pca",
+    "recall-random": "gcm_learn.recall.planners:recall_random",
+    "recall-raw": "gcm_learn.recall.planners:recall_raw",
+    "splines-random": "gcm_learn.recall.planners:SplinesPlanner",
+}
+"""Factories in higher folders, imported at the first use."""
 
 
 def planner_names() -> list[str]:
-    """Names of the planners that need nothing but a situation."""
-    return sorted(set(_PLANNERS) - set(_ABOVE))
+    """Names of the planners that need only a situation."""
+    return sorted(_PLANNERS)
 
 
 def get_planner(name: str) -> Planner:
@@ -73,12 +63,13 @@ def get_planner(name: str) -> Planner:
     MissingExtraError
         If the planner needs a library that is not installed.
     """
-    if name not in _PLANNERS and name in _ABOVE:
-        importlib.import_module(_ABOVE[name])
-    if name not in _PLANNERS:
-        known = f"{', '.join(planner_names())}; with a memory: {', '.join(sorted(_ABOVE))}"
-        raise UnknownNameError(f"planner: {name!r} is not one of {known}")
-    return _PLANNERS[name]()
+    if name in _PLANNERS:
+        return _PLANNERS[name]()
+    if name in _ABOVE:
+        planner: Planner = pkgutil.resolve_name(_ABOVE[name])()
+        return planner
+    known = f"{', '.join(planner_names())}; with a memory: {', '.join(sorted(_ABOVE))}"
+    raise UnknownNameError(f"planner: {name!r} is not one of {known}")
 
 
 @overload

@@ -12,7 +12,6 @@ from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.maps import birth, plot_map, plot_plan
 from gcm_learn.plots.figures.paper import FIGURES, draw_figure
 from gcm_learn.plots.figures.plan import plan_figure
-from gcm_learn.plots.figures.spectator import Spectator
 from gcm_learn.plots.figures.workspace import (
     draw_bodies,
     draw_courses,
@@ -34,7 +33,6 @@ from gcm_learn.plots.reports.space import write_space_page
 __all__ = [
     "FIGURES",
     "RECALLING",
-    "Spectator",
     "animate",
     "animate_execution",
     "birth",

@@ -46,18 +46,18 @@ from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share
 
 if TYPE_CHECKING:
     from gcm_learn.recall.training import Effort, Trainer, write_model
-    from gcm_learn.recall.transfer_labels import Best, Labels, TransferLabels
+    from gcm_learn.recall.transfer_labels import Best, Labels, Sizes, TransferLabels
 
 # Loaded when they are asked for: they need pyarrow or torch.
 _LATE = {
     "training": ("Effort", "Trainer", "write_model"),
-    "transfer_labels": ("Best", "Labels", "TransferLabels"),
+    "transfer_labels": ("Best", "Labels", "Sizes", "TransferLabels"),
 }
 _PLACE = {name: place for place, names in _LATE.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    """A name that needs more libraries, when it is first asked for."""
+    """Import a name that needs more libraries at its first use."""
     if name not in _PLACE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(importlib.import_module(f"{__name__}.{_PLACE[name]}"), name)
@@ -90,6 +90,7 @@ __all__ = [
     "SpatialWaypoints",
     "SplinesPlanner",
     "Trainer",
+    "Sizes",
     "TransferLabels",
     "Waypoints",
     "adapt",

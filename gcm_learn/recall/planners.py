@@ -24,7 +24,6 @@ from gcm_learn.planners import (
     checked,
     deadline_of,
     get_planner,
-    register,
 )
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, Tries, adapt, query_of
 from gcm_learn.recall.files import MANIFEST
@@ -79,11 +78,11 @@ class RecallPlanner:
     the learned index are; 0 keeps the order of recall. By default that of the kind of arm."""
 
     other: Callable[[], RecallPlanner] | None = None
-    """Who is asked with the other kind of arm."""
+    """Maker of the planner for the other kind of arm."""
 
     @property
     def takes_space(self) -> bool:
-        """Whether it takes spatial arms."""
+        """Return whether the planner takes spatial arms."""
         return self.memory.kind == SPACE or self.other is not None
 
     def plan(self, situation: AnySituation) -> Plan[Any]:
@@ -188,8 +187,9 @@ class SplinesPlanner:
     A spline's hand starts where the query's does. Its direction and its share of the ring follow
     quadratic Bezier curves from there, whose middle control point and end are drawn: directions
     evenly within HALF_TURN of the first, shares within RIMS, the time of the end within TIMES; one
-    in WAITERS waits at its middle until half of that time. Ends are then adapted to the target like
-    those of memories, so what is random is the path there.
+    in WAITERS waits at its middle until half of that time.
+
+    The ends are then adapted to the target as in memories, so only the path is random.
     """
 
     candidates: int = CANDIDATES
@@ -222,7 +222,7 @@ class HybridPlanner:
 
     @property
     def takes_space(self) -> bool:
-        """Whether it takes spatial arms."""
+        """Return whether the planner takes spatial arms."""
         return self.recall.takes_space
 
     anytime: ClassVar[bool] = True
@@ -279,7 +279,7 @@ def unverified(
     situation: Situation,
     how: Adaptation = DEFAULT,
 ) -> Rollout:
-    """What comes of the first memory that is recalled, if it is not verified before acting."""
+    """Act on the first memory that is recalled, without verification."""
     problem = Problem(situation, "recall-1")
     query = query_of(problem)
     chosen = memory.recall(memory.index.embed_query(situation, problem.scene), 1)
@@ -333,20 +333,20 @@ def _in_space(planner: RecallPlanner, name: str) -> RecallPlanner:
     return replace(planner, memory=_memory(name, SPACE))
 
 
+def first_choice() -> RecallPlanner:
+    """Make the planner that checks the first memory only."""
+    return _by_arm(RecallPlanner(_memory("recall"), 1, "recall-1", novelty=0.0), "recall")
+
+
+def hybrid() -> HybridPlanner:
+    """Make the planner that recalls and then searches."""
+    return HybridPlanner(_by_arm(RecallPlanner(_memory("recall"), name="hybrid"), "recall"))
+
+
 def _recalling(name: str) -> RecallPlanner:
     return _by_arm(RecallPlanner(_memory(name), name=name), name)
 
 
-def _first_choice() -> RecallPlanner:
-    return _by_arm(RecallPlanner(_memory("recall"), 1, "recall-1", novelty=0.0), "recall")
-
-
-def _hybrid() -> HybridPlanner:
-    return HybridPlanner(_by_arm(RecallPlanner(_memory("recall"), name="hybrid"), "recall"))
-
-
-for _name in ("recall", "recall-raw", "recall-pca", "recall-random"):
-    register(_name, partial(_recalling, _name))
-register("recall-1", _first_choice)
-register("hybrid", _hybrid)
-register("splines-random", SplinesPlanner)
+recall, recall_raw, recall_pca, recall_random = (
+    partial(_recalling, name) for name in ("recall", *_REFILED)
+)

@@ -64,7 +64,7 @@ class Memory:
         self.search = search
         self.kind = kind
         self.book = Book(index.dim)
-        """What was met while it grew under a limit."""
+        """Situations met during growth under a limit."""
         self._size = 0
         self._columns: dict[str, np.ndarray] = {
             "embeddings": np.zeros((0, index.dim), np.float32),
@@ -79,6 +79,40 @@ class Memory:
         self._old_starts: np.ndarray = np.zeros(1, np.int64)
         self._words: list[str] = [""]
         self._searcher: Searcher | None = None
+
+    @classmethod
+    def of(
+        cls,
+        index: Index,
+        embeddings: np.ndarray,
+        knots: np.ndarray,
+        goals: np.ndarray,
+        *,
+        search: str = "auto",
+        kind: Kind = PLANE,
+    ) -> Memory:
+        """Make a memory of catches whose embeddings are known; it keeps no situations.
+
+        Parameters
+        ----------
+        index : Index
+        embeddings : (n, dim) ndarray
+        knots, goals : (n, ...) ndarray
+            Columns of the catches' waypoints.
+        search, kind
+            As for `Memory`.
+        """
+        out, count = cls(index, search, kind), len(knots)
+        fresh = {
+            "embeddings": embeddings.astype(np.float32),
+            "traces": knots,
+            "goals": goals,
+            "labels": np.zeros((count, 2), np.int16),
+            "uses": np.zeros(count, np.int32),
+            "lengths": np.zeros(count, np.int32),
+        }
+        out._append(fresh, [b""] * count)
+        return out
 
     def __len__(self) -> int:
         return self._size

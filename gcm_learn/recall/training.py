@@ -1,13 +1,11 @@
 """Training: labels are made while the encoder learns from those that there are.
 
 Turns follow each other: a batch is made, then the optimiser takes some steps on batches drawn from
-all so far. Later batches ask about the memories that the encoder itself puts first, for these are
-what it will be judged by; weights that have learned before ask about nothing else. At the end it
-only repeats. All that is random is a function of seed,
-batch and step, so a run that was stopped goes on as if it had not been.
+all so far. Later batches ask about the memories that the encoder itself puts first, on which it
+is judged; weights that have learned before ask about these only. At the end it only repeats.
+Random numbers depend on seed, batch and step, so a run that was stopped goes on unchanged.
 
-
-An encoder as a model: its files, how it learned, and a card that tells where it comes from.
+An encoder is kept as a model: its files, its training, and a card with its origin.
 """
 
 from __future__ import annotations
@@ -50,7 +48,7 @@ CHECKPOINT, LOG = "checkpoint.pt", "log.jsonl"
 
 @dataclass(frozen=True)
 class Effort:
-    """How long to train: for a time, or for a number of turns, which is the same every time."""
+    """Length of training: a time, or a number of turns, whose result repeats."""
 
     minutes: float = 40.0
     turns: int | None = None
@@ -74,6 +72,8 @@ class Trainer:
     effort : Effort
     start : Encoder, optional
         Whose weights to start from, of the same size; by default they are drawn.
+    average : float
+        Share of the averaged weights that a step keeps.
     """
 
     config: EncoderConfig
@@ -81,6 +81,7 @@ class Trainer:
     folder: Path
     effort: Effort = field(default_factory=Effort)
     start: Encoder | None = None
+    average: float = AVERAGE
 
     def __post_init__(self) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -98,7 +99,7 @@ class Trainer:
         else:
             self._highest = FINE * self.config.rate
             self.net.take_over(self.start)
-        self.mean = AveragedModel(self.net, multi_avg_fn=get_ema_multi_avg_fn(AVERAGE))
+        self.mean = AveragedModel(self.net, multi_avg_fn=get_ema_multi_avg_fn(self.average))
         self._optimiser = torch.optim.AdamW(
             self.net.parameters(), self.config.rate, weight_decay=self.config.decay
         )
@@ -107,12 +108,12 @@ class Trainer:
 
     @property
     def encoder(self) -> Encoder:
-        """What has been learned so far."""
+        """The encoder trained so far."""
         net: EncoderNet = self.mean.module
         return Encoder(self.config, net.arrays())
 
     def run(self, progress: Callable[[float], None] = lambda share: None) -> Encoder:
-        """Train to the end; `progress` is told the share that is done."""
+        """Train to the end; `progress` is called with the share that is done."""
         validated, saved = self.elapsed, self.elapsed
         while (share := self.effort.done(self.turn, self.elapsed)) < 1.0:
             began = time.monotonic()
@@ -279,7 +280,7 @@ def _short(value: float) -> float:
 
 
 def _tensorboard(folder: Path) -> Any:
-    """A writer for TensorBoard, None where it is not installed."""
+    """A writer for TensorBoard, if that is installed."""
     with suppress(ImportError):
         from torch.utils.tensorboard import SummaryWriter
 
@@ -329,7 +330,7 @@ def write_model(
 
 
 def _origin(records: Dataset) -> dict[str, str]:
-    """Hashes that tell which dataset it was; one that is not finished has none of its own."""
+    """Hashes of the dataset; an unfinished one has no hash of its own."""
     manifest = records.manifest
     origin = {"spec": records.spec.digest}
     if manifest is not None and manifest["complete"]:

@@ -1,9 +1,8 @@
-"""What an encoder learns from: which memories, adapted to a situation, catch in it.
+"""Labels for encoders: memories that catch in a situation, once adapted to it.
 
-Memories are the catches of a dataset. Situations are those of its records, each once, and when
-these are used up others that are drawn from the same specification: they need no plan to learn
-from, only labels, and those are cheap. Where a straight line catches, most memories do, so most of
-these are left out.
+Memories are the catches of a dataset. Each situation of its
+records comes once. Then the specification draws others, which need cheap labels only and no plan.
+Most situations that a straight line catches are left out, since most memories catch there.
 """
 
 from __future__ import annotations
@@ -36,11 +35,8 @@ from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import write_whole
 
-SITUATIONS = 512  # of a batch of labels
-ALONE = 0.4  # share of them that are others of the same batch with one of their obstacles alone
-ANY = 160  # memories of a batch about any
-TOP, WIDE = 40, 16  # of a batch about the best: the first ones, and some of those that follow
-DEPTH = 600  # how far these follow
+ALONE = 0.4  # share of a batch: situations of it again, with one of their obstacles alone
+DEPTH = 600  # best memories from which a batch about the best chooses
 EASY = 0.15  # share of situations that are kept although a straight line catches
 READ, TRIED = 500, 32  # records that are read at once, situations that are
 EXAMINED = 300  # situations of each stratum to validate with
@@ -50,6 +46,37 @@ _BATCH, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
 Best = Callable[[FeatureBatch, int], np.ndarray]
 """From features of n situations and a number k, the memories (n, k) that fit best by what is known
 so far, the best first."""
+
+
+class Sizes(NamedTuple):
+    """Sizes of a batch of labels."""
+
+    situations: int = 512
+    any: int = 160
+    """Memories of a batch about any memories."""
+    top: int = 40
+    """First memories of a batch about the best."""
+    wide: int = 16
+    """Memories drawn from the best that follow."""
+
+    @property
+    def alone(self) -> int:
+        """Situations with one obstacle alone."""
+        return int(ALONE * self.situations)
+
+    @property
+    def others(self) -> int:
+        """Situations with all of their obstacles."""
+        return self.situations - self.alone
+
+    def hard(self, found: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """Choose the first of the best memories (n, k) and some that follow (n, top + wide)."""
+        top = min(self.top, found.shape[1])
+        rest = found.shape[1] - top
+        wide = min(self.wide, rest)
+        after = top + np.argsort(rng.random((len(found), rest)), axis=1)[:, :wide]
+        rows = np.hstack([found[:, :top], np.take_along_axis(found, after, axis=1)])
+        return np.ascontiguousarray(rows, dtype=np.int64)
 
 
 class Labels(NamedTuple):
@@ -89,7 +116,7 @@ class TrainingData(Protocol):
 
     @property
     def map_features(self) -> np.ndarray | None:
-        """Features (m, COUNT) float32 of their maps; None if none are wanted."""
+        """Features (m, COUNT) float32 of their maps, if wanted, else None."""
 
     def labels(self, index: int, best: Best | None) -> Labels:
         """Batch number `index`; on the memories that seem best if `best` is given."""
@@ -114,6 +141,8 @@ class TransferLabels:
         Who reads the records and tries memories; by default this process.
     progress : callable
         Called with the number of records read since the last call.
+    sizes : Sizes, optional
+        Sizes of batches.
     """
 
     def __init__(
@@ -125,8 +154,10 @@ class TransferLabels:
         maps: bool = False,
         crew: Crew | None = None,
         progress: Callable[[int], None] = lambda done: None,
+        sizes: Sizes | None = None,
     ) -> None:
         self.spec, self.seed, self.crew = records.spec, seed, crew or Here()
+        self.sizes = Sizes() if sizes is None else sizes
         self.kind = SPACE if records.spec.spatial else PLANE
         train, self._held = records.where(split="train"), records.where(split="validation")
         order = np.arange(len(train))
@@ -165,8 +196,8 @@ class TransferLabels:
             yield from (some[k] for k in range(min(EXAMINED, len(some))))
 
     def labels(self, index: int, best: Best | None) -> Labels:
-        """Labels of situations that no other batch has, but for those of records."""
-        rng, size = seeding.rng(self.seed, _BATCH, index), SITUATIONS - int(ALONE * SITUATIONS)
+        """Label situations that are new in every batch once the records are used up."""
+        rng, size, most = seeding.rng(self.seed, _BATCH, index), self.sizes.others, self.sizes.any
         own = self._order[index * size : (index + 1) * size]
         problems = [self.kind.problem(self.situations[k], "labels") for k in own.tolist()]
         if len(problems) < size:
@@ -174,13 +205,13 @@ class TransferLabels:
         problems += self._alone(problems, rng)
         seen, column = self._seen(problems), np.full(len(problems), -1)
         if best is None:
-            others = np.setdiff1d(rng.permutation(len(self.knots))[: 2 * ANY], own)
-            rows = np.concatenate([own[: ANY // 2], rng.permutation(others)])[:ANY]
+            others = np.setdiff1d(rng.permutation(len(self.knots))[: 2 * most], own)
+            rows = np.concatenate([own[: most // 2], rng.permutation(others)])[:most]
             each = np.broadcast_to(rows, (len(problems), len(rows)))
-            mine = min(len(own), ANY // 2)
+            mine = min(len(own), most // 2)
             column[:mine] = np.arange(mine)
         else:
-            each = rows = _hard(_without(best(seen, DEPTH), own), rng)
+            each = rows = self.sizes.hard(_without(best(seen, DEPTH), own), rng)
         return Labels(seen, rows, self._valid(problems, each), column)
 
     def validate(self, best: Best) -> dict[str, float]:
@@ -204,7 +235,7 @@ class TransferLabels:
         return np.concatenate(list(self.crew.map(_tried, tries)))
 
     def _try(self, problems: list[Any], rows: np.ndarray) -> _Try:
-        """What it takes to try memories: those that are asked for, and where each stands."""
+        """Collect the memories to try, and their places."""
         asked, where = np.unique(rows, return_inverse=True)
         return _Try(problems, self.knots[asked], self.goals[asked], where.reshape(rows.shape))
 
@@ -213,7 +244,7 @@ class TransferLabels:
         return batched([one for some in self.crew.map(_looks, parts) for one in some])
 
     def _drawn(self, index: int, rng: np.random.Generator) -> Iterator[Any]:
-        """Situations of the specification that nothing is held out of, most of them not easy."""
+        """Draw situations of the specification outside its holdouts, few of them easy."""
         k = 0
         while True:
             source = seeding.rng(self.seed, _BATCH, index, k)
@@ -229,10 +260,10 @@ class TransferLabels:
             yield problem
 
     def _alone(self, problems: list[Any], rng: np.random.Generator) -> list[Any]:
-        """Some of the situations with one obstacle alone: which one a path failed at is told so."""
+        """Repeat some situations with one obstacle alone, to show at which one a path fails."""
         several = [p.situation for p in problems if len(p.situation.obstacles) > 1]
         out = []
-        for k in rng.permutation(len(several))[: int(ALONE * SITUATIONS)].tolist():
+        for k in rng.permutation(len(several))[: self.sizes.alone].tolist():
             situation = several[k]
             one = situation.obstacles[int(rng.integers(len(situation.obstacles)))]
             alone = replace(situation, bodies=(*situation.targets, one))
@@ -247,7 +278,7 @@ class TransferLabels:
 
 
 class _Lesson(NamedTuple):
-    """What is learned from a record."""
+    """Lesson of a record."""
 
     situation: AnySituation
     waypoints: Any
@@ -296,13 +327,3 @@ def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:
     mine[: len(own), 0] = own
     order = np.argsort(found == mine, axis=1, kind="stable")
     return np.take_along_axis(found, order, axis=1)[:, :-1]
-
-
-def _hard(found: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Of the best memories (n, k) the first TOP and, of those that follow, WIDE (n, m)."""
-    top = min(TOP, found.shape[1])
-    rest = found.shape[1] - top
-    wide = min(WIDE, rest)
-    after = top + np.argsort(rng.random((len(found), rest)), axis=1)[:, :wide]
-    rows = np.hstack([found[:, :top], np.take_along_axis(found, after, axis=1)])
-    return np.ascontiguousarray(rows, dtype=np.int64)

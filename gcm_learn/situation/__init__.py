@@ -1,4 +1,4 @@
-"""What happens in the world: shapes, motion laws, situations and their exchange format."""
+"""Shapes, motion laws, situations and their exchange format."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from gcm_learn.situation.arm_body import (
     BoneMass,
     Motor,
     arm_body_from_json,
-    arm_body_to_json,
     read_arm_body,
 )
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
@@ -77,7 +76,6 @@ __all__ = [
     "SpatialFrame",
     "Sphere",
     "arm_body_from_json",
-    "arm_body_to_json",
     "arm_frame",
     "canonical",
     "carried",

@@ -1,4 +1,4 @@
-"""What physics needs of an arm beyond a situation: the exchange format ``gcm-learn/body@1``."""
+"""Physical properties of an arm: the exchange format ``gcm-learn/body@1``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gcm_learn.situation.json_values import check_names, made_from, object_from,
 BODY_FORMAT = "gcm-learn/body@1"
 BONES = 2
 FITS = 0.01
-"""How far the lengths of bones may be off, as a share of them."""
+"""Tolerance of the lengths of bones, as a share of them."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class BoneMass:
 
 @dataclass(frozen=True)
 class Motor:
-    """What moves a joint.
+    """Motor of a joint.
 
     Parameters
     ----------
@@ -169,23 +169,3 @@ def arm_body_from_json(obj: object) -> ArmBody:
             record_from(kind, item, f"{field}[{k}]") for k, item in enumerate(values[field])
         )
     return made_from(ArmBody, values, "")
-
-
-def arm_body_to_json(body: ArmBody) -> dict[str, Any]:
-    """The JSON object of a body; `arm_body_from_json` gives back an equal one."""
-    bones = [
-        {"mass": b.mass, "centre": list(b.centre), "inertia": list(b.inertia)}
-        | ({} if b.length is None else {"length": b.length})
-        for b in body.bones
-    ]
-    joints = [
-        {"torque": m.torque, "armature": m.armature, "damping": m.damping} for m in body.joints
-    ]
-    return {
-        "format": BODY_FORMAT,
-        "name": body.name,
-        "metres": body.metres,
-        "gravity": list(body.gravity),
-        "bones": bones,
-        "joints": joints,
-    }

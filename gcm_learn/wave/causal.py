@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.collision import desk_of
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, hand_space, ring_leap
 from gcm_learn.scene import Scene
-from gcm_learn.wave import agenda, general, layered, layered_in_space, marching
+from gcm_learn.wave import agenda, layered, layered_in_space, marching
 from gcm_learn.wave import marching_in_space as space
 from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.kernels import CONTACT, FROZEN
@@ -18,6 +18,8 @@ from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of, turns_of
 from gcm_learn.wave.params import MarchingParams
 from gcm_learn.wave.plane import Plane, closed_rim
 from gcm_learn.wave.solver import STATES_PER_CELL
+
+SHORTEST = 0.03  # resolution of safe intervals in space, in steps of the hand
 
 
 def march(
@@ -49,8 +51,6 @@ def march(
     """
     if isinstance(chart, SpaceLattice):
         return _march_in_space(scene, chart, params, ignore, widening)
-    if not isinstance(chart, Lattice):
-        return general.spread(scene, chart, params, False, ignore, widening)
     crossing = chart.spacing / fastest(scene)
     state = np.zeros(chart.n * chart.n, dtype=np.uint8)
     arrival, cell, body, time, accepted = marching.march(
@@ -78,7 +78,7 @@ def march_layers(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """March over nodes and safe intervals until a target is met; waiting is free.
+    """March over nodes and safe intervals until a target is met; the hand may wait.
 
     Parameters
     ----------
@@ -90,8 +90,6 @@ def march_layers(
     """
     if isinstance(chart, SpaceLattice):
         return _march_layers_in_space(scene, chart, params, ignore, widening)
-    if not isinstance(chart, Lattice):
-        return general.spread(scene, chart, params, True, ignore, widening)
     n, crossing = chart.n, chart.spacing / fastest(scene)
     room, nowhere = STATES_PER_CELL * n * n, np.full((n + 2) ** 2, -1, dtype=np.int32)
     sheets = agenda.Sheets(np.empty((room, 3), dtype=np.int32), np.empty((room, 2)), nowhere)
@@ -193,14 +191,14 @@ def _ask(
     ignore: float,
     widening: np.ndarray | None,
 ) -> space.Ask:
-    """What marching in space asks of a scene."""
+    """Bind a scene and a lattice for marching in space."""
     fast = fastest(scene)
     return space.Ask(
         scene,
         chart.nodes,
         _pace(scene, chart, fast),
         terms_of(scene, chart, params, 1.0, ignore)._replace(
-            shortest=general.SHORTEST * chart.spacing / fast
+            shortest=SHORTEST * chart.spacing / fast
         ),
         desk_of(scene),
         np.empty(0) if widening is None else widening,
@@ -212,7 +210,7 @@ def _ask(
 
 
 def _pace(scene: Scene, chart: SpaceLattice, fast: float) -> space.Pace:
-    """How long steps take, with a hand that is nowhere faster than `fast`."""
+    """Bind the times of steps, with a hand that is nowhere faster than `fast`."""
     offsets = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if any(d)])
     hops = np.append(np.linalg.norm(offsets, axis=1), [0.0, 0.0]) * chart.spacing
     ahead = offsets @ np.array([chart.n**2, chart.n, 1]) * chart.postures

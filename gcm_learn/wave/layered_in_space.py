@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.collision.intervals import NEVER, last_use, target_ways
-from gcm_learn.collision.postures import free_spans, move_is_free
+from gcm_learn.collision.postures import move_is_free
+from gcm_learn.collision.rests import free_spans
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.space import hand_of_node, is_there
 from gcm_learn.motion.interception_in_space import target_room

@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms.curves import hermite, line, on_curve
-from gcm_learn.collision.postures import (
-    desk_of,
-    distance_at,
-    free_spans,
-    free_until,
-    least_on,
-    move_is_free,
-)
+from gcm_learn.collision.postures import desk_of, distance_at, least_on, move_is_free
+from gcm_learn.collision.rests import free_spans, free_until
 from gcm_learn.scene import pack
 from gcm_learn.situation import read_situations
 from tests.spatial import EXAMPLES

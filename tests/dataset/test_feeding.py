@@ -96,17 +96,6 @@ def torch_data():
     return torch_data
 
 
-def test_torch_reads_batches(records, torch_data, tmp_path):
-    import torch
-    from torch.utils.data import DataLoader
-
-    maps = torch_data.TorchMaps(records.cache(tmp_path, labels=("upper_arm",)))
-    batches = list(DataLoader(maps, batch_size=16))
-    assert [tuple(b["image"].shape) for b in batches] == [(16, 3, 40, 40)] * 3 + [(2, 3, 40, 40)]
-    assert torch.cat([b["index"] for b in batches]).tolist() == list(range(50))
-    assert batches[0]["upper_arm"].tolist() == list(records.column("upper_arm")[:16])
-
-
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:This DataLoader will create")
 @pytest.mark.parametrize(("workers", "persistent"), [(1, False), (3, True)])

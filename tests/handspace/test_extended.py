@@ -13,7 +13,6 @@ from gcm_learn.arms import Arm
 from gcm_learn.handspace import (
     Lattice,
     extended_obstacle,
-    extended_outline,
     occupied_cells,
     upper_arm_image,
 )
@@ -176,7 +175,9 @@ def test_cells_are_occupied_where_the_curves_run(rho, position, radius, side):
         for a in [np.linspace(0.0, 2.0 * np.pi, 48)]
     ]
     raster = np.zeros_like(cells)
-    for curve in extended_outline(np.concatenate(rings), rho, side, 160):
+    points = [p for p in np.concatenate(rings) if np.hypot(*p) < rho + 1.0]
+    images = (extended_obstacle, upper_arm_image)
+    for curve in (image(p, rho, side, 160) for image in images for p in points):
         for x, y in curve:
             raster[lattice.cell_of(x, y)] = True
     assert cells.sum() > 100
@@ -218,11 +219,6 @@ def test_targets_occupy_nothing():
     target = Body("target", "ball", Disc(0.3), PlanarQuadratic((1.0, 0.5), (0, 0), (0, 0)))
     situation = Situation("scene", 1.0, situation.arm, (target, situation.bodies[1]))
     assert not occupied_cells(situation, Lattice(40), 0.0).any()
-
-
-def test_outlines_leave_out_what_is_beyond_reach():
-    assert extended_outline([(3.0, 0.0), (0.0, 0.0), (0.0, -2.5)]) == []
-    assert len(extended_outline([(1.5, 0.0), (0.5, 0.0)])) == 3  # two curves and one arc
 
 
 def test_the_predicate_agrees_with_distances_to_a_polygon(rng):

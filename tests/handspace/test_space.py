@@ -10,11 +10,12 @@ import pytest
 from gcm_learn.arms import forward_in_space, inverse_in_space
 from gcm_learn.arms.spatial_limb import limb_at, spatial_limb_of
 from gcm_learn.errors import LatticeError
-from gcm_learn.handspace import Chart, SpaceLattice, space_of
+from gcm_learn.handspace import SpaceLattice, space_of
 from gcm_learn.handspace.postures import posture_of, rule_of
 from gcm_learn.handspace.space import NOWHERE, hand_of_node, ring_leap
 from gcm_learn.scene import pack
 from gcm_learn.situation import read_situations
+from tests.handspace.steps import steps_of
 from tests.spatial import EXAMPLES
 
 SITUATIONS = read_situations(EXAMPLES)
@@ -103,7 +104,7 @@ def test_steps_are_short_and_most_cells_are_a_few_of_them_from_the_start(arm):
 
     space = SpaceLattice(arm, N)
     scene = pack(replace(SITUATIONS[0], arm=arm))
-    steps, (start, _) = space.steps(scene.limits), space.start(scene)
+    steps, (start, _) = steps_of(space, scene), space.start(scene)
     joints, inside = space.joints, space.inside
     begin = np.repeat(np.arange(space.size), np.diff(steps.first))
     turn = np.abs(joints[steps.to] - joints[begin])
@@ -121,29 +122,23 @@ def test_steps_are_short_and_most_cells_are_a_few_of_them_from_the_start(arm):
 
 
 @pytest.mark.parametrize("postures", [1, 4])
-def test_it_is_a_chart(postures):
-    space, scene = SpaceLattice(ARMS[3], 16, postures), pack(SITUATIONS[15])
-    assert isinstance(space, Chart)
+def test_nodes_are_cells_and_their_postures(postures):
+    space = SpaceLattice(ARMS[3], 16, postures)
     assert space.shape == ((16, 16, 16) if postures == 1 else (16, 16, 16, 4))
-    inside, limbs = space.inside, space.limbs
+    inside = space.inside
     node = int(np.flatnonzero(inside)[50])
-    np.testing.assert_allclose(limbs[node, 2], space.hands[node], atol=1e-6)
+    hand = limb_at(space.limb, space.joints[node].astype(float))[3:]
+    np.testing.assert_allclose(hand, space.hands[node], atol=1e-6)
     np.testing.assert_allclose(space.hands[node], hand_of_node(space.nodes, node))
     np.testing.assert_allclose(space.joints_at([node])[0], space.joints[node], atol=1e-6)
     assert space.joints_at([0])[0, 0] == space.joints[0, 0] == NOWHERE and not inside[0]
     index = np.unravel_index(node, space.shape)[:3]
     assert space.cell_of(space.hands[node]) == tuple(index)
-    bound = space.lower_bound(limbs[node, 2], 0.0, scene.limits)
-    steps = space.steps(scene.limits)
-    span = slice(*steps.first[node : node + 2])
-    assert bound[node] < 1e-7 and (bound[steps.to[span]] <= steps.time[span] + 1e-6).all()
-    assert (space.strides >= 0.0).all() and space.strides.max() > 0.5 * space.spacing
 
 
 def test_postures_in_a_cell_are_a_ring():
     space = SpaceLattice(ARMS[0], 16, 4)
-    limits = pack(SITUATIONS[0]).limits
-    steps, joints = space.steps(limits), space.joints
+    steps, joints = steps_of(space, pack(SITUATIONS[0])), space.joints
     cell = np.arange(space.size) // 4
     begin = np.repeat(np.arange(space.size), np.diff(steps.first))
     ring = cell[begin] == cell[steps.to]

@@ -13,8 +13,8 @@ from gcm_learn.motion import rules_of
 from gcm_learn.planners import SpatialProblem, plan_to_json
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
-from gcm_learn.planners.space.goals import box, met_from, slope_at
 from gcm_learn.planners.space.moves import study_of, time_of
+from gcm_learn.planners.space.pull import box, met_from, slope_at
 from gcm_learn.planners.space.straight import attempt_along
 from gcm_learn.scene import pack
 from gcm_learn.situation import (

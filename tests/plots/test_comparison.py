@@ -17,8 +17,8 @@ from gcm_learn.evaluation.table import Results
 from gcm_learn.plots import write_report
 from gcm_learn.plots.figures import comparison as figures
 from gcm_learn.plots.figures import failures
-from gcm_learn.plots.figures.space import body_poses
 from gcm_learn.plots.reports import tables
+from gcm_learn.rendering import body_poses
 
 NAMES = ["straight", "layered", "clone"]
 

@@ -24,8 +24,15 @@ from gcm_learn.plots.figures.handspace import (
 )
 from gcm_learn.plots.figures.maps import birth, draw_snapshot, latest_arrival, plot_map, spread
 from gcm_learn.plots.figures.plan import engines_figure
-from gcm_learn.plots.figures.view3d import align_views, draw_course, draw_scene
+from gcm_learn.plots.figures.solid_scene import (
+    GLASS,
+    GLASS_ALPHA,
+    draw_course,
+    draw_scene,
+    scene_window,
+)
 from gcm_learn.plots.figures.workspace import draw_arm, draw_courses, draw_poses, draw_workspace
+from tests.rendering.test_rendering import near
 
 
 def axes():
@@ -144,11 +151,6 @@ def test_engines_side_by_side_say_how_each_ended(planar_case, drawn):
     drawn(engines_figure(situation, {"other": failed}))
 
 
-def test_map_plot_method_returns_the_same_picture(planar_case):
-    _, plan = planar_case
-    assert len(plan.map.plot().images) == len(plot_map(plan.map).images)
-
-
 def test_spread_keeps_arrivals_and_goes_on_one_cell(planar_case):
     _, plan = planar_case
     tau, far = plan.map.arrival_tau, spread(plan.map)
@@ -233,32 +235,28 @@ def test_poses_are_on_the_trajectory_and_get_darker(planar_case):
     assert lightness == sorted(lightness, reverse=True)
 
 
-def test_3d_view_draws_solids_plane_and_arm():
+def test_a_solid_scene_shows_bodies_plane_and_arm():
     situation = paper.fig5()
-    ax = draw_scene(axes(), situation)
-    (collection,) = ax.collections
-    colours = np.array([to_rgba(c) for c in collection.get_facecolor()])
-    assert (colours[:, 3] < 1).any()
-    for wanted in (style.OBSTACLE, style.TARGET, style.ARM):
-        hue = np.array(to_rgba(wanted)[:3])
-        alike = np.abs(colours[:, :3] - hue).max(axis=1) < 0.35
-        assert alike.any()
+    image = np.asarray(draw_scene(axes(), situation).images[0].get_array())
+    for colour in (style.OBSTACLE, style.TARGET, style.ARM):
+        assert near(image, colour) > 0.0005
+    glass = 1.0 - GLASS_ALPHA * (1.0 - np.array(to_rgba(GLASS[0])[:3]))
+    assert (np.abs(image - glass).max(axis=-1) < 0.05).mean() > 0.2
 
 
-def test_3d_view_of_a_planar_situation_is_refused():
+def test_a_planar_situation_has_no_solid_scene():
     with pytest.raises(ValueError, match="planar"):
         draw_scene(axes(), paper.fig4())
 
 
-def test_3d_views_can_share_limits_and_show_ways():
-    situation = paper.fig8()
-    panels = list(style.new_figure(8, 4).subplots(1, 2))
+def test_solid_scenes_can_share_a_window_and_show_courses():
+    situation, panels = paper.fig8(), list(style.new_figure(8, 4).subplots(1, 2))
+    window = scene_window(situation, (0.0, 0.6))
     for ax, t in zip(panels, (0.0, 0.6), strict=True):
-        draw_scene(ax, situation, t, headroom=3.0)
+        draw_scene(ax, situation, t, window=window)
     draw_course(panels[0], situation, 0, 0.6)
-    align_views(panels)
-    assert panels[0].get_xlim() == panels[1].get_xlim()
-    assert panels[0].get_ylim() == panels[1].get_ylim()
+    assert panels[0].get_xlim() == panels[1].get_xlim() == window.extent[:2]
+    assert panels[0].lines and not panels[1].lines
 
 
 def test_path_has_arrow_heads_that_point_along_it():

@@ -16,7 +16,8 @@ from gcm_learn.plots import write_space_page
 from gcm_learn.plots.figures.space_maps import frozen_cells, places_of
 from gcm_learn.plots.reports.space import page_data
 from gcm_learn.situation import Box, read_situations
-from tests.plots.test_space import plan_of, turning
+from tests.plots.test_space import plan_of
+from tests.rendering.test_rendering import turning
 from tests.spatial import EXAMPLES
 
 

@@ -9,12 +9,11 @@ from gcm_learn.arms import forward_in_space
 from gcm_learn.handspace import SpaceLattice, room_in_space
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.plots import style
-from gcm_learn.plots.figures import space_maps, staging
-from gcm_learn.plots.figures.rendering import normals
-from gcm_learn.plots.figures.space import view_of
+from gcm_learn.plots.figures import space_maps
 from gcm_learn.plots.figures.surfaces import softened, surface
+from gcm_learn.rendering import normals, turned_view, view_of
 from gcm_learn.situation import arm_frame, read_situations
-from tests.plots.test_space import near, turning
+from tests.rendering.test_rendering import near, turning
 from tests.spatial import EXAMPLES
 
 N = 20
@@ -125,5 +124,6 @@ def test_a_map_is_cut_through_hand_and_catch_facing_the_camera(case):
     middle, u, v = space_maps.cut_frame(start, start + (0.1, 0.2, -0.4), view)
     normal = np.cross(u, v)
     assert normal @ view.nearer > 0.0 and abs((start - middle) @ normal) < 1e-12
-    turned = space_maps.cut_frame(start, start, staging.turned_view(view, 90.0))
-    np.testing.assert_allclose(np.cross(*turned[1:]), staging.turned_view(view, 90.0).nearer)
+    quarter = turned_view(view, 90.0)
+    turned = space_maps.cut_frame(start, start, quarter)
+    np.testing.assert_allclose(np.cross(*turned[1:]), quarter.nearer)

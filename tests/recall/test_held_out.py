@@ -15,10 +15,10 @@ from gcm_learn import dataset, get_planner
 from gcm_learn.cli import main
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.evaluation import draw_suite
-from gcm_learn.recall import Memory, RawIndex, transfer_labels
+from gcm_learn.recall import Memory, RawIndex
 from gcm_learn.recall.clearance_features import clearance_features
 from gcm_learn.recall.growth import remember
-from gcm_learn.recall.transfer_labels import TransferLabels
+from gcm_learn.recall.transfer_labels import Sizes, TransferLabels
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack
 from tests.dataset.conftest import MARKED, make_here
@@ -44,11 +44,9 @@ def records(folder):
 
 
 @pytest.fixture
-def labels(records, monkeypatch):
+def labels(records):
     """Return labels in small batches, most of whose situations are no records'."""
-    monkeypatch.setattr(transfer_labels, "SITUATIONS", 60)
-    monkeypatch.setattr(transfer_labels, "ANY", 10)
-    return TransferLabels(records, 3)
+    return TransferLabels(records, 3, sizes=Sizes(situations=60, any=10))
 
 
 def catches_of(records, split):

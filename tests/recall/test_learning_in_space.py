@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,11 +12,11 @@ pytest.importorskip("torch")
 pytest.importorskip("safetensors")
 pytest.importorskip("pyarrow")
 
-from gcm_learn import dataset, families
+from gcm_learn import dataset, families, recall
 from gcm_learn.cli import main
 from gcm_learn.dataset import DatasetSpec, FamilyShare, Split
 from gcm_learn.errors import EncoderError
-from gcm_learn.recall import EncoderConfig, Memory, TransferLabels, load_encoder, transfer_labels
+from gcm_learn.recall import EncoderConfig, Memory, Sizes, TransferLabels, load_encoder
 from gcm_learn.recall.clearance_features import TOUCH
 from gcm_learn.recall.kinds import SPACE
 from gcm_learn.recall.space.features import CELLS, CONTEXT, FREE, features_in_space
@@ -89,16 +90,17 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def small(monkeypatch):
-    """Labels of few situations."""
-    for name, value in {"SITUATIONS": 24, "ANY": 10, "TOP": 4, "WIDE": 2}.items():
-        monkeypatch.setattr(transfer_labels, name, value)
+    """Labels of few situations, for the command line as well."""
+    labels = partial(TransferLabels, sizes=Sizes(24, 10, 4, 2))
+    monkeypatch.setattr(recall, "TransferLabels", labels, raising=False)
+    return labels
 
 
 def test_labels_are_what_comes_of_trying(folder, small):
-    source = TransferLabels(dataset.open(folder), 3)
+    source = small(dataset.open(folder), 3)
     batch = source.labels(0, None)
     assert batch.valid.any() and not batch.valid.all()
-    again = TransferLabels(dataset.open(folder), 3).labels(0, None)
+    again = small(dataset.open(folder), 3).labels(0, None)
     assert np.array_equal(batch.valid, again.valid)
     own = batch.own >= 0
     assert batch.valid[own, batch.own[own]].mean() > 0.6  # most are valid where they come from

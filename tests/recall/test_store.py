@@ -174,17 +174,12 @@ def test_queries_do_not_depend_on_how_a_situation_lies(catches, kind):
 @pytest.mark.parametrize("search", ["exact", "auto"])
 def test_a_million_entries(memory, search, tmp_path):
     """Filing them would take a while, so the columns are filled by hand."""
-    many, count = Memory(RandomIndex(), search), 1_000_000
-    fresh = {
-        "embeddings": np.zeros((count, many.index.dim), np.float32),
-        "traces": np.broadcast_to(memory.knots[:1], (count, *memory.knots.shape[1:])),
-        "goals": np.broadcast_to(memory.goals[:1], (count, 2)),
-        "labels": np.zeros((count, 2)),
-        "uses": np.zeros(count),
-        "lengths": np.full(count, 300),
-    }
-    fresh["embeddings"][:, 0] = np.arange(count)
-    many._append(fresh, [bytes(300)] * count)
+    index, count = RandomIndex(), 1_000_000
+    embeddings = np.zeros((count, index.dim), np.float32)
+    embeddings[:, 0] = np.arange(count)
+    knots = np.broadcast_to(memory.knots[:1], (count, *memory.knots.shape[1:]))
+    goals = np.broadcast_to(memory.goals[:1], (count, 2))
+    many = Memory.of(index, embeddings, knots, goals, search=search)
     many.save(tmp_path)
     loaded = Memory.load(tmp_path, many.index, search=search)
     query = np.eye(1, many.index.dim, dtype=np.float32)[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ pytest.importorskip("torch")
 pytest.importorskip("safetensors")
 pytest.importorskip("pyarrow")
 
-from gcm_learn import dataset
+from gcm_learn import dataset, recall
 from gcm_learn.cli import main
 from gcm_learn.processes import crew_of
 from gcm_learn.recall import (
@@ -27,7 +28,7 @@ from gcm_learn.recall import (
 )
 from gcm_learn.recall.clearance_features import clearance_features
 from gcm_learn.recall.index import LearnedIndex
-from gcm_learn.recall.transfer_labels import TransferLabels
+from gcm_learn.recall.transfer_labels import Sizes, TransferLabels
 from tests.dataset.conftest import SMALL, make_here
 
 
@@ -41,18 +42,17 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def small(monkeypatch):
-    """Labels of few situations."""
-    monkeypatch.setattr(transfer_labels, "SITUATIONS", 40)
-    monkeypatch.setattr(transfer_labels, "ANY", 10)
-    monkeypatch.setattr(transfer_labels, "TOP", 4)
-    monkeypatch.setattr(transfer_labels, "WIDE", 2)
+    """Labels of few situations, for the command line as well."""
+    labels = partial(TransferLabels, sizes=Sizes(40, 10, 4, 2))
+    monkeypatch.setattr(recall, "TransferLabels", labels, raising=False)
+    return labels
 
 
 def test_labels_are_what_comes_of_trying(folder, small):
-    source = TransferLabels(dataset.open(folder), 3)
+    source = small(dataset.open(folder), 3)
     batch = source.labels(0, None)
     own = source._order[:40]
-    again = TransferLabels(dataset.open(folder), 3).labels(0, None)
+    again = small(dataset.open(folder), 3).labels(0, None)
     np.testing.assert_array_equal(batch.valid, again.valid)  # a function of seed and number
     for i, k in enumerate(own[:5].tolist()):
         situation = source.situations[k]
@@ -67,7 +67,7 @@ def test_labels_are_what_comes_of_trying(folder, small):
 
 
 def test_labels_about_the_best_ask_about_these_and_never_about_ones_own(folder, small):
-    source = TransferLabels(dataset.open(folder), 3)
+    source = small(dataset.open(folder), 3)
     everything = np.arange(len(source.knots))
     batch = source.labels(
         0, lambda features, k: np.tile(everything[:k], (len(features.context), 1))
@@ -80,7 +80,7 @@ def test_labels_about_the_best_ask_about_these_and_never_about_ones_own(folder, 
 
 
 def test_no_label_is_about_what_is_held_out(folder, small, monkeypatch):
-    labels = TransferLabels(dataset.open(folder), 4)
+    labels = small(dataset.open(folder), 4)
     seen = []
     monkeypatch.setattr(
         TransferLabels, "_is_held_out", lambda self, family, problem: seen.append(family) or True
@@ -127,7 +127,7 @@ def test_a_training_that_a_cluster_left_goes_on_here(folder, small, scheduler, t
     config, effort = EncoderConfig(dim=4), Effort(turns=4)
     records = dataset.open(folder)
     with crew_of(cluster=scheduler) as crew:
-        first = Trainer(config, TransferLabels(records, crew=crew), tmp_path / "two", effort)
+        first = Trainer(config, small(records, crew=crew), tmp_path / "two", effort)
 
         def stop(share):
             if first.turn == 2:
@@ -136,8 +136,8 @@ def test_a_training_that_a_cluster_left_goes_on_here(folder, small, scheduler, t
 
         with pytest.raises(KeyboardInterrupt):
             first.run(stop)
-    second = Trainer(config, TransferLabels(records), tmp_path / "two", effort)
-    whole = Trainer(config, TransferLabels(records), tmp_path / "one", effort)
+    second = Trainer(config, small(records), tmp_path / "two", effort)
+    whole = Trainer(config, small(records), tmp_path / "one", effort)
     assert second.turn == 2 and second.run().key == whole.run().key
 
 

@@ -24,6 +24,7 @@ from gcm_learn.wave.solver_in_space import (
     mean_speed,
     quickest,
 )
+from tests.handspace.steps import limbs_of
 
 SIX = [d for d in itertools.product((-1, 0, 1), repeat=3) if np.abs(d).sum() == 1]
 
@@ -40,7 +41,7 @@ class Reference:
     def __init__(self, scene, lattice, params):
         self.scene, self.lattice, self.params, shape = scene, lattice, params, lattice.shape
         self.kappa = kappa_in_space(scene, lattice, params)
-        self.inside, self.limbs = lattice.inside.reshape(shape), lattice.limbs
+        self.inside, self.limbs = lattice.inside.reshape(shape), limbs_of(lattice)
         self.live, self.state = self.inside.copy(), np.full(shape, FREE)
         self.r, self.z = np.full(shape, REST[0]), np.full(shape, REST[1])
         self.q, self.arrival = self.rates(), np.full(shape, -1.0)

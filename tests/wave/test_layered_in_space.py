@@ -10,12 +10,14 @@ import pytest
 
 from gcm_learn import build_map
 from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.postures import desk_of, distance_at, free_spans, move_is_free
+from gcm_learn.collision.postures import desk_of, distance_at, move_is_free
+from gcm_learn.collision.rests import free_spans
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.maps import CognitiveMap, chain_to, descend
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, read_situations
 from gcm_learn.wave import MarchingParams, fastest, march, march_layers
+from tests.handspace.steps import steps_of
 from tests.spatial import EXAMPLES
 from tests.wave.test_marching_in_space import EVERYWHERE, TO_CONTACT, N, explored
 
@@ -29,7 +31,7 @@ def searched(scene, chart):
     A label is a node, one of its spans, when it is reached and from where.  If its step is not free
     it is tried again after a pause, and after twice as long, and so on, as long as both spans last.
     """
-    steps, joints, desk = chart.steps(scene.limits), chart.joints.astype(float), desk_of(scene)
+    steps, joints, desk = steps_of(chart, scene), chart.joints.astype(float), desk_of(scene)
     touch, end = scene.limb.thickness, scene.limits.horizon
     crossing = chart.spacing / fastest(scene)
     spans, arrival = {}, {}
@@ -100,7 +102,7 @@ def test_states_are_reached_by_free_steps_after_free_waits(k):
     situation = explored(SITUATIONS[k], SITUATIONS[k].horizon)
     scene, chart = pack(situation), SpaceLattice(situation.arm, N, 2)
     front, desk = march_layers(scene, chart, EVERYWHERE), desk_of(scene)
-    joints, steps = chart.joints.astype(float), chart.steps(scene.limits)
+    joints, steps = chart.joints.astype(float), steps_of(chart, scene)
     assert (np.diff(front.arrival) >= 0.0).all() and (front.end >= front.arrival).all()
     waits = 0
     for s in range(0, len(front.nodes), 7):

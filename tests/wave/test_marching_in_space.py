@@ -16,6 +16,7 @@ from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene import HAND, PART, pack
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, read_situations
 from gcm_learn.wave import MarchingParams, march
+from tests.handspace.steps import steps_of
 from tests.spatial import EXAMPLES
 
 SITUATIONS = read_situations(EXAMPLES)
@@ -38,7 +39,7 @@ def searched(scene, chart):
     A label is a node, when it is reached and from where.  It is frozen if the limb is touched then;
     a label whose step is not free is dropped.
     """
-    steps, joints, desk = chart.steps(scene.limits), chart.joints.astype(float), desk_of(scene)
+    steps, joints, desk = steps_of(chart, scene), chart.joints.astype(float), desk_of(scene)
     touch, arrival = scene.limb.thickness, np.full(chart.size, np.inf)
     frozen, heap = set(), [(t, int(node), -1) for node, t in zip(*chart.start(scene), strict=True)]
     heapq.heapify(heap)
@@ -143,7 +144,7 @@ def test_the_first_node_near_a_target_is_met_and_the_way_there_holds(k):
     nodes = chain_to(made, node)
     np.testing.assert_allclose(points, chart.hands[nodes])
     assert (np.diff(times) > 0.0).all() and times[-1] == pytest.approx(made.interception.time)
-    steps = chart.steps(scene.limits)
+    steps = steps_of(chart, scene)
     for a, b, taken in zip(nodes[:-1], nodes[1:], np.diff(times), strict=True):
         span = slice(*steps.first[a : a + 2])
         assert taken == pytest.approx(steps.time[span][steps.to[span] == b][0], abs=1e-5)

@@ -8,7 +8,7 @@ import numpy as np
 
 from gcm_learn.arms import JOINTS, SpatialArm, SpatialLimb, forward_in_space
 from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.chains import room_in_pose
+from gcm_learn.collision.solids import room_in_pose
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.physics.control import Controller, following

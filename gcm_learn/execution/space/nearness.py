@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.chains import to_body
+from gcm_learn.collision.solids import to_body
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     ACCELERATION,

@@ -14,8 +14,9 @@ from gcm_learn.motion import Failure, Reason, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.space.accelerated import plan_accelerated
-from gcm_learn.planners.space.goals import met_from, no_goals, reach
+from gcm_learn.planners.space.goals import no_goals, reach
 from gcm_learn.planners.space.moves import Study, study_of, time_of
+from gcm_learn.planners.space.pull import met_from
 from gcm_learn.planners.space.straight import at_once
 from gcm_learn.planners.space.ways import (
     MOST,

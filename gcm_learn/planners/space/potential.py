@@ -17,8 +17,8 @@ from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception_in_space import fastest_hand, met_at
 from gcm_learn.planners.completion import SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import met_from
 from gcm_learn.planners.space.moves import study_of, time_of
+from gcm_learn.planners.space.pull import met_from
 from gcm_learn.planners.space.straight import attempt_along
 from gcm_learn.scene.bodies import HAND, PART
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.postures import free_spans
+from gcm_learn.collision.rests import free_spans
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.joints import neighbour, posture_of
 from gcm_learn.planners.space.goals import reach

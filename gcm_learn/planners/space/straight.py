@@ -19,7 +19,7 @@ from gcm_learn.motion.interception_in_space import (
 )
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.goals import PLACES, Goals, met_from, place_on
+from gcm_learn.planners.space.goals import PLACES, Goals, place_on
 from gcm_learn.planners.space.moves import (
     Study,
     rest_is_free,
@@ -27,6 +27,7 @@ from gcm_learn.planners.space.moves import (
     time_of,
     timed_move_is_free,
 )
+from gcm_learn.planners.space.pull import met_from
 from gcm_learn.scene.bodies import HAND, KIND, PART, SPHERE
 
 SWIVELS = 12  # of the elbow that are tried for one place of the hand

@@ -1,4 +1,4 @@
-"""What an arm with mass did: a film of it, and a figure beside the plan that it followed."""
+"""A film of an arm with mass, and a figure of its movement beside the plan."""
 
 from __future__ import annotations
 
@@ -24,20 +24,23 @@ from gcm_learn.plots.figures.film import (
     painted,
     write_film,
 )
-from gcm_learn.plots.figures.rendering import Camera, Faces, Window
-from gcm_learn.plots.figures.solids import placed, tube
-from gcm_learn.plots.figures.space import (
+from gcm_learn.plots.figures.space import TIME_COLOURS, Scenery, key_in_space
+from gcm_learn.rendering import (
     LINE,
     SAMPLES,
-    TIME_COLOURS,
-    Scenery,
+    Camera,
+    Faces,
+    SpatialSituation,
+    Window,
     arm_faces,
     body_faces,
     body_poses,
-    key_in_space,
+    from_above,
+    placed,
+    tube,
+    turned_view,
     view_of,
 )
-from gcm_learn.plots.figures.staging import SpatialSituation, from_above, turned_view
 from gcm_learn.situation import Box, Capsule, Cylinder
 
 if TYPE_CHECKING:
@@ -147,7 +150,7 @@ class Replay(Scenery):
         )  # fmt: skip
 
     def places(self, times: np.ndarray) -> np.ndarray:
-        """Where the targets really were (k, m, 3), in the world."""
+        """Centres (k, m, 3) of the targets in the simulation, in the world."""
         return logged_targets(self.situation, self.plant, self.step, times)[0]
 
     def _targets(self, t: float) -> Iterator[Faces]:
@@ -161,7 +164,7 @@ class Replay(Scenery):
 def logged_targets(
     situation: SpatialSituation, plant: PhysicalPlant, step: float, times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where targets really were at the steps nearest to times (k,): places (k, m, 3), turns."""
+    """Places (k, m, 3) and turns of the targets at the steps nearest to times (k,)."""
     rows = np.clip(np.rint(times / step).astype(int), 0, plant.steps)
     log = plant.targets_log[rows].reshape(len(rows), -1, 7)
     base = situation.arm.base
@@ -196,7 +199,7 @@ def touched_at(situation: SpatialSituation, name: str, t: float, joints: np.ndar
 
 
 def _outside(shape: SolidShape, points: np.ndarray) -> np.ndarray:
-    """How far points (k, 3) in a solid's own frame are from it."""
+    """Distances of points (k, 3) from a solid, in its own frame."""
     if isinstance(shape, Box):
         beyond = np.abs(points) - shape.half_extents
     elif isinstance(shape, Cylinder):
@@ -245,7 +248,7 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
 
 
 def told(done: Execution) -> str:
-    """What came of it, in two lines."""
+    """The outcome, in two lines."""
     planned = "" if done.planned is None else f" (planned {done.planned:.3f} s)"
     if done.caught:
         first = f"{done.name}: caught at {done.catch_time:.3f} s{planned}"

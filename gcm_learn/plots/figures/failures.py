@@ -1,4 +1,4 @@
-"""What goes wrong in a comparison: reachable situations that were touched or missed, and films."""
+"""Failures of a comparison: reachable situations with a collision or without a catch, and films."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from gcm_learn.motion import SpatialTrajectory, Trajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.failures_in_space import MissedCatch, closest_moment
 from gcm_learn.plots.figures.film import note_in_corner, pixels, write_film
-from gcm_learn.plots.figures.staging import SpatialSituation
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_courses
+from gcm_learn.rendering import SpatialSituation
 from gcm_learn.situation import Situation
 
 MOST = 8  # failures that are drawn
@@ -43,7 +43,7 @@ class Failure:
     part: str | None
     """Of the limb that touched."""
     trajectory: Trajectory | SpatialTrajectory | None
-    """What the hand did; None if it rested, as it does in space."""
+    """Movement of the hand; None if it rested, and always None in space."""
     better: str
     """A method that catches, if there is one."""
     example: Trajectory | SpatialTrajectory | None
@@ -182,7 +182,7 @@ def _film(failure: Failure) -> bytes:
 
 
 def _drawn(failure: Failure) -> Callable[[Axes, float], None]:
-    """What draws a failure at a time [s]."""
+    """Return a function that draws a failure at a time [s]."""
     if not failure.entry.situation.is_spatial:
         return lambda ax, t: _draw_moment(ax, failure, t)
     missed = _missed(failure)

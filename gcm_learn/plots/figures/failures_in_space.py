@@ -10,18 +10,18 @@ from matplotlib.colors import to_rgb
 
 from gcm_learn.arms import forward_in_space
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.rendering import Faces
-from gcm_learn.plots.figures.solids import tube
-from gcm_learn.plots.figures.space import (
+from gcm_learn.plots.figures.space import Scenery, draw_courses_in_space, show_image
+from gcm_learn.rendering import (
     LINE,
     SAMPLES,
-    Scenery,
+    Faces,
+    SpatialSituation,
     arm_faces,
     body_faces,
     body_poses,
-    draw_courses_in_space,
+    staged,
+    tube,
 )
-from gcm_learn.plots.figures.staging import SpatialSituation, show_image, staged
 
 if TYPE_CHECKING:
     from gcm_learn.motion import SpatialTrajectory

@@ -21,8 +21,8 @@ from gcm_learn.plots.figures.handspace import draw_hand, extended_image, show_im
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored
 from gcm_learn.plots.figures.space import TIME_COLOURS, Scenery
 from gcm_learn.plots.figures.space_maps import HandSpace, ball_window
-from gcm_learn.plots.figures.staging import from_above
 from gcm_learn.plots.figures.workspace import draw_arm, draw_bodies, draw_waits, waiting_at
+from gcm_learn.rendering import from_above
 from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def write_film(
 
 
 def pixels(canvas: FigureCanvasAgg) -> Image.Image:
-    """What is drawn, as an image of its own."""
+    """The drawing as an image of its own."""
     return Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
 
 
@@ -128,7 +128,7 @@ def painted(
 
 
 def _planar_scenes(situation: Situation, plan: Plan, panels: Sequence[Axes]) -> tuple[Scene, Scene]:
-    """What the panels of a planar situation show at a time [s]."""
+    """Return a function that draws the panels of a planar situation at a time [s]."""
     for ax, name in zip(panels, ("work-space", "hand-space"), strict=True):
         style.frame(ax, situation.arm.upper_arm)
         style.title(ax, name)
@@ -142,7 +142,7 @@ def _planar_scenes(situation: Situation, plan: Plan, panels: Sequence[Axes]) -> 
 def _spatial_scenes(
     situation: Situation[SpatialArm], plan: Plan[SpatialTrajectory], panels: Sequence[Axes]
 ) -> tuple[Scene, Scene]:
-    """What the panels of a situation in space show at a time [s], from a camera that turns."""
+    """Return a function that draws a situation in space at a time [s], from a camera that turns."""
     size, last = round(WIDTH / 2 * FILM_DPI), _duration(situation, plan)
     level = Scenery(situation, plan.trajectory, turns=True)
     above = Scenery(situation, plan.trajectory, from_above(level.view))
@@ -174,7 +174,7 @@ def _spatial_scenes(
 
 
 def palette_of(images: Sequence[Image.Image]) -> Image.Image:
-    """Colours for all frames of a film: those of the style, their tints, and what else occurs."""
+    """Colours for all frames of a film: the style, its tints, and other frequent colours."""
     width, height = images[0].size
     strip = Image.new("RGB", (width, height * len(images)))
     for k, image in enumerate(images):

@@ -21,13 +21,7 @@ from gcm_learn.plots.figures.execution import execution_figure
 from gcm_learn.plots.figures.handspace import draw_extended, draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_plan
 from gcm_learn.plots.figures.plan import plan_figure
-from gcm_learn.plots.figures.view3d import (
-    HEADROOM,
-    align_views,
-    draw_course,
-    draw_scene,
-    label_body,
-)
+from gcm_learn.plots.figures.solid_scene import draw_course, draw_scene, label_body, scene_window
 from gcm_learn.plots.figures.workspace import (
     draw_arm,
     draw_body,
@@ -175,7 +169,7 @@ def fig7() -> Figure:
     """Draw the pendulum experiment before it starts."""
     situation, plan = _solved("fig8")
     figure, (a, b) = _panels(1, 2, letters="B ", size=4.4)
-    draw_scene(a, situation, headroom=HEADROOM)
+    draw_scene(a, situation)
     draw_course(a, situation, 0, plan.catch_time or 0.7)
     label_body(a, situation, 0, "ball on a cord", (0.1, -0.55))
     label_body(a, situation, 2, "box", (1.6, -2.2))
@@ -258,8 +252,8 @@ def _draw_views(
     """Draw the 3D scene at some instants and at the catch."""
     movement = plan.trajectory
     instants = [*times, max(times) if movement is None else movement.duration]
+    window = scene_window(situation, instants)
     for ax, t in zip(panels, instants, strict=False):
         hand = situation.arm.hand if movement is None else movement.hand_at(t)
-        draw_scene(ax, situation, t, hand=hand, headroom=HEADROOM)
+        draw_scene(ax, situation, t, hand=hand, window=window)
         style.title(ax, f"t = {t:.2f} s")
-    align_views(panels)

@@ -17,23 +17,17 @@ from gcm_learn.motion import Trajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.handspace import draw_hand_space, show_image
 from gcm_learn.plots.figures.maps import draw_colour_bar, latest_arrival, plot_plan
+from gcm_learn.plots.figures.solid_scene import draw_scene
 from gcm_learn.plots.figures.space import (
     draw_courses_in_space,
     draw_movement_in_space,
     draw_space,
     key_in_space,
     time_bar,
-    view_of,
 )
 from gcm_learn.plots.figures.space_maps import HandSpace
-from gcm_learn.plots.figures.staging import SpatialSituation, from_above
-from gcm_learn.plots.figures.view3d import HEADROOM, draw_scene
-from gcm_learn.plots.figures.workspace import (
-    draw_courses,
-    draw_movement,
-    draw_waits,
-    notable_waits,
-)
+from gcm_learn.plots.figures.workspace import draw_courses, draw_movement, draw_waits, notable_waits
+from gcm_learn.rendering import SpatialSituation, from_above, view_of
 from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.wave import MarchingParams
 
@@ -133,7 +127,7 @@ def _headline(plan: AnyPlan) -> str:
 def _draw_solid(ax: Axes, situation: Situation, plan: Plan) -> None:
     t = 0.0 if plan.catch_time is None else plan.catch_time
     hand = None if plan.trajectory is None else plan.trajectory.hand[-1]
-    draw_scene(ax, situation, t, hand=hand, headroom=HEADROOM)
+    draw_scene(ax, situation, t, hand=hand)
     style.title(ax, "at the start" if plan.catch_time is None else "at the catch")
 
 
@@ -195,8 +189,7 @@ def shown_sheets(cognitive_map: CognitiveMap) -> int:
 def sheet_of(cognitive_map: CognitiveMap, k: int) -> CognitiveMap:
     """Return sheet k, counted from 0, as a map of its own.
 
-    Walls are the cells that the hand can never be in; the target is on the sheet on which it is
-    met.
+    Walls are the cells out of the hand's reach; the target is on the sheet of the interception.
     """
     first, sheet = cognitive_map.arrival, cognitive_map.sheets[k]
     met, here = cognitive_map.interception, False

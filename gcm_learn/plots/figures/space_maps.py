@@ -1,7 +1,7 @@
 """Hand-space in space: extended obstacles, the front on its way and maps, as surfaces and as a cut.
 
-The hand is a point in a ball.  A map of arrivals fills the ball; it is shown cut open along a plane
-through the hand and the place of the catch, with effective obstacles as they stand out of it.
+The hand is a point in a ball.  A map of arrivals fills the ball. The picture cuts it
+open along a plane through the hand and the place of the catch; effective obstacles stand out of it.
 """
 
 from __future__ import annotations
@@ -21,11 +21,20 @@ from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import CONTOUR_STEP
-from gcm_learn.plots.figures.rendering import Camera, Faces, Window, render
-from gcm_learn.plots.figures.solids import placed
-from gcm_learn.plots.figures.space import body_faces, path_faces, show_through
-from gcm_learn.plots.figures.staging import PIXELS, SpatialSituation, show_image, turned_view
+from gcm_learn.plots.figures.space import show_image, show_through
 from gcm_learn.plots.figures.surfaces import softened, surface
+from gcm_learn.rendering import (
+    PIXELS,
+    Camera,
+    Faces,
+    SpatialSituation,
+    Window,
+    body_faces,
+    path_faces,
+    placed,
+    render,
+    turned_view,
+)
 from gcm_learn.situation import Sphere
 
 COARSE = 40  # cells a side of the lattice for drawn extended obstacles

@@ -11,15 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 from matplotlib.patheffects import withStroke
 
-OBSTACLE = "#2b6cb0"  # solid blue, as in the paper
+from gcm_learn.rendering import ARM, INK, OBSTACLE, PATH, TARGET
+
+__all__ = ["ARM", "INK", "OBSTACLE", "PATH", "TARGET"]
+
 EXTENDED = "#f6ad55"  # orange: what an obstacle forbids the hand
 EFFECTIVE = "#c53030"  # red: where the front met an obstacle
-TARGET = "#8e44ad"  # purple
-ARM = "#a61e3a"  # dark red
-PATH = "#5b2a86"  # dark purple
 EXPLORED = "#dbeaf5"  # behind the front
 FRONT = "#3f7fb5"
-INK = "#2d3748"  # text and outlines
 GOOD = "#2f855a"  # what was caught
 FAINT = "#a0aec0"  # rims and hints
 

@@ -1,7 +1,7 @@
 """Surfaces in arrays over space: where a field crosses a level (naive surface nets).
 
-S. F. Gibson, Constrained elastic surface nets, MICCAI 1998: a corner in every cube of eight
-neighbours that the surface passes, in the middle of where it crosses the cube's edges.
+S. F. Gibson, Constrained elastic surface nets, MICCAI 1998. Every cube of eight
+neighbours that the surface passes has a corner, in the middle of the crossings of its edges.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import itertools
 
 import numpy as np
 
-from gcm_learn.plots.figures.rendering import normals
+from gcm_learn.rendering import normals
 
 _CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
 _EDGES = [
@@ -21,7 +21,7 @@ _EDGES = [
 
 
 def surface(field: np.ndarray, level: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Where a field crosses a level.
+    """Surface on which a field crosses a level.
 
     Parameters
     ----------

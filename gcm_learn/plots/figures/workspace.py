@@ -11,8 +11,9 @@ from matplotlib.patches import Polygon as Patch
 
 from gcm_learn.arms import Arm, elbow_position
 from gcm_learn.plots.figures import style
+from gcm_learn.rendering import body_colour
 from gcm_learn.scene import outline, pose
-from gcm_learn.situation import Body, Situation
+from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
     from gcm_learn.motion import Trajectory, Wait
@@ -65,7 +66,7 @@ def draw_bodies(ax: Axes, situation: Situation, t: float, alpha: float = 1.0) ->
 
 
 def draw_targets(ax: Axes, situation: Situation, t: float | None) -> None:
-    """Draw the targets alone at time t [s]; nothing when there is no such time."""
+    """Draw the targets alone at time t [s], or nothing without a time."""
     for index, body in enumerate(situation.bodies):
         if t is not None and body.role == "target":
             draw_body(ax, situation, index, t)
@@ -80,11 +81,6 @@ def draw_body(ax: Axes, situation: Situation, index: int, t: float, alpha: float
     ax.add_patch(
         Patch(corners, closed=True, fc=to_rgba(colour, alpha), ec=colour, lw=1.2 * alpha, zorder=5)
     )
-
-
-def body_colour(body: Body) -> str:
-    """Return the colour of a body's role."""
-    return style.TARGET if body.role == "target" else style.OBSTACLE
 
 
 def draw_arm(

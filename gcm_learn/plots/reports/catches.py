@@ -16,7 +16,7 @@ import numpy as np
 from gcm_learn.families import paper_scene, thrown_scene
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan, plan_to_json, solve
-from gcm_learn.plots.figures.staging import SpatialSituation
+from gcm_learn.rendering import SpatialSituation
 
 NAMES = ("fig5-space", "fig8-space", "thrown-ball")
 PLANNER = "layered"

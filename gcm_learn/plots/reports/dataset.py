@@ -12,12 +12,7 @@ from matplotlib.axes import Axes
 from gcm_learn.planners import Plan
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import plot_map, plot_plan
-from gcm_learn.plots.figures.space import (
-    draw_courses_in_space,
-    draw_movement_in_space,
-    draw_space,
-    view_of,
-)
+from gcm_learn.plots.figures.space import draw_courses_in_space, draw_movement_in_space, draw_space
 from gcm_learn.plots.figures.workspace import draw_bodies, draw_courses, draw_workspace
 from gcm_learn.plots.reports.page import (
     Picture,
@@ -28,6 +23,7 @@ from gcm_learn.plots.reports.page import (
     section,
     words,
 )
+from gcm_learn.rendering import view_of
 
 if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
     from gcm_learn.dataset import Dataset, Manifest, Record

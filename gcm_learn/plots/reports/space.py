@@ -14,21 +14,20 @@ from gcm_learn.errors import MissingExtraError
 from gcm_learn.handspace import SpaceLattice
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.solids import faces
-from gcm_learn.plots.figures.space import (
+from gcm_learn.plots.figures.space import TIME_COLOURS, Scenery
+from gcm_learn.plots.figures.space_maps import effective_skin
+from gcm_learn.plots.reports.page import fill
+from gcm_learn.rendering import (
     BALL,
     HAND,
     JOINT,
-    TIME_COLOURS,
-    Scenery,
+    SpatialSituation,
+    body_colour,
     body_poses,
     bone_radius,
+    faces,
     frame_along,
 )
-from gcm_learn.plots.figures.space_maps import effective_skin
-from gcm_learn.plots.figures.staging import SpatialSituation
-from gcm_learn.plots.figures.workspace import body_colour
-from gcm_learn.plots.reports.page import fill
 from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
 
 if TYPE_CHECKING:
@@ -94,7 +93,7 @@ def plotly_script() -> str:
 
 
 def page_data(situation: SpatialSituation, plan: Plan[SpatialTrajectory]) -> dict[str, Any]:
-    """What the page draws: rigid solids with their poses over time, and ways.
+    """Collect rigid solids with their poses over time, and paths, for the page to draw.
 
     Returns
     -------
@@ -195,7 +194,7 @@ def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _ways(situation: SpatialSituation, moves: SpatialTrajectory) -> list[dict[str, Any]]:
-    """Where the hand goes, and the targets, coloured by time."""
+    """Paths of hand and targets, coloured by time."""
     times = np.linspace(0.0, moves.duration, 2 * FRAMES)
     colours = [to_hex(c) for c in TIME_COLOURS(np.linspace(0.0, 1.0, len(times)))]
     centres, _ = body_poses(situation, times)

@@ -1,4 +1,4 @@
-"""The README's pictures of an arm in space: those of the plane, once more."""
+"""The README's pictures of an arm in space, as of an arm in the plane."""
 
 from __future__ import annotations
 
@@ -17,17 +17,14 @@ from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.execution import animate_execution
 from gcm_learn.plots.figures.film import animate, palette_of
-from gcm_learn.plots.figures.rendering import Camera
 from gcm_learn.plots.figures.space import (
     Scenery,
-    body_poses,
     draw_courses_in_space,
     draw_movement_in_space,
     time_bar,
-    view_of,
 )
 from gcm_learn.plots.figures.space_maps import HandSpace, key_of_hand_space
-from gcm_learn.plots.figures.staging import SpatialSituation
+from gcm_learn.rendering import Camera, SpatialSituation, body_poses, view_of
 
 ENGINE = "gcm"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
@@ -73,7 +70,7 @@ def write_space_gallery(folder: Path) -> list[Path]:
 
 
 def save_light(figure: Figure, path: Path) -> None:
-    """Save a picture with shades in few colours, which takes a third of the room."""
+    """Save a picture with shades in few colours, which makes the file three times smaller."""
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=DPI, format="png")
     picture = Image.open(buffer).convert("RGB")

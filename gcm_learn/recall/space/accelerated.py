@@ -19,8 +19,8 @@ from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.motion.verification_in_space import NOTHING, piece_fault
-from gcm_learn.planners.space.goals import pulled
 from gcm_learn.planners.space.moves import time_of
+from gcm_learn.planners.space.pull import pulled
 from gcm_learn.recall.space.bending import (
     CLEARANCE,
     INSTANTS,

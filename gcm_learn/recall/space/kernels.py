@@ -15,8 +15,8 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import fastest_hand, target_room
-from gcm_learn.planners.space.goals import pulled
 from gcm_learn.planners.space.moves import Study, time_of, turning_time
+from gcm_learn.planners.space.pull import pulled
 from gcm_learn.planners.space.ways import Way, new_way, write
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space, rotation_of
-from gcm_learn.collision.chains import solid_distance
+from gcm_learn.collision.solids import solid_distance
 from gcm_learn.execution import (
     AIM,
     COMMANDS,

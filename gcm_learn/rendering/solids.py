@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.plots.figures.rendering import Faces, normals
+from gcm_learn.rendering.camera import Faces, normals
 from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
 
 SIDES = 24  # polygon that stands for a circle

@@ -6,11 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 
 from gcm_learn.arms import SpatialArm
-from gcm_learn.plots.figures.rendering import Camera, Faces, Window, camera_from, render
+from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
+from gcm_learn.rendering.colours import rgb
 from gcm_learn.situation import Situation
 
 SpatialSituation = Situation[SpatialArm]
@@ -75,16 +74,6 @@ def staged(
     return np.clip(render(view, window, [*ground, *things], pixels), 0.0, 1.0)
 
 
-def show_image(ax: Axes, image: np.ndarray, window: Window) -> None:
-    """Show an image in axes that have its camera's coordinates."""
-    ax.imshow(
-        image, origin="lower", extent=window.extent, zorder=1, interpolation="antialiased"
-    )  # fmt: skip
-    left, right, bottom, top = window.extent
-    ax.set(xlim=(left, right), ylim=(bottom, top))
-    ax.axis("off")
-
-
 def ground_faces(
     centre: np.ndarray, floor: float, size: float, things: Sequence[Faces]
 ) -> Iterator[Faces]:
@@ -102,7 +91,7 @@ def ground_faces(
             inside = (np.abs(thing.corners[..., :2] - middle[:2]) <= half).all(axis=(1, 2))
             flat = thing.corners[inside].copy()
             flat[..., 2] = floor - hair
-            yield Faces(flat, np.array(to_rgb(SHADOW)), both=True, lit=False)
+            yield Faces(flat, rgb(SHADOW), both=True, lit=False)
 
 
 def _level(
@@ -110,4 +99,4 @@ def _level(
 ) -> Faces:
     """Level rectangles, each from x to x and y to y from the middle of all."""
     corners = [[(a, c, 0.0), (b, c, 0.0), (b, d, 0.0), (a, d, 0.0)] for a, b, c, d in areas]
-    return Faces(middle + np.array(corners), np.array(to_rgb(colour)), both=True, lit=False)
+    return Faces(middle + np.array(corners), rgb(colour), both=True, lit=False)

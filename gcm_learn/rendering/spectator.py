@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.plots.figures.rendering import Window
-from gcm_learn.plots.figures.space import arm_faces, body_faces, path_faces, view_of
-from gcm_learn.plots.figures.staging import SpatialSituation, floor_of, staged
+from gcm_learn.rendering.bodies import arm_faces, body_faces, path_faces, view_of
+from gcm_learn.rendering.camera import Window
+from gcm_learn.rendering.staging import SpatialSituation, floor_of, staged
 
 ROOM = 1.3  # half a picture [reaches]: what is nearer to the eye looks larger
 

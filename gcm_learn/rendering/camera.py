@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.plots.figures.raster import fill
+from gcm_learn.rendering.raster import fill
 
 FINER = 2  # computed pixels a side of a pixel
 JUMP = 0.06  # [half pictures] steps in depth that get an outline
@@ -86,7 +86,7 @@ class Faces(NamedTuple):
     normals: np.ndarray | None = None
     """(n, 4, 3) float: unit, at the corners of what is round; None where faces are flat."""
     both: bool = False
-    """Whether they are seen from behind as well, as those of a skin are."""
+    """Show the faces from behind as well, as the faces of a skin."""
     lit: bool = True
     """Whether they are shaded, and paler far away."""
 
@@ -112,8 +112,8 @@ class Window(NamedTuple):
 def render(view: Camera, window: Window, things: Sequence[Faces], pixels: int) -> np.ndarray:
     """Return an image (pixels, pixels, 3) of things, its first row at the bottom.
 
-    What has the same alpha below 1 is one pane of glass, in which its nearer parts hide the others;
-    panes come over each other in the order of alpha.
+    All faces of one alpha below 1 form a pane of glass, in which nearer faces hide the others.
+    Panes lie over each other in the order of alpha.
 
     Parameters
     ----------

@@ -1,0 +1,128 @@
+"""Limbs at rest among moving bodies: until when, and in which spans of time, they are free."""
+
+from __future__ import annotations
+
+from gcm_learn.arms.limbs import by_limb, give, place, self_gap, still
+from gcm_learn.arms.spatial_limb import SpatialLimb
+from gcm_learn.collision.postures import gap_to, off_bone
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import BOX, CAPSULE, KIND, SIZE, SPHERE, TOP_SPEED
+
+
+@njit(_nrt=False)
+def _shortest_radius(bodies, b):
+    """Radius of the largest ball about its centre that a solid holds."""
+    kind, size = bodies.rows[b, KIND], bodies.rows[b, SIZE]
+    if kind == BOX:
+        return min(size, bodies.rows[b, SIZE + 1], bodies.rows[b, SIZE + 2])
+    if kind == SPHERE or kind == CAPSULE:
+        return size
+    return min(size, bodies.rows[b, SIZE + 1])
+
+
+@by_limb
+def depth_of(limb, where, bodies, b, found, touch, poses):
+    """How far body b, which touches the limb, must travel at least before it is free."""
+
+
+@njit(_nrt=False)
+def _depth_in_links(limb, where, bodies, b, found, touch, poses):
+    """Take the link that is deepest in the body."""
+    return touch - found
+
+
+@njit(_nrt=False)
+def _depth_in_bones(limb, where, bodies, b, found, touch, poses):
+    """Take the largest ball in the body, or what the distance lacks."""
+    ex, ey, ez, hx, hy, hz = where
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    away = min(
+        off_bone(x, y, z, ex, ey, ez),
+        off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez),
+    )
+    return max(_shortest_radius(bodies, b) + touch - away, touch - found)
+
+
+give(depth_of, None, _depth_in_links)
+give(depth_of, SpatialLimb, _depth_in_bones)
+
+
+@njit(_nrt=False)
+def state_at(scene, where, t, touch, desk):
+    """Whether a resting limb is free at t [s], and for how long that surely stays so.
+
+    Parameters
+    ----------
+    where : place of the limb
+    """
+    limb, bodies = scene.limb, scene.bodies
+    blocked, apart, together = False, 1e300, 0.0
+    slack = still(limb)
+    if self_gap(limb, where, slack, touch)[0] <= touch:
+        return False, 1e300
+    for k in range(desk.obstacles.size):
+        b = desk.obstacles[k]
+        speed = bodies.rows[b, TOP_SPEED]
+        far = touch + speed * min(apart, 1e200)
+        found, _ = gap_to(limb, where, slack, bodies, b, t, 0.0, far, desk.poses)
+        if found > touch:
+            if speed > 0.0:
+                apart = min(apart, (found - touch) / speed)
+            continue
+        blocked = True
+        inside = depth_of(limb, where, bodies, b, found, touch, desk.poses)
+        if inside > 0.0:
+            together = max(together, inside / speed if speed > 0.0 else 1e300)
+    return not blocked, together if blocked else apart
+
+
+@njit(_nrt=False)
+def free_until(scene, q, since, until, touch, shortest, desk):
+    """Until when a limb may rest at joints q (n,), from `since` on.
+
+    Conservative advancement, with steps of at least `shortest` [s].
+
+    Returns
+    -------
+    float
+        `until` if it is not touched before [s]; `since` if it is touched then.
+    """
+    where, t, safe = place(scene.limb, q), since, since
+    while t < until:
+        free, stays = state_at(scene, where, t, touch, desk)
+        if not free:
+            return safe
+        safe = t + stays
+        t += max(stays, shortest)
+    return until
+
+
+@njit(_nrt=False)
+def free_spans(scene, q, since, until, touch, shortest, desk, out):
+    """Spans of time in which a limb may rest at joints q (n,), into `out` (k, 2).
+
+    Spans shorter than `shortest` [s] may be missed, and those beyond what `out` holds are left
+    out; the ends of a span are inside it.
+
+    Returns
+    -------
+    count : int
+    """
+    where, t, count, begun = place(scene.limb, q), since, 0, False
+    safe = since
+    while t <= until and count < out.shape[0]:
+        free, stays = state_at(scene, where, t, touch, desk)
+        if free:
+            if not begun:
+                begun, out[count, 0] = True, t
+            safe = t + stays
+        elif begun:
+            begun, out[count, 1] = False, min(safe, t)
+            count += 1
+        if t >= until:
+            break
+        t = min(t + max(stays, shortest), until)
+    if begun:
+        out[count, 1] = until
+        count += 1
+    return count

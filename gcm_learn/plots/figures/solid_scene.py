@@ -1,0 +1,159 @@
+"""A planar arm among solids: its plane as a pane of glass, over a floor with shadows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from gcm_learn.arms import elbow_position
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.space import show_image
+from gcm_learn.rendering import (
+    EYE,
+    HAND,
+    Camera,
+    Faces,
+    Window,
+    body_colour,
+    camera_from,
+    limb_faces,
+    placed,
+    rgb,
+    staged,
+)
+from gcm_learn.scene import pose
+from gcm_learn.situation import PLANAR, Plane, Situation
+
+HEADROOM = 3.6  # [forearms] shown above the shoulder; a long cord goes on
+STEEP = 0.9  # height of a unit normal beyond which a plane counts as lying
+GLASS = ("#8fbc9a", "#84b290")  # green, as in Fig. 4; tiles show how the plane lies
+GLASS_ALPHA = 0.38
+RINGS, SECTORS = 8, 48  # tiles of the glass
+BONE = 0.055  # [forearms] radius of the drawn bones
+AZIMUTH, ELEVATION = -40.0, 20.0  # [degrees] of the eye, from the normal of the arm's plane
+
+
+def camera(plane: Plane, azimuth: float = AZIMUTH, elevation: float = ELEVATION) -> Camera:
+    """Return a camera in front of the arm's plane, with the world's z upwards.
+
+    Parameters
+    ----------
+    plane : Plane
+    azimuth, elevation : float
+        Degrees to the right of the normal, and above the level.
+    """
+    normal = np.asarray(plane.normal)
+    front = normal if abs(normal[2]) <= STEEP else -np.asarray(plane.y)
+    towards = float(np.degrees(np.arctan2(front[1], front[0])))
+    return camera_from(towards + azimuth, elevation, plane.origin, 2.0 * EYE)
+
+
+def scene_window(
+    situation: Situation, times: Sequence[float], view: Camera | None = None
+) -> Window:
+    """Return the part of a picture that shows a solid scene at some times [s]."""
+    view = view or camera(_plane_of(situation))
+    things = [thing for t in times for thing in scene_faces(situation, t)]
+    seen = np.concatenate([view.see(thing.corners).reshape(-1, 3) for thing in things])[:, :2]
+    low, high = seen.min(axis=0), np.minimum(seen.max(axis=0), (np.inf, HEADROOM))
+    return Window(0.5 * (low + high), 0.5 * float((high - low).max()) + 0.1)
+
+
+def draw_scene(
+    ax: Axes,
+    situation: Situation,
+    t: float = 0.0,
+    *,
+    hand: np.ndarray | tuple[float, float] | None = None,
+    window: Window | None = None,
+) -> Axes:
+    """Draw a solid scene at one instant.
+
+    Parameters
+    ----------
+    ax : Axes
+        Ordinary two-dimensional axes.
+    situation : Situation
+        With a plane.
+    t : float
+        Time [s].
+
+    Other Parameters
+    ----------------
+    hand : (2,) array_like, optional
+        Hand in arm-plane coordinates; by default the hand at t = 0.
+    window : Window, optional
+        Part of the picture; by default `scene_window` at that instant.
+
+    Returns
+    -------
+    Axes
+    """
+    view = camera(_plane_of(situation))
+    window = window or scene_window(situation, [t], view)
+    things = scene_faces(situation, t, hand)
+    floor = min(float(thing.corners[..., 2].min()) for thing in things) - 0.05
+    show_image(ax, staged(view, window, floor, things), window)
+    return ax
+
+
+def scene_faces(
+    situation: Situation, t: float, hand: np.ndarray | tuple[float, float] | None = None
+) -> list[Faces]:
+    """Solids, the glass of the arm's plane and the arm at time t [s], in the world."""
+    plane, arm = _plane_of(situation), situation.arm
+    axes, things = np.array([plane.x, plane.y, plane.normal]), [_glass(plane, arm.reach)]
+    for index, body in enumerate(situation.bodies):
+        if not isinstance(body.shape, PLANAR):
+            centre, rotation = pose(situation, index, t)
+            turn = axes.T @ rotation
+            place = to_world(plane, centre)
+            things.append(placed(body.shape, place, turn, rgb(body_colour(body))))
+    end = np.asarray(arm.hand if hand is None else hand, dtype=float)
+    joints = np.array([np.zeros(2), elbow_position(end, arm.upper_arm, arm.elbow), end])
+    return things + limb_faces(to_world(plane, joints), BONE)
+
+
+def draw_course(ax: Axes, situation: Situation, index: int, end: float) -> None:
+    """Draw the path of a solid's centre from t = 0 to `end` [s], with an arrow head."""
+    plane = _plane_of(situation)
+    centres = np.array([pose(situation, index, t)[0] for t in np.linspace(0.0, end, 60)])
+    path = camera(plane).see(to_world(plane, centres))[:, :2]
+    colour = body_colour(situation.bodies[index])
+    ax.plot(*path.T, color=colour, lw=1.4, ls=(0, (2, 1.5)), zorder=3)
+    style.arrow(ax, path[-2], path[-1], colour)
+
+
+def label_body(
+    ax: Axes, situation: Situation, index: int, text: str, offset: tuple[float, float]
+) -> None:
+    """Write a word at an offset [forearms] from a solid's centre at t = 0."""
+    plane = _plane_of(situation)
+    seen = camera(plane).see(to_world(plane, pose(situation, index, 0.0)[0]))[:2]
+    style.label(ax, seen + offset, text, body_colour(situation.bodies[index]))
+
+
+def to_world(plane: Plane, points: np.ndarray) -> np.ndarray:
+    """Arm-plane coordinates (..., 3), or (..., 2) in the plane itself, to world ones (..., 3)."""
+    axes = np.array([plane.x, plane.y, plane.normal])[: points.shape[-1]]
+    return np.asarray(plane.origin) + points @ axes
+
+
+def _plane_of(situation: Situation) -> Plane:
+    if situation.plane is None:
+        raise ValueError(f"situation {situation.name!r} is planar: it has no 3D view")
+    return situation.plane
+
+
+def _glass(plane: Plane, radius: float) -> Faces:
+    """Disc of the arm's reach in tiles of two shades, just behind the arm."""
+    r, a = np.linspace(0.0, radius, RINGS + 1), np.linspace(0.0, 2.0 * np.pi, SECTORS + 1)
+    points = np.stack([np.outer(r, np.cos(a)), np.outer(r, np.sin(a))], axis=-1)
+    corners = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
+    tiles = np.stack(corners, axis=2).reshape(-1, 4, 2)
+    shade = np.add.outer(np.arange(RINGS), np.arange(SECTORS)).ravel() % 2
+    colours = np.array([rgb(name) for name in GLASS])[shade][:, None]
+    behind = np.sign(camera(plane).nearer @ plane.normal) * HAND * BONE * np.array(plane.normal)
+    return Faces(to_world(plane, tiles) - behind, colours, GLASS_ALPHA, both=True, lit=False)
