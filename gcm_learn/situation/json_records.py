@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
 from typing import Any, NamedTuple, TypeVar
 
 from gcm_learn.arms import Chain, Link
@@ -47,9 +46,17 @@ class Layout(NamedTuple):
     null: tuple[str, ...]
 
 
-@lru_cache(maxsize=64)
+_LAYOUTS: dict[type, Layout] = {}
+
+
 def layout_of(record: type) -> Layout:
     """Return the fields of a record in files."""
+    if record not in _LAYOUTS:
+        _LAYOUTS[record] = _layout(record)
+    return _LAYOUTS[record]
+
+
+def _layout(record: Any) -> Layout:
     renamed = RENAMED.get(record, _NONE)
     fields = dataclasses.fields(record)
     attributes = {renamed.names.get(field.name, field.name): field.name for field in fields}

@@ -110,8 +110,8 @@ def _pendulum_sides(motion: Pendulum) -> Iterator[float]:
 
 
 def _piecewise_carried(motion: Piecewise, view: View) -> Piecewise:
-    return Piecewise(
-        tuple(Piece(start, _quadratic_carried(piece, view)) for start, piece in motion.pieces)
+    return Piecewise.unchecked(
+        Piece(start, _quadratic_carried(piece, view)) for start, piece in motion.pieces
     )
 
 

@@ -41,8 +41,8 @@ def check_start(arm: Any, obstacles: Collection[str], version: str) -> None:
     for k, (_, name) in enumerate(getattr(arm, "ignore", ())):
         if name not in obstacles:
             raise SituationError(f"arm.ignore[{k}]", unknown_obstacle(name))
-    rates = getattr(arm, "joint_rates", None)
-    if version in CHECKED and arm.max_hand_speed is not None and any(rates or ()):
+    rates: tuple[float, ...] = getattr(arm, "joint_rates", None) or ()
+    if version in CHECKED and arm.max_hand_speed is not None and any(rates):
         pack, derivative, field = _PACKED.of(arm)
         columns = np.zeros((3, len(rates)))
         derivative(pack(arm), np.array(arm.joints), columns)

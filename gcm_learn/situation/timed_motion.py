@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
@@ -55,6 +56,13 @@ class Piecewise:
         _check_times([piece.start for piece in pieces], "pieces", "pieces[{}].start")
         for k, (before, after) in enumerate(pairwise(pieces), start=1):
             _check_meeting(before, after, k)
+
+    @classmethod
+    def unchecked(cls, pieces: Iterable[Piece]) -> Piecewise:
+        """Return pieces that met in other coordinates, where the tolerance was another."""
+        made = object.__new__(cls)
+        put(made, "pieces", tuple(pieces))
+        return made
 
     def at(self, t: float) -> Piece:
         """Return the piece that holds at a time [s]."""
@@ -162,7 +170,7 @@ class Sampled:
         """(m, 4) Orientations, given or not."""
         return self.orientations or (_UNTURNED,) * len(self.times)
 
-    @property
+    @cached_property
     def pieces(self) -> tuple[Piece, ...]:
         """The same motion as pieces of constant velocity and spin; the last one rests."""
         made, turns = [], self.turns
