@@ -21,6 +21,12 @@ LARGEST = 1e50
 UNIT_TOLERANCE = 1e-6
 """How far lengths and right angles of given axes may be off."""
 
+UNIT_LENGTH = 1e-5
+"""How far lengths of axes and quaternions may be off where they are normalised."""
+
+ROUNDING = 1e-15
+"""How far the length of a normalised vector may be off."""
+
 
 def put(record: object, name: str, value: object) -> None:
     """Store a checked `value` in a frozen record that is still being made."""
@@ -127,6 +133,16 @@ def unit_vector(
     if abs(length - 1.0) > tolerance:
         raise SituationError(field, f"must have length 1 (got {length:.9g})")
     return result
+
+
+def normalised(value: object, field: str, size: int = 3) -> tuple[float, ...]:
+    """Return `value` as a vector of length 1; it may be off by `UNIT_LENGTH`.
+
+    A vector that is off by rounding only stays, so that normalising twice changes nothing.
+    """
+    result = unit_vector(value, field, size, tolerance=UNIT_LENGTH)
+    length = math.hypot(*result)
+    return result if abs(length - 1.0) <= ROUNDING else tuple(part / length for part in result)
 
 
 def orthogonal(first: Sequence[float], second: Sequence[float], field: str, other: str) -> None:

@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
-from gcm_learn.arms import Arm, Base, SpatialArm
+from gcm_learn.arms import Arm, Base, Chain, ChainJoint, ChainModel, Hand, Link, SpatialArm
 from gcm_learn.situation import (
+    CATCHES,
+    Approach,
     Body,
     Box,
     Capsule,
     Cylinder,
     Disc,
     Pendulum,
+    Piece,
+    Piecewise,
     PlanarQuadratic,
     Plane,
     Polygon,
+    Sampled,
     Situation,
     SolidQuadratic,
     Sphere,
 )
+from gcm_learn.situation.timed_motion import flown
 
 lengths = st.floats(0.01, 0.5)
 angles = st.floats(-math.pi, math.pi)
@@ -192,6 +200,102 @@ def spatial_arms(draw, held=True):
     )
 
 
+@st.composite
+def piecewise(draw):
+    """Two to four quadratic motions that meet; velocities and spins jump."""
+    law, pieces = draw(solid_quadratics), []
+    for _ in range(draw(st.integers(1, 3))):
+        start = pieces[-1].start + draw(st.floats(0.05, 1.0)) if pieces else 0.0
+        if pieces:
+            position, turn = flown(pieces[-1].motion, start - pieces[-1].start)
+            law = replace(draw(solid_quadratics), position=position, orientation=turn)
+        pieces.append(Piece(start, law))
+    return Piecewise(tuple(pieces))
+
+
+@st.composite
+def sampled(draw):
+    """Poses at one to five times."""
+    count = draw(st.integers(1, 5))
+    times = [0.0]
+    for _ in range(count - 1):
+        times.append(times[-1] + draw(st.floats(0.05, 0.8)))
+    rows = tuple(draw(vectors(3)) for _ in times)
+    if draw(st.booleans()):
+        return Sampled(tuple(times), rows)
+    turns = [draw(unit_vectors(4))]
+    for _ in times[1:]:
+        turns.append(draw(unit_vectors(4).filter(lambda q: abs(np.dot(q, turns[-1])) > 1e-3)))
+    return Sampled(tuple(times), rows, tuple(turns))
+
+
+@st.composite
+def chain_models(draw):
+    """Chains of one to four joints, each of which carries a link or two."""
+    count = draw(st.integers(1, 4))
+    limited = draw(st.booleans())
+    joints = []
+    for k in range(count):
+        low = draw(st.floats(-3.0, 1.0))
+        joints.append(
+            ChainJoint(
+                axis=draw(unit_vectors()),
+                range=(low, low + draw(st.floats(0.0, 4.0))),
+                max_speed=draw(st.floats(0.1, 9.0)),
+                type=draw(st.sampled_from(["revolute", "prismatic"])),
+                origin=draw(vectors(3, st.floats(-1.0, 1.0))),
+                rotation=draw(unit_vectors(4)),
+                max_acceleration=draw(st.floats(0.1, 99.0)) if limited else None,
+                name=f"joint {k}",
+            )
+        )
+    ends = vectors(3, st.floats(-1.0, 1.0))
+    links = tuple(Link(k, draw(ends), draw(ends), draw(lengths)) for k in range(count + 1))
+    pairs = draw(st.sampled_from([(), ((0, count),)]))
+    hand = Hand(draw(st.integers(1, count)), draw(ends), draw(unit_vectors()))
+    return ChainModel(draw(names), tuple(joints), links, hand, pairs, draw(names))
+
+
+@st.composite
+def chains(draw):
+    """Chains anywhere in their ranges."""
+    model = draw(chain_models())
+    limits: Any = draw(
+        st.sampled_from(["model", None]) | vectors(len(model.joints), st.floats(0.1, 9.0))
+    )
+    return Chain(
+        model=model,
+        joints=tuple(draw(st.floats(*joint.range)) for joint in model.joints),
+        grasp=draw(st.floats(0.0, 0.2)),
+        base=draw(bases()),
+        max_hand_speed=draw(st.none() | st.floats(0.1, 9.0)),
+        max_joint_acceleration=limits,
+    )
+
+
+approaches = st.builds(Approach, unit_vectors(), st.floats(0.0, math.pi))
+solid_motions = st.one_of(solid_quadratics, pendulums(), piecewise(), sampled())
+
+
+@st.composite
+def third_situations(draw, max_bodies=3):
+    """Valid situations of version 3: chains or spatial arms, all motions, several catches."""
+    arm = draw(chains() | spatial_arms())
+    if isinstance(arm, SpatialArm):
+        arm = replace(arm, joint_rates=None)  # the hand's limit holds at t = 0
+    catch, bodies = draw(st.sampled_from(CATCHES)), []
+    for k in range(draw(st.integers(1, max_bodies))):
+        role = "target" if k == 0 or (catch != "any" and draw(st.booleans())) else "obstacle"
+        approach = draw(st.none() | approaches) if role == "target" else None
+        bodies.append(Body(role, str(k), draw(solid_shapes), draw(solid_motions), approach))
+    obstacles = [body.name for body in bodies if body.role == "obstacle"]
+    if isinstance(arm, Chain) and obstacles:
+        arm = replace(arm, ignore=((0, obstacles[0]),))
+    horizon = draw(st.floats(0.05, 3.0))
+    version = "gcm-learn/situation@3"
+    return Situation(draw(names), horizon, arm, tuple(bodies), catch=catch, format=version)
+
+
 def _situations(shapes, motions, planes, max_bodies, arms):
     """Situations whose first body is a target and whose bodies are called 0, 1, ..."""
     parts = st.tuples(st.sampled_from(["target", "obstacle"]), shapes, motions)
@@ -236,4 +340,4 @@ def situations(max_bodies=3):
 
 def any_situations(max_bodies=3):
     """Valid situations with any arm."""
-    return situations(max_bodies) | spatial_situations(max_bodies)
+    return situations(max_bodies) | spatial_situations(max_bodies) | third_situations(max_bodies)

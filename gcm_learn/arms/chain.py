@@ -9,8 +9,10 @@ from typing import Any, ClassVar
 from gcm_learn.arms.rotations import unit_quaternion
 from gcm_learn.arms.spatial import IDENTITY, Base
 from gcm_learn.checks import (
+    UNIT_LENGTH,
     choice,
     non_negative,
+    normalised,
     positive,
     positive_vector,
     put,
@@ -18,15 +20,12 @@ from gcm_learn.checks import (
     sequence,
     show,
     text,
-    unit_vector,
     vector,
     whole,
 )
 from gcm_learn.errors import SituationError
 
 JOINT_TYPES = ("revolute", "prismatic")
-UNIT = 1e-5
-"""How far the length of an axis or quaternion may be from 1; nearer ones are normalised."""
 FROM_MODEL = "model"
 """Default of `Chain.max_joint_acceleration`: the limits that the model gives."""
 
@@ -67,8 +66,8 @@ class ChainJoint:
         """Check the documented ranges and normalise axis and rotation."""
         put(self, "type", choice(self.type, "type", JOINT_TYPES))
         put(self, "origin", vector(self.origin, "origin", 3))
-        put(self, "rotation", unit_quaternion(self.rotation, "rotation", UNIT))
-        put(self, "axis", _unit(self.axis, "axis"))
+        put(self, "rotation", unit_quaternion(self.rotation, "rotation", UNIT_LENGTH))
+        put(self, "axis", normalised(self.axis, "axis"))
         low, high = vector(self.range, "range", 2)
         if low > high:
             raise SituationError("range", f"low {low} is above high {high}")
@@ -128,7 +127,7 @@ class Hand:
         """Check the documented ranges and normalise the axis."""
         put(self, "joint", whole(self.joint, "joint"))
         put(self, "point", vector(self.point, "point", 3))
-        put(self, "axis", _unit(self.axis, "axis"))
+        put(self, "axis", normalised(self.axis, "axis"))
 
 
 @dataclass(frozen=True)
@@ -313,13 +312,6 @@ class Chain:
             if joint.type == "prismatic":
                 reach += max(abs(joint.range[0]), abs(joint.range[1]))
         return reach
-
-
-def _unit(value: object, field: str) -> tuple[float, ...]:
-    """Return a vector (3,) of length 1 up to `UNIT`, normalised."""
-    result = unit_vector(value, field, tolerance=UNIT)
-    length = math.hypot(*result)
-    return tuple(part / length for part in result)
 
 
 def _records(value: object, field: str, record: type[Any]) -> tuple[Any, ...]:

@@ -14,7 +14,7 @@ from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
 from gcm_learn.planners import AnyPlan, Plan
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import AnySituation, Situation, planar
 from gcm_learn.wave import WaveParams
 
 UNREACHED = 65535  # step count of cells without an arrival
@@ -169,4 +169,5 @@ def _path_of(situation: AnySituation, cells: Mapping[str, Any]) -> Trajectory | 
             rates = np.asarray(rates, dtype=float).reshape(-1, JOINTS)
         return SpatialTrajectory(arm, time, joints, rates)
     hand = np.asarray(cells["hand"], dtype=float).reshape(-1, 2)
+    arm = planar(situation, "a path of hands").arm
     return Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)

@@ -11,7 +11,9 @@ import math
 
 import numpy as np
 
-from gcm_learn.arms import Arm, SpatialArm, rotation_of
+from gcm_learn.arms import Arm, Chain, SpatialArm, rotation_of
+from gcm_learn.checks import quote
+from gcm_learn.errors import SituationError
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import pack
 from gcm_learn.situation import (
@@ -26,6 +28,7 @@ from gcm_learn.situation import (
     Polygon,
     SolidQuadratic,
     Sphere,
+    planar,
 )
 
 DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]
@@ -58,7 +61,7 @@ def parameters_of(situation: AnySituation) -> np.ndarray:
     if isinstance(arm, SpatialArm):
         numbers = _spatial_arm_numbers(arm, horizon)
     else:
-        numbers = _arm_numbers(arm, horizon)
+        numbers = _arm_numbers(planar(situation, "a data set").arm, horizon)
     for body in _in_order(situation):
         numbers += _motion_numbers(body, horizon)
         numbers += _shape_numbers(body)
@@ -66,7 +69,7 @@ def parameters_of(situation: AnySituation) -> np.ndarray:
     return np.array(numbers if unit == 1.0 else [n / unit for n in numbers], dtype=np.float32)
 
 
-def forearm_of(arm: Arm | SpatialArm) -> float:
+def forearm_of(arm: Arm | SpatialArm | Chain) -> float:
     """Length of the forearm in the situation's unit."""
     return math.hypot(*arm.forearm) if isinstance(arm, SpatialArm) else 1.0
 
@@ -104,7 +107,15 @@ def _in_order(situation: AnySituation) -> list[Body]:
 
 def _place(body: Body) -> tuple[float, ...]:
     motion = body.motion
-    return motion.pivot if isinstance(motion, Pendulum) else motion.position
+    return motion.pivot if isinstance(motion, Pendulum) else _quadratic(body).position
+
+
+def _quadratic(body: Body) -> PlanarQuadratic | SolidQuadratic:
+    """Return the motion of a body that has one quadratic law."""
+    if isinstance(body.motion, PlanarQuadratic | SolidQuadratic):
+        return body.motion
+    reason = f"{quote(body.motion.kind)} is not for data sets"
+    raise SituationError(f"{body.name}.motion.kind", reason)
 
 
 def _distance(body: Body) -> float:
@@ -127,6 +138,7 @@ def _motion_numbers(body: Body, horizon: float) -> list[float]:
         lengths = [motion.length, motion.hang_distance, fall]
         turns = [motion.length * s for s in swing]
         return [*motion.pivot, *motion.axis, *motion.down, *lengths, *turns]
+    motion = _quadratic(body)
     numbers = [*motion.position, *(v * horizon for v in motion.velocity)]
     numbers += [0.5 * a * horizon**2 for a in motion.acceleration]
     if isinstance(body.shape, Disc | Sphere):
@@ -134,7 +146,6 @@ def _motion_numbers(body: Body, horizon: float) -> list[float]:
     if isinstance(motion, PlanarQuadratic):
         c, s = math.cos(motion.angle), math.sin(motion.angle)
         return [*numbers, radius * c, radius * s, radius * motion.spin * horizon]
-    assert isinstance(motion, SolidQuadratic)
     axes = rotation_of(motion.orientation)
     seen = axes[:, 2] if isinstance(body.shape, Capsule | Cylinder) else axes[:, ::2].ravel()
     turn = (radius * s * horizon for s in motion.spin)
@@ -165,7 +176,8 @@ def quantities_of(situation: AnySituation, top_speed: float) -> dict[str, float]
     if isinstance(arm, SpatialArm):
         upper_arm, hand_speed = math.hypot(*arm.upper_arm), float(fastest_hand(pack(situation)))
     else:
-        upper_arm, hand_speed = arm.upper_arm, arm.max_hand_speed
+        upper_arm = planar(situation, "a data set").arm.upper_arm
+        hand_speed = planar(situation, "a data set").arm.max_hand_speed
     return {
         "upper_arm": upper_arm / unit,
         "max_hand_speed": hand_speed / unit,

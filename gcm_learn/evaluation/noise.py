@@ -27,7 +27,7 @@ from gcm_learn.execution import (
 from gcm_learn.motion import Trajectory
 from gcm_learn.planners import Attempt, Planner, Problem, checked
 from gcm_learn.scene import later
-from gcm_learn.situation import Pendulum, PlanarQuadratic, Situation, SolidQuadratic
+from gcm_learn.situation import Body, Pendulum, PlanarQuadratic, Situation, SolidQuadratic
 
 PERIOD = 0.05  # between two observations [s]
 STEP = 0.01  # of the world [s]
@@ -48,7 +48,7 @@ class Noise:
         """What is perceived of a situation."""
         fast = FASTER * self.place * situation.arm.max_hand_speed
         bodies = tuple(
-            replace(body, motion=_perturbed(body.motion, self.place, fast, rng))
+            replace(body, motion=_perturbed(_tracked(body), self.place, fast, rng))
             for body in situation.bodies
         )
         return replace(situation, bodies=bodies)
@@ -59,12 +59,16 @@ class Noise:
         return replace(situation, arm=replace(situation.arm, thickness=thicker))
 
 
-def _perturbed(
-    motion: PlanarQuadratic | SolidQuadratic | Pendulum,
-    place: float,
-    fast: float,
-    rng: np.random.Generator,
-) -> PlanarQuadratic | SolidQuadratic | Pendulum:
+Tracked = PlanarQuadratic | SolidQuadratic | Pendulum
+
+
+def _tracked(body: Body) -> Tracked:
+    """Return the motion of a body; those beside a planar arm follow one law."""
+    assert isinstance(body.motion, Tracked)
+    return body.motion
+
+
+def _perturbed(motion: Tracked, place: float, fast: float, rng: np.random.Generator) -> Tracked:
     """A motion with an error of place and velocity; of a pendulum along its arc."""
     if isinstance(motion, Pendulum):
         off, faster = rng.normal(size=2) / max(motion.hang_distance, 1e-3)
@@ -112,19 +116,14 @@ class _Memory:
         self._spread = before - gain @ before
         mean = np.array([[1.0 / self._count, 0.0], [0.0, 0.0]])
         bodies = tuple(
-            replace(new, motion=_blend(old.motion, new.motion, gain, mean))
+            replace(new, motion=_blend(_tracked(old), _tracked(new), gain, mean))
             for old, new in zip(later(self._known, span).bodies, seen.bodies, strict=True)
         )
         self._known, self._since = replace(seen, bodies=bodies), t
         return self._known
 
 
-def _blend(
-    old: PlanarQuadratic | SolidQuadratic | Pendulum,
-    new: PlanarQuadratic | SolidQuadratic | Pendulum,
-    gain: np.ndarray,
-    mean: np.ndarray,
-) -> PlanarQuadratic | SolidQuadratic | Pendulum:
+def _blend(old: Tracked, new: Tracked, gain: np.ndarray, mean: np.ndarray) -> Tracked:
     """What was expected, moved towards what is seen."""
     if isinstance(old, Pendulum) or isinstance(new, Pendulum):
         assert isinstance(old, Pendulum) and isinstance(new, Pendulum)

@@ -10,7 +10,7 @@ from gcm_learn.evaluation.methods import Method
 from gcm_learn.motion import resting_in_space
 from gcm_learn.planners import Problem, first_catch_on
 from gcm_learn.scene import later, pack
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import AnySituation, Situation, planar
 
 _ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
 
@@ -39,7 +39,7 @@ def resting(situation: AnySituation, delay: float) -> str:
     if isinstance(situation.arm, SpatialArm):
         touched, met = resting_in_space(pack(situation), min(delay, situation.horizon))
         return "caught" if 0.0 <= met <= touched else "touched" if touched < delay else ""
-    return _resting_in_plane(situation, delay)
+    return _resting_in_plane(planar(situation, "resting"), delay)
 
 
 def _resting_in_plane(situation: Situation, delay: float) -> str:

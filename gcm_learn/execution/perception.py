@@ -17,7 +17,7 @@ from gcm_learn import seeding
 from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.scene import later
-from gcm_learn.situation import Body, Motion, Pendulum, PlanarQuadratic, Situation, SolidQuadratic
+from gcm_learn.situation import Body, Motion, Pendulum, Situation, SolidQuadratic
 
 PERIOD = 0.02  # between two looks: 50 Hz [s]
 DARK = 0.1  # how long a dropout lasts [s]
@@ -139,6 +139,6 @@ class Perception:
 
 def rests(motion: Motion) -> bool:
     """Whether a body's centre rests, and goes on to rest."""
-    if isinstance(motion, (Pendulum, PlanarQuadratic)):
+    if not isinstance(motion, SolidQuadratic):
         return False
     return not any(motion.velocity) and not any(motion.acceleration)

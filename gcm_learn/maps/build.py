@@ -60,7 +60,7 @@ def build_map(
     if isinstance(params, WaveParams) and wait:
         situation = planar(situation, "a wave that may wait")
     scene = pack(situation) if scene is None else scene
-    chart = chart_of(situation.arm, params.n) if chart is None else chart
+    chart = chart_of(situation.arm, params.n) if chart is None else chart  # type: ignore[arg-type]
     front = explore(scene, chart, params, wait=wait, ignore=ignore, widening=widening)
     return map_of(situation, scene, front, params)
 

@@ -15,12 +15,11 @@ from gcm_learn.scene.bodies import (
     APPROACH,
     HAND,
     PART,
-    SPIN,
-    SWING,
     TOP_SPEED,
     WITHIN,
     pose_at,
-    rotate,
+    top_spin,
+    turn_at,
 )
 
 _LOOKS = 20_000  # at a resting limb, at most
@@ -54,8 +53,7 @@ def has_approach(scene, b):
 def approach_axis(scene, b, t, poses):
     """Direction from which target b is caught at t [s]; row b of `poses` holds its pose."""
     row = scene.bodies.rows
-    if row[b, SWING] < 0.0:  # a pose tells no turn of bodies that look the same from all sides
-        rotate(scene.bodies, b, t, poses)
+    turn_at(scene.bodies, b, t, poses)
     x, y, z = row[b, APPROACH], row[b, APPROACH + 1], row[b, APPROACH + 2]
     return (
         poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z,
@@ -113,10 +111,7 @@ def _turn_wait(scene, where, b, t, turning, poses):
     excess = approach_excess(scene, where, b, t, poses)
     if excess <= ANGLE:
         return 0.0
-    row, spin = scene.bodies.rows, 0.0
-    for i in range(3):
-        spin += row[b, SPIN + i] ** 2
-    fast = turning + (np.sqrt(spin) if row[b, SWING] < 0.0 else row[b, TOP_SPEED])
+    fast = turning + top_spin(scene.bodies, b)
     return excess / fast if fast > 0.0 else 1e300
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm, elbow_position
+from gcm_learn.arms import Arm, SpatialArm, elbow_position
 from gcm_learn.collision import arm_distance
 from gcm_learn.motion import SpatialTrajectory, Trajectory, clearance, rules_of, verify
 from gcm_learn.scene import pack, pack_bodies, poses_at
@@ -54,7 +54,7 @@ def broken_promise(situation: AnySituation, plan: AnyPlan) -> str | None:
 def _starts(situation: AnySituation, moves: Trajectory | SpatialTrajectory) -> bool:
     """Whether a movement begins where the arm is at t = 0."""
     arm = situation.arm
-    if isinstance(arm, SpatialArm):
+    if not isinstance(arm, Arm):
         off = moves.joints[0] - np.asarray(arm.joints)
     else:
         off = moves.hand[0] - np.asarray(arm.hand)

@@ -13,13 +13,16 @@ from gcm_learn.scene.bodies import (
     TOP_SPEED,
     VELOCITY,
     Bodies,
+    no_bodies,
     pose_at,
     poses_at,
 )
 from gcm_learn.scene.later import later
 from gcm_learn.scene.outlines import outline
-from gcm_learn.scene.packing import integrate_swing, pack, pack_bodies, pose
+from gcm_learn.scene.packing import pack, pack_bodies, pose
+from gcm_learn.scene.reversal import reversed_pieces
 from gcm_learn.scene.scene import JointLimits, Limits, Scene
+from gcm_learn.scene.swings import integrate_swing
 
 __all__ = [
     "ACCELERATION",
@@ -39,10 +42,12 @@ __all__ = [
     "VELOCITY",
     "integrate_swing",
     "later",
+    "no_bodies",
     "outline",
     "pack",
     "pack_bodies",
     "pose",
     "pose_at",
     "poses_at",
+    "reversed_pieces",
 ]

@@ -31,7 +31,7 @@ VELOCITY = 9  # 3
 ACCELERATION = 12  # 3
 SPIN = 15  # 3: angular velocity [rad/s]
 TURN = 18  # 9: rotation at t = 0, row by row
-SWING = 27  # entry of `angles`, -1 for quadratic motion
+SWING = 27  # entry of `angles`, or first of `pieces`; -1 for quadratic motion
 HANG = 28  # distance from the pivot to the centre
 DOWN = 29  # 3: direction of the cord at angle 0
 SIDE = 32  # 3: direction of growing angle, axis x down
@@ -40,7 +40,13 @@ FIRST, LAST = 38, 39  # the body's polygon is vertices[FIRST:LAST]
 TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
 APPROACH = 41  # 3: direction in the body's frame from which a target is caught; 0 if any will do
 WITHIN = 44  # largest angle of the hand's axis to it [rad]
-COLUMNS = 45
+PIECES = 45  # number of the body's rows in `pieces`, 0 for motions of one law
+COLUMNS = 46
+
+# Columns of a piece's row; from POSITION to TURN they are those of a body.
+START = 0  # time from which it holds [s]; its own time counts from there
+JUMP, JUMP_TURN = 1, 2  # distance and angle [rad] to the end of the piece before it
+PIECE_COLUMNS = 27
 
 
 class Bodies(NamedTuple):
@@ -50,17 +56,23 @@ class Bodies(NamedTuple):
     vertices: np.ndarray  # (m, 2): polygon vertices of all bodies
     angles: np.ndarray  # (k, m, 2): pendulum angle and rate on a regular time grid
     angle_step: float  # time step of that grid [s]
+    pieces: np.ndarray  # (p, PIECE_COLUMNS): quadratic motions one after another
 
 
-@njit(_nrt=False)
-def rotate(bodies, b, t, out):
-    """Write exp([spin t]) @ turn of body b into out[b, 3:12] (Rodrigues' formula)."""
-    body = bodies.rows
-    wx, wy, wz = body[b, SPIN], body[b, SPIN + 1], body[b, SPIN + 2]
+def no_bodies() -> Bodies:
+    """Return the arrays of a situation without bodies."""
+    tables = np.zeros((0, 2, 2)), 1.0, np.zeros((0, PIECE_COLUMNS))
+    return Bodies(np.zeros((0, COLUMNS)), np.zeros((0, 2)), *tables)
+
+
+@njit(_nrt=False, forceinline=True)
+def _turn(body, r, t, out, b):
+    """Write exp([spin t]) @ turn of row r into out[b, 3:12] (Rodrigues' formula)."""
+    wx, wy, wz = body[r, SPIN], body[r, SPIN + 1], body[r, SPIN + 2]
     rate = np.sqrt(wx * wx + wy * wy + wz * wz)
     if rate == 0.0:
         for k in range(9):
-            out[b, 3 + k] = body[b, TURN + k]
+            out[b, 3 + k] = body[r, TURN + k]
         return
     x, y, z = wx / rate, wy / rate, wz / rate
     s, c = np.sin(rate * t), np.cos(rate * t)
@@ -69,10 +81,70 @@ def rotate(bodies, b, t, out):
     r10, r11, r12 = y * x * v + z * s, c + y * y * v, y * z * v - x * s
     r20, r21, r22 = z * x * v - y * s, z * y * v + x * s, c + z * z * v
     for k in range(3):
-        p, q, u = body[b, TURN + k], body[b, TURN + 3 + k], body[b, TURN + 6 + k]
+        p, q, u = body[r, TURN + k], body[r, TURN + 3 + k], body[r, TURN + 6 + k]
         out[b, 3 + k] = r00 * p + r01 * q + r02 * u
         out[b, 6 + k] = r10 * p + r11 * q + r12 * u
         out[b, 9 + k] = r20 * p + r21 * q + r22 * u
+
+
+@njit(_nrt=False)
+def rotate(bodies, b, t, out):
+    """Write the rotation of body b at time t [s], which has one quadratic law, into out[b, 3:]."""
+    _turn(bodies.rows, b, t, out, b)
+
+
+@njit(_nrt=False)
+def piece_at(bodies, b, t):
+    """Row in `pieces` of the motion that body b follows at time t [s]."""
+    low = int(bodies.rows[b, SWING])
+    high = low + int(bodies.rows[b, PIECES]) - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if bodies.pieces[middle, START] <= t:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@njit(_nrt=False)
+def _piece_pose(bodies, b, t, out):
+    pieces, p = bodies.pieces, piece_at(bodies, b, t)
+    since = t - pieces[p, START]
+    half = 0.5 * since * since
+    for k in range(3):
+        way = pieces[p, VELOCITY + k] * since + pieces[p, ACCELERATION + k] * half
+        out[b, k] = pieces[p, POSITION + k] + way
+    if bodies.rows[b, KIND] != SPHERE:
+        _turn(pieces, p, since, out, b)
+
+
+@njit(_nrt=False)
+def turn_at(bodies, b, t, out):
+    """Write the rotation of body b at t [s] into out[b, 3:], of spheres too.
+
+    Row b of `out` holds the pose, which leaves it out for bodies that look the same from all sides.
+    """
+    if bodies.rows[b, PIECES] > 0.0:
+        p = piece_at(bodies, b, t)
+        _turn(bodies.pieces, p, t - bodies.pieces[p, START], out, b)
+    elif bodies.rows[b, SWING] < 0.0:
+        rotate(bodies, b, t, out)
+
+
+@njit(_nrt=False)
+def top_spin(bodies, b):
+    """Bound the angular speed of body b within the horizon [rad/s]."""
+    row, first, count = bodies.rows, int(bodies.rows[b, SWING]), int(bodies.rows[b, PIECES])
+    if count == 0 and first >= 0:
+        return row[b, TOP_SPEED] / (row[b, HANG] + row[b, REACH])
+    most = row[b, SPIN] ** 2 + row[b, SPIN + 1] ** 2 + row[b, SPIN + 2] ** 2
+    for p in range(first, first + count):
+        spin = bodies.pieces[p, SPIN] ** 2
+        for i in range(1, 3):
+            spin += bodies.pieces[p, SPIN + i] ** 2
+        most = max(most, spin)
+    return np.sqrt(most)
 
 
 @njit(_nrt=False)
@@ -92,6 +164,9 @@ def swing_angle(bodies, b, t):
 @njit(_nrt=False)
 def _swing_pose(bodies, b, t, out):
     body = bodies.rows
+    if body[b, PIECES] > 0.0:
+        _piece_pose(bodies, b, t, out)
+        return
     angle = swing_angle(bodies, b, t)
     s, c = np.sin(angle), np.cos(angle)
     for k in range(3):
@@ -105,7 +180,7 @@ def _swing_pose(bodies, b, t, out):
 
 @njit(_nrt=False, forceinline=True)
 def glide(bodies, b, t, poses):
-    """Centre (3) at time t [s] of body b, which does not swing.
+    """Centre (3) at time t [s] of body b, which has one quadratic law.
 
     It writes no poses: it is called as `swing` is, from loops that are there for either.
     """
@@ -119,14 +194,14 @@ def glide(bodies, b, t, poses):
 
 @njit(_nrt=False)
 def swing(bodies, b, t, poses):
-    """Centre (3) at time t [s] of body b, which swings; its pose is left in `poses`."""
+    """Centre (3) at time t [s] of a body b of any other law; its pose is left in `poses`."""
     _swing_pose(bodies, b, t, poses)
     return poses[b, 0], poses[b, 1], poses[b, 2]
 
 
 @njit(_nrt=False, forceinline=True)
 def centre_at(bodies, b, t, out):
-    """Write body b's centre at time t [s] into out[b, :3]; a pendulum's whole pose with it.
+    """Write body b's centre at time t [s] into out[b, :3]; if not quadratic, its whole pose.
 
     Returns whether `rotate` has still to write the rest of its pose.
     """
@@ -152,19 +227,63 @@ def poses_at(bodies, t, out):
         pose_at(bodies, b, t, out)
 
 
-@njit(_nrt=False)
-def drift(bodies, b, t0, t1):
-    """Bound how far any point of body b travels between t0 and t1.
+@njit(_nrt=False, forceinline=True)
+def top_speed(rows, r, t0, t1, reach):
+    """Bound the speed of any point of a body that follows the law of row r between t0 and t1.
 
     The centre's speed is convex in time under constant acceleration, so its maximum over an
     interval is at one of the ends; rotation adds at most |spin| times the body's reach.
     """
-    body = bodies.rows
-    if body[b, SWING] >= 0.0:
-        return body[b, TOP_SPEED] * (t1 - t0)
     v0, v1, w = 0.0, 0.0, 0.0
     for k in range(3):
-        v0 += (body[b, VELOCITY + k] + body[b, ACCELERATION + k] * t0) ** 2
-        v1 += (body[b, VELOCITY + k] + body[b, ACCELERATION + k] * t1) ** 2
-        w += body[b, SPIN + k] ** 2
-    return (np.sqrt(max(v0, v1)) + np.sqrt(w) * body[b, REACH]) * (t1 - t0)
+        v0 += (rows[r, VELOCITY + k] + rows[r, ACCELERATION + k] * t0) ** 2
+        v1 += (rows[r, VELOCITY + k] + rows[r, ACCELERATION + k] * t1) ** 2
+        w += rows[r, SPIN + k] ** 2
+    return np.sqrt(max(v0, v1)) + np.sqrt(w) * reach
+
+
+@njit(_nrt=False)
+def drift(bodies, b, t0, t1):
+    """Bound how far any point of body b travels between t0 and t1."""
+    body = bodies.rows
+    if body[b, SWING] >= 0.0:
+        if body[b, PIECES] > 0.0:
+            return _piece_drift(bodies, b, t0, t1)
+        return body[b, TOP_SPEED] * (t1 - t0)
+    return top_speed(body, b, t0, t1, body[b, REACH]) * (t1 - t0)
+
+
+@njit(_nrt=False)
+def _piece_drift(bodies, b, t0, t1):
+    """Sum the bounds of all pieces between t0 and t1, and the gaps where they meet."""
+    pieces, reach = bodies.pieces, bodies.rows[b, REACH]
+    end = int(bodies.rows[b, SWING]) + int(bodies.rows[b, PIECES])
+    p, since, way = piece_at(bodies, b, t0), t0, 0.0
+    while True:
+        last = p + 1 == end or pieces[p + 1, START] > t1
+        until = t1 if last else pieces[p + 1, START]
+        start = pieces[p, START]
+        way += top_speed(pieces, p, since - start, until - start, reach) * (until - since)
+        if last:
+            return way
+        p, since = p + 1, until
+        way += pieces[p, JUMP] + pieces[p, JUMP_TURN] * reach
+
+
+@njit(_nrt=False)
+def piece_velocity(bodies, b, t, x, y, z):
+    """Velocity (3) at t [s] of the point of body b, which has pieces, at (x, y, z)."""
+    pieces, p = bodies.pieces, piece_at(bodies, b, t)
+    since = t - pieces[p, START]
+    half = 0.5 * since * since
+    wx, wy, wz = pieces[p, SPIN], pieces[p, SPIN + 1], pieces[p, SPIN + 2]
+    ax, ay, az = pieces[p, ACCELERATION], pieces[p, ACCELERATION + 1], pieces[p, ACCELERATION + 2]
+    vx, vy, vz = pieces[p, VELOCITY], pieces[p, VELOCITY + 1], pieces[p, VELOCITY + 2]
+    x -= pieces[p, POSITION] + vx * since + ax * half
+    y -= pieces[p, POSITION + 1] + vy * since + ay * half
+    z -= pieces[p, POSITION + 2] + vz * since + az * half
+    return (
+        vx + ax * since + wy * z - wz * y,
+        vy + ay * since + wz * x - wx * z,
+        vz + az * since + wx * y - wy * x,
+    )

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
-import numpy as np
-
-from gcm_learn.arms import JOINTS, Arm, SpatialArm, quaternion_of, rotation_of
+from gcm_learn.arms import JOINTS, Arm, SpatialArm
 from gcm_learn.errors import ArmKindError, SituationError
-from gcm_learn.scene.packing import integrate_swing
-from gcm_learn.situation import Body, Motion, Pendulum, PlanarQuadratic, Situation, SolidQuadratic
+from gcm_learn.scene.laws import LAWS
+from gcm_learn.situation import Situation
 
 AnyKind = TypeVar("AnyKind", Situation[Arm], Situation[SpatialArm])
-
-STEPS_PER_PERIOD = 2000  # of a swing, as packed bodies have it
 
 
 def later(
@@ -56,7 +51,10 @@ def later(
         raise ArmKindError("joints, rates: are of spatial arms; a planar one has a hand")
     elif hand is not None:
         arm = replace(arm, hand=hand)
-    bodies = tuple(_moved(body, t) for body in situation.bodies)
+    bodies = tuple(
+        replace(body, motion=LAWS[type(body.motion)].later(body.motion, t))
+        for body in situation.bodies
+    )
     return replace(situation, arm=arm, bodies=bodies, horizon=situation.horizon - t)
 
 
@@ -73,50 +71,3 @@ def _stands(
     there: Any = tuple(joints)
     moving: Any = None if rates is None else tuple(rates)
     return replace(arm, joints=there, joint_rates=moving)
-
-
-def _moved(body: Body, t: float) -> Body:
-    motion = body.motion
-    made: Motion
-    if isinstance(motion, PlanarQuadratic):
-        position, velocity = _flown(motion, t)
-        angle = motion.angle + motion.spin * t
-        made = replace(motion, position=position, velocity=velocity, angle=angle)
-    elif isinstance(motion, SolidQuadratic):
-        position, velocity = _flown(motion, t)
-        made = replace(motion, position=position, velocity=velocity)
-        if any(motion.spin):
-            made = replace(made, orientation=_turned(motion, t))
-    else:
-        made = _swung(motion, t)
-    return replace(body, motion=made)
-
-
-def _flown(motion: PlanarQuadratic | SolidQuadratic, t: float) -> tuple[tuple, tuple]:
-    """Position and velocity at t."""
-    p, v, a = (np.array(x) for x in (motion.position, motion.velocity, motion.acceleration))
-    return tuple((p + v * t + 0.5 * a * t * t).tolist()), tuple((v + a * t).tolist())
-
-
-def _turned(motion: SolidQuadratic, t: float) -> tuple[float, float, float, float]:
-    """Orientation at t: Rodrigues' formula for exp([spin t])."""
-    spin = np.array(motion.spin)
-    rate = float(np.linalg.norm(spin))
-    if rate < 1e-150:  # its square is nothing
-        return motion.orientation
-    x, y, z = spin / rate
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turn = np.eye(3) + math.sin(rate * t) * cross + (1 - math.cos(rate * t)) * cross @ cross
-    return quaternion_of(turn @ rotation_of(motion.orientation))
-
-
-def _swung(motion: Pendulum, t: float) -> Pendulum:
-    """The pendulum at t, its angle integrated as finely as where bodies are packed."""
-    if t <= 0.0:
-        return motion
-    count = max(math.ceil(t * motion.fastest * STEPS_PER_PERIOD / (2.0 * math.pi)), 64) + 1
-    table = integrate_swing(
-        motion.angle, motion.rate, motion.gravity / motion.length, motion.damping,
-        t / (count - 1), count,
-    )  # fmt: skip
-    return replace(motion, angle=float(table[-1, 0]), rate=float(table[-1, 1]))

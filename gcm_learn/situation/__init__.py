@@ -1,4 +1,4 @@
-"""Shapes, motion laws, situations and their exchange format."""
+"""Shapes, motion laws, situations and their exchange formats."""
 
 from __future__ import annotations
 
@@ -10,24 +10,27 @@ from gcm_learn.situation.arm_body import (
     arm_body_from_json,
     read_arm_body,
 )
+from gcm_learn.situation.arm_files import (
+    ARM_FORMAT,
+    arm_from_json,
+    arm_names,
+    arm_to_json,
+    read_arm,
+    shipped_arm,
+)
+from gcm_learn.situation.body import Approach, Body
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
-from gcm_learn.situation.frames import arm_frame, carried, plane_frame
+from gcm_learn.situation.formats import CATCHES, FORMATS, Format
+from gcm_learn.situation.frames import arm_frame, plane_frame
 from gcm_learn.situation.json_format import (
-    FORMAT,
-    SPATIAL_FORMAT,
     read_situations,
     situation_from_json,
     situation_to_json,
     write_situations,
 )
 from gcm_learn.situation.json_text import JsonTextError, RepeatedField, line_of, parse
-from gcm_learn.situation.motion import (
-    Motion,
-    Pendulum,
-    PlanarQuadratic,
-    SolidMotion,
-    SolidQuadratic,
-)
+from gcm_learn.situation.laws import Motion, SolidMotion, carried
+from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import (
     PLANAR,
     SOLID,
@@ -41,33 +44,40 @@ from gcm_learn.situation.shapes import (
     SolidShape,
     Sphere,
 )
-from gcm_learn.situation.situation import AnySituation, Body, Plane, Situation, planar, spatial
+from gcm_learn.situation.situation import AnySituation, Plane, Situation, planar, spatial
 from gcm_learn.situation.spatial_frame import SpatialFrame, spatial_frame_of
+from gcm_learn.situation.timed_motion import Piece, Piecewise, Sampled
 
 __all__ = [
+    "ARM_FORMAT",
     "AnySituation",
+    "Approach",
     "ArmBody",
     "BODY_FORMAT",
     "Body",
     "BoneMass",
     "Box",
+    "CATCHES",
     "Capsule",
     "Cylinder",
     "Disc",
-    "FORMAT",
+    "FORMATS",
+    "Format",
     "Frame",
     "JsonTextError",
     "Motion",
     "Motor",
     "PLANAR",
     "Pendulum",
+    "Piece",
+    "Piecewise",
     "PlanarQuadratic",
     "PlanarShape",
     "Plane",
     "Polygon",
     "RepeatedField",
     "SOLID",
-    "SPATIAL_FORMAT",
+    "Sampled",
     "Shape",
     "Situation",
     "SolidMotion",
@@ -77,6 +87,9 @@ __all__ = [
     "Sphere",
     "arm_body_from_json",
     "arm_frame",
+    "arm_from_json",
+    "arm_names",
+    "arm_to_json",
     "canonical",
     "carried",
     "frame_of",
@@ -84,8 +97,10 @@ __all__ = [
     "parse",
     "planar",
     "plane_frame",
+    "read_arm",
     "read_arm_body",
     "read_situations",
+    "shipped_arm",
     "situation_from_json",
     "situation_to_json",
     "spatial",

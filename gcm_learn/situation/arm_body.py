@@ -10,8 +10,8 @@ from typing import Any
 from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.checks import non_negative, positive, put, quote, show, text, vector
 from gcm_learn.errors import FileFormatError, SituationError
+from gcm_learn.situation.json_records import check_names, made_from, object_from, record_from
 from gcm_learn.situation.json_text import JsonTextError, line_of, parse
-from gcm_learn.situation.json_values import check_names, made_from, object_from, record_from
 
 BODY_FORMAT = "gcm-learn/body@1"
 BONES = 2

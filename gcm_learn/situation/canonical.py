@@ -10,17 +10,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms import SpatialArm
-from gcm_learn.situation.frames import carried, plane_frame
-from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Chain, SpatialArm
+from gcm_learn.situation.body import Body
+from gcm_learn.situation.frames import plane_frame
+from gcm_learn.situation.laws import carried
+from gcm_learn.situation.motion import PlanarQuadratic
 from gcm_learn.situation.shapes import Polygon, Shape
-from gcm_learn.situation.situation import AnySituation, Body, Plane, Situation
-from gcm_learn.situation.spatial_frame import SpatialFrame, canonical_in_space
+from gcm_learn.situation.situation import AnySituation, Plane, Situation
+from gcm_learn.situation.spatial_frame import (
+    SpatialFrame,
+    canonical_in_space,
+    canonical_on_base,
+)
 
 _SPACE = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
@@ -61,13 +67,15 @@ def canonical(
     situation: Situation[SpatialArm],
 ) -> tuple[Situation[SpatialArm], SpatialFrame]: ...
 @overload
+def canonical(situation: Situation[Chain]) -> tuple[Situation[Chain], SpatialFrame]: ...
+@overload
 def canonical(situation: Situation) -> tuple[Situation, Frame]: ...
 def canonical(situation: AnySituation) -> tuple[AnySituation, Frame | SpatialFrame]:
-    """The situation in its canonical form, and how it lay.
+    """Return the situation in its canonical form, and its frame.
 
     A 3D situation is also expressed in coordinates of its arm plane; to mirror it takes no more
     than to look at the plane from its other side.  A spatial arm stands at the origin and is a
-    left one (see `situation.spatial_frame`).
+    left one (see `situation.spatial_frame`); a chain stands at the origin.
 
     Returns
     -------
@@ -76,9 +84,8 @@ def canonical(situation: AnySituation) -> tuple[AnySituation, Frame | SpatialFra
         are kept.
     Frame or SpatialFrame
     """
-    if isinstance(situation.arm, SpatialArm):
-        return canonical_in_space(situation)
-    return _canonical_in_plane(situation)
+    form: tuple[AnySituation, Frame | SpatialFrame] = _FORM.of(situation)(situation)
+    return form
 
 
 def _canonical_in_plane(situation: Situation) -> tuple[Situation, Frame]:
@@ -133,7 +140,12 @@ def _solid_mover(plane: Plane, frame: Frame) -> Callable[[Body], Body]:
     turn = np.array([[c, s, 0.0], [-side * s, side * c, 0.0], [0.0, 0.0, side]]) @ rows
 
     def moved(body: Body) -> Body:
-        assert isinstance(body.motion, SolidQuadratic | Pendulum)
+        assert not isinstance(body.motion, PlanarQuadratic)
         return replace(body, motion=carried(body.motion, turn, origin))
 
     return moved
+
+
+_FORM: ByKind[Any] = ByKind(
+    {PLANAR: _canonical_in_plane, SPATIAL: canonical_in_space, CHAIN: canonical_on_base}
+)

@@ -1,4 +1,4 @@
-"""Files of situations in the exchange formats ``gcm-learn/situation@1`` and ``@2``."""
+"""Files of situations in the exchange formats ``gcm-learn/situation@1`` to ``@3``."""
 
 from __future__ import annotations
 
@@ -10,18 +10,11 @@ from pathlib import Path
 from gcm_learn.checks import quote
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation.json_text import JsonTextError, line_of, parse
-from gcm_learn.situation.json_values import (
-    FORMAT,
-    SPATIAL_FORMAT,
-    situation_from_json,
-    situation_to_json,
-)
+from gcm_learn.situation.json_values import situation_from_json, situation_to_json
 from gcm_learn.situation.situation import AnySituation
 from gcm_learn.storage import write_whole
 
 __all__ = [
-    "FORMAT",
-    "SPATIAL_FORMAT",
     "read_situations",
     "situation_from_json",
     "situation_to_json",
@@ -46,9 +39,10 @@ def read_situations(path: str | Path) -> list[AnySituation]:
     name = "<stdin>" if str(path) == "-" else _printable(str(path))
     content = _read_text(path, name)
     suffix = Path(path).suffix.lower()
+    folder = Path() if str(path) == "-" else Path(path).parent
     if suffix == ".jsonl" or (suffix != ".json" and _starts_with_value_line(content)):
-        return _read_lines(content, name)
-    return [_read_one(content, name)]
+        return _read_lines(content, name, folder)
+    return [_read_one(content, name, folder)]
 
 
 def _read_text(path: str | Path, name: str) -> str:
@@ -83,22 +77,22 @@ def _starts_with_value_line(content: str) -> bool:
     return True
 
 
-def _read_one(content: str, name: str) -> AnySituation:
+def _read_one(content: str, name: str, folder: Path) -> AnySituation:
     """Return the only situation of a text, which may span lines."""
     try:
-        return situation_from_json(parse(content))
+        return situation_from_json(parse(content), folder)
     except JsonTextError as error:
         raise FileFormatError(f"{name}:{error.line}: not valid JSON: {error.reason}") from None
     except SituationError as error:
         raise FileFormatError(f"{name}:{line_of(content, error.field)}: {error}") from None
 
 
-def _read_lines(content: str, name: str) -> list[AnySituation]:
+def _read_lines(content: str, name: str, folder: Path) -> list[AnySituation]:
     """Return the situations of a text that has one on each line, under different names."""
     situations: list[AnySituation] = []
     for number, line in _filled_lines(content):
         try:
-            situations.append(_named_situation(parse(line)))
+            situations.append(_named_situation(parse(line), folder))
         except JsonTextError as error:
             raise FileFormatError(f"{name}:{number}: not valid JSON: {error.reason}") from None
         except SituationError as error:
@@ -116,9 +110,9 @@ def _filled_lines(content: str) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _named_situation(obj: object) -> AnySituation:
+def _named_situation(obj: object, folder: Path) -> AnySituation:
     """Return the situation of a parsed line, where the name is required."""
-    situation = situation_from_json(obj)
+    situation = situation_from_json(obj, folder)
     if isinstance(obj, dict) and "name" not in obj:
         raise SituationError("name", "is missing (required where a file holds several)")
     return situation

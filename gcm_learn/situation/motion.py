@@ -144,7 +144,3 @@ class Pendulum:
     def fastest(self) -> float:
         """Bound of how fast anything about the swing changes [rad/s]."""
         return max(math.sqrt(self.gravity / self.length), abs(self.rate), self.damping, 1e-3)
-
-
-SolidMotion = SolidQuadratic | Pendulum
-Motion = PlanarQuadratic | SolidMotion

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic
 
-from gcm_learn.arms import Arm, SpatialArm, is_arm
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, ByKind, Chain, SpatialArm, is_arm, kind_of
 from gcm_learn.checks import (
     choice,
     orthogonal,
@@ -20,16 +20,14 @@ from gcm_learn.checks import (
     vector,
 )
 from gcm_learn.errors import ArmKindError, SituationError
-from gcm_learn.situation.motion import (
-    MOST_PERIODS,
-    Motion,
-    Pendulum,
-    PlanarQuadratic,
-    SolidQuadratic,
-)
-from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
+from gcm_learn.situation.body import Body
+from gcm_learn.situation.formats import CATCHES, FORMATS
+from gcm_learn.situation.motion import MOST_PERIODS, Pendulum
+from gcm_learn.situation.start import check_start
 
-ROLES = ("target", "obstacle")
+_CALLED = ByKind(
+    {PLANAR: "planar", SPATIAL: "spatial", CHAIN: "a chain"}, default="of another kind"
+)
 
 
 @dataclass(frozen=True)
@@ -62,50 +60,10 @@ class Plane:
         return (b * f - c * e, c * d - a * f, a * e - b * d)
 
 
-@dataclass(frozen=True)
-class Body:
-    """A target or an obstacle: a shape that follows a motion law.
-
-    Parameters
-    ----------
-    role : {"target", "obstacle"}
-        Targets are to be caught and block nothing; obstacles must not be touched.
-    name : str
-        Unique among the bodies of a situation.
-    shape : Shape
-        Planar or solid, like the motion.
-    motion : Motion
-        Planar or solid, like the shape.
-    """
-
-    role: str
-    name: str
-    shape: Shape
-    motion: Motion
-
-    def __post_init__(self) -> None:
-        """Check the role and that shape and motion live in the same space."""
-        put(self, "role", choice(self.role, "role", ROLES))
-        put(self, "name", text(self.name, "name"))
-        if not isinstance(self.shape, PLANAR + SOLID):
-            raise SituationError("shape", f"must be a shape (got {show(self.shape)})")
-        if not isinstance(self.motion, (PlanarQuadratic, SolidQuadratic, Pendulum)):
-            raise SituationError("motion", f"must be a motion (got {show(self.motion)})")
-        if self.is_solid == isinstance(self.motion, PlanarQuadratic):
-            space = "3D" if self.is_solid else "planar"
-            reason = f"{space} shape {quote(self.shape.kind)} needs a {space} motion"
-            raise SituationError("motion", f"{reason} (got {type(self.motion).__name__})")
-
-    @property
-    def is_solid(self) -> bool:
-        """Whether the body is three-dimensional."""
-        return isinstance(self.shape, SOLID)
-
-
 if TYPE_CHECKING:
     from typing_extensions import TypeVar  # a default makes a plain `Situation` one of the plane
 
-    ArmKind = TypeVar("ArmKind", bound=Arm | SpatialArm, default=Arm, covariant=True)
+    ArmKind = TypeVar("ArmKind", bound=Arm | SpatialArm | Chain, default=Arm, covariant=True)
 else:
     from typing import TypeVar
 
@@ -125,13 +83,18 @@ class Situation(Generic[ArmKind]):
         Any string; unique within a file.
     horizon : float
         Last moment at which a catch counts, above zero [s].
-    arm : Arm or SpatialArm
+    arm : Arm, SpatialArm or Chain
         The arm at t = 0 and its limits.
     bodies : tuple of Body
         At least one target, any number of obstacles; all solid when there is a plane or the arm
-        is spatial, else all planar.
+        is not planar, else all planar.
     plane : Plane, optional
         The arm's plane, present exactly when a planar arm is in a 3D scene.
+    catch : {"any", "all", "most"}
+        Targets to be caught: one of them, every one, or as many as possible.  Only
+        ``gcm-learn/situation@3`` has more than "any", and takes exactly one target with it.
+    format : str, optional
+        Version of the exchange format; the first one of the arm's kind by default.
     """
 
     name: str
@@ -139,19 +102,34 @@ class Situation(Generic[ArmKind]):
     arm: ArmKind
     bodies: tuple[Body, ...]
     plane: Plane | None = None
+    catch: str = "any"
+    format: str = ""
 
     def __post_init__(self) -> None:
-        """Check the fields, then the bodies against each other and against the plane."""
+        """Check the fields, then the bodies against each other, the format and the arm."""
         put(self, "name", text(self.name, "name"))
         put(self, "horizon", positive(self.horizon, "horizon"))
         if not is_arm(self.arm):
             raise SituationError("arm", f"must be an arm (got {show(self.arm)})")
-        if self.is_spatial and self.plane is not None:
-            raise SituationError("plane", "is for planar arms (the arm is spatial)")
+        self._check_format()
+        if self.plane is not None and not isinstance(self.arm, Arm):
+            raise SituationError("plane", f"is for planar arms (the arm is {_CALLED.of(self)})")
         if self.plane is not None and not isinstance(self.plane, Plane):
             raise SituationError("plane", f"must be a plane (got {show(self.plane)})")
         put(self, "bodies", tuple(sequence(self.bodies, "bodies", "bodies")))
         self._check_bodies()
+        check_start(self.arm, [body.name for body in self.obstacles], self.format)
+
+    def _check_format(self) -> None:
+        """Fill in the format, and refuse one that does not have such an arm or catch."""
+        kind = kind_of(self.arm)
+        if not self.format:
+            put(self, "format", kind.formats[0])
+        put(self, "format", choice(self.format, "format", kind.formats))
+        catches = FORMATS[self.format].catches
+        if self.catch in CATCHES and self.catch not in catches:
+            raise SituationError("catch", f"{quote(self.catch)} is not known to {self.format}")
+        put(self, "catch", choice(self.catch, "catch", catches))
 
     def _check_bodies(self) -> None:
         """Refuse duplicate names, bodies of the other dimension and scenes without a target."""
@@ -164,24 +142,38 @@ class Situation(Generic[ArmKind]):
                 raise SituationError(f"bodies[{k}].name", reason)
             seen[body.name] = k
             self._check_dimension(body, f"bodies[{k}].shape.kind")
+            self._check_known(body, f"bodies[{k}]")
             if isinstance(body.motion, Pendulum):
                 longest = 2.0 * math.pi * MOST_PERIODS / body.motion.fastest
                 if self.horizon > longest:
                     reason = f"{self.horizon:g} s is over {MOST_PERIODS} periods of bodies[{k}]"
                     raise SituationError("horizon", f"{reason} (at most {longest:g})")
-        if not self.targets:
+        count = len(self.targets)
+        if count == 0:
             raise SituationError("bodies", f"no target among {len(self.bodies)} bodies")
+        if count > 1 and self.catch == "any" and len(FORMATS[self.format].catches) > 1:
+            raise SituationError("catch", f'"any" is for one target (there are {count})')
 
     def _check_dimension(self, body: Body, field: str) -> None:
         """Refuse a body that does not live in the arm's space."""
-        if body.is_solid == (self.is_solid or self.is_spatial):
+        planar_arm = isinstance(self.arm, Arm)
+        if body.is_solid == (self.is_solid or not planar_arm):
             return
         if body.is_solid:
             reason = "is 3D, but the situation has no plane"
         else:
-            why = "arm is spatial" if self.is_spatial else "situation has a plane"
+            why = "situation has a plane" if planar_arm else f"arm is {_CALLED.of(self)}"
             reason = f"is planar, but the {why}"
         raise SituationError(field, f"{quote(body.shape.kind)} {reason}")
+
+    def _check_known(self, body: Body, field: str) -> None:
+        """Refuse motions and approaches that the format does not have."""
+        known = FORMATS[self.format]
+        if not isinstance(body.motion, known.motions):
+            reason = f"{quote(body.motion.kind)} is not known to {self.format}"
+            raise SituationError(f"{field}.motion.kind", reason)
+        if body.approach is not None and not known.approach:
+            raise SituationError(f"{field}.approach", f"is not known to {self.format}")
 
     @property
     def targets(self) -> tuple[Body, ...]:
@@ -204,11 +196,11 @@ class Situation(Generic[ArmKind]):
         return isinstance(self.arm, SpatialArm)
 
 
-AnySituation = Situation[Arm] | Situation[SpatialArm]
+AnySituation = Situation[Arm] | Situation[SpatialArm] | Situation[Chain]
 
 
 def planar(situation: AnySituation, who: str) -> Situation[Arm]:
-    """The situation, if its arm is planar.
+    """Return the situation, if its arm is planar.
 
     Parameters
     ----------
@@ -220,14 +212,14 @@ def planar(situation: AnySituation, who: str) -> Situation[Arm]:
     ------
     ArmKindError
     """
-    if isinstance(situation.arm, SpatialArm):
-        name = quote(situation.name)
-        raise ArmKindError(f"{who} does not take spatial arms (situation {name})")
-    return situation
+    if isinstance(situation.arm, Arm):
+        return situation
+    name, plural = quote(situation.name), kind_of(situation).plural
+    raise ArmKindError(f"{who} does not take {plural} (situation {name})")
 
 
 def spatial(situation: AnySituation, who: str) -> Situation[SpatialArm]:
-    """The situation, if its arm is spatial; see `planar`.
+    """Return the situation, if its arm is spatial; see `planar`.
 
     Raises
     ------

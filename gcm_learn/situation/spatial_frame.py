@@ -15,10 +15,11 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms import IDENTITY, Base, SpatialArm, rotation_of
-from gcm_learn.situation.frames import arm_frame, carried
-from gcm_learn.situation.motion import Pendulum, SolidQuadratic
-from gcm_learn.situation.situation import Body, Situation
+from gcm_learn.arms import IDENTITY, Base, Chain, SpatialArm, rotation_of
+from gcm_learn.situation.body import Body
+from gcm_learn.situation.frames import arm_frame
+from gcm_learn.situation.laws import carried, sides
+from gcm_learn.situation.situation import Situation
 
 NOTHING = 1e-9
 """Share of the reach, and angle [rad], below which a number has no side."""
@@ -86,15 +87,8 @@ def _sides_of_bodies(
     situation: Situation[SpatialArm], small: float
 ) -> Iterator[tuple[float, float]]:
     """Yield the same of the bodies, in the frame of the base."""
-    for motion in (body.motion for body in _in_base(situation, mirrored=False)):
-        values: tuple[float, ...]
-        if isinstance(motion, Pendulum):
-            values = (motion.pivot[1], motion.down[1], motion.axis[0], motion.axis[2])
-        else:
-            assert isinstance(motion, SolidQuadratic)
-            flown = (motion.position[1], motion.velocity[1], motion.acceleration[1])
-            values = (*flown, motion.spin[0], motion.spin[2])
-        yield from ((value, small) for value in values)
+    for body in _in_base(situation, mirrored=False):
+        yield from ((value, small) for value in sides(body.motion))  # type: ignore[arg-type]
 
 
 def canonical_in_space(
@@ -107,13 +101,21 @@ def canonical_in_space(
     return replace(situation, arm=replace(arm, base=IDENTITY), bodies=bodies), frame
 
 
-def _in_base(situation: Situation[SpatialArm], *, mirrored: bool) -> Iterator[Body]:
+def canonical_on_base(situation: Situation[Chain]) -> tuple[Situation[Chain], SpatialFrame]:
+    """Return the situation with its chain's base at the origin, and the base."""
+    bodies = tuple(_in_base(situation, mirrored=False))
+    arm = replace(situation.arm, base=IDENTITY)
+    return replace(situation, arm=arm, bodies=bodies), SpatialFrame(situation.arm.base)
+
+
+def _in_base(
+    situation: Situation[SpatialArm] | Situation[Chain], *, mirrored: bool
+) -> Iterator[Body]:
     """Yield the bodies in the frame of the base, or as its mirror shows them."""
     rows, origin = arm_frame(situation)
     turn = rows * _MIRROR[:, None] if mirrored else rows
     for body in situation.bodies:
-        assert isinstance(body.motion, SolidQuadratic | Pendulum)
-        yield replace(body, motion=carried(body.motion, turn, origin))
+        yield replace(body, motion=carried(body.motion, turn, origin))  # type: ignore[arg-type]
 
 
 def _mirrored(arm: SpatialArm) -> SpatialArm:

@@ -11,7 +11,7 @@ import numpy as np
 
 from gcm_learn.arms import PlanarLimb
 from gcm_learn.handspace import Chart, Lattice, SpaceLattice, cell_joints, hand_space
-from gcm_learn.scene import COLUMNS, Bodies, Limits, Scene
+from gcm_learn.scene import Limits, Scene, no_bodies
 from gcm_learn.wave import kernels, stencil
 from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of
@@ -240,7 +240,6 @@ def front_speed(params: WaveParams) -> FrontSpeed:
 
 def free_scene(lattice: Lattice, hand: tuple[float, float], horizon: float) -> Scene:
     """An empty world, and a hand that does one forearm length a second."""
-    bodies = Bodies(np.zeros((0, COLUMNS)), np.zeros((0, 2)), np.zeros((0, 2, 2)), 1.0)
     rho = lattice.upper_arm
     limb = PlanarLimb(rho, 1.0, abs(rho - 1.0), rho + 1.0, 0.0, *hand)
-    return Scene(bodies, limb, Limits(1.0, math.inf, math.inf, 0.0, horizon))
+    return Scene(no_bodies(), limb, Limits(1.0, math.inf, math.inf, 0.0, horizon))

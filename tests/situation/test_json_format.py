@@ -96,6 +96,7 @@ SOLID = {
         },
     ],
 }
+FORMATS = " or ".join(f'"gcm-learn/situation@{version}"' for version in (1, 2, 3))
 GONE = object()
 HUGE = 10**400
 
@@ -136,7 +137,7 @@ REFUSED_PLANAR = [
     (
         ("format",),
         GONE,
-        'format: is missing (must be "gcm-learn/situation@1" or "gcm-learn/situation@2")',
+        f"format: is missing (must be {FORMATS})",
     ),
     (("name",), GONE, "name: is missing (required where a file holds several)"),
     (("horizon",), GONE, "horizon: is missing"),
@@ -206,13 +207,12 @@ REFUSED_PLANAR = [
     (
         ("format",),
         1,
-        'format: must be "gcm-learn/situation@1" or "gcm-learn/situation@2" (got 1)',
+        f"format: must be {FORMATS} (got 1)",
     ),
     (
         ("format",),
-        "gcm-learn/situation@3",
-        'format: must be "gcm-learn/situation@1" or "gcm-learn/situation@2"'
-        ' (got "gcm-learn/situation@3")',
+        "gcm-learn/situation@4",
+        f'format: must be {FORMATS} (got "gcm-learn/situation@4")',
     ),
     (
         ("arm", "kind"),

@@ -12,6 +12,7 @@ from gcm_learn.scene.bodies import (
     BOX,
     CAPSULE,
     KIND,
+    PIECES,
     POSITION,
     SIZE,
     SPHERE,
@@ -19,6 +20,7 @@ from gcm_learn.scene.bodies import (
     SWING,
     VELOCITY,
     centre_at,
+    piece_velocity,
     swing_angle,
 )
 
@@ -118,6 +120,8 @@ def nearest_on_bone(bodies, b, poses, p, q):
 def point_velocity(bodies, b, t, poses, x, y, z):
     """Velocity (3) at t [s] of the point of body b that is at (x, y, z), the body at its pose."""
     rows = bodies.rows
+    if rows[b, PIECES] > 0.0:
+        return piece_velocity(bodies, b, t, x, y, z)
     if rows[b, SWING] >= 0.0:
         turn = swing_angle(bodies, b, t + _MOMENT) - swing_angle(bodies, b, t)
         rate = turn / _MOMENT

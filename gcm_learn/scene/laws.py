@@ -1,0 +1,185 @@
+"""Motion laws in arrays and in time: one entry for each law."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import quaternion_of, rotation_of
+from gcm_learn.scene import bodies as k
+from gcm_learn.scene.swings import STEPS_PER_PERIOD, integrate_swing
+from gcm_learn.situation import Pendulum, Piece, Piecewise, PlanarQuadratic, Sampled, SolidQuadratic
+
+
+class Tables(NamedTuple):
+    """Entries of tables that rows of bodies point to."""
+
+    swings: list[Pendulum]
+    pieces: list[list[float]]  # rows of `Bodies.pieces`
+
+
+class Frame(NamedTuple):
+    """The arm's coordinates in the world."""
+
+    turn: np.ndarray | None  # (3, 3) world -> arm; None where it is not turned
+    origin: list[float]  # (3,) in the world
+
+    def turned(self, vector: Sequence[float]) -> list[float]:
+        """Return a vector of the world in the arm's coordinates.
+
+        Most arms are not turned, and numpy takes long for three numbers.
+        """
+        if self.turn is None:
+            x, y, z = vector
+            return [x + 0.0, y + 0.0, z + 0.0]  # as a product: without negative zeros
+        seen: list[float] = (self.turn @ vector).tolist()
+        return seen
+
+    def placed(self, point: Sequence[float]) -> list[float]:
+        """Return a point of the world in the arm's coordinates."""
+        return self.turned([a - b for a, b in zip(point, self.origin, strict=True)])
+
+
+@dataclass(frozen=True)
+class Law:
+    """Functions of one motion law.
+
+    Parameters
+    ----------
+    place : callable
+        Writes a motion, seen in a frame, into a body's row and the tables.
+    later : callable
+        Maps a motion and a time [s] to the motion from then on.
+    """
+
+    place: Callable[[list[float], Tables, Any, Frame], None]
+    later: Callable[[Any, float], Any]
+
+
+def _place_planar(row: list[float], tables: Tables, motion: PlanarQuadratic, frame: Frame) -> None:
+    row[k.POSITION : k.POSITION + 2] = motion.position
+    row[k.VELOCITY : k.VELOCITY + 2] = motion.velocity
+    row[k.ACCELERATION : k.ACCELERATION + 2] = motion.acceleration
+    row[k.SPIN + 2] = motion.spin
+    c, s = math.cos(motion.angle), math.sin(motion.angle)
+    row[k.TURN : k.TURN + 9] = (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+
+
+def _place_solid(row: list[float], tables: Tables, motion: SolidQuadratic, frame: Frame) -> None:
+    row[k.POSITION : k.POSITION + 3] = frame.placed(motion.position)
+    row[k.VELOCITY : k.VELOCITY + 3] = frame.turned(motion.velocity)
+    row[k.ACCELERATION : k.ACCELERATION + 3] = frame.turned(motion.acceleration)
+    row[k.SPIN : k.SPIN + 3] = frame.turned(motion.spin)
+    rotation = rotation_of(motion.orientation)
+    turn = rotation + 0.0 if frame.turn is None else frame.turn @ rotation
+    row[k.TURN : k.TURN + 9] = turn.ravel().tolist()
+
+
+def _place_swing(row: list[float], tables: Tables, motion: Pendulum, frame: Frame) -> None:
+    row[k.SWING] = len(tables.swings)
+    tables.swings.append(motion)
+    row[k.POSITION : k.POSITION + 3] = frame.placed(motion.pivot)
+    row[k.HANG] = motion.hang_distance
+    row[k.DOWN : k.DOWN + 3] = frame.turned(motion.down)
+    row[k.SIDE : k.SIDE + 3] = frame.turned(np.cross(motion.axis, motion.down).tolist())
+    row[k.AXIS : k.AXIS + 3] = frame.turned(motion.axis)
+
+
+def _place_pieces(
+    row: list[float], tables: Tables, motion: Piecewise | Sampled, frame: Frame
+) -> None:
+    row[k.SWING], row[k.PIECES] = len(tables.pieces), len(motion.pieces)
+    before: Piece | None = None
+    for piece in motion.pieces:
+        made = [0.0] * k.PIECE_COLUMNS
+        _place_solid(made, tables, piece.motion, frame)
+        made[k.START] = piece.start
+        if before is not None:
+            made[k.JUMP], made[k.JUMP_TURN] = _jump(before, piece)
+        before = piece
+        tables.pieces.append(made)
+    _place_solid(row, tables, motion.pieces[0].motion, frame)  # for those who only look at t = 0
+
+
+def _jump(before: Piece, after: Piece) -> tuple[float, float]:
+    """Return distance and angle [rad] between the end of a piece and the start of the next."""
+    there, span = after.motion, after.start - before.start
+    position, _ = _flown(before.motion, span)
+    turn = rotation_of(_turned(before.motion, span)).T @ rotation_of(there.orientation)
+    off = float(np.linalg.norm(turn - np.eye(3)))  # 2 sqrt(2) sin(angle / 2)
+    angle = 2.0 * math.asin(min(off / math.sqrt(8.0), 1.0))
+    return math.dist(position, there.position), angle
+
+
+def _planar_later(motion: PlanarQuadratic, t: float) -> PlanarQuadratic:
+    position, velocity = _flown(motion, t)
+    angle = motion.angle + motion.spin * t
+    return replace(motion, position=position, velocity=velocity, angle=angle)
+
+
+def _solid_later(motion: SolidQuadratic, t: float) -> SolidQuadratic:
+    position, velocity = _flown(motion, t)
+    made = replace(motion, position=position, velocity=velocity)
+    return replace(made, orientation=_turned(motion, t)) if any(motion.spin) else made
+
+
+def _swing_later(motion: Pendulum, t: float) -> Pendulum:
+    """Return the pendulum at t, its angle integrated as finely as where bodies are packed."""
+    if t <= 0.0:
+        return motion
+    count = max(math.ceil(t * motion.fastest * STEPS_PER_PERIOD / (2.0 * math.pi)), 64) + 1
+    table = integrate_swing(
+        motion.angle, motion.rate, motion.gravity / motion.length, motion.damping,
+        t / (count - 1), count,
+    )  # fmt: skip
+    return replace(motion, angle=float(table[-1, 0]), rate=float(table[-1, 1]))
+
+
+def _pieces_later(motion: Piecewise, t: float) -> Piecewise:
+    now = motion.at(t)
+    first = Piece(0.0, _solid_later(now.motion, t - now.start))
+    others = (Piece(piece.start - t, piece.motion) for piece in motion.pieces if piece.start > t)
+    return Piecewise.unchecked((first, *others))
+
+
+def _samples_later(motion: Sampled, t: float) -> Sampled:
+    start, law = next(piece for piece in reversed(motion.pieces) if piece.start <= t)
+    now = _solid_later(law, t - start)
+    ahead = [i for i, time in enumerate(motion.times) if time > t]
+    turns = motion.orientations
+    return Sampled(
+        (0.0, *(motion.times[i] - t for i in ahead)),
+        (now.position, *(motion.positions[i] for i in ahead)),
+        None if turns is None else (now.orientation, *(turns[i] for i in ahead)),
+    )
+
+
+def _flown(motion: PlanarQuadratic | SolidQuadratic, t: float) -> tuple[tuple, tuple]:
+    """Return position and velocity at t."""
+    p, v, a = (np.array(x) for x in (motion.position, motion.velocity, motion.acceleration))
+    return tuple((p + v * t + 0.5 * a * t * t).tolist()), tuple((v + a * t).tolist())
+
+
+def _turned(motion: SolidQuadratic, t: float) -> tuple[float, float, float, float]:
+    """Return the orientation at t: Rodrigues' formula for exp([spin t])."""
+    spin = np.array(motion.spin)
+    rate = float(np.linalg.norm(spin))
+    if rate < 1e-150:  # its square is nothing
+        return motion.orientation
+    x, y, z = spin / rate
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = np.eye(3) + math.sin(rate * t) * cross + (1 - math.cos(rate * t)) * cross @ cross
+    return quaternion_of(turn @ rotation_of(motion.orientation))
+
+
+LAWS: dict[type, Law] = {
+    PlanarQuadratic: Law(_place_planar, _planar_later),
+    SolidQuadratic: Law(_place_solid, _solid_later),
+    Pendulum: Law(_place_swing, _swing_later),
+    Piecewise: Law(_place_pieces, _pieces_later),
+    Sampled: Law(_place_pieces, _samples_later),
+}

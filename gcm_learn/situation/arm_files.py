@@ -1,0 +1,146 @@
+"""Models of chains in files: the exchange format ``gcm-learn/arm@1``, and those that ship."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from gcm_learn.arms import ChainJoint, ChainModel, Hand, Link
+from gcm_learn.checks import quote, show
+from gcm_learn.errors import FileFormatError, SituationError
+from gcm_learn.situation.json_records import (
+    check_names,
+    made_from,
+    members_of,
+    object_from,
+    record_from,
+    records_from,
+)
+from gcm_learn.situation.json_text import JsonTextError, line_of, parse
+
+ARM_FORMAT = "gcm-learn/arm@1"
+
+
+def read_arm(path: str | Path) -> ChainModel:
+    """Read a file of one arm.
+
+    Raises
+    ------
+    FileFormatError
+        One line: ``arm.json:7: joints[2].axis: must have length 1 (got 1.1)``.
+    """
+    return _read(Path(path), str(path))
+
+
+def _read(path: Path | Traversable, name: str) -> ChainModel:
+    try:
+        content = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"{name}:1: is not UTF-8 text ({error.reason})") from None
+    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
+        reason = getattr(error, "strerror", None) or error
+        raise FileFormatError(f"{name}:1: cannot be read ({reason})") from None
+    try:
+        return arm_from_json(parse(content))
+    except JsonTextError as error:
+        raise FileFormatError(f"{name}:{error.line}: not valid JSON: {error.reason}") from None
+    except SituationError as error:
+        raise FileFormatError(f"{name}:{line_of(content, error.field)}: {error}") from None
+
+
+def arm_from_json(obj: object, path: str = "") -> ChainModel:
+    """Return the model that a parsed JSON value describes.
+
+    Parameters
+    ----------
+    obj : object
+    path : str
+        Path of the value in the file, for messages.
+
+    Raises
+    ------
+    SituationError
+        With the path of the offending field, e.g. ``"joints[1].max_speed"``.
+    """
+    members = object_from(obj, path)
+    given = members.get("format")
+    if given != ARM_FORMAT:
+        field = f"{path}.format" if path else "format"
+        raise SituationError(field, f"must be {quote(ARM_FORMAT)} (got {show(given)})")
+    check_names(members, path, ChainModel, extra=("format",), optional=("name",))
+    values: dict[str, Any] = {"name": "", **members}
+    del values["format"]
+    inside = f"{path}." if path else ""
+    for field, record in (("joints", ChainJoint), ("links", Link)):
+        values[field] = records_from(record, values[field], f"{inside}{field}")
+    values["hand"] = record_from(Hand, values["hand"], f"{inside}hand")
+    return made_from(ChainModel, values, path)
+
+
+def arm_to_json(model: ChainModel) -> dict[str, Any]:
+    """Return the JSON object of a model; `arm_from_json` gives back an equal one."""
+    return {"format": ARM_FORMAT, **members_of(model)}
+
+
+def arm_names() -> tuple[str, ...]:
+    """Return the names of the arms that ship with the package."""
+    return tuple(sorted(p.name.removesuffix(".json") for p in _folder().iterdir()))
+
+
+@lru_cache(maxsize=32)
+def shipped_arm(name: str) -> ChainModel:
+    """Return an arm that ships with the package.
+
+    Raises
+    ------
+    SituationError
+        If there is no arm of that name; lists the known ones.
+    """
+    if name not in arm_names():
+        known = ", ".join(arm_names())
+        raise SituationError("", f"{quote(name)} is not the name of an arm (known: {known})")
+    return _read(_folder() / f"{name}.json", f"{name}.json")
+
+
+def _folder() -> Traversable:
+    return files("gcm_learn.arms") / "models"
+
+
+def model_from(value: object, path: str, folder: Path) -> ChainModel:
+    """Return the model that a situation gives as an object, a path or a name.
+
+    Parameters
+    ----------
+    value : object
+        An arm file's object, a path that ends in ``.json`` or the name of an arm that ships.
+    path : str
+        Path of the value in the situation, for messages.
+    folder : Path
+        Folder to which paths are relative.
+    """
+    if not isinstance(value, str):
+        return arm_from_json(value, path)
+    try:
+        if not value.endswith(".json"):
+            return shipped_arm(value)
+        return _unchanged(folder / value, value, _stamp(folder / value))
+    except (FileFormatError, SituationError) as error:
+        raise SituationError(path, str(error).removeprefix(": ")) from None
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """Return time of change and size of a file, by which a change of it is noticed."""
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return (0, 0)
+    return (status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=32)
+def _unchanged(path: Path, name: str, stamp: tuple[int, int]) -> ChainModel:
+    """Read a file that many situations name, once."""
+    return _read(path, name)

@@ -1,0 +1,99 @@
+"""Arms of situations to JSON values and back: one entry for each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, Base, ByKind, Chain, Kind, SpatialArm
+from gcm_learn.situation.arm_files import arm_to_json, model_from
+from gcm_learn.situation.formats import Format
+from gcm_learn.situation.json_records import (
+    check_names,
+    kind_from,
+    made_from,
+    members_of,
+    normalised_units,
+    object_from,
+    record_from,
+)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Format and place of what is read.
+
+    Parameters
+    ----------
+    format : Format
+    folder : Path
+        Folder to which paths of models are relative.
+    """
+
+    format: Format
+    folder: Path
+
+    def near(self, obj: object) -> object:
+        """Return an object with its unit vectors normalised, where the format allows for it."""
+        return normalised_units(obj) if self.format.normalises else obj
+
+
+ArmReader = Callable[[object, str, Reading], Any]
+
+
+def arm_from(obj: object, path: str, reading: Reading) -> Any:
+    """Return the arm of a situation."""
+    return _READ.of(_kind_in(obj, path, reading.format.kinds))(obj, path, reading)
+
+
+def arm_members(arm: Any) -> dict[str, Any]:
+    """Return the JSON object of an arm."""
+    return _WRITE.of(arm)(arm)
+
+
+def _kind_in(obj: object, path: str, known: tuple[Kind, ...]) -> Kind:
+    """Return the kind that an arm names; planar arms name none."""
+    if known == (PLANAR,):
+        return PLANAR
+    name = kind_from(obj, path, [kind.name for kind in known])
+    return next(kind for kind in known if kind.name == name)
+
+
+def _planar(obj: object, path: str, reading: Reading) -> Arm:
+    return record_from(Arm, obj, path)
+
+
+def _spatial(obj: object, path: str, reading: Reading) -> SpatialArm:
+    return made_from(SpatialArm, _based(SpatialArm, obj, path, reading), path)
+
+
+def _chain(obj: object, path: str, reading: Reading) -> Chain:
+    values = _based(Chain, obj, path, reading)
+    values["model"] = model_from(values["model"], f"{path}.model", reading.folder)
+    return made_from(Chain, values, path)
+
+
+def _based(record: type, obj: object, path: str, reading: Reading) -> dict[str, Any]:
+    """Return the members of an arm on a base, `kind` aside."""
+    members = object_from(obj, path)
+    check_names(members, path, record, extra=("kind",))
+    values = {name: value for name, value in members.items() if name != "kind"}
+    if "base" in values:
+        values["base"] = record_from(Base, reading.near(values["base"]), f"{path}.base")
+    return values
+
+
+def _chain_members(arm: Chain) -> dict[str, Any]:
+    return {"kind": arm.kind, **members_of(arm), "model": arm_to_json(arm.model)}
+
+
+def _spatial_members(arm: SpatialArm) -> dict[str, Any]:
+    return {"kind": arm.kind, **members_of(arm)}
+
+
+_READ: ByKind[ArmReader] = ByKind({PLANAR: _planar, SPATIAL: _spatial, CHAIN: _chain})
+_WRITE: ByKind[Callable[[Any], dict[str, Any]]] = ByKind(
+    {PLANAR: members_of, SPATIAL: _spatial_members, CHAIN: _chain_members}
+)

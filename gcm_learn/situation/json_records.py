@@ -1,0 +1,206 @@
+"""Records to JSON objects and back, by one table of their fields."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple, TypeVar
+
+from gcm_learn.arms import Chain, Link
+from gcm_learn.checks import LARGEST, UNIT_LENGTH, UNIT_TOLERANCE, quote, show
+from gcm_learn.errors import SituationError
+from gcm_learn.situation.json_text import RepeatedField
+
+_Record = TypeVar("_Record")
+
+
+class Renamed(NamedTuple):
+    """Names of a record's fields in files, where they differ; and fields that may be null."""
+
+    names: dict[str, str]
+    null: tuple[str, ...] = ()
+
+
+RENAMED: dict[type, Renamed] = {
+    Link: Renamed({"start": "from", "end": "to"}),
+    Chain: Renamed(
+        {
+            "joints": "posture",
+            "joint_rates": "rates",
+            "max_joint_acceleration": "max_acceleration",
+        },
+        null=("max_acceleration",),
+    ),
+}
+NORMALISED = ("rotation", "orientation", "axis", "down")
+"""Fields with unit vectors, which newer formats normalise instead of refusing them."""
+_NONE = Renamed({})
+
+
+class Layout(NamedTuple):
+    """Fields of a record in files."""
+
+    attributes: dict[str, str]  # name in files to name in the record
+    required: tuple[str, ...]  # names in files
+    null: tuple[str, ...]
+
+
+_LAYOUTS: dict[type, Layout] = {}
+
+
+def layout_of(record: type) -> Layout:
+    """Return the fields of a record in files."""
+    if record not in _LAYOUTS:
+        _LAYOUTS[record] = _layout(record)
+    return _LAYOUTS[record]
+
+
+def _layout(record: Any) -> Layout:
+    renamed = RENAMED.get(record, _NONE)
+    fields = dataclasses.fields(record)
+    attributes = {renamed.names.get(field.name, field.name): field.name for field in fields}
+    required = [
+        renamed.names.get(field.name, field.name)
+        for field in fields
+        if field.default is dataclasses.MISSING
+    ]
+    return Layout(attributes, tuple(required), renamed.null)
+
+
+def record_from(
+    record: type[_Record], obj: object, path: str, extra: Sequence[str] = ()
+) -> _Record:
+    """Return a record of the members of a JSON object, `extra` aside."""
+    members = object_from(obj, path)
+    check_names(members, path, record, extra)
+    return made_from(record, {k: v for k, v in members.items() if k not in extra}, path)
+
+
+def records_from(record: type[_Record], value: object, path: str) -> tuple[_Record, ...]:
+    """Return the records of a JSON list."""
+    return tuple(
+        record_from(record, item, f"{path}[{k}]") for k, item in enumerate(list_from(value, path))
+    )
+
+
+def made_from(record: type[_Record], members: dict[str, Any], path: str) -> _Record:
+    """Return the record of members under their names in files; its errors get the full path."""
+    names = layout_of(record).attributes
+    try:
+        return record(**{names[name]: value for name, value in members.items()})
+    except SituationError as error:
+        raise SituationError(join(path, error.field), error.reason) from None
+
+
+def object_from(obj: object, path: str) -> dict[str, Any]:
+    """Return `obj` if it is a JSON object without repeated keys."""
+    if not isinstance(obj, dict):
+        raise SituationError(path, f"must be an object (got {show(obj)})")
+    if isinstance(obj, RepeatedField):
+        raise SituationError(join(path, shown(obj.key)), "is given twice")
+    return obj
+
+
+def list_from(value: object, path: str) -> list[Any] | tuple[Any, ...]:
+    """Return `value` if it is a list."""
+    if not isinstance(value, (list, tuple)):
+        raise SituationError(path, f"must be a list of objects (got {show(value)})")
+    return value
+
+
+def kind_from(obj: object, path: str, known: Sequence[str]) -> str:
+    """Return the `kind` of an arm, shape or motion."""
+    members = object_from(obj, path)
+    if "kind" not in members:
+        raise SituationError(f"{path}.kind", f"is missing (known: {', '.join(known)})")
+    kind = members["kind"]
+    if not isinstance(kind, str) or kind not in known:
+        reason = f"must be one of {', '.join(known)} (got {show(kind)})"
+        raise SituationError(f"{path}.kind", reason)
+    return kind
+
+
+def check_names(
+    members: dict[str, Any],
+    path: str,
+    record: type,
+    extra: Iterable[str] = (),
+    optional: Sequence[str] = (),
+    absent: Iterable[str] = (),
+) -> None:
+    """Refuse unknown, missing and null fields.
+
+    Parameters
+    ----------
+    members : dict
+    path : str
+        Path of the object, for messages.
+    record : type
+    extra, optional, absent : iterable of str
+        Fields that the object has beyond the record's, that it need not have, and that it does
+        not have.
+    """
+    layout = layout_of(record)
+    known = set(layout.attributes).union(extra).difference(absent)
+    for key in members:
+        if key not in known:
+            reason = f"is not a known field (known: {', '.join(sorted(known))})"
+            raise SituationError(join(path, shown(key)), reason)
+    for name in layout.required:
+        if name not in members and name not in optional:
+            raise SituationError(join(path, name), "is missing")
+    for key, value in members.items():
+        if value is None and key not in layout.null:
+            raise SituationError(join(path, key), "must not be null (leave the field out)")
+
+
+def normalised_units(obj: Any) -> Any:
+    """Return an object whose unit vectors that are nearly of length 1 have been normalised."""
+    if not isinstance(obj, dict) or isinstance(obj, RepeatedField):
+        return obj
+    return obj | {name: _unit(obj[name]) for name in NORMALISED if name in obj}
+
+
+def _unit(value: Any) -> Any:
+    """Return a vector of length 1 if it is nearly one; records judge all others."""
+    if not isinstance(value, list) or not all(
+        type(part) in (int, float) and abs(part) <= LARGEST for part in value
+    ):
+        return value
+    length = math.hypot(*value)
+    if UNIT_TOLERANCE < abs(length - 1.0) <= UNIT_LENGTH:
+        return [part / length for part in value]
+    return value
+
+
+def members_of(record: Any) -> dict[str, Any]:
+    """Return the fields of a record as JSON values; those that are None stay absent."""
+    layout = layout_of(type(record))
+    values = {name: getattr(record, field) for name, field in layout.attributes.items()}
+    return {
+        name: _plain(value)
+        for name, value in values.items()
+        if value is not None or name in layout.null
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return lists in place of tuples and objects in place of records."""
+    if isinstance(value, tuple):
+        if value and (isinstance(value[0], tuple) or dataclasses.is_dataclass(value[0])):
+            return [_plain(item) for item in value]
+        return list(value)
+    return members_of(value) if dataclasses.is_dataclass(value) else value
+
+
+def join(path: str, field: str) -> str:
+    """Return the path of `field` inside `path`."""
+    return f"{path}.{field}" if path and field else path or field
+
+
+def shown(key: object) -> str:
+    """Return a key as errors show it: plain when it looks like a field, else quoted."""
+    name = str(key)
+    plain = name.isascii() and name.isidentifier() and len(name) <= 40
+    return name if plain else quote(name)

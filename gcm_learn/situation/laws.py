@@ -1,0 +1,141 @@
+"""Motion laws of bodies: one entry for each law, with what situations need of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcm_learn.arms import quaternion_of, rotation_of
+from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.timed_motion import Piece, Piecewise, Sampled
+
+SolidMotion = SolidQuadratic | Pendulum | Piecewise | Sampled
+Motion = PlanarQuadratic | SolidMotion
+
+_ITS_MIRROR = np.diag([1.0, -1.0, 1.0])  # a body reflected in its own xz-plane
+
+
+class View(NamedTuple):
+    """Coordinates in which what was at p is at ``turn @ (p - origin)``.
+
+    Where `turn` is a reflection, the body is one that its own xz-plane mirrors, as all our solids
+    are: it comes out reflected in that plane as well, so it is turned only.
+    """
+
+    turn: np.ndarray  # (3, 3) orthogonal
+    origin: np.ndarray  # (3,)
+    reflected: bool
+
+    def move(self, v: ArrayLike) -> tuple[float, float, float]:
+        """Return a direction in these coordinates."""
+        x, y, z = (self.turn @ np.asarray(v, dtype=float)).tolist()
+        return (x, y, z)
+
+    def place(self, v: ArrayLike) -> tuple[float, float, float]:
+        """Return a point in these coordinates."""
+        return self.move(np.asarray(v, dtype=float) - self.origin)
+
+    def axial(self, v: ArrayLike) -> tuple[float, float, float]:
+        """Return an axis of rotation, which reflections turn round as well."""
+        return self.move(-np.asarray(v, dtype=float) if self.reflected else v)
+
+    def pose(self, orientation: tuple[float, ...]) -> tuple[float, float, float, float]:
+        """Return an orientation in these coordinates."""
+        rotation = self.turn @ rotation_of(orientation)
+        return quaternion_of(rotation @ _ITS_MIRROR if self.reflected else rotation)
+
+
+def carried(motion: SolidMotion, turn: np.ndarray, origin: np.ndarray) -> SolidMotion:
+    """Return a motion law in other coordinates: what was at p is at ``turn @ (p - origin)``.
+
+    Parameters
+    ----------
+    motion : SolidMotion
+    turn : (3, 3) ndarray
+        Orthogonal; may be a reflection.
+    origin : (3,) ndarray
+    """
+    view = View(turn, origin, bool(np.linalg.det(turn) < 0.0))
+    result: SolidMotion = LAWS[type(motion)].carried(motion, view)
+    return result
+
+
+def sides(motion: SolidMotion) -> Iterator[float]:
+    """Yield the numbers of a motion law that a mirror in the xz-plane negates."""
+    yield from LAWS[type(motion)].sides(motion)
+
+
+@dataclass(frozen=True)
+class Law:
+    """Functions of one motion law of solids.
+
+    Parameters
+    ----------
+    carried : callable
+        Maps a motion and a `View` to the motion in those coordinates.
+    sides : callable
+        Maps a motion to the numbers that a mirror in the xz-plane negates.
+    """
+
+    carried: Callable[[Any, View], Any]
+    sides: Callable[[Any], Iterator[float]]
+
+
+def _quadratic_carried(motion: SolidQuadratic, view: View) -> SolidQuadratic:
+    return SolidQuadratic(
+        view.place(motion.position),
+        view.move(motion.velocity),
+        view.move(motion.acceleration),
+        view.pose(motion.orientation),
+        view.axial(motion.spin),
+    )
+
+
+def _quadratic_sides(motion: SolidQuadratic) -> Iterator[float]:
+    yield from (motion.position[1], motion.velocity[1], motion.acceleration[1])
+    yield from (motion.spin[0], motion.spin[2])
+
+
+def _pendulum_carried(motion: Pendulum, view: View) -> Pendulum:
+    axis, down = view.axial(motion.axis), view.move(motion.down)
+    return replace(motion, pivot=view.place(motion.pivot), axis=axis, down=down)
+
+
+def _pendulum_sides(motion: Pendulum) -> Iterator[float]:
+    yield from (motion.pivot[1], motion.down[1], motion.axis[0], motion.axis[2])
+
+
+def _piecewise_carried(motion: Piecewise, view: View) -> Piecewise:
+    return Piecewise.unchecked(
+        Piece(start, _quadratic_carried(piece, view)) for start, piece in motion.pieces
+    )
+
+
+def _sampled_carried(motion: Sampled, view: View) -> Sampled:
+    turns = motion.orientations
+    return Sampled(
+        motion.times,
+        tuple(map(view.place, motion.positions)),
+        None if turns is None and _unturned(view) else tuple(map(view.pose, motion.turns)),
+    )
+
+
+def _unturned(view: View) -> bool:
+    return bool((view.turn @ (_ITS_MIRROR if view.reflected else np.eye(3)) == np.eye(3)).all())
+
+
+def _sides_of_pieces(motion: Piecewise | Sampled) -> Iterator[float]:
+    for _, piece in motion.pieces:
+        yield from _quadratic_sides(piece)
+
+
+LAWS: dict[type, Law] = {
+    SolidQuadratic: Law(_quadratic_carried, _quadratic_sides),
+    Pendulum: Law(_pendulum_carried, _pendulum_sides),
+    Piecewise: Law(_piecewise_carried, _sides_of_pieces),
+    Sampled: Law(_sampled_carried, _sides_of_pieces),
+}

@@ -1,0 +1,171 @@
+"""Motion laws in arrays: poses against closed forms, and bounds of the way, for every law."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gcm_learn.arms import SpatialArm, rotation_of
+from gcm_learn.scene import bodies as k
+from gcm_learn.scene import later, pack_bodies, reversed_pieces
+from gcm_learn.scene.packing import pose
+from gcm_learn.situation import (
+    Body,
+    Box,
+    Pendulum,
+    Piece,
+    Piecewise,
+    Sampled,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    canonical,
+)
+from gcm_learn.situation.timed_motion import flown
+from tests import strategies
+
+ARM = SpatialArm(
+    upper_arm=(1.0, 0.0, 0.0),
+    forearm=(1.0, 0.0, 0.0),
+    joints=(0.0,) * 4,
+    joint_range=((-1.0, 1.0),) * 4,
+    max_joint_speed=(1.0,) * 4,
+    grasp=0.1,
+)
+BOX = Box((0.3, 0.2, 0.1))
+LAWS = {
+    SolidQuadratic: strategies.solid_quadratics,
+    Pendulum: strategies.pendulums(),
+    Piecewise: strategies.piecewise(),
+    Sampled: strategies.sampled(),
+}
+CORNERS = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T * BOX.half_extents
+still = pytest.mark.parametrize("law", [pytest.param(LAWS[law], id=law.kind) for law in LAWS])
+TIMED = [pytest.param(LAWS[law], id=law.kind) for law in (Piecewise, Sampled)]
+
+
+def scene(*motions, shape=BOX, horizon=3.0, arm=ARM):
+    """Return a situation of version 3 whose first body is the target."""
+    bodies = tuple(
+        Body("obstacle" if b else "target", str(b), shape, motion)
+        for b, motion in enumerate(motions)
+    )
+    return Situation("scene", horizon, arm, bodies, format="gcm-learn/situation@3")
+
+
+def corners_at(bodies, b, t):
+    """Corners (8, 3) of body b, a box, at a time."""
+    poses = np.zeros((len(bodies.rows), 12))
+    k.pose_at(bodies, b, t, poses)
+    return CORNERS @ poses[b, 3:].reshape(3, 3).T + poses[b, :3]
+
+
+@given(strategies.piecewise(), st.floats(0.0, 3.0))
+def test_a_piece_holds_from_its_start_to_the_next(motion, t):
+    piece = [each for each in motion.pieces if each.start <= t][-1]
+    position, turn = flown(piece.motion, t - piece.start)
+    centre, rotation = pose(scene(motion), 0, t)
+    np.testing.assert_allclose(centre, position, atol=1e-12)
+    np.testing.assert_allclose(rotation, rotation_of(turn), atol=1e-9)
+    assert motion.at(t) == piece
+
+
+@given(strategies.sampled(), st.floats(0.0, 1.0))
+def test_samples_are_met_and_joined_by_straight_lines(motion, share):
+    situation = scene(motion)
+    for i, (time, position, turn) in enumerate(
+        zip(motion.times, motion.positions, motion.turns, strict=True)
+    ):
+        centre, rotation = pose(situation, 0, time)
+        np.testing.assert_allclose(centre, position, atol=1e-12)
+        np.testing.assert_allclose(rotation, rotation_of(turn), atol=1e-9)
+        if i:
+            t = motion.times[i - 1] + share * (time - motion.times[i - 1])
+            along = (t - motion.times[i - 1]) / (time - motion.times[i - 1])
+            line = np.array(motion.positions[i - 1]) * (1.0 - along) + np.array(position) * along
+            np.testing.assert_allclose(pose(situation, 0, t)[0], line, atol=1e-12)
+    resting = pose(situation, 0, motion.times[-1] + 5.0)
+    np.testing.assert_allclose(resting[0], motion.positions[-1], atol=1e-12)
+    np.testing.assert_allclose(resting[1], rotation_of(motion.turns[-1]), atol=1e-9)
+
+
+def test_a_sampled_body_turns_the_short_way():
+    half = np.sqrt(0.5)
+    motion = Sampled((0.0, 1.0), ((0.0,) * 3,) * 2, ((1.0, 0.0, 0.0, 0.0), (-half, 0, 0, -half)))
+    rotation = pose(scene(motion), 0, 0.5)[1]
+    c = np.cos(np.pi / 4.0)
+    np.testing.assert_allclose(rotation, [[c, -c, 0], [c, c, 0], [0, 0, 1]], atol=1e-12)
+
+
+@still
+@settings(max_examples=40)
+@given(data=st.data(), start=st.floats(0.0, 2.0), span=st.floats(1e-3, 1.0))
+def test_drift_bounds_the_way_of_every_point(law, data, start, span):
+    bodies = pack_bodies(scene(data.draw(law)))
+    times = np.linspace(start, start + span, 60)
+    corners = np.array([corners_at(bodies, 0, t) for t in times])
+    way = np.linalg.norm(np.diff(corners, axis=0), axis=-1).sum(axis=0).max()
+    assert way <= k.drift(bodies, 0, start, start + span) * (1.0 + 1e-9) + 1e-12
+    fastest = bodies.rows[0, k.TOP_SPEED]
+    assert way <= fastest * span * (1.0 + 1e-6) + 1e-9
+
+
+def test_drift_counts_the_gap_between_pieces():
+    still, off = (0.0,) * 3, (9e-7, 0.0, 0.0)
+    first = SolidQuadratic(still, still, still)
+    motion = Piecewise((Piece(0.0, first), Piece(1.0, SolidQuadratic(off, still, still))))
+    bodies = pack_bodies(scene(motion))
+    assert k.drift(bodies, 0, 0.5, 0.9) == 0.0
+    assert k.drift(bodies, 0, 0.5, 1.0) == pytest.approx(9e-7)
+    assert k.drift(bodies, 0, 1.0, 2.0) == 0.0
+
+
+@still
+@settings(max_examples=40)
+@given(data=st.data(), t=st.floats(0.01, 1.0), ahead=st.floats(0.0, 1.0))
+def test_later_goes_on_as_it_would_have(law, data, t, ahead):
+    situation = scene(data.draw(law))
+    for now, then in zip(
+        pose(situation, 0, t + ahead), pose(later(situation, t), 0, ahead), strict=True
+    ):
+        np.testing.assert_allclose(then, now, atol=2e-6)
+
+
+@still
+@settings(max_examples=40)
+@given(data=st.data(), base=strategies.bases(), t=st.floats(0.0, 2.0))
+def test_the_canonical_form_moves_alike(law, data, base, t):
+    arm = SpatialArm((1.0, 0.2, 0.0), (1.0, -0.4, 0.0), *_rest(), base=base)
+    situation = scene(data.draw(law), arm=arm)
+    form, frame = canonical(situation)
+    there = pack_bodies(form)
+    world = corners_at(pack_bodies(situation), 0, t) * (1.0, -1.0 if frame.mirrored else 1.0, 1.0)
+    near = corners_at(there, 0, t)
+    gaps = np.linalg.norm(world[:, None] - near[None], axis=-1)
+    assert gaps.min(axis=1).max() < 1e-8
+
+
+def _rest():
+    return ARM.joints, ARM.joint_range, ARM.max_joint_speed, ARM.grasp
+
+
+@pytest.mark.parametrize("law", TIMED)
+@settings(max_examples=40)
+@given(data=st.data(), t=st.floats(0.0, 2.0))
+def test_reversed_pieces_run_backwards(law, data, t):
+    end = 2.0
+    bodies = pack_bodies(scene(data.draw(law), data.draw(law)))
+    rows = bodies.rows.copy()
+    back = bodies._replace(pieces=reversed_pieces(bodies, rows, end), rows=rows)
+    for b in range(2):
+        np.testing.assert_allclose(
+            corners_at(back, b, t), corners_at(bodies, b, end - t), atol=1e-6
+        )
+
+
+def test_balls_are_not_turned():
+    spinning = SolidQuadratic((0.0,) * 3, (0.0,) * 3, (0.0,) * 3, spin=(0.0, 0.0, 9.0))
+    bodies = pack_bodies(scene(Piecewise((Piece(0.0, spinning),)), shape=Sphere(0.2)))
+    assert bodies.rows[0, k.TOP_SPEED] == 0.0 == k.drift(bodies, 0, 0.0, 1.0)
