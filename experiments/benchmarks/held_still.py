@@ -69,19 +69,19 @@ PLANS = {
     "straight": MOST,
     "straight-wait": MOST,
     "potential": MOST,
-    "layered": MOST,
-    "gcm": MOST,
-    "marching": MOST,
-    "layered-wave": MOST,
-    "oracle": {"planar": 2, "limited": 1, "spatial": 1, "ramped": 1},
+    "layered": MOST | {"limited": 6, "spatial": 5, "ramped": 4},
+    "gcm": MOST | {"spatial": 2, "ramped": 1},
+    "marching": MOST | {"spatial": 4, "ramped": 2},
+    "layered-wave": {"planar": 20, "limited": 4, "spatial": 1, "ramped": 1},
+    "oracle": {"planar": 1, "limited": 1, "spatial": 1, "ramped": 1},
     "recall": MOST,
     "recall-1": MOST,
-    "hybrid": MOST,
+    "hybrid": MOST | {"limited": 6, "spatial": 10, "ramped": 4},
     "recall-raw": MOST,
     "recall-random": MOST,
 }
 """Situations of a family that a planner is asked about, fewer of those that take long."""
-MAPS = {"planar": 2, "limited": 1, "spatial": 1, "ramped": 1}
+MAPS = {"planar": 2, "limited": 1, "spatial": 1}
 SHARDS: dict[str, dict[str, Any]] = {
     "planar": {"planners": ["straight", "gcm", "marching", "layered"], "map": "marching"},
     "spatial": {"planners": ["straight", "layered"], "map": "none", "effort": 0.25},
@@ -240,9 +240,10 @@ def shards() -> Iterator[Group]:
     def made(spec: Mapping[str, Any], k: int) -> Any:
         import pyarrow.parquet as pq
 
-        from gcm_learn.dataset import make_shard, spec_from_json
+        from gcm_learn.dataset import Folder, make_shard, spec_from_json
 
         with tempfile.TemporaryDirectory() as folder:
+            Folder(folder).make()
             make_shard(spec_from_json(spec), k, folder)
             (path,) = Path(folder).rglob("*.parquet")
             table = pq.read_table(path)
