@@ -5,18 +5,22 @@
     python experiments/benchmarks/held_still.py --against base.json.gz --only "plans gcm"
 
 Every question has a name, "part who kind family number", and its answer is hashed. Answers are
-JSON with sorted keys; arrays count to the last bit, with their types and shapes. `--against` prints
-the groups in which answers differ, with the first few names, and exits with 1. `--show NAME` prints
-an answer itself, so that two checkouts can be compared with diff.
+JSON with sorted keys. Arrays count to the last bit, with their types and shapes. `--against` prints
+the groups in which answers differ and the first few names, and exits with 1. `--show NAME` prints
+one answer, so that diff can compare it with that of another checkout.
 
 Questions are asked in a process of their own, in this checkout or in that of `--checkout`. A
 question that raises an error of the package's own has the error's type as its answer. Any other
-error is an answer that equals none, so a name that has moved shows up as a difference and stops
-nothing else.
+error is an answer that equals none. A name that has moved is then a difference, and stops nothing.
 
-Planning times and messages are left out. So is everything that depends on processor time:
-deadlines other than 0, loops in which thinking takes as long as it takes, and `st-rrt-star`, which
-searches until its time is over.
+These are left out, because they depend on processor time:
+
+- planning times, and messages
+- deadlines other than 0
+- closed loops in which thoughts take as long as they take; here they take a fixed time
+- `st-rrt-star`, whose search ends with its time
+
+Rendered pictures and training are left out, too.
 """
 
 from __future__ import annotations
@@ -297,7 +301,7 @@ def memory(variety: str) -> Any:
 
 
 def memories() -> Iterator[Group]:
-    """What memory keeps of plans, and what it is asked with."""
+    """Waypoints of plans, features of situations, and a memory that grows."""
 
     def waypoints(name: str, situation: Any) -> Any:
         from gcm_learn.recall import waypoints_of
@@ -377,7 +381,7 @@ def one_arm(name: str, place: Any, options: Mapping[str, Any], k: int) -> Any:
 
 
 def many_arms(name: str, place: Any, options: Mapping[str, Any], actor: Any, k: int) -> Any:
-    """Steps of several arms under random actions, or under those of an actor."""
+    """Steps of several arms, under random actions or an actor's."""
     import gymnasium
 
     envs = gymnasium.make_vec(
@@ -512,19 +516,26 @@ def digest(content: bytes) -> str:
 
 
 def text_of(ask: Callable[[int], Any], k: int) -> str:
-    """An answer as text: JSON, or why there is none."""
-    from gcm_learn.errors import GcmError
-
+    """An answer as JSON, or the reason for having none."""
     try:
         return json.dumps(plain(ask(k)), sort_keys=True)
-    except GcmError as error:
-        return json.dumps({"refused": type(error).__name__})
     except Exception as error:
+        if any(kind.__name__ == "GcmError" for kind in type(error).__mro__):
+            return json.dumps({"refused": type(error).__name__})
         return f"{BROKEN}{type(error).__name__}: {error}"
 
 
+def groups() -> Iterator[Group]:
+    """Groups of all parts; a part that cannot be asked is reported and left out."""
+    for part in PARTS:
+        try:
+            yield from part()
+        except Exception as error:
+            print(f"{part.__name__}: {BROKEN}{type(error).__name__}: {error}", file=sys.stderr)
+
+
 def chosen(name: str, only: str, share: float) -> bool:
-    """Whether a question is asked: its name matches, and it falls into the share."""
+    """Return whether a question is asked: its name matches, and it falls into the share."""
     place = zlib.crc32(name.encode()) / 2**32
     return place < share and re.search(only, name) is not None
 
@@ -532,19 +543,18 @@ def chosen(name: str, only: str, share: float) -> bool:
 def serve(arguments: argparse.Namespace) -> None:
     """Ask the chosen questions, a line of JSON for each answer."""
     out, sys.stdout = sys.stdout, sys.stderr  # nothing else may come between the lines
-    for part in PARTS:
-        for group in part():
-            for name, k in ((f"{group.name} {k}", k) for k in range(group.count)):
-                if arguments.show != name and (
-                    arguments.show or not chosen(name, arguments.only, arguments.share)
-                ):
-                    continue
-                since = time.process_time()
-                answer = text_of(group.ask, k)
-                if not answer.startswith(BROKEN) and not arguments.show:
-                    answer = digest(answer.encode())
-                row = {"name": name, "answer": answer, "seconds": time.process_time() - since}
-                print(json.dumps(row), file=out, flush=True)
+    for group in groups():
+        for k in range(group.count):
+            name = f"{group.name} {k}"
+            shown = name == arguments.show
+            if not shown and (arguments.show or not chosen(name, arguments.only, arguments.share)):
+                continue
+            since = time.process_time()
+            answer = text_of(group.ask, k)
+            if not answer.startswith(BROKEN) and not shown:
+                answer = digest(answer.encode())
+            row = {"name": name, "answer": answer, "seconds": time.process_time() - since}
+            print(json.dumps(row), file=out, flush=True)
 
 
 def asked(arguments: argparse.Namespace) -> Iterator[dict[str, str | float]]:
@@ -637,7 +647,8 @@ def main() -> int:
         parser.error(f"--checkout: {arguments.checkout} has no gcm_learn")
     if arguments.show:
         for row in asked(arguments):
-            print(json.dumps(json.loads(str(row["answer"])), indent=1))
+            answer = str(row["answer"])
+            print(answer if answer.startswith(BROKEN) else json.dumps(json.loads(answer), indent=1))
         return 0
     if arguments.write is None and arguments.against is None:
         parser.error("--write or --against is missing")
