@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "gcm_learn"
 FOLDERS = sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
 MIXED = {
+    "gcm_learn.arms.limbs",
     "gcm_learn.arms.planar_limb",
     "gcm_learn.execution.exact",
     "gcm_learn.execution.physics.arms",
