@@ -1,7 +1,7 @@
 """Arms: records, kinematics, and the registry of their kinds."""
 
 from gcm_learn.arms.chain import Chain, ChainJoint, ChainModel, Hand, Link
-from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of, links_of_chain
+from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of
 from gcm_learn.arms.kinds import (
     CHAIN,
     PLANAR,
@@ -15,6 +15,7 @@ from gcm_learn.arms.kinds import (
     register_kind,
     solution_format,
 )
+from gcm_learn.arms.kinematics import hands_along, links_along
 from gcm_learn.arms.planar import ELBOWS, Arm
 from gcm_learn.arms.planar_limb import (
     SIDE,
@@ -62,6 +63,7 @@ __all__ = [
     "elbow_position",
     "forward",
     "forward_in_space",
+    "hands_along",
     "inverse_in_space",
     "is_arm",
     "joint_angles",
@@ -69,7 +71,7 @@ __all__ = [
     "kind_named",
     "kind_of",
     "kinds",
-    "links_of_chain",
+    "links_along",
     "planar_limb_of",
     "quaternion_of",
     "register_kind",

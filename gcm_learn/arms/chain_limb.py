@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from gcm_learn.arms.chain import Chain, ChainJoint
 from gcm_learn.arms.curves import on_curve, rate_of, turn_of
@@ -402,35 +401,3 @@ def _joint_row(joint: ChainJoint) -> list[float]:
     kind = REVOLUTE if joint.type == "revolute" else PRISMATIC
     rotation = rotation_of(joint.rotation).ravel().tolist()
     return [kind, *joint.origin, *rotation, *joint.axis]
-
-
-@njit
-def _hands_and_links(limb, joints, out):
-    """Write `reaches` of postures (k, n) into `out` (k, m + 1, 6)."""
-    for k in range(joints.shape[0]):
-        place(limb, joints[k])
-        out[k] = limb.reaches
-
-
-def links_of_chain(arm: Chain, joints: ArrayLike) -> np.ndarray:
-    """Return the ends of all links, then hand and its axis, in the world.
-
-    Parameters
-    ----------
-    arm : Chain
-    joints : (k, n) array_like
-        Postures, in their ranges or not.
-
-    Returns
-    -------
-    (k, m + 1, 2, 3) ndarray
-        For every posture and link both ends; last the hand's point and its axis.
-    """
-    given = np.ascontiguousarray(joints, dtype=float).reshape(-1, arm.dof)
-    limb = chain_limb_of(arm)
-    out = np.empty((given.shape[0], *limb.reaches.shape))
-    _hands_and_links(limb, given, out)
-    rows = out.reshape(given.shape[0], -1, 2, 3) @ rotation_of(arm.base.rotation).T
-    rows[:, :-1] += np.array(arm.base.origin)
-    rows[:, -1, 0] += np.array(arm.base.origin)
-    return rows

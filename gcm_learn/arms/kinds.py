@@ -88,13 +88,15 @@ def kinds() -> tuple[Kind, ...]:
 
 
 def kind_of(subject: Any) -> Kind:
-    """Return the kind of an arm, of a limb, or of a situation or a scene that has one.
+    """Return the kind of an arm or a limb, or of a situation or scene that has one.
 
     Raises
     ------
     ArmKindError
         If the subject is not an arm of a registered kind, and has none.
     """
+    if isinstance(subject, Kind):
+        return subject
     for name, table in (("arm", _BY_ARM), ("limb", _BY_LIMB)):
         kind = table.get(type(getattr(subject, name, subject)))
         if kind is not None:
@@ -153,7 +155,7 @@ class ByKind(Generic[Entry]):
 
     def takes(self, subject: Any) -> bool:
         """Return whether there is an entry for an arm, situation or kind."""
-        return self._default is not None or _as_kind(subject) in self._entries
+        return self._default is not None or kind_of(subject) in self._entries
 
     def of(self, subject: Any) -> Entry:
         """Return the entry for a kind, or for the kind of an arm, situation, limb or scene.
@@ -163,7 +165,7 @@ class ByKind(Generic[Entry]):
         ArmKindError
             If the kind has no entry.
         """
-        kind = _as_kind(subject)
+        kind = kind_of(subject)
         entry = self._entries.get(kind, self._default)
         if entry is None:
             name = getattr(subject, "name", None)
@@ -177,7 +179,3 @@ class ByKind(Generic[Entry]):
     def entries(self) -> Iterator[Entry]:
         """Return the entries of single kinds, in the order of registration."""
         return iter(self._entries.values())
-
-
-def _as_kind(subject: Any) -> Kind:
-    return subject if isinstance(subject, Kind) else kind_of(subject)

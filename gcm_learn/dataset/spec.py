@@ -16,12 +16,13 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from gcm_learn.arms import SPATIAL
 from gcm_learn.dataset import checks
 from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.errors import FamilyError, FileFormatError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
 from gcm_learn.handspace import LARGEST_LATTICE, SMALLEST_LATTICE
-from gcm_learn.planners import get_planner, planner_names
+from gcm_learn.planners import get_planner, planner_names, takes
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import content_hash
 
@@ -134,7 +135,7 @@ class DatasetSpec:
         if self.map != "none":
             raise SpecError("map", f"must be 'none' for spatial arms (got {self.map!r})")
         for k, name in enumerate(self.planners):
-            if not getattr(get_planner(name), "takes_space", False):
+            if not takes(get_planner(name), SPATIAL):
                 raise SpecError(f"planners[{k}]", f"{name!r} does not take spatial arms")
 
     @property

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import SIDE, elbow_of
+from gcm_learn.arms import SIDE, elbow_of, kind_of
 from gcm_learn.collision import segment_distance
 from gcm_learn.evaluation.crew import Rows, rows_of
 from gcm_learn.evaluation.methods import Method, Result, get_method
@@ -71,8 +71,9 @@ def check_arms(name: str, entries: Sequence[Entry]) -> None:
     ------
     UnknownNameError, ArmKindError
     """
-    if not get_method(name).takes_space:
-        for entry in entries:
+    method = get_method(name)
+    for entry in entries:
+        if not method.takes(kind_of(entry.situation)):
             planar(entry.situation, f"policy {name!r}")
 
 

@@ -8,11 +8,11 @@ from typing import Protocol
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, Kind, SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import OUTCOMES, Pool, SpatialPool, way_of
 from gcm_learn.motion import SpatialTrajectory, Trajectory
-from gcm_learn.planners import Planner, get_planner, plan_with, planner_names
+from gcm_learn.planners import Planner, get_planner, plan_with, planner_names, takes
 from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
 from gcm_learn.situation import AnySituation, Situation, canonical, planar, spatial
 
@@ -40,9 +40,8 @@ class Method(Protocol):
     def name(self) -> str:
         """Under which it was asked for."""
 
-    @property
-    def takes_space(self) -> bool:
-        """Whether it takes spatial arms."""
+    def takes(self, kind: Kind) -> bool:
+        """Return whether it takes arms of a kind."""
 
     def run(self, situation: AnySituation) -> Result:
         """Do it."""
@@ -55,10 +54,9 @@ class PlannerMethod:
     name: str
     planner: Planner
 
-    @property
-    def takes_space(self) -> bool:
-        """Whether the planner does."""
-        return getattr(self.planner, "takes_space", False)
+    def takes(self, kind: Kind) -> bool:
+        """Return whether the planner takes arms of a kind."""
+        return takes(self.planner, kind)
 
     def run(self, situation: AnySituation) -> Result:
         """Plan."""
@@ -78,10 +76,9 @@ class ActorMethod:
     name: str
     actor: Actor
 
-    @property
-    def takes_space(self) -> bool:
-        """Whether arms in space are what it moves."""
-        return self.actor.in_space
+    def takes(self, kind: Kind) -> bool:
+        """Return whether the actor moves arms of a kind."""
+        return kind == (SPATIAL if self.actor.in_space else PLANAR)
 
     def run(self, situation: AnySituation) -> Result:
         """Play an episode."""

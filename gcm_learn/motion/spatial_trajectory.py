@@ -4,33 +4,42 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, SpatialArm, forward_in_space
+from gcm_learn.arms import SPATIAL, ByKind, forward_in_space, hands_along
 
 REST = 1e-6  # joints that are slower than this rest [rad/s]
 CREEP = 0.02  # of its fastest sample; a smooth curve that waits is slower, and never quite still
+
+
+_HANDS = ByKind(
+    {SPATIAL: lambda arm, joints: forward_in_space(arm, joints)[1]},
+    default=lambda arm, joints: hands_along(arm, joints)[0],
+)
 
 
 @dataclass(frozen=True)
 class SpatialTrajectory:
     """A movement of a spatial arm: linear in the joints between samples, or cubic with rates."""
 
-    arm: SpatialArm
+    arm: Any
+    """SpatialArm, Chain or another arm that moves in its joints."""
     time: np.ndarray
     """(n,) float: sample times [s], starting at 0, strictly increasing."""
     joints: np.ndarray
-    """(n, 4) float [rad]"""
+    """(n, dof) float [rad]"""
     rates: np.ndarray | None = None
-    """(n, 4) float: of the joints at the samples [rad/s]; between them the joints are the cubic
+    """(n, dof) float: of the joints at the samples [rad/s]; between them the joints are the cubic
     Hermite curves of both. None where joints are linear: without limits of acceleration always."""
 
     def __post_init__(self) -> None:
         n, rates = self.time.shape[0], self.joints if self.rates is None else self.rates
-        if not (self.time.shape == (n,) and self.joints.shape == rates.shape == (n, JOINTS)):
+        dof = len(self.arm.joints)
+        if not (self.time.shape == (n,) and self.joints.shape == rates.shape == (n, dof)):
             raise ValueError(
-                f"trajectory needs shapes (n,), (n, {JOINTS}), (n, {JOINTS}), got "
+                f"trajectory needs shapes (n,), (n, {dof}), (n, {dof}), got "
                 f"{self.time.shape}, {self.joints.shape}, {rates.shape}"
             )
         if n == 0 or (self.time[1:] <= self.time[:-1]).any():
@@ -39,18 +48,14 @@ class SpatialTrajectory:
             raise ValueError("trajectory has rates, but its arm no max_joint_acceleration")
 
     @cached_property
-    def _limb(self) -> tuple[np.ndarray, np.ndarray]:
-        return forward_in_space(self.arm, self.joints)
-
-    @property
     def elbow(self) -> np.ndarray:
-        """(n, 3) float: elbows, in the world."""
-        return self._limb[0]
+        """(n, 3) float: elbows of a spatial arm, in the world."""
+        return forward_in_space(self.arm, self.joints)[0]
 
-    @property
+    @cached_property
     def hand(self) -> np.ndarray:
         """(n, 3) float: hands, in the world."""
-        return self._limb[1]
+        return _HANDS.of(self.arm)(self.arm, self.joints)
 
     @property
     def duration(self) -> float:
@@ -70,10 +75,11 @@ class SpatialTrajectory:
         return bool((speed <= slow).any())
 
     def joints_at(self, t: float | np.ndarray) -> np.ndarray:
-        """Joint angles (..., 4) at time(s) t, held before the first and after the last sample."""
+        """Joint angles (..., dof) at time(s) t, held before the first and after the last sample."""
         if self.rates is None or self.time.size == 1:
             return np.stack(
-                [np.interp(t, self.time, self.joints[:, j]) for j in range(JOINTS)], axis=-1
+                [np.interp(t, self.time, self.joints[:, j]) for j in range(self.joints.shape[1])],
+                axis=-1,
             )
         from scipy.interpolate import CubicHermiteSpline
 
@@ -81,7 +87,7 @@ class SpatialTrajectory:
         return np.asarray(curve(np.clip(t, self.time[0], self.time[-1])))
 
     def states_at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Joints, rates and accelerations (n, 4) at times t (n,); at rest after the last sample.
+        """Joints, rates and accelerations (n, dof) at times t (n,); at rest after the last sample.
 
         At a sample they are those of the piece that begins there.
         """
@@ -104,7 +110,8 @@ class SpatialTrajectory:
 
     def hand_at(self, t: float | np.ndarray) -> np.ndarray:
         """Hand position(s) (..., 3) in the world at time(s) t."""
-        return forward_in_space(self.arm, self.joints_at(t))[1]
+        joints = self.joints_at(t)
+        return _HANDS.of(self.arm)(self.arm, joints).reshape(*joints.shape[:-1], 3)
 
     def elbow_at(self, t: float | np.ndarray) -> np.ndarray:
         """Elbow position(s) (..., 3) in the world at time(s) t."""

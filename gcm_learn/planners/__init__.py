@@ -19,7 +19,7 @@ from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marchi
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.oracle.in_space import Yardstick, without_waits, yardstick
-from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, plan_to_json, taken
+from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, plan_to_json, taken, takes
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, solve
 from gcm_learn.planners.retiming import retime
@@ -74,6 +74,7 @@ __all__ = [
     "study_of",
     "stratum",
     "taken",
+    "takes",
     "without_waits",
     "yardstick",
 ]

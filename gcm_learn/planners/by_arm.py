@@ -1,43 +1,36 @@
-"""One name for two planners: one of the plane and one of space."""
+"""One name for planners of several kinds of arms."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any
 
+from gcm_learn.arms import ByKind, Kind
 from gcm_learn.planners.deadline import Deadline
-from gcm_learn.planners.plan import Plan, Planner
+from gcm_learn.planners.plan import Plan
 
 
-class SpacePlanner(Protocol):
-    """Anything that plans for spatial arms."""
-
-    @property
-    def name(self) -> str:
-        """Name under which it is registered."""
-
-    def plan(self, situation: Any) -> Plan[Any]:
-        """Answer a situation."""
-
-
-@dataclass(frozen=True)
 class ByArm:
-    """Lets the situation's arm decide who plans."""
+    """Planners under one name, of which the situation's kind of arm chooses.
 
-    plane: Planner
-    space: SpacePlanner
+    Parameters
+    ----------
+    name : str
+        Name under which all are registered.
+    planners : ByKind of planner
+    """
 
-    takes_space: ClassVar[bool] = True
-
-    @property
-    def name(self) -> str:
-        """Name under which both are registered."""
-        return self.plane.name
+    def __init__(self, name: str, planners: ByKind[Any]) -> None:
+        self.name, self._planners = name, planners
+        planners.who = f"planner {name!r}"
 
     @property
     def anytime(self) -> bool:
-        """Whether both can be told by when to answer; see `Anytime`."""
-        return all(getattr(planner, "anytime", False) for planner in (self.plane, self.space))
+        """Whether all can be told by when to answer; see `Anytime`."""
+        return all(getattr(planner, "anytime", False) for planner in self._planners.entries())
+
+    def takes(self, kind: Kind) -> bool:
+        """Return whether there is a planner for arms of a kind."""
+        return self._planners.takes(kind)
 
     def plan(
         self,
@@ -46,6 +39,6 @@ class ByArm:
         deadline: float | Deadline | None = None,
     ) -> Plan[Any]:
         """Answer a situation; a bound and a deadline are for planners that take them."""
-        chosen: Any = self.space if situation.is_spatial else self.plane
         given = {"bound": bound, "deadline": deadline}
+        chosen = self._planners.of(situation)
         return chosen.plan(situation, **{k: v for k, v in given.items() if v is not None})

@@ -31,7 +31,7 @@ BEYOND = 4.0  # what a path through cells' centres loses at most to the best one
 DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
-def layered(params: MarchingParams | None = None) -> FrontPlanner:
+def layered(params: MarchingParams | None = None, name: str = "layered") -> FrontPlanner:
     """The planner of first choice: the hand may wait.
 
     Where the straight line to the earliest interception holds, that is the answer.  A search that
@@ -59,7 +59,7 @@ def layered(params: MarchingParams | None = None) -> FrontPlanner:
         Level(finer(bare), waiting, 8, BEYOND),
         Level(finer(bare), first_arrival),
     )
-    return FrontPlanner("layered", levels, direct=True, find=partial(found, n=params.n))
+    return FrontPlanner(name, levels, direct=True, find=partial(found, n=params.n))
 
 
 def waiting(problem: Problem, params: MarchingParams, feedback: Feedback) -> Exploration:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol
 
-import numpy as np
-
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, Kind, kind_of, solution_format
+from gcm_learn.errors import ArmKindError
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
 from gcm_learn.planners.deadline import Deadline
-from gcm_learn.situation import AnySituation, Situation, planar
+from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
     from typing_extensions import TypeVar  # a default makes a plain `Plan` one of the plane
@@ -25,7 +25,6 @@ else:
     Movement = TypeVar("Movement")
 
 FORMAT = "gcm-learn/solution@1"
-SPATIAL_FORMAT = "gcm-learn/solution@2"
 Status = Literal["caught", "unreachable", "start_blocked"]
 
 
@@ -62,12 +61,19 @@ class Plan(Generic[Movement]):
         """Whether there is a verified catch."""
         return self.status == "caught"
 
+    @property
+    def catches(self) -> list[dict[str, Any]]:
+        """Targets that are caught, in order of time: `body` and `time` [s] of each."""
+        if self.catch_body is None:
+            return []
+        return [{"body": self.catch_body, "time": self.catch_time}]
+
 
 AnyPlan = Plan[Trajectory] | Plan[SpatialTrajectory]
 
 
 class Planner(Protocol):
-    """Anything that plans; one that also plans for spatial arms says ``takes_space = True``."""
+    """Anything that plans; one for other than planar arms has a function `takes`; see `takes`."""
 
     @property
     def name(self) -> str:
@@ -107,20 +113,57 @@ class Anytime(Protocol):
         """
 
 
+def in_plane(kind: Kind) -> bool:
+    """Return whether arms of a kind are planar: what planners take that say nothing else."""
+    return kind == PLANAR
+
+
+def in_joints(kind: Kind) -> bool:
+    """Return whether arms of a kind move in their joints."""
+    return kind != PLANAR
+
+
+def spatial_only(kind: Kind) -> bool:
+    """Return whether arms of a kind are spatial arms."""
+    return kind == SPATIAL
+
+
+def any_arm(kind: Kind) -> bool:
+    """Return True: for planners that take every kind of arm."""
+    return True
+
+
+def takes(planner: Planner, kind: Kind) -> bool:
+    """Return whether a planner takes arms of a kind; it says so by its function `takes`."""
+    return bool(getattr(planner, "takes", in_plane)(kind))
+
+
 def taken(planner: Planner, situation: AnySituation) -> AnySituation:
-    """The situation, if the planner takes its arm.
+    """Return the situation, if the planner takes its arm.
 
     Raises
     ------
     ArmKindError
     """
-    if getattr(planner, "takes_space", False):
+    kind = kind_of(situation)
+    if takes(planner, kind):
         return situation
-    return planar(situation, f"planner {planner.name!r}")
+    name = json.dumps(situation.name)
+    raise ArmKindError(f"planner {planner.name!r} does not take {kind.plural} (situation {name})")
+
+
+COLUMNS = {
+    "gcm-learn/solution@1": ("time", "hand", "joints"),
+    "gcm-learn/solution@2": ("time", "joints", "hand", "elbow", "rates"),
+    "gcm-learn/solution@3": ("time", "joints", "hand", "rates"),
+}
+"""Columns of a trajectory, in the order of each format."""
+LISTED = ("gcm-learn/solution@3",)
+"""Formats that list all catches."""
 
 
 def plan_to_json(plan: AnyPlan, situation: AnySituation | None = None) -> dict[str, Any]:
-    """The plan in the exchange format ``gcm-learn/solution@1``, or ``@2`` of a spatial arm.
+    """Return the plan in the exchange format that answers its situation's.
 
     Fields that make sense only for a catch are null otherwise; so is the clearance of a catch in a
     world without obstacles, where it has no value.
@@ -129,17 +172,17 @@ def plan_to_json(plan: AnyPlan, situation: AnySituation | None = None) -> dict[s
     ----------
     plan : Plan
     situation : Situation, optional
-        What it answers; without it a plan that has no trajectory counts as one of the plane.
+        Answered by the plan; without it a plan without a trajectory counts as one of the plane.
     """
     clearance, moves = plan.clearance, plan.trajectory
-    spatial = isinstance(moves, SpatialTrajectory)
+    version = FORMAT if moves is None else kind_of(getattr(moves, "arm", PLANAR)).solution
     if situation is not None:
-        spatial = isinstance(situation.arm, SpatialArm)
-    out: dict[str, Any] = {
-        "format": SPATIAL_FORMAT if spatial else FORMAT,
-        "name": plan.name,
-        "planner": plan.planner,
-        "status": plan.status,
+        version = solution_format(situation.format)
+    out: dict[str, Any] = {"format": version, "name": plan.name, "planner": plan.planner}
+    out["status"] = plan.status
+    if version in LISTED:
+        out["catches"] = plan.catches
+    out |= {
         "catch_time": plan.catch_time,
         "catch_body": plan.catch_body,
         "clearance": None if clearance is None or clearance > 1e200 else clearance,
@@ -147,19 +190,6 @@ def plan_to_json(plan: AnyPlan, situation: AnySituation | None = None) -> dict[s
         "message": plan.message,
     }
     if moves is not None:
-        out["trajectory"] = _columns(moves)
+        columns = {name: getattr(moves, name, None) for name in COLUMNS[version]}
+        out["trajectory"] = {k: v.tolist() for k, v in columns.items() if v is not None}
     return out
-
-
-def _columns(moves: Trajectory | SpatialTrajectory) -> dict[str, list[Any]]:
-    columns: dict[str, np.ndarray | None] = {"time": moves.time}
-    if isinstance(moves, SpatialTrajectory):
-        columns |= {
-            "joints": moves.joints,
-            "hand": moves.hand,
-            "elbow": moves.elbow,
-            "rates": moves.rates,
-        }
-    else:
-        columns |= {"hand": moves.hand, "joints": moves.joints}
-    return {name: column.tolist() for name, column in columns.items() if column is not None}

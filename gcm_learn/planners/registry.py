@@ -6,7 +6,7 @@ import pkgutil
 from collections.abc import Callable
 from typing import Any, cast, overload
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners.baselines.potential import PotentialPlanner
@@ -22,15 +22,25 @@ from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, taken
 from gcm_learn.planners.space.layered import LayeredInSpace
 from gcm_learn.planners.space.marching import gcm_in_space, marching_in_space
+from gcm_learn.planners.space.search_planner import TreeSearch
 from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
-    "gcm": lambda: ByArm(gcm(), gcm_in_space()),
-    "layered": lambda: ByArm(layered(), LayeredInSpace()),
+    "gcm": lambda: ByArm("gcm", ByKind({PLANAR: gcm(), SPATIAL: gcm_in_space()})),
+    "layered": lambda: ByArm("layered", ByKind({PLANAR: layered(), SPATIAL: LayeredInSpace()})),
     "layered-wave": layered_wave,
-    "marching": lambda: ByArm(marching(), marching_in_space()),
+    "marching": lambda: ByArm(
+        "marching", ByKind({PLANAR: marching(), SPATIAL: marching_in_space()})
+    ),
     "oracle": OraclePlanner,
     "potential": PotentialPlanner,
+    "search": lambda: ByArm(
+        "search",
+        ByKind(
+            {PLANAR: layered(name="search"), SPATIAL: LayeredInSpace(name="search")},
+            default=TreeSearch(),
+        ),
+    ),
     "st-rrt-star": STRRTStarPlanner,
     "straight": StraightPlanner,
     "straight-wait": StraightWaitPlanner,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, cast
 
 from gcm_learn.arms import SpatialArm
-from gcm_learn.errors import ArmKindError
 from gcm_learn.motion import Failure, SpatialTrajectory, fastest_hand
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import Plan, Planner, spatial_only, taken
 from gcm_learn.situation import AnySituation, Situation
 
 HURRIES = (1.0, 0.7, 0.5, 0.35)
@@ -67,7 +66,7 @@ class InTube:
     planner: Any
     tube: Tube
 
-    takes_space: ClassVar[bool] = True
+    takes = staticmethod(spatial_only)
 
     @property
     def name(self) -> str:
@@ -76,8 +75,7 @@ class InTube:
 
     def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
         """Answer a situation."""
-        if not isinstance(situation.arm, SpatialArm):
-            raise ArmKindError(f"a tube is for spatial arms (situation {situation.name!r})")
+        taken(cast(Planner, self), situation)
         problem = SpatialProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:

@@ -11,7 +11,7 @@ from typing import Any, overload
 import numpy as np
 
 from gcm_learn import artifacts, seeding
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, Kind, SpatialArm
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, AnyPool, Pool, SpatialPool, SpatialSettings, way_of
 from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory, refine
@@ -58,10 +58,9 @@ class ActorPlanner:
     tries: int = TRIES
     seed: int = 0
 
-    @property
-    def takes_space(self) -> bool:
-        """Whether arms in space are what it plans for."""
-        return self.actor.in_space
+    def takes(self, kind: Kind) -> bool:
+        """Return whether the actor moves arms of a kind."""
+        return kind == (SPATIAL if self.actor.in_space else PLANAR)
 
     @overload
     def plan(self, situation: Situation) -> Plan: ...

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gcm_learn import artifacts, seeding
+from gcm_learn.arms import PLANAR, SPATIAL, kind_named
 from gcm_learn.errors import RecallError
 from gcm_learn.motion import Failure
 from gcm_learn.planners import (
@@ -80,10 +81,10 @@ class RecallPlanner:
     other: Callable[[], RecallPlanner] | None = None
     """Maker of the planner for the other kind of arm."""
 
-    @property
-    def takes_space(self) -> bool:
-        """Return whether the planner takes spatial arms."""
-        return self.memory.kind == SPACE or self.other is not None
+    def takes(self, kind: Any) -> bool:
+        """Return whether there is a memory for arms of a kind."""
+        known = [PLANAR, SPATIAL] if self.other is not None else [kind_named(self.memory.kind.name)]
+        return kind in known
 
     def plan(self, situation: AnySituation) -> Plan[Any]:
         """Answer a situation."""
@@ -220,10 +221,9 @@ class HybridPlanner:
     fallback: Planner = field(default_factory=lambda: get_planner("layered"))
     name: str = "hybrid"
 
-    @property
-    def takes_space(self) -> bool:
-        """Return whether the planner takes spatial arms."""
-        return self.recall.takes_space
+    def takes(self, kind: Any) -> bool:
+        """Return whether the recalling planner takes arms of a kind."""
+        return self.recall.takes(kind)
 
     anytime: ClassVar[bool] = True
 

@@ -7,9 +7,11 @@ import json
 import pytest
 
 from gcm_learn import build_map, get_planner, solve
+from gcm_learn.arms import kinds
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
 from gcm_learn.execution import Pool, pool_of
+from gcm_learn.planners.plan import takes
 from gcm_learn.situation import situation_from_json
 from tests.extras import planner_params
 from tests.situation.test_json_format import PLANAR
@@ -20,7 +22,7 @@ SPATIAL = situation_from_json(NAO)
 
 @pytest.mark.parametrize("name", planner_params())
 def test_every_planner_of_the_plane_refuses(name):
-    if getattr(get_planner(name), "takes_space", False):
+    if takes(get_planner(name), kinds.SPATIAL):
         assert solve(SPATIAL, name).planner == name
         return
     expected = f"planner '{name}' does not take spatial arms"

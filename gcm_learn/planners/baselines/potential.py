@@ -11,11 +11,11 @@ what comes fast, which the verification then finds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, overload
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
@@ -23,10 +23,10 @@ from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception import first_interception, target_distance
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
-from gcm_learn.planners.plan import AnyPlan, Plan
+from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.space.potential import potential_plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import AnySituation
 
 STEP = 0.02  # how far the hand goes in a step at most [forearm lengths]
 MOST_STEPS = 20_000  # against absurdly long horizons
@@ -116,15 +116,13 @@ class PotentialPlanner:
     gain: float = 3e-4
     """eta of the repulsive potential, for an attractive force of 1; chosen on 300 situations."""
 
-    takes_space: ClassVar[bool] = True
+    def takes(self, kind: Kind) -> bool:
+        """Return whether there is a field for arms of a kind."""
+        return _BY_KIND.takes(kind)
 
-    @overload
-    def plan(self, situation: Situation) -> Plan: ...
-    @overload
-    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
-    def plan(self, situation: AnySituation) -> AnyPlan:
+    def plan(self, situation: AnySituation) -> Plan[Any]:
         """Answer a situation."""
-        return self._in_space(situation) if situation.is_spatial else self._in_plane(situation)
+        return _BY_KIND.of(situation)(self, situation)
 
     def _in_space(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
         problem = SpatialProblem(situation, self.name)
@@ -148,3 +146,9 @@ class PotentialPlanner:
             return problem.answer(Failure.NO_FIELD_LINE)
         plan, reason = checked(problem, attempt)
         return plan if plan is not None else problem.answer(reason or Failure.NO_FIELD_LINE)
+
+
+_BY_KIND: ByKind[Any] = ByKind(
+    {PLANAR: PotentialPlanner._in_plane, SPATIAL: PotentialPlanner._in_space},
+    who="planner 'potential'",
+)

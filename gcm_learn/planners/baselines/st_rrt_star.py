@@ -25,11 +25,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
 from gcm_learn.errors import MissingExtraError, PlatformError
 from gcm_learn.motion import (
     HOLE_MARGIN,
@@ -91,7 +91,9 @@ class STRRTStarPlanner:
     """Of the search if there is no budget: of growing the trees, or of looking for a goal."""
     seed: int = 0
 
-    takes_space: ClassVar[bool] = True
+    def takes(self, kind: Kind) -> bool:
+        """Return whether there is a search for arms of a kind."""
+        return _BY_KIND.takes(kind)
 
     def __post_init__(self) -> None:
         """Tell at once if OMPL is missing, or a system on which it can be kept apart."""
@@ -130,12 +132,11 @@ class STRRTStarPlanner:
     def _plans(
         self, situation: AnySituation, budgets_ms: Sequence[float], iterations: int
     ) -> list[Any]:
-        spatial = situation.is_spatial
-        problem: Any = (SpatialProblem if spatial else Problem)(situation, self.name)
+        begin, make, finished = _BY_KIND.of(situation)
+        problem: Any = begin(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:
             return [answer] * len(budgets_ms)
-        make, finished = (task_in_space, ways_along) if spatial else (task_of, _finished)
         task = make(problem, self.seed, min(max(budgets_ms), LONGEST_MS), iterations)
         before = problem.elapsed_ms
         found, used = _search(task)
@@ -238,3 +239,12 @@ def _hole(inner: float, nearest: float) -> float:
     """Distance that legs keep from the shoulder, given the ring's hole and the hand's distance."""
     folded = min(FOLDED, 0.5 * nearest)
     return max(min(inner + HOLE_MARGIN, nearest * (1.0 - 1e-9)), folded)
+
+
+_BY_KIND: ByKind[tuple[Any, Any, Any]] = ByKind(
+    {
+        PLANAR: (Problem, task_of, _finished),
+        SPATIAL: (SpatialProblem, task_in_space, ways_along),
+    },
+    who="planner 'st-rrt-star'",
+)

@@ -2,36 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, overload
+from typing import Any
 
-from gcm_learn.arms import SpatialArm
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.planners.completion import Problem, SpatialProblem, straight_plan
-from gcm_learn.planners.plan import AnyPlan, Plan
+from gcm_learn.planners.plan import Plan, any_arm
 from gcm_learn.planners.space.straight import earliest_straight
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import AnySituation
 
 
 @dataclass(frozen=True)
 class StraightPlanner:
     """A straight line to the earliest interception at the speed limit.
 
-    The hand goes straight in the plane, the joints do in space; there all postures are tried with
-    which the earliest interception can be met.
+    The hand of a planar arm goes straight, and the joints of other arms do.  All postures are tried
+    with which the earliest interception can be met.
     """
 
     name: str = "straight"
-    takes_space: ClassVar[bool] = True
+    takes = staticmethod(any_arm)
 
-    @overload
-    def plan(self, situation: Situation) -> Plan: ...
-    @overload
-    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
-    def plan(self, situation: AnySituation) -> AnyPlan:
+    def plan(self, situation: AnySituation) -> Plan[Any]:
         """Answer a situation."""
-        if situation.is_spatial:
-            task = SpatialProblem(situation, self.name)
-            return task.early_answer() or earliest_straight(task)
-        problem = Problem(situation, self.name)
-        return problem.early_answer() or straight_plan(problem)
+        problem, straight = _BY_KIND.of(situation)
+        task = problem(situation, self.name)
+        return task.early_answer() or straight(task)
+
+
+_BY_KIND: ByKind[tuple[Callable[..., Any], Callable[[Any], Plan[Any]]]] = ByKind(
+    {PLANAR: (Problem, straight_plan)}, default=(SpatialProblem, earliest_straight)
+)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, overload
+from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.motion import (
     Failure,
     Reason,
@@ -19,18 +19,18 @@ from gcm_learn.motion import (
 )
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
-from gcm_learn.planners.plan import AnyPlan, Plan
+from gcm_learn.planners.plan import Plan, any_arm
 from gcm_learn.planners.space.straight import any_straight, earliest_straight
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import AnySituation
 
 
 @dataclass(frozen=True)
 class StraightWaitPlanner:
     """A straight line at the speed limit to an interception, the earlier the better, and a wait.
 
-    What time is left over is spent before leaving, after arriving, or in parts at both ends. In
-    space the joints go straight, all postures with which a target can be met are tried at every
-    instant, and the move may be slow as well.
+    Spare time is spent before leaving, after arriving, or in parts at both ends.  Arms that are not
+    planar go straight in their joints; all postures with which a target can be met are tried at
+    every instant, and the move may be slow as well.
     """
 
     name: str = "straight-wait"
@@ -39,17 +39,13 @@ class StraightWaitPlanner:
     shares: tuple[float, ...] = (0.0, 1.0, 0.5)
     """Shares of the spare time that are spent before leaving, in the order of trying."""
 
-    takes_space: ClassVar[bool] = True
+    takes = staticmethod(any_arm)
 
-    @overload
-    def plan(self, situation: Situation) -> Plan: ...
-    @overload
-    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
-    def plan(self, situation: AnySituation) -> AnyPlan:
+    def plan(self, situation: AnySituation) -> Plan[Any]:
         """Answer a situation."""
-        return self._in_space(situation) if situation.is_spatial else self._in_plane(situation)
+        return _BY_KIND.of(situation)(self, situation)
 
-    def _in_space(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+    def _in_joints(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
         problem = SpatialProblem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:
@@ -103,3 +99,8 @@ class StraightWaitPlanner:
             problem.scene, rules, *situation.arm.hand, 0.0, since, situation.horizon
         )
         return float(t), float(x), float(y)
+
+
+_BY_KIND: ByKind[Any] = ByKind(
+    {PLANAR: StraightWaitPlanner._in_plane}, default=StraightWaitPlanner._in_joints
+)

@@ -13,11 +13,11 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, NamedTuple, cast, overload
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
 from gcm_learn.motion import (
     Failure,
     Reason,
@@ -32,7 +32,7 @@ from gcm_learn.planners.fronts import marching
 from gcm_learn.planners.oracle.in_space import Yardstick, oracle_in_space, yardstick
 from gcm_learn.planners.oracle.moves import leg_from, pull
 from gcm_learn.planners.oracle.reachable_set import Meeting, ReachableSet
-from gcm_learn.planners.plan import AnyPlan, Plan
+from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import AnySituation, Situation
 
 SIZES = (60, 120)  # cells along a side, one lattice after the other until the bounds are tight
@@ -79,17 +79,24 @@ class OraclePlanner:
     trees_ms: float = 1000.0
     """In space, for ST-RRT* [ms], of which `yardstick` grants more; lattices are of the plane."""
 
-    takes_space: ClassVar[bool] = True
+    def takes(self, kind: Kind) -> bool:
+        """Return whether there is a yardstick for arms of a kind."""
+        return _BY_KIND.takes(kind)
 
-    @overload
-    def plan(self, situation: Situation) -> Plan: ...
-    @overload
-    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
-    def plan(self, situation: AnySituation) -> AnyPlan:
+    def plan(self, situation: AnySituation) -> Plan[Any]:
         """Answer a situation."""
-        if situation.is_spatial:
-            return oracle_in_space(cast(Situation[SpatialArm], situation), self.trees_ms)
-        return bounds(cast(Situation, situation), self.sizes, self.last_size).plan
+        return _BY_KIND.of(situation)(self, situation)
+
+    def _in_plane(self, situation: Situation) -> Plan:
+        return bounds(situation, self.sizes, self.last_size).plan
+
+    def _in_space(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]:
+        return oracle_in_space(situation, self.trees_ms)
+
+
+_BY_KIND: ByKind[Any] = ByKind(
+    {PLANAR: OraclePlanner._in_plane, SPATIAL: OraclePlanner._in_space}, who="planner 'oracle'"
+)
 
 
 def bounds(

@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.deadline import Deadline, deadline_of
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import Plan, spatial_only
 from gcm_learn.planners.space.accelerated import plan_accelerated
 from gcm_learn.planners.space.goals import (
     Goals,
@@ -54,7 +54,7 @@ class LayeredInSpace:
     """Whether catches before the first one that is found are looked for, until there is none that
     is earlier by a hundredth of the horizon."""
 
-    takes_space: ClassVar[bool] = True
+    takes = staticmethod(spatial_only)
 
     anytime: ClassVar[bool] = True
 

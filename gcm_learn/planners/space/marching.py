@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from gcm_learn.handspace import SpaceLattice, space_of
 from gcm_learn.maps import CognitiveMap, build_map, chain_to
 from gcm_learn.motion import Failure, Reason, SpatialTrajectory
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import Plan, spatial_only
 from gcm_learn.planners.space.accelerated import plan_accelerated
 from gcm_learn.planners.space.goals import no_goals, reach
 from gcm_learn.planners.space.moves import Study, study_of, time_of
@@ -48,7 +47,7 @@ class FrontInSpace:
     wait: bool = False
     """Whether the hand may wait: maps then have sheets."""
 
-    takes_space: ClassVar[bool] = True
+    takes = staticmethod(spatial_only)
 
     def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
         """Answer a situation."""

@@ -1,0 +1,76 @@
+"""Links and hands along postures, in the world, for any arm that moves in its joints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcm_learn.arms.kinds import kind_of
+from gcm_learn.arms.limbs import axis_of, hand_of, link, link_count, place
+from gcm_learn.arms.rotations import rotation_of
+from gcm_learn.compiled import njit
+
+
+@njit
+def _trace(limb, joints, links, radii, hands):
+    for k in range(joints.shape[0]):
+        where = place(limb, joints[k])
+        for i in range(link_count(limb)):
+            row = link(limb, where, i)
+            for j in range(6):
+                links[k, i, j] = row[j]
+            radii[i] = row[6]
+        hands[k, 0], hands[k, 1], hands[k, 2] = hand_of(limb, where)
+        hands[k, 3], hands[k, 4], hands[k, 5] = axis_of(limb, where)
+
+
+@njit
+def _links_of(limb):
+    return link_count(limb)
+
+
+def _traced(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    limb = kind_of(arm).pack(arm, ())
+    rows = np.ascontiguousarray(joints, dtype=float).reshape(-1, len(arm.joints))
+    count = _links_of(limb)
+    links, radii = np.empty((len(rows), count, 6)), np.empty(count)
+    hands = np.empty((len(rows), 6))
+    _trace(limb, rows, links, radii, hands)
+    return links, radii + limb.thickness, hands
+
+
+def _in_world(arm: Any, points: np.ndarray) -> np.ndarray:
+    return points @ rotation_of(arm.base.rotation).T + np.array(arm.base.origin)
+
+
+def links_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Return the capsules of an arm at postures, in the world.
+
+    Parameters
+    ----------
+    arm : SpatialArm, Chain or another arm that moves in its joints
+    joints : (k, n) array_like
+        Postures, in their ranges or not.
+
+    Returns
+    -------
+    ends : (k, m, 2, 3) ndarray
+        Both ends of every link's axis.
+    radii : (m,) ndarray
+    """
+    links, radii, _ = _traced(arm, joints)
+    return _in_world(arm, links.reshape(len(links), -1, 2, 3)), radii
+
+
+def hands_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Return the hand of an arm at postures (k, n), and the axis along which it reaches.
+
+    Returns
+    -------
+    hand, axis : (k, 3) ndarray
+        In the world; the axis has length 1.
+    """
+    _, _, hands = _traced(arm, joints)
+    return _in_world(arm, hands[:, :3]), hands[:, 3:] @ rotation_of(arm.base.rotation).T
