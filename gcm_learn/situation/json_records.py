@@ -175,7 +175,7 @@ def _unit(value: Any) -> Any:
 
 
 def members_of(record: Any) -> dict[str, Any]:
-    """Return the fields of a record as JSON values; those that are None stay absent."""
+    """Return the fields of a record as JSON values, without fields that are None."""
     layout, result = layout_of(type(record)), {}
     for name, field in layout.attributes.items():
         value = getattr(record, field)

@@ -1,7 +1,7 @@
 """JSON Schemas of the exchange formats, derived from the records that are read.
 
-Types and defaults are those of the records' fields, the names those of `json_records`; this file
-adds bounds and choices.  Records judge what a schema cannot, such as a hand out of reach.
+Types and defaults come from the records' fields and names from `json_records`; this file adds
+bounds and choices.  Records judge what a schema cannot, such as a hand out of reach.
 """
 
 from __future__ import annotations
