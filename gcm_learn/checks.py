@@ -19,13 +19,13 @@ LARGEST = 1e50
 """Largest magnitude of any number: positions at any time can still be squared without overflow."""
 
 UNIT_TOLERANCE = 1e-6
-"""How far lengths and right angles of given axes may be off."""
+"""Largest error of lengths and right angles of given axes."""
 
 UNIT_LENGTH = 1e-5
-"""How far lengths of axes and quaternions may be off where they are normalised."""
+"""Largest error of lengths of axes and quaternions that are normalised."""
 
 ROUNDING = 1e-15
-"""How far the length of a normalised vector may be off."""
+"""Largest error of the length of a normalised vector."""
 
 
 def put(record: object, name: str, value: object) -> None:

@@ -13,7 +13,7 @@ from gcm_learn.execution.nearness import MOMENT_COLUMNS
 from gcm_learn.motion.rules import Rules
 from gcm_learn.recall import own_axis
 from gcm_learn.scene import Limits, Scene
-from gcm_learn.scene.bodies import COLUMNS, FIRST, LAST, PIECES, SWING, Bodies
+from gcm_learn.scene.bodies import COLUMNS, FIRST, LAST, SWING, Bodies
 
 HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # what an action is
 RUNNING, CAUGHT, COLLIDED, LATE = range(4)  # how an episode stands
@@ -35,7 +35,6 @@ class World(NamedTuple):
     vertices: np.ndarray  # (v, 2): of all bodies
     angles: np.ndarray  # (p, g, 2): of all pendulums, the shorter tables filled up
     angle_steps: np.ndarray  # (s,): resolution of these tables [s]
-    pieces: np.ndarray  # (q, PIECE_COLUMNS): of all bodies
     first: np.ndarray  # (s + 1,) int64: rows of situation k are first[k]:first[k + 1]
     limbs: np.ndarray  # (s, 7): columns are the fields of `Limb`
     limits: np.ndarray  # (s, 5): those of `Limits`
@@ -96,7 +95,7 @@ def workspace_for(world, state, first, last):
 def scene_of(world, s):
     """Situation s, as all kernels of situations want it."""
     rows = world.rows[world.first[s] : world.first[s + 1]]
-    bodies = Bodies(rows, world.vertices, world.angles, world.angle_steps[s], world.pieces)
+    bodies = Bodies(rows, world.vertices, world.angles, world.angle_steps[s])
     a, b = world.limbs, world.limits
     limb = PlanarLimb(a[s, 0], a[s, 1], a[s, 2], a[s, 3], a[s, 4], a[s, 5], a[s, 6])
     return Scene(bodies, limb, Limits(b[s, 0], b[s, 1], b[s, 2], b[s, 3], b[s, 4]))
@@ -128,7 +127,7 @@ def world_of(scenes: Sequence[Scene], rules: Sequence[Rules]) -> World:
 
 
 def side_by_side(packed: Sequence[Bodies]) -> dict[str, np.ndarray]:
-    """Bodies of many situations; indices into vertices and tables move along.
+    """Bodies of many situations; indices into vertices and pendulums move along.
 
     Returns
     -------
@@ -138,24 +137,21 @@ def side_by_side(packed: Sequence[Bodies]) -> dict[str, np.ndarray]:
     longest = max(b.angles.shape[1] for b in packed)
     angles = np.zeros((sum(len(b.angles) for b in packed), longest, 2))
     rows, first = [], [0]
-    corners, swings, pieces = 0, 0, 0
+    corners, swings = 0, 0
     for bodies in packed:
         row = np.zeros((len(bodies.rows), ROW_COLUMNS))
         row[:, :LONG] = bodies.rows
         row[:, LONG:] = [own_axis(bodies, b) for b in range(len(row))]
         row[:, [FIRST, LAST]] += corners
-        row[(row[:, SWING] >= 0.0) & (row[:, PIECES] == 0.0), SWING] += swings
-        row[row[:, PIECES] > 0.0, SWING] += pieces
+        row[row[:, SWING] >= 0.0, SWING] += swings
         angles[swings : swings + len(bodies.angles), : bodies.angles.shape[1]] = bodies.angles
         rows.append(row)
         corners, swings = corners + len(bodies.vertices), swings + len(bodies.angles)
-        pieces += len(bodies.pieces)
         first.append(first[-1] + len(row))
     return {
         "rows": np.vstack(rows),
         "vertices": np.vstack([bodies.vertices for bodies in packed]),
         "angles": angles,
         "angle_steps": np.array([float(bodies.angle_step) for bodies in packed]),
-        "pieces": np.vstack([bodies.pieces for bodies in packed]),
         "first": np.array(first),
     }

@@ -20,7 +20,7 @@ from gcm_learn.scene.bodies import (
 from gcm_learn.scene.later import later
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack, pack_bodies, pose
-from gcm_learn.scene.reversal import reversed_pieces
+from gcm_learn.scene.reversal import reverse_pieces
 from gcm_learn.scene.scene import JointLimits, Limits, Scene
 from gcm_learn.scene.swings import integrate_swing
 
@@ -49,5 +49,5 @@ __all__ = [
     "pose",
     "pose_at",
     "poses_at",
-    "reversed_pieces",
+    "reverse_pieces",
 ]

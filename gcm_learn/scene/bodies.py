@@ -31,7 +31,7 @@ VELOCITY = 9  # 3
 ACCELERATION = 12  # 3
 SPIN = 15  # 3: angular velocity [rad/s]
 TURN = 18  # 9: rotation at t = 0, row by row
-SWING = 27  # entry of `angles`, or first of `pieces`; -1 for quadratic motion
+SWING = 27  # entry of `angles`, -1 for quadratic motion
 HANG = 28  # distance from the pivot to the centre
 DOWN = 29  # 3: direction of the cord at angle 0
 SIDE = 32  # 3: direction of growing angle, axis x down
@@ -40,13 +40,15 @@ FIRST, LAST = 38, 39  # the body's polygon is vertices[FIRST:LAST]
 TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
 APPROACH = 41  # 3: direction in the body's frame from which a target is caught; 0 if any will do
 WITHIN = 44  # largest angle of the hand's axis to it [rad]
-PIECES = 45  # number of the body's rows in `pieces`, 0 for motions of one law
+PIECES = 45  # number of pieces in the entry of `angles`; 0 for a pendulum
 COLUMNS = 46
 
-# Columns of a piece's row; from POSITION to TURN they are those of a body.
+# Numbers of a piece; from POSITION to TURN they are those of a body's row.  They lie in `angles`,
+# two in a row: a table of their own would be one array more to hand on, which slows all kernels.
 START = 0  # time from which it holds [s]; its own time counts from there
 JUMP, JUMP_TURN = 1, 2  # distance and angle [rad] to the end of the piece before it
-PIECE_COLUMNS = 27
+PIECE_COLUMNS = 28
+PIECE_ROWS = PIECE_COLUMNS // 2
 
 
 class Bodies(NamedTuple):
@@ -54,25 +56,39 @@ class Bodies(NamedTuple):
 
     rows: np.ndarray  # (n, COLUMNS): one body a row
     vertices: np.ndarray  # (m, 2): polygon vertices of all bodies
-    angles: np.ndarray  # (k, m, 2): pendulum angle and rate on a regular time grid
+    angles: np.ndarray  # (k, m, 2): pendulum angle and rate on a regular time grid; or pieces
     angle_step: float  # time step of that grid [s]
-    pieces: np.ndarray  # (p, PIECE_COLUMNS): quadratic motions one after another
 
 
 def no_bodies() -> Bodies:
     """Return the arrays of a situation without bodies."""
-    tables = np.zeros((0, 2, 2)), 1.0, np.zeros((0, PIECE_COLUMNS))
-    return Bodies(np.zeros((0, COLUMNS)), np.zeros((0, 2)), *tables)
+    return Bodies(np.zeros((0, COLUMNS)), np.zeros((0, 2)), np.zeros((0, 2, 2)), 1.0)
 
 
 @njit(_nrt=False, forceinline=True)
-def _turn(body, r, t, out, b):
-    """Write exp([spin t]) @ turn of row r into out[b, 3:12] (Rodrigues' formula)."""
-    wx, wy, wz = body[r, SPIN], body[r, SPIN + 1], body[r, SPIN + 2]
+def of_row(bodies, b, p, column):
+    """Return a number of body b, which has one quadratic law."""
+    return bodies.rows[b, column]
+
+
+@njit(_nrt=False, forceinline=True)
+def of_piece(bodies, b, p, column):
+    """Return a number of piece p of body b."""
+    return bodies.angles[int(bodies.rows[b, SWING]), PIECE_ROWS * p + column // 2, column % 2]
+
+
+@njit(_nrt=False, forceinline=True)
+def _turn(number, bodies, b, p, t, out):
+    """Write exp([spin t]) @ turn of a law into out[b, 3:12] (Rodrigues' formula).
+
+    The law's numbers come from a function: `of_row` or `of_piece`.
+    """
+    wx, wy = number(bodies, b, p, SPIN), number(bodies, b, p, SPIN + 1)
+    wz = number(bodies, b, p, SPIN + 2)
     rate = np.sqrt(wx * wx + wy * wy + wz * wz)
     if rate == 0.0:
         for k in range(9):
-            out[b, 3 + k] = body[r, TURN + k]
+            out[b, 3 + k] = number(bodies, b, p, TURN + k)
         return
     x, y, z = wx / rate, wy / rate, wz / rate
     s, c = np.sin(rate * t), np.cos(rate * t)
@@ -81,26 +97,26 @@ def _turn(body, r, t, out, b):
     r10, r11, r12 = y * x * v + z * s, c + y * y * v, y * z * v - x * s
     r20, r21, r22 = z * x * v - y * s, z * y * v + x * s, c + z * z * v
     for k in range(3):
-        p, q, u = body[r, TURN + k], body[r, TURN + 3 + k], body[r, TURN + 6 + k]
-        out[b, 3 + k] = r00 * p + r01 * q + r02 * u
-        out[b, 6 + k] = r10 * p + r11 * q + r12 * u
-        out[b, 9 + k] = r20 * p + r21 * q + r22 * u
+        q, u = number(bodies, b, p, TURN + k), number(bodies, b, p, TURN + 3 + k)
+        w = number(bodies, b, p, TURN + 6 + k)
+        out[b, 3 + k] = r00 * q + r01 * u + r02 * w
+        out[b, 6 + k] = r10 * q + r11 * u + r12 * w
+        out[b, 9 + k] = r20 * q + r21 * u + r22 * w
 
 
 @njit(_nrt=False)
 def rotate(bodies, b, t, out):
     """Write the rotation of body b at time t [s], which has one quadratic law, into out[b, 3:]."""
-    _turn(bodies.rows, b, t, out, b)
+    _turn(of_row, bodies, b, 0, t, out)
 
 
 @njit(_nrt=False)
 def piece_at(bodies, b, t):
-    """Row in `pieces` of the motion that body b follows at time t [s]."""
-    low = int(bodies.rows[b, SWING])
-    high = low + int(bodies.rows[b, PIECES]) - 1
+    """Return the piece of body b that holds at time t [s]."""
+    low, high = 0, int(bodies.rows[b, PIECES]) - 1
     while low < high:
         middle = (low + high + 1) // 2
-        if bodies.pieces[middle, START] <= t:
+        if of_piece(bodies, b, middle, START) <= t:
             low = middle
         else:
             high = middle - 1
@@ -109,14 +125,15 @@ def piece_at(bodies, b, t):
 
 @njit(_nrt=False)
 def _piece_pose(bodies, b, t, out):
-    pieces, p = bodies.pieces, piece_at(bodies, b, t)
-    since = t - pieces[p, START]
+    p = piece_at(bodies, b, t)
+    since = t - of_piece(bodies, b, p, START)
     half = 0.5 * since * since
     for k in range(3):
-        way = pieces[p, VELOCITY + k] * since + pieces[p, ACCELERATION + k] * half
-        out[b, k] = pieces[p, POSITION + k] + way
+        way = of_piece(bodies, b, p, VELOCITY + k) * since
+        way += of_piece(bodies, b, p, ACCELERATION + k) * half
+        out[b, k] = of_piece(bodies, b, p, POSITION + k) + way
     if bodies.rows[b, KIND] != SPHERE:
-        _turn(pieces, p, since, out, b)
+        _turn(of_piece, bodies, b, p, since, out)
 
 
 @njit(_nrt=False)
@@ -127,7 +144,7 @@ def turn_at(bodies, b, t, out):
     """
     if bodies.rows[b, PIECES] > 0.0:
         p = piece_at(bodies, b, t)
-        _turn(bodies.pieces, p, t - bodies.pieces[p, START], out, b)
+        _turn(of_piece, bodies, b, p, t - of_piece(bodies, b, p, START), out)
     elif bodies.rows[b, SWING] < 0.0:
         rotate(bodies, b, t, out)
 
@@ -228,18 +245,22 @@ def poses_at(bodies, t, out):
 
 
 @njit(_nrt=False, forceinline=True)
-def top_speed(rows, r, t0, t1, reach):
-    """Bound the speed of any point of a body that follows the law of row r between t0 and t1.
+def top_speed(number, bodies, b, p, t0, t1):
+    """Bound the speed of any point of body b between t0 and t1; see `_turn` for the numbers.
 
     The centre's speed is convex in time under constant acceleration, so its maximum over an
     interval is at one of the ends; rotation adds at most |spin| times the body's reach.
     """
     v0, v1, w = 0.0, 0.0, 0.0
     for k in range(3):
-        v0 += (rows[r, VELOCITY + k] + rows[r, ACCELERATION + k] * t0) ** 2
-        v1 += (rows[r, VELOCITY + k] + rows[r, ACCELERATION + k] * t1) ** 2
-        w += rows[r, SPIN + k] ** 2
-    return np.sqrt(max(v0, v1)) + np.sqrt(w) * reach
+        velocity, faster = (
+            number(bodies, b, p, VELOCITY + k),
+            number(bodies, b, p, ACCELERATION + k),
+        )
+        v0 += (velocity + faster * t0) ** 2
+        v1 += (velocity + faster * t1) ** 2
+        w += number(bodies, b, p, SPIN + k) ** 2
+    return np.sqrt(max(v0, v1)) + np.sqrt(w) * bodies.rows[b, REACH]
 
 
 @njit(_nrt=False)
@@ -250,38 +271,49 @@ def drift(bodies, b, t0, t1):
         if body[b, PIECES] > 0.0:
             return _piece_drift(bodies, b, t0, t1)
         return body[b, TOP_SPEED] * (t1 - t0)
-    return top_speed(body, b, t0, t1, body[b, REACH]) * (t1 - t0)
+    return top_speed(of_row, bodies, b, 0, t0, t1) * (t1 - t0)
 
 
 @njit(_nrt=False)
 def _piece_drift(bodies, b, t0, t1):
     """Sum the bounds of all pieces between t0 and t1, and the gaps where they meet."""
-    pieces, reach = bodies.pieces, bodies.rows[b, REACH]
-    end = int(bodies.rows[b, SWING]) + int(bodies.rows[b, PIECES])
     p, since, way = piece_at(bodies, b, t0), t0, 0.0
     while True:
-        last = p + 1 == end or pieces[p + 1, START] > t1
-        until = t1 if last else pieces[p + 1, START]
-        start = pieces[p, START]
-        way += top_speed(pieces, p, since - start, until - start, reach) * (until - since)
+        until = piece_end(bodies, b, p)
+        last = until > t1
+        until = min(until, t1)
+        start = of_piece(bodies, b, p, START)
+        way += top_speed(of_piece, bodies, b, p, since - start, until - start) * (until - since)
         if last:
             return way
         p, since = p + 1, until
-        way += pieces[p, JUMP] + pieces[p, JUMP_TURN] * reach
+        turned = of_piece(bodies, b, p, JUMP_TURN) * bodies.rows[b, REACH]
+        way += of_piece(bodies, b, p, JUMP) + turned
+
+
+@njit(_nrt=False)
+def piece_end(bodies, b, p):
+    """Return the time at which piece p of body b ends [s], infinite for the last."""
+    if p + 1 == int(bodies.rows[b, PIECES]):
+        return np.inf
+    return of_piece(bodies, b, p + 1, START)
 
 
 @njit(_nrt=False)
 def piece_velocity(bodies, b, t, x, y, z):
     """Velocity (3) at t [s] of the point of body b, which has pieces, at (x, y, z)."""
-    pieces, p = bodies.pieces, piece_at(bodies, b, t)
-    since = t - pieces[p, START]
+    p = piece_at(bodies, b, t)
+    since = t - of_piece(bodies, b, p, START)
     half = 0.5 * since * since
-    wx, wy, wz = pieces[p, SPIN], pieces[p, SPIN + 1], pieces[p, SPIN + 2]
-    ax, ay, az = pieces[p, ACCELERATION], pieces[p, ACCELERATION + 1], pieces[p, ACCELERATION + 2]
-    vx, vy, vz = pieces[p, VELOCITY], pieces[p, VELOCITY + 1], pieces[p, VELOCITY + 2]
-    x -= pieces[p, POSITION] + vx * since + ax * half
-    y -= pieces[p, POSITION + 1] + vy * since + ay * half
-    z -= pieces[p, POSITION + 2] + vz * since + az * half
+    wx, wy = of_piece(bodies, b, p, SPIN), of_piece(bodies, b, p, SPIN + 1)
+    wz = of_piece(bodies, b, p, SPIN + 2)
+    ax, ay = of_piece(bodies, b, p, ACCELERATION), of_piece(bodies, b, p, ACCELERATION + 1)
+    az = of_piece(bodies, b, p, ACCELERATION + 2)
+    vx, vy = of_piece(bodies, b, p, VELOCITY), of_piece(bodies, b, p, VELOCITY + 1)
+    vz = of_piece(bodies, b, p, VELOCITY + 2)
+    x -= of_piece(bodies, b, p, POSITION) + vx * since + ax * half
+    y -= of_piece(bodies, b, p, POSITION + 1) + vy * since + ay * half
+    z -= of_piece(bodies, b, p, POSITION + 2) + vz * since + az * half
     return (
         vx + ax * since + wy * z - wz * y,
         vy + ay * since + wz * x - wx * z,

@@ -14,12 +14,8 @@ from gcm_learn.scene import bodies as k
 from gcm_learn.scene.swings import STEPS_PER_PERIOD, integrate_swing
 from gcm_learn.situation import Pendulum, Piece, Piecewise, PlanarQuadratic, Sampled, SolidQuadratic
 
-
-class Tables(NamedTuple):
-    """Entries of tables that rows of bodies point to."""
-
-    swings: list[Pendulum]
-    pieces: list[list[float]]  # rows of `Bodies.pieces`
+Tables = list[Any]
+"""Entries of `Bodies.angles`: pendulums, or lists of pieces."""
 
 
 class Frame(NamedTuple):
@@ -80,8 +76,8 @@ def _place_solid(row: list[float], tables: Tables, motion: SolidQuadratic, frame
 
 
 def _place_swing(row: list[float], tables: Tables, motion: Pendulum, frame: Frame) -> None:
-    row[k.SWING] = len(tables.swings)
-    tables.swings.append(motion)
+    row[k.SWING] = len(tables)
+    tables.append(motion)
     row[k.POSITION : k.POSITION + 3] = frame.placed(motion.pivot)
     row[k.HANG] = motion.hang_distance
     row[k.DOWN : k.DOWN + 3] = frame.turned(motion.down)
@@ -92,7 +88,9 @@ def _place_swing(row: list[float], tables: Tables, motion: Pendulum, frame: Fram
 def _place_pieces(
     row: list[float], tables: Tables, motion: Piecewise | Sampled, frame: Frame
 ) -> None:
-    row[k.SWING], row[k.PIECES] = len(tables.pieces), len(motion.pieces)
+    row[k.SWING], row[k.PIECES] = len(tables), len(motion.pieces)
+    rows: list[list[float]] = []
+    tables.append(rows)
     before: Piece | None = None
     for piece in motion.pieces:
         made = [0.0] * k.PIECE_COLUMNS
@@ -101,7 +99,7 @@ def _place_pieces(
         if before is not None:
             made[k.JUMP], made[k.JUMP_TURN] = _jump(before, piece)
         before = piece
-        tables.pieces.append(made)
+        rows.append(made)
     _place_solid(row, tables, motion.pieces[0].motion, frame)  # for those who only look at t = 0
 
 

@@ -21,6 +21,7 @@ from gcm_learn.situation import (
     Capsule,
     Cylinder,
     Disc,
+    Pendulum,
     Polygon,
     Sphere,
     arm_frame,
@@ -90,7 +91,7 @@ def pack_bodies(situation: AnySituation) -> Bodies:
     view = Frame(None if (turn == _UNTURNED).all() else turn, shoulder.tolist())
     made: list[list[float]] = []  # lists, because writing into parts of arrays takes longer
     vertices: list[tuple[float, float]] = []
-    tables = Tables([], [])
+    tables: Tables = []
     for body in situation.bodies:
         motion, shape, row = body.motion, body.shape, [0.0] * k.COLUMNS
         row[k.KIND] = _KIND[type(shape)]
@@ -103,18 +104,33 @@ def pack_bodies(situation: AnySituation) -> Bodies:
         row[k.SWING] = -1.0
         LAWS[type(motion)].place(row, tables, motion, view)
         if isinstance(shape, Disc | Sphere) and body.approach is None:  # nobody sees them spin
-            for each in (row, *tables.pieces[len(tables.pieces) - int(row[k.PIECES]) :]):
-                each[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
+            row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
+            for piece in tables[-1] if row[k.PIECES] else ():
+                piece[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
         row[k.FIRST] = len(vertices)
         vertices.extend(shape.vertices if isinstance(shape, Polygon) else ())
         row[k.LAST] = len(vertices)
         made.append(row)
     rows = np.array(made, dtype=float).reshape(-1, k.COLUMNS)
-    pieces = np.array(tables.pieces, dtype=float).reshape(-1, k.PIECE_COLUMNS)
-    step, angles = swing_tables(tables.swings, situation.horizon)
-    _bound_speeds(rows, angles, pieces, situation.horizon)
-    corners = np.array(vertices, dtype=float).reshape(-1, 2)
-    return Bodies(rows, corners, angles, step, pieces)
+    step, angles = _tables_of(tables, situation.horizon)
+    packed = Bodies(rows, np.array(vertices, dtype=float).reshape(-1, 2), angles, step)
+    _bound_speeds(packed, situation.horizon)
+    return packed
+
+
+def _tables_of(tables: Tables, horizon: float) -> tuple[float, np.ndarray]:
+    """Return step and `angles` of pendulums and pieces; tables of pieces end in zeros."""
+    swings = [table for table in tables if isinstance(table, Pendulum)]
+    pieces = [k.PIECE_ROWS * len(table) for table in tables if isinstance(table, list)]
+    step, angles = swing_tables(swings, horizon, max([64, *pieces]))
+    if not pieces:
+        return step, angles
+    length = angles.shape[1] if swings else max(pieces)
+    result, swung = np.zeros((len(tables), length, 2)), iter(angles)
+    for entry, table in zip(result, tables, strict=True):
+        rows = next(swung) if isinstance(table, Pendulum) else np.array(table).reshape(-1, 2)
+        entry[: len(rows)] = rows
+    return step, result
 
 
 def pose(situation: AnySituation, index: int, t: float) -> tuple[np.ndarray, np.ndarray]:
@@ -153,20 +169,19 @@ def _size(shape: object) -> tuple[float, float, float]:
 
 
 @njit
-def _bound_speeds(rows, angles, pieces, horizon):
+def _bound_speeds(bodies, horizon):
     """Fill in the largest speed of any point of each body during [0, horizon]."""
+    rows = bodies.rows
     for b in range(rows.shape[0]):
-        rows[b, k.TOP_SPEED] = k.top_speed(rows, b, 0.0, horizon, rows[b, k.REACH])
-        first, count = int(rows[b, k.SWING]), int(rows[b, k.PIECES])
-        if count > 0:
-            rows[b, k.TOP_SPEED] = 0.0
-            for p in range(first, first + count):
-                last = p + 1 == first + count
-                end = horizon if last else min(pieces[p + 1, k.START], horizon)
-                if end > pieces[p, k.START]:
-                    span = end - pieces[p, k.START]
-                    fast = k.top_speed(pieces, p, 0.0, span, rows[b, k.REACH])
+        if rows[b, k.SWING] < 0.0:
+            rows[b, k.TOP_SPEED] = k.top_speed(k.of_row, bodies, b, 0, 0.0, horizon)
+        elif rows[b, k.PIECES] > 0.0:
+            for p in range(int(rows[b, k.PIECES])):
+                start = k.of_piece(bodies, b, p, k.START)
+                if start <= horizon:
+                    span = min(k.piece_end(bodies, b, p), horizon) - start
+                    fast = k.top_speed(k.of_piece, bodies, b, p, 0.0, span)
                     rows[b, k.TOP_SPEED] = max(rows[b, k.TOP_SPEED], fast)
-        elif first >= 0:
-            rate = np.abs(angles[first, :, 1]).max() * (1.0 + 1e-6)
+        else:
+            rate = np.abs(bodies.angles[int(rows[b, k.SWING]), :, 1]).max() * (1.0 + 1e-6)
             rows[b, k.TOP_SPEED] = rate * (rows[b, k.HANG] + rows[b, k.REACH])

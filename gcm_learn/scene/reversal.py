@@ -8,36 +8,33 @@ from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies, pose_at
 
 
-def reversed_pieces(bodies: Bodies, rows: np.ndarray, end: float) -> np.ndarray:
-    """Return the pieces of bodies for which at t happens what happens at end - t.
+def reverse_pieces(bodies: Bodies, rows: np.ndarray, angles: np.ndarray, end: float) -> None:
+    """Write the pieces of bodies for which at t happens what happens at end - t.
 
     Parameters
     ----------
     bodies : Bodies
     rows : (n, COLUMNS) ndarray
         Rows of the reversed bodies; those of bodies with pieces are renewed.
+    angles : (k, m, 2) ndarray
+        Their tables; the entries of bodies with pieces are renewed.
     end : float
         Time at which the reversed motion begins [s].
-
-    Returns
-    -------
-    (p, PIECE_COLUMNS) ndarray
     """
-    made: list[np.ndarray] = []
     for b in np.flatnonzero(rows[:, k.PIECES] > 0.0):
-        first, count = int(bodies.rows[b, k.SWING]), int(bodies.rows[b, k.PIECES])
-        mine = bodies.pieces[first : first + count]
+        entry, count = int(rows[b, k.SWING]), int(rows[b, k.PIECES])
+        mine = bodies.angles[entry, : k.PIECE_ROWS * count].reshape(count, -1)
         mine = mine[(mine[:, k.START] < end) | (mine[:, k.START] == 0.0)]
         until = np.append(mine[1:, k.START], end)
         jumps = np.vstack([mine[1:, k.JUMP : k.JUMP_TURN + 1], np.zeros((1, 2))])
-        rows[b, k.SWING], rows[b, k.PIECES] = len(made), len(mine)
         turned = (_reversed(piece, t) for piece, t in zip(mine, until, strict=True))
         backwards = np.array(list(turned))[::-1].copy()
         backwards[:, k.START] = end - until[::-1]
         backwards[:, k.JUMP : k.JUMP_TURN + 1] = jumps[::-1]
-        made.extend(backwards)
+        rows[b, k.PIECES] = len(mine)
         rows[b, k.POSITION : k.TURN + 9] = backwards[0, k.POSITION : k.TURN + 9]
-    return np.array(made).reshape(-1, k.PIECE_COLUMNS)
+        angles[entry] = 0.0
+        angles[entry, : k.PIECE_ROWS * len(mine)] = backwards.reshape(-1, 2)
 
 
 def _reversed(piece: np.ndarray, until: float) -> np.ndarray:

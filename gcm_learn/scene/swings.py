@@ -10,8 +10,10 @@ from gcm_learn.situation import Pendulum
 STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13 rad
 
 
-def swing_tables(swings: list[Pendulum], horizon: float) -> tuple[float, np.ndarray]:
-    """Integrate every pendulum on one time grid.
+def swing_tables(
+    swings: list[Pendulum], horizon: float, least: int = 64
+) -> tuple[float, np.ndarray]:
+    """Integrate every pendulum on one time grid of at least so many entries.
 
     Returns
     -------
@@ -24,7 +26,7 @@ def swing_tables(swings: list[Pendulum], horizon: float) -> tuple[float, np.ndar
         return 1.0, np.zeros((0, 2, 2))
     fastest = max(m.fastest for m in swings)
     wanted = int(np.ceil(horizon * fastest * STEPS_PER_PERIOD / (2 * np.pi))) + 2
-    count = max(wanted, 64)
+    count = max(wanted, least)
     step = horizon / (count - 2)
     tables = [
         integrate_swing(m.angle, m.rate, m.gravity / m.length, m.damping, step, count)

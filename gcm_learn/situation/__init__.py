@@ -31,6 +31,7 @@ from gcm_learn.situation.json_format import (
 from gcm_learn.situation.json_text import JsonTextError, RepeatedField, line_of, parse
 from gcm_learn.situation.laws import Motion, SolidMotion, carried
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.schema import schemas
 from gcm_learn.situation.shapes import (
     PLANAR,
     SOLID,
@@ -100,6 +101,7 @@ __all__ = [
     "read_arm",
     "read_arm_body",
     "read_situations",
+    "schemas",
     "shipped_arm",
     "situation_from_json",
     "situation_to_json",

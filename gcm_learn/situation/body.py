@@ -84,5 +84,5 @@ class Body:
 
     @property
     def is_solid(self) -> bool:
-        """Whether the body is three-dimensional."""
+        """Return whether the body is three-dimensional."""
         return isinstance(self.shape, SOLID)

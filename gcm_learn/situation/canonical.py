@@ -38,7 +38,7 @@ class Frame:
     angle: float = 0.0
     """Direction of the hand at t = 0, counter-clockwise [rad]."""
     mirrored: bool = False
-    """Whether the elbow is on the left."""
+    """True where the elbow is on the left."""
 
     def canonical(self, points: ArrayLike) -> np.ndarray:
         """Points or vectors (..., 2) of the situation's arm plane, in canonical coordinates."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from gcm_learn.arms import Kind, kinds
 from gcm_learn.situation.laws import Motion
@@ -41,12 +42,12 @@ class Format:
         """Kinds of arms that situations of this format have."""
         return tuple(kind for kind in kinds() if self.name in kind.formats)
 
-    @property
+    @cached_property
     def motion_kinds(self) -> tuple[str, ...]:
         """Values of `kind` in motions."""
         return tuple(dict.fromkeys(motion.kind for motion in self.motions))
 
-    @property
+    @cached_property
     def absent(self) -> frozenset[str]:
         """Fields of situations and bodies that this format does not know."""
         given = {"catch": len(self.catches) > 1, "approach": self.approach}

@@ -66,7 +66,7 @@ def _read_stdin() -> bytes:
 
 
 def _starts_with_value_line(content: str) -> bool:
-    """Whether the first line that is not blank is JSON, and is followed by others."""
+    """Return whether the first line that is not blank is JSON, and is followed by others."""
     lines = [line for line in content.split("\n") if line.strip()]
     if len(lines) < 2:
         return False

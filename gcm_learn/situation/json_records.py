@@ -175,23 +175,23 @@ def _unit(value: Any) -> Any:
 
 
 def members_of(record: Any) -> dict[str, Any]:
-    """Return the fields of a record as JSON values; those that are None stay absent."""
-    layout = layout_of(type(record))
-    values = {name: getattr(record, field) for name, field in layout.attributes.items()}
-    return {
-        name: _plain(value)
-        for name, value in values.items()
-        if value is not None or name in layout.null
-    }
+    """Return the fields of a record as JSON values, without fields that are None."""
+    layout, result = layout_of(type(record)), {}
+    for name, field in layout.attributes.items():
+        value = getattr(record, field)
+        if type(value) is float:  # most are: spare the questions
+            result[name] = value
+        elif value is not None or name in layout.null:
+            result[name] = _plain(value)
+    return result
 
 
 def _plain(value: Any) -> Any:
     """Return lists in place of tuples and objects in place of records."""
     if isinstance(value, tuple):
-        if value and (isinstance(value[0], tuple) or dataclasses.is_dataclass(value[0])):
-            return [_plain(item) for item in value]
-        return list(value)
-    return members_of(value) if dataclasses.is_dataclass(value) else value
+        plain = not value or type(value[0]) is float
+        return list(value) if plain else [_plain(item) for item in value]
+    return members_of(value) if hasattr(value, "__dataclass_fields__") else value
 
 
 def join(path: str, field: str) -> str:

@@ -90,7 +90,7 @@ def _shape(obj: object, path: str) -> Shape:
 
 
 def _motion(obj: object, path: str, solid: bool, reading: Reading) -> Motion:
-    """Return the motion that `kind` names; `solid` tells which of the quadratic ones."""
+    """Return the motion that `kind` names, of a solid or a planar shape."""
     kind = kind_from(obj, path, reading.format.motion_kinds)
     known = [record for record in reading.format.motions if record.kind == kind]
     record = next((r for r in known if solid != issubclass(r, PlanarQuadratic)), None)

@@ -22,8 +22,8 @@ _ITS_MIRROR = np.diag([1.0, -1.0, 1.0])  # a body reflected in its own xz-plane
 class View(NamedTuple):
     """Coordinates in which what was at p is at ``turn @ (p - origin)``.
 
-    Where `turn` is a reflection, the body is one that its own xz-plane mirrors, as all our solids
-    are: it comes out reflected in that plane as well, so it is turned only.
+    A reflection also reflects each body in its own xz-plane, which mirrors all our solids.  Bodies
+    are therefore turned only.
     """
 
     turn: np.ndarray  # (3, 3) orthogonal

@@ -118,7 +118,7 @@ class Situation(Generic[ArmKind]):
             raise SituationError("plane", f"must be a plane (got {show(self.plane)})")
         put(self, "bodies", tuple(sequence(self.bodies, "bodies", "bodies")))
         self._check_bodies()
-        check_start(self.arm, [body.name for body in self.obstacles], self.format)
+        check_start(self.arm, self.bodies, self.format)
 
     def _check_format(self) -> None:
         """Fill in the format, and refuse one that does not have such an arm or catch."""

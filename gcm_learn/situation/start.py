@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from gcm_learn.arms.chain import unknown_obstacle
 from gcm_learn.arms.chain_limb import jacobian
 from gcm_learn.arms.spatial_limb import hand_jacobian
 from gcm_learn.errors import SituationError
+from gcm_learn.situation.body import Body
 
 SLACK = 1e-6
 """Share by which the hand may be over its limit at t = 0."""
@@ -24,19 +25,18 @@ _RATES: ByKind[tuple[Derivative, str]] = ByKind(
 )
 
 
-def check_start(arm: Any, obstacles: Collection[str], version: str) -> None:
+def check_start(arm: Any, bodies: Iterable[Body], version: str) -> None:
     """Refuse pairs of unknown obstacles, and rates beyond the hand's limit.
 
     Parameters
     ----------
     arm : Arm, SpatialArm or Chain
-    obstacles : collection of str
-        Names of the situation's obstacles.
+    bodies : iterable of Body
     version : str
         Format of the situation.
     """
     for k, (_, name) in enumerate(getattr(arm, "ignore", ())):
-        if name not in obstacles:
+        if not any(body.name == name and body.role == "obstacle" for body in bodies):
             raise SituationError(f"arm.ignore[{k}]", unknown_obstacle(name))
     rates: tuple[float, ...] = getattr(arm, "joint_rates", None) or ()
     if version in CHECKED and arm.max_hand_speed is not None and any(rates):

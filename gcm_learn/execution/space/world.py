@@ -24,11 +24,10 @@ HORIZON = 10  # column of a world's limits, which are the fields of `JointLimits
 class SpatialWorld(NamedTuple):
     """Many situations in the frames of their arms' bases, one after the other."""
 
-    rows: np.ndarray  # these six as in `World`
+    rows: np.ndarray  # these five as in `World`
     vertices: np.ndarray
     angles: np.ndarray
     angle_steps: np.ndarray
-    pieces: np.ndarray
     first: np.ndarray
     obstacles: np.ndarray  # (o,) int64: which rows of their situation the limb must not touch
     begin: np.ndarray  # (s + 1,) int64: those of situation k are begin[k]:begin[k + 1]
@@ -106,7 +105,7 @@ def view_in(world, s, room):
 def scene_in_space(world, s):
     """Situation s, as all kernels of situations want it."""
     rows = world.rows[world.first[s] : world.first[s + 1]]
-    bodies = Bodies(rows, world.vertices, world.angles, world.angle_steps[s], world.pieces)
+    bodies = Bodies(rows, world.vertices, world.angles, world.angle_steps[s])
     a, b = world.limbs[s], world.limits[s]
     limb = SpatialLimb(
         a[0:3], a[3:6], a[6:10], a[10:14], a[14:17], a[17:20], a[20], a[21], a[22], a[23:27],

@@ -14,7 +14,7 @@ from gcm_learn.planners.space.goals import Goals
 from gcm_learn.planners.space.moves import Study, turning_time
 from gcm_learn.planners.space.search import note, queue, span_of, spans_at
 from gcm_learn.planners.space.ways import MOST, write
-from gcm_learn.scene import Scene, reversed_pieces
+from gcm_learn.scene import Scene, reverse_pieces
 from gcm_learn.scene.bodies import ACCELERATION, POSITION, SPIN, SWING, TURN, VELOCITY, pose_at
 
 
@@ -34,8 +34,8 @@ def reversed_scene(scene: Scene) -> Scene:
     # the table has one step more than the horizon: its first entry is before t = 0
     last = angles[:, -1:] + bodies.angle_step * angles[:, -1:, ::-1] * np.array([1.0, 0.0])
     angles = np.ascontiguousarray(np.concatenate([angles[:, 1:], last], axis=1))
-    pieces = reversed_pieces(bodies, rows, end)
-    return scene._replace(bodies=bodies._replace(rows=rows, angles=angles, pieces=pieces))
+    reverse_pieces(bodies, rows, angles, end)
+    return scene._replace(bodies=bodies._replace(rows=rows, angles=angles))
 
 
 def goal_at_start(study: Study) -> Goals:

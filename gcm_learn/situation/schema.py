@@ -1,0 +1,261 @@
+"""JSON Schemas of the exchange formats, derived from the records that are read.
+
+Types and defaults come from the records' fields and names from `json_records`; this file adds
+bounds and choices.  Records judge what a schema cannot, such as a hand out of reach.
+"""
+
+from __future__ import annotations
+
+import math
+import types
+import typing
+from collections.abc import Callable, Iterable
+from dataclasses import is_dataclass
+from typing import Any
+
+from gcm_learn.arms import (
+    CHAIN,
+    ELBOWS,
+    JOINTS,
+    PLANAR,
+    SPATIAL,
+    Arm,
+    ByKind,
+    Chain,
+    ChainJoint,
+    ChainModel,
+    Hand,
+    Link,
+    SpatialArm,
+)
+from gcm_learn.arms.chain import JOINT_TYPES
+from gcm_learn.checks import LARGEST
+from gcm_learn.situation.arm_files import ARM_FORMAT
+from gcm_learn.situation.body import ROLES, Approach, Body
+from gcm_learn.situation.formats import FORMATS, Format
+from gcm_learn.situation.json_records import layout_of
+from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
+from gcm_learn.situation.shapes import (
+    PLANAR as FLAT,
+)
+from gcm_learn.situation.shapes import (
+    SOLID,
+    Box,
+    Capsule,
+    Cylinder,
+    Disc,
+    Polygon,
+    Sphere,
+)
+from gcm_learn.situation.situation import Situation
+from gcm_learn.situation.timed_motion import Piecewise, Sampled
+
+Schema = dict[str, Any]
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+_POSITIVE: Schema = {"exclusiveMinimum": 0}
+_NOT_NEGATIVE: Schema = {"minimum": 0}
+_FILLED: Schema = {"minItems": 1}
+_FOUR: Schema = {"minItems": JOINTS, "maxItems": JOINTS}
+
+NUMBERS: dict[type, dict[str, Schema]] = {
+    Situation: {"horizon": _POSITIVE},
+    Arm: dict.fromkeys(("max_hand_speed", "max_joint_speed", "upper_arm"), _POSITIVE)
+    | dict.fromkeys(("thickness", "grasp"), _NOT_NEGATIVE),
+    SpatialArm: dict.fromkeys(
+        ("max_hand_speed", "max_joint_speed", "max_joint_acceleration"), _POSITIVE
+    )
+    | dict.fromkeys(("thickness", "grasp"), _NOT_NEGATIVE),
+    Chain: {"max_hand_speed": _POSITIVE, "grasp": _NOT_NEGATIVE},
+    ChainJoint: dict.fromkeys(("max_speed", "max_acceleration"), _POSITIVE),
+    Link: {"radius": _POSITIVE, "joint": _NOT_NEGATIVE},
+    Hand: {"joint": {"minimum": 1}},
+    ChainModel: {"self_collision": _NOT_NEGATIVE},
+    Approach: {"within": {"minimum": 0, "maximum": math.pi}},
+    Disc: {"radius": _POSITIVE},
+    Sphere: {"radius": _POSITIVE},
+    Box: {"half_extents": _POSITIVE},
+    Capsule: dict.fromkeys(("radius", "half_length"), _POSITIVE),
+    Cylinder: dict.fromkeys(("radius", "half_length"), _POSITIVE),
+    Pendulum: {"length": _POSITIVE} | dict.fromkeys(("gravity", "damping", "hang"), _NOT_NEGATIVE),
+}
+"""Bounds of the numbers in fields, under their names in the records."""
+
+LISTS: dict[type, dict[str, Schema]] = {
+    Polygon: {"vertices": {"minItems": 3}},
+    Sampled: dict.fromkeys(("times", "positions", "orientations"), _FILLED),
+    ChainModel: dict.fromkeys(("joints", "links"), _FILLED),
+    SpatialArm: {"joint_range": _FOUR},
+    Chain: {"joints": _FILLED},
+}
+"""Lengths of lists in fields."""
+
+CHOICES: dict[type, dict[str, tuple[str, ...]]] = {
+    Arm: {"elbow": ELBOWS},
+    ChainJoint: {"type": JOINT_TYPES},
+    Body: {"role": ROLES},
+}
+"""Strings that are known in fields."""
+
+
+def schemas() -> dict[str, Schema]:
+    """Return the JSON Schemas (draft 2020-12) of situations and arms, by the name of the format."""
+    made = {name: _document(name, _situation(version)) for name, version in FORMATS.items()}
+    return made | {ARM_FORMAT: _document(ARM_FORMAT, _model())}
+
+
+def _document(name: str, schema: Schema) -> Schema:
+    return {"$schema": DIALECT, "title": name, **schema}
+
+
+def _situation(version: Format) -> Schema:
+    """Return the schema of a situation."""
+    absent = {*version.absent} | (set() if version.planes else {"plane"})
+    given = {
+        "format": {"const": version.name},
+        "arm": {"anyOf": [_ARMS.of(kind)() for kind in version.kinds]},
+        "bodies": {"type": "array", "contains": _has("role", "target")},
+        "catch": {"enum": list(version.catches)},
+    }
+    result = _object(Situation, given, required=("format",), optional=("name",), absent=absent)
+    flat, solid = ({"items": _body(version, shapes)} for shapes in (FLAT, SOLID))
+    if not version.planes:
+        result["properties"]["bodies"] |= solid
+    else:
+        result |= {"if": {"required": ["plane"]}}
+        result |= {"then": _within("bodies", solid), "else": _within("bodies", flat)}
+    if len(version.catches) > 1:
+        one = {"contains": _has("role", "target"), "maxContains": 1}
+        result |= {"if": _within("catch", {"const": "any"}), "then": _within("bodies", one)}
+    return result
+
+
+def _body(version: Format, shapes: Iterable[type]) -> Schema:
+    """Return the schema of a body of one of the shapes."""
+    flat = shapes is FLAT
+    known = [law for law in version.motions if flat == issubclass(law, PlanarQuadratic)]
+    given = {
+        "shape": {"oneOf": [_object(s, {"kind": _kind(s)}, required=("kind",)) for s in shapes]},
+        "motion": {"oneOf": [_motion(law) for law in known]},
+    }
+    result = _object(Body, given, absent=version.absent)
+    if version.approach:
+        result |= {"if": _within("role", {"const": "obstacle"})}
+        result |= {"then": _within("approach", False)}
+    return result
+
+
+def _motion(law: type) -> Schema:
+    """Return the schema of a motion law."""
+    given: dict[str, Any] = {"kind": _kind(law)}
+    if law is Piecewise:
+        start = {"start": _number(_NOT_NEGATIVE)}
+        piece = _object(SolidQuadratic, start, required=("start",))
+        given["pieces"] = {"type": "array", "items": piece, "minItems": 1}
+    return _object(law, given, required=("kind",))
+
+
+def _model() -> Schema:
+    """Return the schema of a file of an arm."""
+    given = {"format": {"const": ARM_FORMAT}}
+    return _object(ChainModel, given, required=("format",), optional=("name",))
+
+
+def _planar() -> Schema:
+    return _object(Arm)
+
+
+def _spatial() -> Schema:
+    return _object(SpatialArm, {"kind": _kind(SpatialArm)}, required=("kind",))
+
+
+def _chain() -> Schema:
+    numbers = {"type": "array", "items": _number(_POSITIVE)}
+    link = [{"type": "integer", "minimum": 0}, {"type": "string"}]
+    given = {
+        "kind": _kind(Chain),
+        "model": {"anyOf": [{"type": "string"}, _model()]},
+        "max_acceleration": {"anyOf": [numbers, {"type": "null"}]},
+        "ignore": {"type": "array", "items": {"type": "array", "prefixItems": link, **_pair()}},
+    }
+    return _object(Chain, given, required=("kind",))
+
+
+def _pair() -> Schema:
+    return {"minItems": 2, "maxItems": 2}
+
+
+def _kind(record: Any) -> Schema:
+    return {"const": record.kind}
+
+
+def _has(name: str, value: str) -> Schema:
+    """Return the schema of objects that have a field of a value."""
+    return {"type": "object", **_within(name, {"const": value}), "required": [name]}
+
+
+def _within(name: str, schema: Any) -> Schema:
+    """Return the schema of objects whose field, if there, keeps a schema."""
+    return {"properties": {name: schema}}
+
+
+def _object(
+    record: type,
+    given: dict[str, Any] | None = None,
+    required: Iterable[str] = (),
+    optional: Iterable[str] = (),
+    absent: Iterable[str] = (),
+) -> Schema:
+    """Return the schema of a record.
+
+    Parameters
+    ----------
+    record : type
+    given : dict
+        Schemas of fields that are not derived, and of those beyond the record's.
+    required, optional, absent : iterable of str
+        Fields that must be there, need not be there, and must not be there, other than the
+        record says.
+    """
+    layout, hints = layout_of(record), typing.get_type_hints(record)
+    properties = dict(given or {})
+    for name, field in layout.attributes.items():
+        if name not in properties and name not in absent:
+            properties[name] = _field(record, field, hints[field])
+    needed = [name for name in layout.required if name not in {*optional, *absent}]
+    return {
+        "type": "object",
+        "properties": {name: value for name, value in properties.items() if name not in absent},
+        "required": [*required, *needed],
+        "additionalProperties": False,
+    }
+
+
+def _field(record: type, field: str, hint: Any) -> Schema:
+    """Return the schema of a field of a record."""
+    if field in CHOICES.get(record, {}):
+        return {"enum": list(CHOICES[record][field])}
+    result = _value(hint, NUMBERS.get(record, {}).get(field, {}))
+    return result | LISTS.get(record, {}).get(field, {})
+
+
+def _value(hint: Any, bounds: Schema) -> Schema:
+    """Return the schema of a type of values whose numbers have bounds."""
+    if isinstance(hint, types.UnionType):  # optional fields are left out, never null
+        hint = next(part for part in typing.get_args(hint) if part is not types.NoneType)
+    if typing.get_origin(hint) is tuple:
+        parts = typing.get_args(hint)
+        length = {} if parts[-1] is ... else {"minItems": len(parts), "maxItems": len(parts)}
+        return {"type": "array", "items": _value(parts[0], bounds), **length}
+    if is_dataclass(hint) and isinstance(hint, type):
+        return _object(hint)
+    if hint is int:
+        return {"type": "integer", **bounds}
+    return {"type": "string"} if hint is str else _number(bounds)
+
+
+def _number(bounds: Schema) -> Schema:
+    return {"type": "number", "minimum": -LARGEST, "maximum": LARGEST, **bounds}
+
+
+_ARMS: ByKind[Callable[[], Schema]] = ByKind({PLANAR: _planar, SPATIAL: _spatial, CHAIN: _chain})
