@@ -152,14 +152,13 @@ def turn_at(bodies, b, t, out):
 @njit(_nrt=False)
 def top_spin(bodies, b):
     """Bound the angular speed of body b within the horizon [rad/s]."""
-    row, first, count = bodies.rows, int(bodies.rows[b, SWING]), int(bodies.rows[b, PIECES])
-    if count == 0 and first >= 0:
+    row, count = bodies.rows, int(bodies.rows[b, PIECES])
+    if count == 0 and row[b, SWING] >= 0.0:
         return row[b, TOP_SPEED] / (row[b, HANG] + row[b, REACH])
     most = row[b, SPIN] ** 2 + row[b, SPIN + 1] ** 2 + row[b, SPIN + 2] ** 2
-    for p in range(first, first + count):
-        spin = bodies.pieces[p, SPIN] ** 2
-        for i in range(1, 3):
-            spin += bodies.pieces[p, SPIN + i] ** 2
+    for p in range(count):
+        spin = of_piece(bodies, b, p, SPIN) ** 2
+        spin += of_piece(bodies, b, p, SPIN + 1) ** 2 + of_piece(bodies, b, p, SPIN + 2) ** 2
         most = max(most, spin)
     return np.sqrt(most)
 
