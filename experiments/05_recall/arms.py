@@ -24,11 +24,12 @@ HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
 sys.path[:0] = [str(REPOSITORY)]
 
+from gcm_learn.arms import SPATIAL  # noqa: E402
 from gcm_learn.dataset import make_item, quantities_of, read_spec  # noqa: E402
 from gcm_learn.evaluation import chance, difference, holm, mcnemar, wilson  # noqa: E402
 from gcm_learn.planners import plan_to_json  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402  # noqa: E402
-    SPACE,
+    MEMORIES,
     RandomIndex,
     RawIndex,
     RecallPlanner,
@@ -40,6 +41,7 @@ from gcm_learn.seeding import rng  # noqa: E402
 from gcm_learn.situation import situation_to_json  # noqa: E402
 from tests.referee_in_space import judge  # noqa: E402
 
+MOVEMENTS = MEMORIES.of(SPATIAL)
 SEED = 1616
 SPLIT = "test-arms"
 OF_ARM = slice(4, 20)
@@ -70,7 +72,7 @@ class ScaledIndex:
         return len(self.scale.mean) + 1
 
     def _places(self, situations: Sequence[Any]) -> np.ndarray:
-        places = self.scale(np.array([SPACE.raw_features(s) for s in situations]))
+        places = self.scale(np.array([MOVEMENTS.raw_features(s) for s in situations]))
         places[:, OF_ARM] = 0.0
         return places
 
@@ -85,7 +87,7 @@ class ScaledIndex:
 
 def planners() -> dict[str, Any]:
     """Who is asked: the same memories, filed in four ways."""
-    memory = shipped_memory("recall", SPACE)
+    memory = shipped_memory("recall", SPATIAL)
     situations = memory.situations()
     scaled: Any = ScaledIndex.fit(situations)
     filed = {

@@ -34,9 +34,10 @@ from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # n
 from space_pictures import write_figure, write_films  # noqa: E402
 
 from gcm_learn import dataset, seeding  # noqa: E402
+from gcm_learn.arms import SPATIAL  # noqa: E402
 from gcm_learn.planners import layered_in_space  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402
-    SPACE,
+    MEMORIES,
     Adaptation,
     LearnedIndex,
     Scale,
@@ -44,6 +45,7 @@ from gcm_learn.recall import (  # noqa: E402
     waypoints_of,
 )
 
+MOVEMENTS = MEMORIES.of(SPATIAL)
 MANY = (4, 6, 8)  # kinds that are tried
 REPEATS = 4  # bootstrap samples whose clusterings are compared
 LEAST = 60  # members of a cluster of HDBSCAN
@@ -100,13 +102,13 @@ def experience(some: Catches, kinds: np.ndarray) -> Experience:
 
 def spaces(some: Experience) -> dict[str, np.ndarray]:
     """Where the catches lie (n, d), by what is known of them."""
-    index: Any = shipped_memory("recall", SPACE).index
+    index: Any = shipped_memory("recall", SPATIAL).index
     assert isinstance(index, LearnedIndex)
     situations = [record.situation for record in some.records]
     queries = np.array([index.embed_query(s) for s in situations])
     memories = index.encoder.embed_memories(situations, some.traces, some.goals)
-    joints = SPACE.path_features(some.traces, some.goals)
-    raw = np.array([SPACE.raw_features(s) for s in situations])
+    joints = MOVEMENTS.path_features(some.traces, some.goals)
+    raw = np.array([MOVEMENTS.raw_features(s) for s in situations])
     return {
         "memories": directions(memories),
         "situations": directions(queries),
@@ -149,8 +151,8 @@ def tries(some: Experience) -> Tries:
     tried = rng.integers(len(some.records), size=(len(hard), TRIED))
     holds = []
     for i, row in zip(hard.tolist(), tried, strict=True):
-        problem = SPACE.problem(some.records[i].situation, "transfer")
-        found = SPACE.tries(problem, Adaptation()).catch_times(some.traces, some.goals, row)
+        problem = MOVEMENTS.problem(some.records[i].situation, "transfer")
+        found = MOVEMENTS.tries(problem, Adaptation()).catch_times(some.traces, some.goals, row)
         holds.append(found >= 0.0)
     return Tries(hard, tried, np.array(holds) & (tried != hard[:, None]))
 

@@ -43,7 +43,7 @@ from gcm_learn.recall import (  # noqa: E402
     Scale,
     TransferLabels,
     Waypoints,
-    memory_features,
+    map_features,
     nearest_rows,
     raw_features,
 )
@@ -61,7 +61,7 @@ def learned(labels: TransferLabels, turns: int, steps: int) -> dict[str, Memory]
     """The memories filed by encoders that know different things of them."""
     given: Given = {}
     raw = np.array([raw_features(s) for s in labels.situations])
-    padded = np.zeros((len(raw), memory_features.COUNT), np.float32)
+    padded = np.zeros((len(raw), map_features.COUNT), np.float32)
     padded[:, : raw.shape[1]] = Scale.of(raw)(raw)
     out = {}
     for name, kind, seen in (

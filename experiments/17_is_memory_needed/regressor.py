@@ -21,9 +21,10 @@ from torch.nn import functional
 from gcm_learn import seeding
 from gcm_learn.planners import Problem
 from gcm_learn.recall import Adaptation, EncoderConfig, Labels
-from gcm_learn.recall.adaptation import Tries
-from gcm_learn.recall.clearance_features import STEPS, FeatureBatch, batched, clearance_features
-from gcm_learn.recall.kernels import EARLIEST, KNOTS, TIME
+from gcm_learn.recall.adaptation import HandTries
+from gcm_learn.recall.features import STEPS, FeatureBatch, batched
+from gcm_learn.recall.hand_features import clearance_features
+from gcm_learn.recall.hand_paths import EARLIEST, KNOTS, TIME
 from gcm_learn.recall.networks import EncoderNet
 from gcm_learn.recall.planners import _first_plan, _offer
 from gcm_learn.recall.trials import Budget
@@ -130,7 +131,7 @@ def by_regressor(net: Paths) -> Ask:
         paths = proposed(net, problem)
         offer = _offer(np.arange(checks), paths[0])
         budget = Budget(how.bends, checks, 0.0, 0.0)
-        plan, _, tried = _first_plan(problem, Tries(problem, how), paths, offer, budget)
+        plan, _, tried = _first_plan(problem, HandTries(problem, how), paths, offer, budget)
         return Answer(plan, tried)
 
     return ask

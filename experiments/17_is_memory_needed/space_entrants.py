@@ -13,25 +13,28 @@ from regressor import WAITS, Paths, regressor, told
 from space_lessons import OF, PROTOTYPES, SEEDS, SIZES, TURNS, Catches
 from torch import argsort, no_grad
 
+from gcm_learn.arms import SPATIAL
 from gcm_learn.planners import SpatialProblem
 from gcm_learn.recall import (
+    MEMORIES,
     Adaptation,
     EncoderConfig,
     LearnedIndex,
     Memory,
     RandomIndex,
     RawIndex,
+    Waypoints,
     load_encoder,
     shipped_memory,
 )
-from gcm_learn.recall.clearance_features import batched
+from gcm_learn.recall.features import batched
 from gcm_learn.recall.index import nearest_rows
-from gcm_learn.recall.kinds import SPACE
+from gcm_learn.recall.joint_moves import EARLIEST, TIME
 from gcm_learn.recall.planners import _first_plan, _offer
 from gcm_learn.recall.raw_features import Scale
-from gcm_learn.recall.space.kernels import EARLIEST, TIME
-from gcm_learn.recall.space.waypoints import SpatialWaypoints
 from gcm_learn.recall.trials import Budget
+
+MOVEMENTS = MEMORIES.of(SPATIAL)
 
 
 def equal(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
@@ -56,7 +59,7 @@ def needed(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
 
 def shipped(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
     """The memory that is shipped and its controls."""
-    yield from with_controls(shipped_memory("recall", SPACE))
+    yield from with_controls(shipped_memory("recall", SPATIAL))
 
 
 def _paths(folder: Path) -> Catches:
@@ -70,20 +73,20 @@ def _paths(folder: Path) -> Catches:
 def _learned(folder: Path) -> Memory:
     index, some = LearnedIndex(load_encoder(folder)), _paths(folder)
     places = index.encoder.embed_memories([], some.knots, some.goals)
-    return Memory.of(index, places, some.knots, some.goals, kind=SPACE)
+    return Memory.of(index, places, some.knots, some.goals, kind=SPATIAL)
 
 
 def _raw(some: Catches) -> Memory:
     index = RawIndex(Scale.of(some.raw))
     places = nearest_rows(index.scale(some.raw))
-    return Memory.of(index, places, some.knots, some.goals, kind=SPACE)
+    return Memory.of(index, places, some.knots, some.goals, kind=SPATIAL)
 
 
 def _any(some: Catches) -> Memory:
     index = RandomIndex()
-    paths = [SpatialWaypoints(k, g) for k, g in zip(some.knots, some.goals, strict=True)]
+    paths = [Waypoints(k, g) for k, g in zip(some.knots, some.goals, strict=True)]
     places = index.embed_memories([], paths)
-    return Memory.of(index, places, some.knots, some.goals, kind=SPACE)
+    return Memory.of(index, places, some.knots, some.goals, kind=SPATIAL)
 
 
 def _regressor(out: Path, seed: int) -> Ask:
@@ -95,13 +98,15 @@ def _regressor(out: Path, seed: int) -> Ask:
 
     def ask(question: Question, checks: int) -> Answer:
         problem = SpatialProblem(question.situation, "regressor")
-        answer = SPACE.early_answer(problem)
+        answer = MOVEMENTS.early_answer(problem)
         if answer is not None:
             return Answer(answer, 0)
         how, movements = Adaptation(), proposed(net, problem)
         offer = _offer(np.arange(checks), movements[0])
         budget = Budget(how.bends, checks, 0.0, 0.0)
-        plan, _, tried = _first_plan(problem, SPACE.tries(problem, how), movements, offer, budget)
+        plan, _, tried = _first_plan(
+            problem, MOVEMENTS.tries(problem, how), movements, offer, budget
+        )
         return Answer(plan, tried)
 
     return ask
@@ -110,10 +115,10 @@ def _regressor(out: Path, seed: int) -> Ask:
 @no_grad()
 def proposed(net: Paths, problem: SpatialProblem) -> tuple[np.ndarray, np.ndarray]:
     """Knots (CHECKS, KNOTS, COLUMNS) and goals (CHECKS, GOAL), the likeliest first."""
-    made, scores = net(batched([SPACE.look(problem.situation, problem.scene)]))
+    made, scores = net(batched([MOVEMENTS.features(problem.situation, problem.scene)]))
     numbers = (made[0] * net.spread + net.mean)[argsort(-scores[0])].numpy()
-    knots = numbers[:, : -SPACE.goal].reshape(CHECKS, *SPACE.knots)
+    knots = numbers[:, : -MOVEMENTS.goal].reshape(CHECKS, *MOVEMENTS.knots)
     time = np.maximum.accumulate(np.maximum(knots[:, :, TIME], 0.0), axis=1)
     waits = knots[:, :, EARLIEST] > WAITS * np.maximum(time, 1e-3)
     knots[:, :, TIME], knots[:, :, EARLIEST] = time, np.where(waits, time, 0.0)
-    return np.ascontiguousarray(knots), np.ascontiguousarray(numbers[:, -SPACE.goal :])
+    return np.ascontiguousarray(knots), np.ascontiguousarray(numbers[:, -MOVEMENTS.goal :])

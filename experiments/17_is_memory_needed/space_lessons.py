@@ -10,13 +10,15 @@ import numpy as np
 from lessons import PICK, Prototypes, Strict, medoids, trained
 
 from gcm_learn import seeding
+from gcm_learn.arms import SPATIAL
 from gcm_learn.dataset import Dataset
 from gcm_learn.processes import Here
+from gcm_learn.recall import MEMORIES, raw_features
 from gcm_learn.recall.growth import catch_of
-from gcm_learn.recall.kinds import SPACE, raw_numbers
 from gcm_learn.recall.transfer_labels import EASY, Sizes, TransferLabels
 from gcm_learn.storage import write_whole
 
+MOVEMENTS = MEMORIES.of(SPATIAL)
 SIZES_OF_BATCHES = Sizes(situations=256, any=64)
 """Half of the package's situations, and two fifths of its memories."""
 TURNS = 24
@@ -69,7 +71,7 @@ def _read(records: Dataset, rows: np.ndarray) -> list[tuple]:
     for row, record in zip(rows.tolist(), records[rows], strict=True):
         path = catch_of(record)
         if path is not None:
-            raw = raw_numbers(record.situation)
+            raw = raw_features(record.situation)
             found.append((row, path.knots, path.goal, raw, record.stratum == "L"))
     return found
 
@@ -86,10 +88,10 @@ class Told(Strict):
 
     def __init__(self, experience: tuple[Dataset, Catches, list[Any]], seed: int) -> None:
         records, some, self._exam = experience
-        self.spec, self.seed, self.crew, self.kind = records.spec, seed, Here(), SPACE
+        self.spec, self.seed, self.crew, self.kind = records.spec, seed, Here(), MOVEMENTS
         self.sizes = SIZES_OF_BATCHES
         self.knots, self.goals = some.knots, some.goals
-        self.path_features = SPACE.path_features(self.knots, self.goals)
+        self.path_features = MOVEMENTS.path_features(self.knots, self.goals)
         self.map_features = None
         lots = seeding.rng(seed, PICK, 1)
         self._order = np.flatnonzero(~some.easy | (lots.random(len(some.easy)) < EASY))
@@ -134,7 +136,7 @@ def _train(name: str, experience: tuple[Dataset, Catches, list[Any]], out: Path)
         data: Strict = Told((records, whole.part(int(size), int(seed)), exam), int(seed))
     else:
         some = whole.part(OF, int(seed))
-        kept = medoids(SPACE.path_features(some.knots, some.goals), int(size), int(seed))
+        kept = medoids(MOVEMENTS.path_features(some.knots, some.goals), int(size), int(seed))
         data = Few((records, some, exam), int(seed), kept)
     place = out / "encoders" / name
     trained(data, int(seed), place, TURNS, out / "work" / name)

@@ -53,10 +53,11 @@ class Gallery:
         return 0
 
     def _show_memory(self) -> int:
-        from gcm_learn.recall import PLANE, Memory
+        from gcm_learn.arms import PLANAR
+        from gcm_learn.recall import Memory
 
         memory = Memory.load(self.folder)
-        if memory.kind != PLANE:
+        if memory.kind != PLANAR:
             raise CommandFailure(f"{self.folder}: pages show memories of planar arms only")
         folder = made_folder(self.out, option="--out")
         from gcm_learn.plots import write_memory_page

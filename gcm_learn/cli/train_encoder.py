@@ -87,8 +87,9 @@ class TrainEncoder:
     def _train(self, records: Dataset, trainers: ModuleType, crew: Crew) -> int:
         from gcm_learn.recall import EncoderConfig, TransferLabels, load_encoder, write_model
 
-        arm: Literal["planar", "spatial"] = "spatial" if records.spec.spatial else "planar"
-        config = EncoderConfig(dim=self.dim, memory=self.memory, seed=self.seed, arm=arm)
+        config = EncoderConfig(
+            dim=self.dim, memory=self.memory, seed=self.seed, arm=records.spec.kind.name
+        )
         total = len(records.where(split="train"))
         with Progress(min(total, self.most or total), "records read") as reading:
             labels = TransferLabels(

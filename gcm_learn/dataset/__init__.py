@@ -13,10 +13,11 @@ except ImportError as _error:  # pragma: no cover - depends on what is installed
         "gcm_learn.dataset needs pyarrow and fsspec: pip install 'gcm_learn[data]'"
     ) from _error
 
+from gcm_learn.dataset.cases import planner_of
 from gcm_learn.dataset.feeding import WINDOW, Example, MapCache
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import generate
-from gcm_learn.dataset.item import make_item, planner_of
+from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.manifest import Manifest, survey
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.dataset.reader import Dataset

@@ -7,21 +7,20 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 
-from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.arms import Kind
+from gcm_learn.dataset.arm_columns import BITS, COUNT, NUMBER, WORD
+from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, Interception
-from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
+from gcm_learn.motion import Failure
 from gcm_learn.planners import AnyPlan, Plan
-from gcm_learn.situation import AnySituation, Situation, planar
+from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.wave import WaveParams
 
 UNREACHED = 65535  # step count of cells without an arrival
 STEP = WaveParams().step  # [tau] a step count is one Euler step of the wave, whatever the engine
 
-Types = Mapping[str, pa.DataType]
-WORD, NUMBER, BITS, COUNT = pa.string(), pa.float64(), pa.binary(), pa.int32()
 MAP = {
     "arrival": BITS,
     "effective_obstacles": BITS,
@@ -33,29 +32,6 @@ MAP = {
     "contact_time": NUMBER,
     "contact_body": WORD,
 }
-PLAN = pa.struct(
-    {
-        "status": WORD,
-        "message": WORD,
-        "catch_time": NUMBER,
-        "catch_body": WORD,
-        "clearance": NUMBER,
-        "time": pa.list_(NUMBER),
-        "hand": pa.list_(NUMBER),
-    }
-)
-SPATIAL_PLAN = pa.struct(
-    {
-        "status": WORD,
-        "message": WORD,
-        "catch_time": NUMBER,
-        "catch_body": WORD,
-        "clearance": NUMBER,
-        "time": pa.list_(NUMBER),
-        "joints": pa.list_(NUMBER),
-        "rates": pa.list_(NUMBER),
-    }
-)
 
 
 def map_cells(made: CognitiveMap) -> Sequence[Any]:
@@ -116,9 +92,9 @@ def _bits(packed: bytes, n: int) -> np.ndarray:
     return bits.reshape(n, n).astype(bool)
 
 
-def plan_cell(plan: AnyPlan) -> dict[str, Any]:
-    """The cell of a plan, as PLAN has it, or SPATIAL_PLAN in space."""
-    clearance = plan.clearance
+def plan_cell(kind: Kind, plan: AnyPlan) -> dict[str, Any]:
+    """Return the cell of a plan for a kind of arm."""
+    clearance, path = plan.clearance, plan.trajectory
     return {
         "status": plan.status,
         "message": plan.message,
@@ -126,25 +102,15 @@ def plan_cell(plan: AnyPlan) -> dict[str, Any]:
         "catch_body": plan.catch_body,
         # without obstacles it has no value
         "clearance": None if clearance is None or math.isinf(clearance) else clearance,
-        **_path_cells(plan.trajectory),
+        **({} if path is None else RECORDS.of(kind).path_cells(path)),
     }
 
 
-def _path_cells(path: Trajectory | SpatialTrajectory | None) -> dict[str, Any]:
-    """Time and hand, or time, joints and rates; nothing of what there is not."""
-    if path is None:
-        return {}
-    if isinstance(path, Trajectory):
-        return {"time": path.time, "hand": path.hand.ravel()}
-    rates = None if path.rates is None else path.rates.ravel()
-    return {"time": path.time, "joints": path.joints.ravel(), "rates": rates}
-
-
 def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> Plan[Any]:
-    """The plan of a planner for a situation."""
+    """Return the plan of a planner for a situation."""
     path, clearance = None, cells["clearance"]
     if cells["time"] is not None:
-        path = _path_of(situation, cells)
+        path = RECORDS.of(situation).path(situation.arm, cells)
         clearance = math.inf if clearance is None else clearance
     return Plan(
         name=situation.name,
@@ -158,16 +124,3 @@ def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> 
         clearance=clearance,
         trajectory=path,
     )
-
-
-def _path_of(situation: AnySituation, cells: Mapping[str, Any]) -> Trajectory | SpatialTrajectory:
-    arm, time = situation.arm, np.asarray(cells["time"], dtype=float)
-    if isinstance(arm, SpatialArm):
-        joints = np.asarray(cells["joints"], dtype=float).reshape(-1, JOINTS)
-        rates = cells["rates"]
-        if rates is not None:
-            rates = np.asarray(rates, dtype=float).reshape(-1, JOINTS)
-        return SpatialTrajectory(arm, time, joints, rates)
-    hand = np.asarray(cells["hand"], dtype=float).reshape(-1, 2)
-    arm = planar(situation, "a path of hands").arm
-    return Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)

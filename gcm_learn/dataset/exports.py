@@ -12,6 +12,7 @@ import numpy as np
 
 from gcm_learn.arms import elbow_position
 from gcm_learn.dataset import Dataset, Record
+from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.planners import Plan
 from gcm_learn.scene import pack_bodies, poses_at
@@ -59,7 +60,7 @@ def export_minari(
         raise DatasetError(
             "episodes need minari and gymnasium: pip install 'gcm_learn[export]'"
         ) from None
-    if records.spec.spatial:
+    if not RECORDS.of(records.spec.kind).episodes:
         raise DatasetError(f"{records.folder.url}: episodes are of planar arms")
     size = ARM + BODIES * PER_BODY
     buffers = [

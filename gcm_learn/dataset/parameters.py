@@ -11,11 +11,10 @@ import math
 
 import numpy as np
 
-from gcm_learn.arms import Arm, Chain, SpatialArm, rotation_of
+from gcm_learn.arms import rotation_of
 from gcm_learn.checks import quote
+from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.errors import SituationError
-from gcm_learn.motion import fastest_hand
-from gcm_learn.scene import pack
 from gcm_learn.situation import (
     AnySituation,
     Body,
@@ -28,7 +27,6 @@ from gcm_learn.situation import (
     Polygon,
     SolidQuadratic,
     Sphere,
-    planar,
 )
 
 DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]
@@ -39,16 +37,7 @@ def structure_of(situation: AnySituation) -> str:
 
     Only situations of the same structure can be compared number by number.
     """
-    return "|".join([_arm_kind(situation), *map(_kind, _in_order(situation))])
-
-
-def _arm_kind(situation: AnySituation) -> str:
-    arm = situation.arm
-    if isinstance(arm, SpatialArm):
-        hand = "" if arm.max_hand_speed is None else "+hand"
-        return f"space{hand}{'' if arm.max_joint_acceleration is None else '+acceleration'}"
-    joints = "" if arm.max_joint_speed is None else "+joints"
-    return f"{'solid' if situation.is_solid else 'planar'}{joints}"
+    return "|".join([RECORDS.of(situation).word(situation), *map(_kind, _in_order(situation))])
 
 
 def parameters_of(situation: AnySituation) -> np.ndarray:
@@ -58,39 +47,12 @@ def parameters_of(situation: AnySituation) -> np.ndarray:
     does not matter in which they were listed.
     """
     arm, horizon = situation.arm, situation.horizon
-    if isinstance(arm, SpatialArm):
-        numbers = _spatial_arm_numbers(arm, horizon)
-    else:
-        numbers = _arm_numbers(planar(situation, "a data set").arm, horizon)
+    numbers = RECORDS.of(situation).numbers(arm, horizon)
     for body in _in_order(situation):
         numbers += _motion_numbers(body, horizon)
         numbers += _shape_numbers(body)
-    unit = forearm_of(arm)
+    unit = RECORDS.of(situation).forearm(arm)
     return np.array(numbers if unit == 1.0 else [n / unit for n in numbers], dtype=np.float32)
-
-
-def forearm_of(arm: Arm | SpatialArm | Chain) -> float:
-    """Length of the forearm in the situation's unit."""
-    return math.hypot(*arm.forearm) if isinstance(arm, SpatialArm) else 1.0
-
-
-def _arm_numbers(arm: Arm, horizon: float) -> list[float]:
-    joints = arm.max_joint_speed or ()
-    numbers = [arm.hand[0], arm.upper_arm, arm.max_hand_speed * horizon, arm.thickness, arm.grasp]
-    return [*numbers, *(limit * horizon for limit in joints)]
-
-
-def _spatial_arm_numbers(arm: SpatialArm, horizon: float) -> list[float]:
-    """Angles count as the way of the hand that they turn about the elbow."""
-    unit = forearm_of(arm)
-    ends = [end for ends in arm.joint_range for end in ends]
-    turns = [*arm.joints, *ends, *(limit * horizon for limit in arm.max_joint_speed)]
-    if arm.max_joint_acceleration is not None:
-        turns += [0.5 * limit * horizon**2 for limit in arm.max_joint_acceleration]
-        turns += [rate * horizon for rate in arm.joint_rates or ()]
-    hand = [] if arm.max_hand_speed is None else [arm.max_hand_speed * horizon]
-    bones = [*arm.upper_arm, *arm.forearm, *hand, arm.thickness, arm.grasp]
-    return bones + [unit * turn for turn in turns]
 
 
 def twin_key(structure: str, parameters: np.ndarray) -> int:
@@ -172,12 +134,8 @@ def quantities_of(situation: AnySituation, top_speed: float) -> dict[str, float]
     top_speed : float
         Largest speed of any body within the horizon [lengths / s].
     """
-    obstacles, arm, unit = situation.obstacles, situation.arm, forearm_of(situation.arm)
-    if isinstance(arm, SpatialArm):
-        upper_arm, hand_speed = math.hypot(*arm.upper_arm), float(fastest_hand(pack(situation)))
-    else:
-        upper_arm = planar(situation, "a data set").arm.upper_arm
-        hand_speed = planar(situation, "a data set").arm.max_hand_speed
+    obstacles, kind = situation.obstacles, RECORDS.of(situation)
+    unit, (upper_arm, hand_speed) = kind.forearm(situation.arm), kind.sizes(situation)
     return {
         "upper_arm": upper_arm / unit,
         "max_hand_speed": hand_speed / unit,

@@ -6,28 +6,18 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 import pyarrow as pa
 
 from gcm_learn.arms import Base
-from gcm_learn.dataset.cells import (
-    COUNT,
-    MAP,
-    NUMBER,
-    PLAN,
-    SPATIAL_PLAN,
-    WORD,
-    Types,
-    map_cells,
-    map_of,
-    plan_cell,
-    plan_of,
-)
+from gcm_learn.dataset.arm_columns import COUNT, NUMBER, WORD, Types
+from gcm_learn.dataset.cases import OracleLabel
+from gcm_learn.dataset.cells import MAP, map_cells, map_of, plan_cell, plan_of
+from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.spec import STRATA, DatasetSpec
 from gcm_learn.dataset.splits import QUANTITIES
 from gcm_learn.maps import CognitiveMap
@@ -40,8 +30,6 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 
-VERSION = "gcm-learn/record@1"
-SPATIAL_VERSION = "gcm-learn/record@2"
 REJECTS = (*STRATA, "blocked", "other")
 
 _ORACLE = {"oracle_stratum": WORD, "oracle_lower": NUMBER, "oracle_upper": NUMBER}
@@ -49,8 +37,8 @@ Value = TypeVar("Value")
 
 
 def version_of(spec: DatasetSpec) -> str:
-    """Format of a dataset's records: another one for spatial arms."""
-    return SPATIAL_VERSION if spec.spatial else VERSION
+    """Return the format of a dataset's records."""
+    return RECORDS.of(spec.kind).version
 
 
 def plan_column(planner: str) -> str:
@@ -66,7 +54,7 @@ class Part(Generic[Value]):
     types : DataType, mapping of str to DataType or callable
         Of one column of the part's name, of several by name, or of those that a specification has.
     pack : callable
-        ``pack(value)`` gives a cell for each column. None is nothing but empty cells.
+        ``pack(record, value)`` gives a cell for each column. None is nothing but empty cells.
     unpack : callable
         ``unpack(record, *cells)`` gives the value back. Nothing but empty cells are None.
     label : bool
@@ -76,7 +64,7 @@ class Part(Generic[Value]):
     def __init__(
         self,
         types: pa.DataType | Types | Callable[[DatasetSpec], Types],
-        pack: Callable[[Any], Sequence[Any]] = lambda value: (value,),
+        pack: Callable[[Record, Any], Sequence[Any]] = lambda record, value: (value,),
         unpack: Callable[..., Value] = lambda record, cell: cell,
         label: bool = True,
     ) -> None:
@@ -96,7 +84,7 @@ class Part(Generic[Value]):
     def cells(self, record: Record) -> dict[str, Any]:
         """The value of a record as cells by column."""
         names, value = self.types(record.spec), record.values.get(self.name)
-        cells = [None] * len(names) if value is None else self.pack(value)
+        cells = [None] * len(names) if value is None else self.pack(record, value)
         return dict(zip(names, cells, strict=True))
 
     @overload
@@ -116,35 +104,16 @@ class Part(Generic[Value]):
         return record.values[self.name]
 
 
-@dataclass(frozen=True)
-class OracleLabel:
-    """What the oracle says of a situation."""
-
-    stratum: str
-    lower: float
-    """No movement catches before [s]; infinite if none does."""
-    upper: float
-    """When the oracle's plan catches [s]; infinite if it does not."""
-
-    @property
-    def decided(self) -> bool:
-        """Whether a catch was found or ruled out."""
-        return math.isinf(self.lower) or not math.isinf(self.upper)
-
-
-def _situation_cell(situation: AnySituation) -> tuple[str]:
+def _situation_cell(_: Record, situation: AnySituation) -> tuple[str]:
     return (json.dumps(situation_to_json(situation), separators=(",", ":"), allow_nan=False),)
 
 
-def _frame_cells(frame: Frame | SpatialFrame) -> tuple[Any, ...]:
-    return (None if isinstance(frame, SpatialFrame) else frame.angle), frame.mirrored
+def _frame_cells(_: Record, frame: Frame | SpatialFrame) -> tuple[Any, ...]:
+    return getattr(frame, "angle", None), frame.mirrored
 
 
 def _frame_of(record: Record, angle: float | None, mirrored: bool) -> Frame | SpatialFrame:
-    if angle is None:
-        assert record.base is not None
-        return SpatialFrame(record.base, mirrored)
-    return Frame(angle, mirrored)
+    return RECORDS.of(record.spec.kind).frame(record.base, angle, mirrored)
 
 
 class Record:
@@ -175,30 +144,31 @@ class Record:
     """What `parameters` mean."""
     twin_key = Part[int](pa.int64())
     """Equal for twins: see `parameters.twin_key`."""
-    oracle = Part[OracleLabel | None](_ORACLE, astuple, lambda _, *cells: OracleLabel(*cells))
+    oracle = Part[OracleLabel | None](
+        _ORACLE, lambda _, label: astuple(label), lambda _, *cells: OracleLabel(*cells)
+    )
     """The oracle's label, None if it was not asked."""
     quantities = Part[dict[str, float]](
         dict.fromkeys(QUANTITIES, NUMBER),
-        lambda quantities: [quantities[name] for name in QUANTITIES],
+        lambda _, quantities: [quantities[name] for name in QUANTITIES],
         lambda _, *cells: dict(zip(QUANTITIES, cells, strict=True)),
     )
-    """What range splits ask about."""
+    """Numbers that range splits compare."""
+    spec: DatasetSpec
     base = Part[Base | None](
-        lambda spec: (
-            {"origin": pa.list_(NUMBER), "rotation": pa.list_(NUMBER)} if spec.spatial else {}
-        ),
-        lambda base: (list(base.origin), list(base.rotation)),
+        lambda spec: RECORDS.of(spec.kind).base,
+        lambda _, base: (list(base.origin), list(base.rotation)),
         lambda _, *cells: Base(*map(tuple, cells)) if cells else None,
         label=False,
     )
-    """Where the base of a spatial arm stood, None in the plane."""
+    """Base of a spatial arm when it was drawn, None for a planar one."""
     frame = Part[Any]({"angle": NUMBER, "mirrored": pa.bool_()}, _frame_cells, _frame_of)
-    """How the situation lay when it was drawn: a `Frame`, or a `SpatialFrame` without an angle."""
+    """Frame of the situation when it was drawn: a `Frame`, or a `SpatialFrame` without an angle."""
     attempts = Part[int](COUNT)
     """Situations drawn."""
     rejected = Part[Mapping[str, int]](
         pa.struct([(name, COUNT) for name in REJECTS]),
-        lambda counts: [{name: counts[name] for name in REJECTS}],
+        lambda _, counts: [{name: counts[name] for name in REJECTS}],
     )
     """How many of them were not wanted, by stratum; also "blocked" (the limb touches an obstacle at
     t = 0) and "other" (not the wanted stratum, and not looked into any further)."""
@@ -217,7 +187,7 @@ class Record:
     """The situation as numbers (m,) float32; what they mean is its structure."""
     map = Part[CognitiveMap | None](
         lambda spec: {} if spec.map == "none" else MAP,
-        map_cells,
+        lambda _, made: map_cells(made),
         lambda record, *cells: (
             map_of(record.situation, record.spec.map, record.n, cells) if cells else None
         ),
@@ -225,10 +195,8 @@ class Record:
     )
     """The cognitive map, None if the record has none."""
     plans = Part[dict[str, Plan[Any]]](
-        lambda spec: {
-            plan_column(name): SPATIAL_PLAN if spec.spatial else PLAN for name in spec.planners
-        },
-        lambda plans: [plan_cell(plan) for plan in plans.values()],
+        lambda spec: dict.fromkeys(map(plan_column, spec.planners), RECORDS.of(spec.kind).plan),
+        lambda record, plans: [plan_cell(record.spec.kind, plan) for plan in plans.values()],
         lambda record, *cells: {
             name: plan_of(record.situation, name, cell)
             for name, cell in zip(record.planners, cells, strict=True)

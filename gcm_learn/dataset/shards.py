@@ -16,13 +16,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gcm_learn import __version__, compiled
-from gcm_learn.dataset.cells import PLAN, SPATIAL_PLAN
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.kinds import RECORDS, VERSIONS
 from gcm_learn.dataset.record import (
     LABELS,
-    SPATIAL_VERSION,
-    VERSION,
     Record,
     plan_column,
     rows_of,
@@ -142,7 +140,7 @@ def _plan_words(spec: DatasetSpec) -> list[str]:
 
 def _encodings(spec: DatasetSpec) -> dict[str, str]:
     """Numbers of paths are stored byte by byte: the high bytes of neighbours are alike."""
-    plan = SPATIAL_PLAN if spec.spatial else PLAN
+    plan = RECORDS.of(spec.kind).plan
     lists = [part.name for part in plan if pa.types.is_list(part.type)]
     columns = [f"{plan_column(name)}.{part}" for name in spec.planners for part in lists]
     return {f"{column}.list.element": "BYTE_STREAM_SPLIT" for column in columns}
@@ -206,8 +204,8 @@ def header_of(folder: Folder, name: str) -> dict[str, Any]:
     except (OSError, pa.ArrowException, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise DamagedShardError(f"{folder.path(name)}: not a shard ({reason})") from None
-    if header.get("format") not in (VERSION, SPATIAL_VERSION):
-        is_, known = header.get("format", "none"), f"{VERSION} and {SPATIAL_VERSION}"
+    if header.get("format") not in VERSIONS:
+        is_, known = header.get("format", "none"), " and ".join(VERSIONS)
         raise DatasetError(f"{folder.path(name)}: schema is {is_}, this version reads {known}")
     if header["info"]["rows"] != rows:
         raise DatasetError(f"{folder.path(name)}: {rows} rows, not {header['info']['rows']}")

@@ -16,8 +16,9 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from gcm_learn.arms import SPATIAL
+from gcm_learn.arms import Kind, kind_named
 from gcm_learn.dataset import checks
+from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.errors import FamilyError, FileFormatError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
@@ -121,27 +122,27 @@ class DatasetSpec:
         self._check_arms()
 
     def _check_arms(self) -> None:
-        """Refuse arms of two kinds, and in space what is there of the plane only."""
+        """Refuse arms of two kinds, and fields that are not for their kind."""
         kinds = [family.source.kind for family in self.families]
         for k, kind in enumerate(kinds):
             if kind != kinds[0]:
                 raise SpecError(
                     f"families[{k}]", f"is for {kind} arms, and the first one for {kinds[0]} ones"
                 )
-        if not self.spatial:
-            if self.effort is not None:
-                raise SpecError("effort", "is for spatial arms")
-            return
-        if self.map != "none":
-            raise SpecError("map", f"must be 'none' for spatial arms (got {self.map!r})")
+        known = RECORDS.of(self.kind)
+        if self.effort is not None and not known.efforts:
+            others = (kind.plural for kind in RECORDS if RECORDS.of(kind).efforts)
+            raise SpecError("effort", f"is for {' and '.join(others)}")
+        if self.map != "none" and not known.maps:
+            raise SpecError("map", f"must be 'none' for {self.kind.plural} (got {self.map!r})")
         for k, name in enumerate(self.planners):
-            if not takes(get_planner(name), SPATIAL):
-                raise SpecError(f"planners[{k}]", f"{name!r} does not take spatial arms")
+            if not takes(get_planner(name), self.kind):
+                raise SpecError(f"planners[{k}]", f"{name!r} does not take {self.kind.plural}")
 
     @property
-    def spatial(self) -> bool:
-        """Whether its situations have spatial arms."""
-        return self.families[0].source.kind == "spatial"
+    def kind(self) -> Kind:
+        """Kind of the arms in its situations."""
+        return kind_named(self.families[0].source.kind)
 
     @property
     def shards(self) -> int:

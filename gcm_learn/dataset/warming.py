@@ -11,10 +11,9 @@ from filelock import FileLock
 from llvmlite import binding
 
 from gcm_learn import compiled
-from gcm_learn.arms import Arm
-from gcm_learn.dataset.item import Case, make_item
+from gcm_learn.dataset.item import case_of, make_item
+from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.spec import DatasetSpec
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 
 DRAWS = 2  # items of each family
 _WARM: set[str] = set()  # specifications that this process is ready for
@@ -58,25 +57,15 @@ def warmed(spec: DatasetSpec, work: Callable[[Task], Result], task: Task) -> Res
 def _run(spec: DatasetSpec) -> None:
     """Make a few items, and try all levels of all planners in a situation without a path."""
     small = replace(spec, strata=None, count=DRAWS * len(spec.families))
+    examples = RECORDS.of(spec.kind).case.examples()
     for k in range(small.count):
         family = spec.families[k // DRAWS]
-        one = replace(
-            small, families=(family,), audit=float(spec.spatial and spec.audit > 0.0 and k == 0)
-        )
-        make_item(one, k)
-    for situation in () if spec.spatial else _scenes():
-        case = Case(situation, small)
+        alone = not examples and spec.audit > 0.0 and k == 0
+        make_item(replace(small, families=(family,), audit=float(alone)), k)
+    for situation in examples:
+        case = case_of(situation, small)
         for name in ("straight", "marching", "layered", *spec.planners):
             case.plan(name)
         case.map()
         if spec.audit > 0.0 or spec.label == "oracle":
             case.oracle()
-
-
-def _scenes() -> tuple[Situation, Situation]:
-    """A target that is free and one that is covered."""
-    still = PlanarQuadratic((0.4, 1.4), (0.0, 0.0), (0.0, 0.0))
-    ball = Body("target", "ball", Disc(0.08), still)
-    lid = Body("obstacle", "lid", Disc(0.4), still)
-    arm = Arm((1.3, 0.0), 3.0)
-    return Situation("free", 1.0, arm, (ball,)), Situation("covered", 1.0, arm, (ball, lid))

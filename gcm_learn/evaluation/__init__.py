@@ -1,7 +1,7 @@
 """Comparison: any planners and policies on the same situations, with paired statistics."""
 
 from gcm_learn.evaluation.blurred import HABITS, blurred, compare_blurred, episodes
-from gcm_learn.evaluation.contest import DELAYS, collision_point, compare, warmed
+from gcm_learn.evaluation.contest import DELAYS, compare, warmed
 from gcm_learn.evaluation.costs import Cost, costs_of, log_of
 from gcm_learn.evaluation.measures import (
     Measures,
@@ -12,6 +12,7 @@ from gcm_learn.evaluation.measures import (
     pairs,
 )
 from gcm_learn.evaluation.methods import ActorMethod, Method, Result, get_method
+from gcm_learn.evaluation.movements import collision_point
 from gcm_learn.evaluation.statistics import (
     Interval,
     chance,

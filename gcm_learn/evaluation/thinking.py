@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from gcm_learn.arms import SpatialArm
-from gcm_learn.collision import least_distance
+from gcm_learn.evaluation.kinds import CONTESTS
 from gcm_learn.evaluation.methods import Method
-from gcm_learn.motion import resting_in_space
-from gcm_learn.planners import Problem, first_catch_on
-from gcm_learn.scene import later, pack
-from gcm_learn.situation import AnySituation, Situation, planar
-
-_ANY = 1e9  # resolution of clearance: whether the limb touches is exact whatever it is
+from gcm_learn.scene import later
+from gcm_learn.situation import AnySituation
 
 
 def charged(method: Method, situation: AnySituation, delay: float) -> str | None:
@@ -33,23 +26,5 @@ def charged(method: Method, situation: AnySituation, delay: float) -> str | None
 
 
 def resting(situation: AnySituation, delay: float) -> str:
-    """What happens to a hand that rests for `delay` [s]: caught, touched, or nothing (empty)."""
-    if delay <= 0.0:
-        return ""
-    if isinstance(situation.arm, SpatialArm):
-        touched, met = resting_in_space(pack(situation), min(delay, situation.horizon))
-        return "caught" if 0.0 <= met <= touched else "touched" if touched < delay else ""
-    return _resting_in_plane(planar(situation, "resting"), delay)
-
-
-def _resting_in_plane(situation: Situation, delay: float) -> str:
-    arm, problem = situation.arm, Problem(situation, "rest")
-    time = np.array([0.0, min(delay, situation.horizon)])
-    hand = np.array([arm.hand, arm.hand])
-    met, _ = first_catch_on(problem, time, hand)
-    if met >= 0.0:
-        time[1] = met
-    distance, _ = least_distance(problem.scene, time, hand, arm.thickness, _ANY)
-    if distance <= arm.thickness:
-        return "touched"
-    return "caught" if met >= 0.0 else ""
+    """Return the outcome of a rest for `delay` [s]: caught, touched, or nothing (empty)."""
+    return "" if delay <= 0.0 else CONTESTS.of(situation).resting(situation, delay)

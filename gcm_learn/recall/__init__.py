@@ -26,8 +26,8 @@ from gcm_learn.recall.index import (
     index_class,
     nearest_rows,
 )
-from gcm_learn.recall.kinds import PLANE, SPACE, waypoints_of
-from gcm_learn.recall.memory_features import map_picture
+from gcm_learn.recall.kinds import MEMORIES, raw_features, waypoints_of
+from gcm_learn.recall.map_features import map_picture
 from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
     HybridPlanner,
@@ -39,8 +39,7 @@ from gcm_learn.recall.planners import (
     shipped_memory,
     unverified,
 )
-from gcm_learn.recall.raw_features import Scale, own_axis, raw_features
-from gcm_learn.recall.space.waypoints import SpatialWaypoints
+from gcm_learn.recall.raw_features import Scale, own_axis
 from gcm_learn.recall.store import Entry, Memory
 from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share
 
@@ -77,17 +76,15 @@ __all__ = [
     "Labels",
     "LearnedIndex",
     "MANIFEST",
+    "MEMORIES",
     "Memory",
-    "PLANE",
     "PcaIndex",
     "RandomIndex",
     "RawIndex",
     "RecallPlanner",
     "Recollection",
     "Rollout",
-    "SPACE",
     "Scale",
-    "SpatialWaypoints",
     "SplinesPlanner",
     "Trainer",
     "Sizes",

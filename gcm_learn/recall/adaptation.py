@@ -8,23 +8,37 @@ what it breaks is found by the verification that every plan goes through.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from gcm_learn.motion import SPACING, first_interception, refine, spread
-from gcm_learn.planners import Attempt, Problem, attempt_of
-from gcm_learn.recall import kernels, trials
-from gcm_learn.recall.kernels import Query, Style
+from gcm_learn.arms import JOINTS
+from gcm_learn.motion import SPACING, SpatialTrajectory, first_interception, refine, spread
+from gcm_learn.planners import (
+    Attempt,
+    Plan,
+    Problem,
+    SpatialProblem,
+    at_once,
+    attempt_of,
+    study_of,
+)
+from gcm_learn.recall import trials
+from gcm_learn.recall.hand_paths import HandQuery, HandWork, hand_work
+from gcm_learn.recall.joint_moves import JointQuery, JointWork, joint_work
+from gcm_learn.recall.styles import CARTESIAN, HURRY, KEEP, POLAR, Style
+from gcm_learn.recall.timed_moves import TimedQuery
 from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.recall.waypoints import Waypoints, ring_share
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, spatial_frame_of
 
-INSTANTS = 129  # at which paths are looked at before their check
-STYLES = {"polar": kernels.POLAR, "cartesian": kernels.CARTESIAN}
-TEMPOS = {"hurry": kernels.HURRY, "keep": kernels.KEEP}
+INSTANTS = 129  # of a quick check of a hand path
+MOST_BENDS = 3  # changes at most of a joint movement, however many are allowed
+STYLES = {"polar": POLAR, "cartesian": CARTESIAN}
+TEMPOS = {"hurry": HURRY, "keep": KEEP}
 
 
 @dataclass(frozen=True)
@@ -52,13 +66,13 @@ class Adaptation:
 DEFAULT = Adaptation()
 
 
-def query_of(problem: Problem) -> Query:
+def query_of(problem: Problem) -> HandQuery:
     """What adaptations must know of a situation; once for all memories."""
     scene, rules, arm = problem.scene, problem.rules, problem.situation.arm
     x, y = arm.hand
     horizon = problem.situation.horizon
     soonest, _, _, _ = first_interception(scene, rules, x, y, 0.0, 0.0, horizon)
-    return Query(
+    return HandQuery(
         scene=scene,
         rules=rules,
         table=np.full((INSTANTS, len(scene.bodies.rows), 12), np.nan),
@@ -68,11 +82,150 @@ def query_of(problem: Problem) -> Query:
     )
 
 
+class Tries(ABC):
+    """Memories tried on a situation.
+
+    Parameters
+    ----------
+    problem : Problem or SpatialProblem
+    how : Adaptation
+    """
+
+    def __init__(self, problem: Any, how: Adaptation) -> None:
+        self.problem, self.how = problem, how
+
+    @cached_property
+    @abstractmethod
+    def query(self) -> Any:
+        """The situation, as adaptations need it."""
+
+    @property
+    def styles(self) -> np.ndarray:
+        """Columns (s, 2) of the `Style`s in which each memory is tried."""
+        return self.how.styles
+
+    @property
+    def bends(self) -> int:
+        """Changes at most of a path that touches."""
+        return self.how.bends
+
+    @abstractmethod
+    def work(self) -> Any:
+        """Return buffers of kernels."""
+
+    @abstractmethod
+    def attempt(self, work: Any, count: int, body: int) -> Attempt[Any]:
+        """Return the path in the buffers as an attempt at a target."""
+
+    def first_valid(
+        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
+    ) -> tuple[int, int, Attempt[Any] | None]:
+        """Find the first of the offered memories that is valid.
+
+        Parameters
+        ----------
+        paths : (ndarray, ndarray)
+            Knots and goals of all memories.
+        offer : Offer
+        budget : Budget
+
+        Returns
+        -------
+        place : int
+            Position in the offer, -1 if none is valid.
+        checked : int
+            Paths that were checked.
+        attempt : Attempt or None
+            Path that the verification has still to confirm.
+        """
+        work = self.work()
+        k, body, tried, count = trials.first_valid(
+            self.query, paths, offer, self.styles, budget, work
+        )
+        return k, tried, self.attempt(work, count, int(body)) if k >= 0 else None
+
+    def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        """Return when memories catch, see `transfer`."""
+        out: np.ndarray = trials.catch_times(
+            self.query, (knots, goals), chosen, self.styles, self.bends, self.work()
+        )
+        return out
+
+
+class HandTries(Tries):
+    """Hand paths tried on a situation of a planar arm."""
+
+    @cached_property
+    def query(self) -> HandQuery:
+        """The situation, as adaptations of hand paths need it."""
+        return query_of(self.problem)
+
+    def work(self) -> HandWork:
+        """Return buffers of kernels."""
+        made: HandWork = hand_work(self.query)
+        return made
+
+    def attempt(self, work: HandWork, count: int, body: int) -> Attempt:
+        """Return the path in the buffers as an attempt, sampled for the joints, too."""
+        arm = self.problem.situation.arm
+        path = spread(work.best_time[:count], work.best_hand[:count], SPACING)
+        return attempt_of(self.problem, *refine(arm, *path), body)
+
+
+class JointTries(Tries):
+    """Joint movements tried on a situation of a spatial arm.
+
+    They have one tempo only; under limits of acceleration several times of the end are tried.
+    """
+
+    @cached_property
+    def query(self) -> JointQuery | TimedQuery:
+        """The situation, as adaptations of joint movements need it."""
+        frame = spatial_frame_of(self.problem.situation)
+        study = study_of(self.problem.scene, self.problem.rules)
+        made = TimedQuery if self.problem.accelerates else JointQuery
+        return made(study, frame.canonical_joints(np.ones(JOINTS)))
+
+    @property
+    def styles(self) -> np.ndarray:
+        """The one `Style` (1, 2) of joint movements."""
+        return np.array([[POLAR, KEEP if self.how.tempo == "keep" else HURRY]])
+
+    @property
+    def bends(self) -> int:
+        """Changes at most of a movement that touches."""
+        return min(self.how.bends, MOST_BENDS)
+
+    def work(self) -> JointWork:
+        """Return buffers of kernels."""
+        return joint_work()
+
+    def attempt(self, work: JointWork, count: int, body: int) -> Attempt[SpatialTrajectory]:
+        """Return the movement in the buffers as an attempt."""
+        rates = work.track.rates if self.problem.accelerates else None
+        time, joints = work.best_time[:count], work.best_joints[:count]
+        arm = self.problem.situation.arm
+        return Attempt(SpatialTrajectory(arm, time, joints, rates), body)
+
+    def first_valid(
+        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
+    ) -> tuple[int, int, Attempt[Any] | None]:
+        """Find the first of the offered memories that is valid; see `Tries`."""
+        if not self.problem.accelerates:
+            budget = budget._replace(changes=self.bends)
+        return super().first_valid(paths, offer, budget)
+
+
+def early_answer_in_space(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
+    """Return the answer that needs no memory: hopeless, blocked, or caught at t = 0."""
+    return problem.early_answer(keeps_acceleration=True) or at_once(problem)
+
+
 def adapt(
     problem: Problem,
     waypoints: Waypoints,
     how: Adaptation = DEFAULT,
-    query: Query | None = None,
+    query: HandQuery | None = None,
 ) -> Attempt | None:
     """Adapt one memory to a situation, in the first of its styles that meets a target in time.
 
@@ -89,72 +242,14 @@ def adapt(
     Attempt or None
         Not verified.
     """
-    query = query_of(problem) if query is None else query
-    work = kernels.workspace_for(query)
-    knots, goals = waypoints.knots[None], waypoints.goal[None]
+    tries = HandTries(problem, how)
+    query = tries.query if query is None else query
+    work, paths = hand_work(query), (waypoints.knots[None], waypoints.goal[None])
     for style in how.styles:
-        count, _, body = trials.adapted(knots, goals, 0, query, Style(*style), work, how.bends)
+        count, _, body = trials.adapted(query, paths, 0, Style(*style), work, how.bends)
         if count:
-            return attempt_at(problem, work.best_time[:count], work.best_hand[:count], body)
+            return tries.attempt(work, count, int(body))
     return None
-
-
-def attempt_at(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
-    """An adapted path (m,), (m, 2) as an attempt, with samples near enough for joints, too."""
-    arm = problem.situation.arm
-    time, hand = refine(arm, *spread(time, hand, SPACING))
-    return attempt_of(problem, time, hand, int(body))
-
-
-class Tries:
-    """Memories tried on a situation of the plane.
-
-    Parameters
-    ----------
-    problem : Problem
-    how : Adaptation
-    """
-
-    def __init__(self, problem: Problem, how: Adaptation) -> None:
-        self.problem, self.how = problem, how
-
-    @cached_property
-    def query(self) -> Query:
-        """What adaptations must know of the situation."""
-        return query_of(self.problem)
-
-    def first_valid(
-        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
-    ) -> tuple[int, int, Attempt | None]:
-        """The first of the offered memories that is valid.
-
-        Parameters
-        ----------
-        paths : (ndarray, ndarray)
-            Knots and goals of all memories.
-        offer : Offer
-        budget : Budget
-
-        Returns
-        -------
-        place : int
-            In the offer, -1 if none is.
-        checked : int
-            Paths that were checked.
-        attempt : Attempt or None
-            Which the verification has still to confirm.
-        """
-        k, body, tried, time, hand = trials.first_valid(
-            *paths, offer, self.query, self.how.styles, budget
-        )
-        return k, tried, attempt_at(self.problem, time, hand, body) if k >= 0 else None
-
-    def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-        """When memories catch in it, see `transfer`."""
-        out: np.ndarray = trials.catch_times(
-            knots, goals, chosen, self.query, self.how.styles, self.how.bends
-        )
-        return out
 
 
 def transfer(
@@ -183,4 +278,4 @@ def transfer(
     problem = situation if isinstance(situation, Problem) else Problem(situation, "transfer")
     rows = np.arange(len(knots)) if chosen is None else chosen
     rows = np.ascontiguousarray(rows, dtype=np.int64)
-    return Tries(problem, how).catch_times(knots, goals, rows)
+    return HandTries(problem, how).catch_times(knots, goals, rows)

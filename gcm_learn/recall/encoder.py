@@ -23,11 +23,12 @@ from typing import Any, Literal
 
 import numpy as np
 
+from gcm_learn.arms import PLANAR, Kind, kind_named
 from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
-from gcm_learn.recall.clearance_features import Features
-from gcm_learn.recall.kinds import BY_NAME, Kind
-from gcm_learn.recall.memory_features import map_features
+from gcm_learn.recall.features import Features
+from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.map_features import map_features
 from gcm_learn.scene import Scene
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import content_hash, write_whole
@@ -60,7 +61,7 @@ class EncoderConfig:
     """Share of batches, after the first ones, on the memories that the encoder itself thinks
     best."""
     seed: int = 0
-    arm: Literal["planar", "spatial"] = "planar"
+    arm: str = PLANAR.name
     """Kind of arm; memories of spatial ones have no maps."""
 
     def __post_init__(self) -> None:
@@ -70,15 +71,21 @@ class EncoderConfig:
                 raise EncoderError(f"{name}: must be an integer of at least {low} (got {value!r})")
         if self.memory not in SOURCES:
             raise EncoderError(f"memory: must be one of {', '.join(SOURCES)} (got {self.memory!r})")
-        if self.arm not in BY_NAME:
-            raise EncoderError(f"arm: must be one of {', '.join(BY_NAME)} (got {self.arm!r})")
-        if self.uses_maps and self.arm != "planar":
+        known = [kind.name for kind in MEMORIES]
+        if self.arm not in known:
+            raise EncoderError(f"arm: must be one of {', '.join(known)} (got {self.arm!r})")
+        if self.uses_maps and not MEMORIES.of(self.kind).maps:
             raise EncoderError(f"memory: {self.memory!r} needs maps, which are of the plane")
         for name in ("listwise", "contrast", "decay", "hard"):
             if not getattr(self, name) >= 0.0:
                 raise EncoderError(f"{name}: must not be negative (got {getattr(self, name)!r})")
         if not self.rate > 0.0:
             raise EncoderError(f"rate: must be positive (got {self.rate!r})")
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of arm."""
+        return kind_named(self.arm)
 
     @property
     def uses_maps(self) -> bool:
@@ -100,7 +107,7 @@ def config_from_json(values: Mapping[str, Any]) -> EncoderConfig:
     """The configuration from JSON values."""
     if values.get("format") != FORMAT:
         raise EncoderError(f"format: is {values.get('format')!r}, expected {FORMAT!r}")
-    values = {"arm": "planar"} | dict(values)  # older files know one kind of arm only
+    values = {"arm": PLANAR.name} | dict(values)  # older files know one kind of arm only
     names = [f.name for f in dataclasses.fields(EncoderConfig)]
     missing = [name for name in names if name not in values]
     if missing:
@@ -165,7 +172,7 @@ class Encoder:
     @property
     def kind(self) -> Kind:
         """Of the arms that it knows."""
-        return BY_NAME[self.config.arm]
+        return self.config.kind
 
     @cached_property
     def key(self) -> str:
@@ -191,7 +198,7 @@ class Encoder:
 
     def embed_situation(self, situation: AnySituation, scene: Scene | None = None) -> np.ndarray:
         """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
-        return self.embed_features(self.kind.look(situation, scene))
+        return self.embed_features(MEMORIES.of(self.kind).features(situation, scene))
 
     def embed_features(self, seen: Features) -> np.ndarray:
         """Embedding (dim,) float32 of a situation by what it looks like."""
@@ -217,7 +224,7 @@ class Encoder:
             part = slice(first, first + CHUNK)
             if self.config.uses_traces:
                 out[part] += self._memory["trace"](
-                    self.kind.path_features(knots[part], goals[part])
+                    MEMORIES.of(self.kind).path_features(knots[part], goals[part])
                 )
             if self.config.uses_maps:
                 maps = np.array([map_features(s) for s in situations[part]])

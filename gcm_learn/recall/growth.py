@@ -17,15 +17,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gcm_learn import seeding
+from gcm_learn.arms import Kind
 from gcm_learn.errors import RecallError
 from gcm_learn.planners import Plan, Planner, get_planner
 from gcm_learn.processes import crew_of
 from gcm_learn.recall.adaptation import Adaptation
 from gcm_learn.recall.book import WORKS
 from gcm_learn.recall.index import Index, index_class
-from gcm_learn.recall.kinds import PLANE, SPACE, AnyWaypoints, Kind, waypoints_of
+from gcm_learn.recall.kinds import MEMORIES, waypoints_of
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory
+from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import Situation, canonical
 
 if TYPE_CHECKING:
@@ -75,7 +77,7 @@ def remember(
         order = np.sort(seeding.rng(seed, 0).permutation(len(order))[:most])
     if isinstance(index, str):
         index = _fitted(records, index, order, seed)
-    kind = SPACE if records.spec.spatial else PLANE
+    kind = records.spec.kind
     memory = Memory(index, kind=kind)
     parts = [order[start : start + CHUNK] for start in range(0, len(order), CHUNK)]
     with crew_of(workers, cluster) as crew:
@@ -90,9 +92,9 @@ def _fitted(records: Dataset, name: str, order: np.ndarray, seed: int) -> Index:
     """A registered index, fitted to situations of the records."""
     if len(order) == 0:
         raise RecallError("the dataset has no records to remember")
-    kind = index_class(name)
+    made = index_class(name)
     sample = np.sort(seeding.rng(seed, 1).permutation(order)[:FITTED])
-    return kind.fit([records[int(k)].situation for k in sample], seed)
+    return made.fit([records[int(k)].situation for k in sample], seed)
 
 
 def _filed(index: Index, kind: Kind, planner: str, records: Iterable[Record]) -> Memory:
@@ -108,7 +110,7 @@ def _filed(index: Index, kind: Kind, planner: str, records: Iterable[Record]) ->
     return memory
 
 
-def catch_of(record: Record, planner: str = "") -> AnyWaypoints | None:
+def catch_of(record: Record, planner: str = "") -> Waypoints | None:
     """Waypoints of a record's catch, of the earliest if no planner is named."""
     names = (planner,) if planner else record.planners
     plans = [record.plans[name] for name in names if record.plans[name].caught]
@@ -225,19 +227,20 @@ def _booked(memory: Memory, situation: Situation, valid: int, fresh: bool, how: 
     page = book.offered()
     if page is not None:
         turned = canonical(situation)[0]  # what is kept, so what is noted is true of it
-        problem = memory.kind.problem(turned, "book")
+        problem = MEMORIES.of(memory.kind).problem(turned, "book")
         query = memory.index.embed_query(turned, problem.scene)
         near = memory.recall(query, WORKS)
         others = near[_catching(memory, problem, near, how) & (near != valid)]
         book.write(page, turned, query, np.append(valid, others))
     if fresh:
         for page in book.thin(memory.embeddings[valid], RETRIED):
-            problem = memory.kind.problem(book.situation(page), "book")
+            problem = MEMORIES.of(memory.kind).problem(book.situation(page), "book")
             if _catching(memory, problem, np.array([valid]), how)[0]:
                 book.note(page, valid)
 
 
 def _catching(memory: Memory, problem: Any, which: np.ndarray, how: Adaptation) -> np.ndarray:
     """Whether memories (m,) catch in the situation of a problem."""
-    times = memory.kind.tries(problem, how).catch_times(memory.knots, memory.goals, which)
+    tries = MEMORIES.of(memory.kind).tries(problem, how)
+    times = tries.catch_times(memory.knots, memory.goals, which)
     return np.asarray(times >= 0.0)

@@ -12,9 +12,10 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
-from gcm_learn.recall.kinds import AnyWaypoints, raw_numbers
-from gcm_learn.recall.memory_features import map_picture
-from gcm_learn.recall.raw_features import COUNT, Scale, raw_features
+from gcm_learn.recall.kinds import MEMORIES, raw_features
+from gcm_learn.recall.map_features import map_picture
+from gcm_learn.recall.raw_features import HAND_COUNT, Scale
+from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene import Scene
 from gcm_learn.storage import content_hash, content_number
 
@@ -54,7 +55,7 @@ class Index(Protocol):
         """
 
     def embed_memories(
-        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Embeddings (n, dim) float32 of many memories."""
 
@@ -128,7 +129,7 @@ class RawIndex(_Numbers):
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> RawIndex:
         """Learn the scales of the parameters."""
-        return cls(Scale.of(np.array([raw_numbers(s) for s in situations])))
+        return cls(Scale.of(np.array([raw_features(s) for s in situations])))
 
     @property
     def arrays(self) -> dict[str, np.ndarray]:
@@ -147,13 +148,13 @@ class RawIndex(_Numbers):
 
     def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
         """Embedding of a situation."""
-        return nearest_query(self.scale(raw_numbers(situation, scene)))
+        return nearest_query(self.scale(raw_features(situation, scene)))
 
     def embed_memories(
-        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Embeddings of memories."""
-        features = np.array([raw_numbers(s) for s in situations]).reshape(-1, self.dim - 1)
+        features = np.array([raw_features(s) for s in situations]).reshape(-1, self.dim - 1)
         return nearest_rows(self.scale(features))
 
 
@@ -185,10 +186,10 @@ class RandomIndex(_Numbers):
 
     def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
         """A direction that depends on the situation's numbers only."""
-        return self._direction(raw_numbers(situation, scene), 0)
+        return self._direction(raw_features(situation, scene), 0)
 
     def embed_memories(
-        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Directions of memories."""
         rows = [self._direction(waypoints.knots, 1) for waypoints in trajectories]
@@ -229,7 +230,7 @@ class LearnedIndex:
         return self.encoder.embed_situation(situation, scene)
 
     def embed_memories(
-        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Embeddings of memories."""
         if len(trajectories) == 0:
@@ -283,14 +284,14 @@ class PcaIndex(_Numbers):
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> PcaIndex:
         """Components of the situations' maps, and the regression from raw parameters to them."""
-        if any(situation.is_spatial for situation in situations):
+        if not all(MEMORIES.of(situation).maps for situation in situations):
             raise RecallError("index 'pca': knows maps of the plane only")
         pictures = np.array([map_picture(s) for s in situations])
         features = np.array([raw_features(s) for s in situations])
         centre = pictures.mean(axis=0)
         scale, rng = Scale.of(features), seeding.rng(seed)
         components = _components(pictures - centre, cls.most, rng)
-        waves = (rng.standard_normal((COUNT, COSINES)) / WIDTH).astype(np.float32)
+        waves = (rng.standard_normal((HAND_COUNT, COSINES)) / WIDTH).astype(np.float32)
         phases = rng.uniform(0.0, 2.0 * np.pi, COSINES).astype(np.float32)
         unfitted = cls(scale, centre, components, waves, phases, np.zeros((0, 0), np.float32))
         return unfitted.predicting((pictures - centre) @ components.T, features)
@@ -330,7 +331,7 @@ class PcaIndex(_Numbers):
         return nearest_query((inputs @ self.weights)[0])
 
     def embed_memories(
-        self, situations: Sequence[Any], trajectories: Sequence[AnyWaypoints]
+        self, situations: Sequence[Any], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Where the maps of memories lie."""
         rows = [self.components @ (map_picture(s) - self.centre) for s in situations]
@@ -352,7 +353,7 @@ def _components(pictures: np.ndarray, most: int, rng: np.random.Generator) -> np
 
 
 _CLASSES: dict[str, type[Index]] = {
-    kind.name: kind for kind in (RawIndex, RandomIndex, PcaIndex, LearnedIndex)
+    made.name: made for made in (RawIndex, RandomIndex, PcaIndex, LearnedIndex)
 }
 
 

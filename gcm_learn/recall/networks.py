@@ -17,10 +17,10 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from gcm_learn.errors import EncoderError
-from gcm_learn.recall.clearance_features import STEPS, FeatureBatch
 from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
-from gcm_learn.recall.kinds import BY_NAME
-from gcm_learn.recall.memory_features import COUNT
+from gcm_learn.recall.features import STEPS, FeatureBatch
+from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.map_features import COUNT
 
 _NEVER = -1e4
 
@@ -59,7 +59,7 @@ class EncoderNet(nn.Module):
 
     def __init__(self, config: EncoderConfig, path_count: int) -> None:
         super().__init__()
-        kind = BY_NAME[config.arm]
+        kind = MEMORIES.of(config.kind)
         self.situation = TowerNet(kind.context, config.width, config.dim)
         self.body = TowerNet(kind.context + kind.cells, config.width, config.dim)
         if config.uses_traces:

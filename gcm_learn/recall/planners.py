@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gcm_learn import artifacts, seeding
-from gcm_learn.arms import PLANAR, SPATIAL, kind_named
+from gcm_learn.arms import PLANAR, SPATIAL, Kind, kind_of
 from gcm_learn.errors import RecallError
 from gcm_learn.motion import Failure
 from gcm_learn.planners import (
@@ -26,12 +26,11 @@ from gcm_learn.planners import (
     deadline_of,
     get_planner,
 )
-from gcm_learn.recall.adaptation import DEFAULT, Adaptation, Tries, adapt, query_of
+from gcm_learn.recall.adaptation import DEFAULT, Adaptation, HandTries, Tries, adapt, query_of
 from gcm_learn.recall.files import MANIFEST
+from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.recall.index import index_class
-from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
-from gcm_learn.recall.kinds import PLANE, SPACE, Kind, Trier, kind_of, same_kind
-from gcm_learn.recall.raw_features import raw_features
+from gcm_learn.recall.kinds import MEMORIES, raw_features, same_kind
 from gcm_learn.recall.store import Memory
 from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.recall.waypoints import Waypoints
@@ -45,8 +44,6 @@ RIMS = (0.15, 0.98)  # shares of the ring
 TIMES = (0.2, 1.0)  # of the end [horizons]
 WAITERS = 4  # one in so many waits
 _REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
-WHOLE = {PLANE: "recall", SPACE: "recall-space"}
-"""The memories that are shipped, by kind of arm."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +80,7 @@ class RecallPlanner:
 
     def takes(self, kind: Any) -> bool:
         """Return whether there is a memory for arms of a kind."""
-        known = [PLANAR, SPATIAL] if self.other is not None else [kind_named(self.memory.kind.name)]
+        known = [PLANAR, SPATIAL] if self.other is not None else [self.memory.kind]
         return kind in known
 
     def plan(self, situation: AnySituation) -> Plan[Any]:
@@ -92,10 +89,11 @@ class RecallPlanner:
 
     def recollect(self, situation: AnySituation) -> Recollection:
         """Answer a situation and say which memory the answer came from."""
-        memory, kind = self.memory, self.memory.kind
-        if kind_of(situation) != kind and self.other is not None:
+        memory = self.memory
+        if kind_of(situation) != memory.kind and self.other is not None:
             return self.other().recollect(situation)
-        same_kind(kind, situation)
+        same_kind(memory.kind, situation)
+        kind = MEMORIES.of(memory.kind)
         problem = kind.problem(situation, self.name)
         answer = kind.early_answer(problem)
         if answer is not None or len(memory) == 0:
@@ -125,7 +123,7 @@ def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = No
 
 def _first_plan(
     problem: Task[Any],
-    tries: Trier,
+    tries: Tries,
     paths: tuple[np.ndarray, np.ndarray],
     offer: Offer,
     budget: Budget,
@@ -204,7 +202,7 @@ class SplinesPlanner:
         answer = problem.early_answer()
         if answer is not None:
             return answer
-        tries = Tries(problem, self.how)
+        tries = HandTries(problem, self.how)
         numbers = np.round(raw_features(situation, problem.scene).astype(float), 4) + 0.0
         item, ring = content_number(numbers.tobytes()), tries.query.ring
         paths = random_waypoints(self.seed, item, self.candidates, ring, situation.horizon)
@@ -292,10 +290,10 @@ def unverified(
 
 def has_memory() -> bool:
     """Whether there is a memory of the plane that planners can ask."""
-    return artifacts.model(WHOLE[PLANE], MANIFEST) is not None
+    return artifacts.model(MEMORIES.of(PLANAR).shipped, MANIFEST) is not None
 
 
-def shipped_memory(name: str, kind: Kind = PLANE) -> Memory:
+def shipped_memory(name: str, kind: Kind = PLANAR) -> Memory:
     """The memory of a planner's name, e.g. ``recall``, for a kind of arm.
 
     Controls that have none of their own file that of ``recall`` anew, by their own index.
@@ -305,8 +303,8 @@ def shipped_memory(name: str, kind: Kind = PLANE) -> Memory:
     RecallError
         One line that says how to make one.
     """
-    whole = WHOLE[kind]
-    own = name + whole.removeprefix(WHOLE[PLANE])
+    whole = MEMORIES.of(kind).shipped
+    own = name + whole.removeprefix(MEMORIES.of(PLANAR).shipped)
     folder = artifacts.model(own, MANIFEST) or artifacts.model(whole, MANIFEST)
     if folder is None:
         make = f"gcm-learn remember DATASET --out {artifacts.own('models') / own}"
@@ -330,7 +328,7 @@ def _by_arm(planner: RecallPlanner, name: str) -> RecallPlanner:
 
 
 def _in_space(planner: RecallPlanner, name: str) -> RecallPlanner:
-    return replace(planner, memory=_memory(name, SPACE))
+    return replace(planner, memory=_memory(name, SPATIAL))
 
 
 def first_choice() -> RecallPlanner:

@@ -1,19 +1,25 @@
 """A situation as a row of numbers of fixed length: the raw parameters that neighbours are found by.
 
-Everything is known at t = 0: shapes, poses, and by the laws of motion where bodies will be. All
-numbers are lengths, in the frame in which the hand starts on the x axis and the elbow is on the
-right. A motion is told by three places, at t = 0 and at half and all of the horizon, which for
-constant acceleration is the same as position, velocity and acceleration, and serves pendulums too.
+Everything is known at t = 0: shapes, poses, and by the laws of motion the bodies' later places. All
+numbers are lengths in the frame of the arm: with the hand on the x axis and the elbow on the right,
+or that of the base of a left arm, in reaches. A motion is given by three places, at t = 0 and at
+half and all of the horizon. For constant acceleration that is position, velocity and acceleration,
+and it serves pendulums too.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
+from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.distance import segment_point2
+from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
+from gcm_learn.recall.dispatch import by_type
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     BOX,
@@ -31,26 +37,74 @@ from gcm_learn.scene.bodies import (
     pose_at,
 )
 from gcm_learn.scene.packing import pack
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, spatial_frame_of
 
-SLOTS = 4  # obstacles that are told, the nearest to hand, arm and path first
-ARM, TARGET, OBSTACLE = 7, 10, 14  # numbers of the arm, of a target, of an obstacle
-COUNT = ARM + TARGET + SLOTS * OBSTACLE
-INSTANTS = 9  # instants at which nearness is asked for
+SLOTS = 4  # obstacles that are included, the nearest to hand, arm and path first
+HAND_ARM, JOINT_ARM = 7, 20  # numbers of the arm
+TARGET, OBSTACLE = 10, 14  # numbers of a target, of an obstacle
+HAND_COUNT = HAND_ARM + TARGET + SLOTS * OBSTACLE
+JOINT_COUNT = JOINT_ARM + TARGET + SLOTS * OBSTACLE
+INSTANTS = 9  # at which nearness is measured
+FAR = 2.0  # largest coordinate of a body's centre for a spatial arm [reaches]
 
 
-def raw_features(situation: Situation, scene: Scene | None = None) -> np.ndarray:
-    """Raw parameters (COUNT,) float32 of a situation in any frame; zeros in slots that are free."""
+class HandView(NamedTuple):
+    """Frame of a planar arm."""
+
+    x: float  # hand
+    y: float
+    c: float  # direction of the hand
+    s: float
+    side: float  # of the elbow
+    unit: float  # length of 1
+    arm: int  # numbers of the arm
+
+
+class JointView(NamedTuple):
+    """Frame of a spatial arm."""
+
+    limb: tuple[float, float, float, float, float, float]  # elbow and hand
+    side: float  # -1 for a right arm
+    unit: float  # length of 1
+    arm: int  # numbers of the arm
+
+
+def hand_raw_features(situation: Situation, scene: Scene | None = None) -> np.ndarray:
+    """Return the raw parameters (HAND_COUNT,) float32 of a situation of a planar arm.
+
+    Slots without an obstacle are 0.
+    """
     arm, horizon = situation.arm, situation.horizon
     scene = pack(situation) if scene is None else scene
-    out = np.zeros(COUNT, dtype=np.float32)
+    out = np.zeros(HAND_COUNT, dtype=np.float32)
     x, y = arm.hand
     out[0], out[1] = np.hypot(x, y), arm.upper_arm
     out[2], out[3], out[4] = arm.max_hand_speed * horizon, arm.thickness, arm.grasp
     if arm.max_joint_speed is not None:  # slow joints count, fast ones are as good as no limit
         out[5:7] = 1.0 / (1.0 + np.asarray(arm.max_joint_speed) * horizon)
     angle = float(np.arctan2(y, x))
-    _body_features(scene, angle, out)
+    _fill_by_hand(scene, angle, out)
+    return out
+
+
+def joint_raw_features(situation: Situation[SpatialArm], scene: Scene | None = None) -> np.ndarray:
+    """Return the raw parameters (JOINT_COUNT,) float32 of a situation of a spatial arm.
+
+    Slots without an obstacle are 0.
+    """
+    arm, horizon = situation.arm, situation.horizon
+    frame = spatial_frame_of(situation)
+    scene = pack(situation) if scene is None else scene
+    out = np.zeros(JOINT_COUNT, dtype=np.float32)
+    ends = [frame.canonical_joints(np.array(end)) for end in np.array(arm.joint_range).T]
+    out[0:4] = frame.canonical_joints(arm.joints)
+    out[4:8], out[8:12] = np.minimum(*ends), np.maximum(*ends)
+    # slow joints count, fast ones are as good as no limit
+    out[12:16] = 1.0 / (1.0 + np.array(arm.max_joint_speed) * horizon)
+    speed = scene.limits.speed * horizon / arm.reach
+    out[16] = 1.0 / (1.0 + speed)
+    out[17:20] = scene.limb.rho / arm.reach, arm.thickness / arm.reach, arm.grasp / arm.reach
+    _fill_by_joints(scene, -1.0 if frame.mirrored else 1.0, arm.reach, out)
     return out
 
 
@@ -91,64 +145,141 @@ def _head(features: np.ndarray) -> int:
 
 
 @njit
-def _body_features(scene, angle, out):
+def _fill_by_hand(scene, angle, out):
+    """Fill in the bodies for a planar arm with the hand in a direction [rad]."""
+    limb = scene.limb
+    view = HandView(limb.x, limb.y, np.cos(angle), np.sin(angle), limb.side, 1.0, HAND_ARM)
+    _fill(view, scene.bodies, scene.limits.horizon, out)
+
+
+@njit
+def _fill_by_joints(scene, side, reach, out):
+    """Fill in the bodies for a spatial arm."""
+    view = JointView(limb_at(scene.limb, scene.limb.start), side, reach, JOINT_ARM)
+    _fill(view, scene.bodies, scene.limits.horizon, out)
+
+
+@njit
+def _away2_of_hand(view, poses, b):
+    """Return the squared distance of body b from the hand, in the plane."""
+    return (poses[b, 0] - view.x) ** 2 + (poses[b, 1] - view.y) ** 2
+
+
+@njit
+def _away2_in_space(view, poses, b):
+    """Return the squared distance of body b from the hand."""
+    away = 0.0
+    for j in range(3):
+        away += (poses[b, j] - view.limb[3 + j]) ** 2
+    return away
+
+
+@njit
+def _gap_by_ball(view, bodies, b, t, goal, poses):
+    """Return the distance of a ball about body b from the arm and the hand's way to the goal."""
+    pose_at(bodies, b, t, poses)
+    d2 = segment_point2(poses[b, 0], poses[b, 1], view.x, view.y, goal[0], goal[1])
+    d2 = min(d2, segment_point2(poses[b, 0], poses[b, 1], 0.0, 0.0, view.x, view.y))
+    d2 += poses[b, 2] ** 2
+    return np.sqrt(d2) - bodies.rows[b, REACH]
+
+
+@njit
+def _gap_in_space(view, bodies, b, t, goal, poses):
+    """Return the distance of body b from the limb and the hand's way to the goal."""
+    limb = view.limb
+    way = (limb[3], limb[4], limb[5], goal[0], goal[1], goal[2])
+    gap, _ = body_distance(bodies, b, t, limb, 0.0, 0.0, 0.0, poses)
+    other, _ = body_distance(bodies, b, t, way, 0.0, 0.0, 0.0, poses)
+    return min(gap, other)
+
+
+@njit
+def _place_by_hand(view, poses, b, out, at):
+    """Write the centre of body b (3)."""
+    px, py = poses[b, 0], poses[b, 1]
+    out[at] = view.c * px + view.s * py
+    out[at + 1] = view.side * (view.c * py - view.s * px)
+    out[at + 2] = view.side * poses[b, 2]
+
+
+@njit
+def _place_in_space(view, poses, b, out, at):
+    """Write the centre of body b (3)."""
+    for j in range(3):
+        place = poses[b, j] / view.unit * (view.side if j == 1 else 1.0)
+        out[at + j] = min(max(place, -FAR), FAR)
+
+
+@njit
+def _axis_by_hand(view, bodies, b, horizon, poses, out, at):
+    """Write the axis of body b by twice its angle, since it has no head, and its turn (3)."""
+    dx, dy = long_axis(bodies, b, poses)
+    dx, dy = view.c * dx + view.s * dy, view.side * (view.c * dy - view.s * dx)
+    length = np.sqrt(dx * dx + dy * dy)
+    if length > 0.0:
+        out[at] = (dx * dx - dy * dy) / length
+        out[at + 1] = 2.0 * dx * dy / length
+    out[at + 2] = view.side * bodies.rows[b, SPIN + 2] * horizon * length
+
+
+@njit
+def _axis_in_space(view, bodies, b, _horizon, poses, out, at):
+    """Write the axis of body b (3), which has no head."""
+    x, y, z = own_axis(bodies, b)
+    for j in range(3):
+        along = poses[b, 3 + 3 * j] * x + poses[b, 4 + 3 * j] * y + poses[b, 5 + 3 * j] * z
+        out[at + j] = abs(along) / view.unit
+
+
+_away2 = by_type({HandView: _away2_of_hand, JointView: _away2_in_space})
+_gap = by_type({HandView: _gap_by_ball, JointView: _gap_in_space})
+_place = by_type({HandView: _place_by_hand, JointView: _place_in_space})
+_axis = by_type({HandView: _axis_by_hand, JointView: _axis_in_space})
+
+
+@njit
+def _fill(view, bodies, horizon, out):
     """Fill in the target that is nearest at t = 0 and the SLOTS nearest obstacles."""
-    bodies, x, y, side = scene.bodies, scene.limb.x, scene.limb.y, scene.limb.side
-    n, horizon = bodies.rows.shape[0], scene.limits.horizon
-    poses = np.zeros((n, 12))
-    gap = np.full(n, 1e300)
+    n = bodies.rows.shape[0]
+    poses, gap = np.zeros((n, 12)), np.full(n, 1e300)
     target, nearest = -1, 1e300
     for b in range(n):
         if bodies.rows[b, PART] == HAND:
             pose_at(bodies, b, 0.0, poses)
-            d = (poses[b, 0] - x) ** 2 + (poses[b, 1] - y) ** 2
-            if d < nearest:
-                target, nearest = b, d
+            away = _away2(view, poses, b)
+            if away < nearest:
+                target, nearest = b, away
     for k in range(INSTANTS):
         t = horizon * k / (INSTANTS - 1)
         pose_at(bodies, target, t, poses)
-        gx, gy = poses[target, 0], poses[target, 1]
+        goal = (poses[target, 0], poses[target, 1], poses[target, 2])
         for b in range(n):
-            if bodies.rows[b, PART] == HAND:
-                continue
-            pose_at(bodies, b, t, poses)
-            d2 = segment_point2(poses[b, 0], poses[b, 1], x, y, gx, gy)
-            d2 = min(d2, segment_point2(poses[b, 0], poses[b, 1], 0.0, 0.0, x, y))
-            d2 += poses[b, 2] ** 2
-            gap[b] = min(gap[b], np.sqrt(d2) - bodies.rows[b, REACH])
-    c, s = np.cos(angle), np.sin(angle)
-    _places(bodies, target, c, s, side, horizon, poses, out, ARM)
-    out[ARM + 9] = bodies.rows[target, REACH]
+            if bodies.rows[b, PART] != HAND:
+                gap[b] = min(gap[b], _gap(view, bodies, b, t, goal, poses))
+    _places(view, bodies, target, horizon, poses, out, view.arm)
+    out[view.arm + 9] = bodies.rows[target, REACH] / view.unit
     for slot in range(SLOTS):
         b = int(np.argmin(gap))
         if gap[b] >= 1e300:
             break
         gap[b] = 1e300
-        at = ARM + TARGET + slot * OBSTACLE
+        at = view.arm + TARGET + slot * OBSTACLE
         out[at] = 1.0
-        _places(bodies, b, c, s, side, horizon, poses, out, at + 1)
-        out[at + 10] = bodies.rows[b, REACH]
-        dx, dy = long_axis(bodies, b, poses)
-        dx, dy = c * dx + s * dy, side * (c * dy - s * dx)
-        length = np.sqrt(dx * dx + dy * dy)
-        if length > 0.0:  # twice the angle: an axis has no head
-            out[at + 11] = (dx * dx - dy * dy) / length
-            out[at + 12] = 2.0 * dx * dy / length
-        out[at + 13] = side * bodies.rows[b, SPIN + 2] * horizon * length
+        _places(view, bodies, b, horizon, poses, out, at + 1)
+        out[at + 10] = bodies.rows[b, REACH] / view.unit
+        _axis(view, bodies, b, horizon, poses, out, at + 11)
 
 
 @njit
-def _places(bodies, b, c, s, side, horizon, poses, out, at):
-    """Where body b is at t = 0, and how far it gets in half and all of the horizon: 9 numbers.
+def _places(view, bodies, b, horizon, poses, out, at):
+    """Write the place of body b at t = 0, and its ways until half and all of the horizon (9).
 
     The pose that is left in `poses` is that at t = 0.
     """
     for k in range(2, -1, -1):
         pose_at(bodies, b, 0.5 * k * horizon, poses)
-        px, py = poses[b, 0], poses[b, 1]
-        out[at + 3 * k] = c * px + s * py
-        out[at + 3 * k + 1] = side * (c * py - s * px)
-        out[at + 3 * k + 2] = side * poses[b, 2]
+        _place(view, poses, b, out, at + 3 * k)
     for k in range(1, 3):
         for j in range(3):
             out[at + 3 * k + j] -= out[at + j]

@@ -11,12 +11,14 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from gcm_learn import seeding
+from gcm_learn.arms import PLANAR, Kind
 from gcm_learn.errors import RecallError
 from gcm_learn.recall.book import Book
 from gcm_learn.recall.files import packed, read_arrays, read_manifest, unpacked, write_memory
 from gcm_learn.recall.index import Index, index_class
-from gcm_learn.recall.kinds import PLANE, AnyWaypoints, Kind, kind_of_format, same_kind
+from gcm_learn.recall.kinds import MEMORIES, kind_of_format, same_kind
 from gcm_learn.recall.search import Searcher
+from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import AnySituation, canonical
 
 Forgotten = Literal["covered", "least used", "oldest", "random"]
@@ -49,7 +51,7 @@ class Memory:
         "auto" takes cells where a learned index files many, else faiss from 100,000 entries on if
         it is installed.
     kind : Kind
-        Of the arms that it holds catches of: `PLANE` or `SPACE`.
+        Of the arms that it holds catches of: `PLANAR` or `SPATIAL`.
 
     Examples
     --------
@@ -59,17 +61,17 @@ class Memory:
     >>> memory.recall(memory.index.embed_query(other), 5)  # doctest: +SKIP
     """
 
-    def __init__(self, index: Index, search: str = "auto", kind: Kind = PLANE) -> None:
+    def __init__(self, index: Index, search: str = "auto", kind: Kind = PLANAR) -> None:
         self.index = index
         self.search = search
         self.kind = kind
         self.book = Book(index.dim)
         """Situations met during growth under a limit."""
-        self._size = 0
+        self._size, shape = 0, MEMORIES.of(kind)
         self._columns: dict[str, np.ndarray] = {
             "embeddings": np.zeros((0, index.dim), np.float32),
-            "traces": np.zeros((0, *kind.knots), np.float32),
-            "goals": np.zeros((0, kind.goal), np.float32),
+            "traces": np.zeros((0, *shape.knots), np.float32),
+            "goals": np.zeros((0, shape.goal), np.float32),
             "labels": np.zeros((0, 2), np.int16),
             "uses": np.zeros(0, np.int32),
             "lengths": np.zeros(0, np.int32),
@@ -89,7 +91,7 @@ class Memory:
         goals: np.ndarray,
         *,
         search: str = "auto",
-        kind: Kind = PLANE,
+        kind: Kind = PLANAR,
     ) -> Memory:
         """Make a memory of catches whose embeddings are known; it keeps no situations.
 
@@ -123,7 +125,7 @@ class Memory:
             raise IndexError(f"memory {k} of {self._size}")
         k %= self._size
         family, stratum = (self._words[w] for w in self.labels[k])
-        waypoints = self.kind.waypoints(np.array(self.knots[k]), np.array(self.goals[k]))
+        waypoints = Waypoints(np.array(self.knots[k]), np.array(self.goals[k]))
         return Entry(self.situation(k), waypoints, family, stratum, int(self.uses[k]))
 
     @property
@@ -162,7 +164,7 @@ class Memory:
     def add(
         self,
         situations: Sequence[AnySituation],
-        trajectories: Sequence[AnyWaypoints],
+        trajectories: Sequence[Waypoints],
         families: Sequence[str] | None = None,
         strata: Sequence[str] | None = None,
     ) -> None:
@@ -261,8 +263,7 @@ class Memory:
         """The same memories, filed by another index."""
         out = Memory(index, self.search, self.kind)
         if len(self):
-            made = self.kind.waypoints
-            trajectories = [made(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
+            trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
             out.extend(self, index.embed_memories(self.situations(), trajectories))
         out.book = self.book.asked_by(index.embed_query, index.dim)
         return out
@@ -275,9 +276,9 @@ class Memory:
         if self.book.met:
             arrays |= self.book.arrays()
         about = {
-            "format": self.kind.format,
+            "format": MEMORIES.of(self.kind).format,
             "size": self._size,
-            "knots": self.kind.knots[0],
+            "knots": MEMORIES.of(self.kind).knots[0],
             "words": self._words,
             "index": {"name": self.index.name, "key": self.index.key, "dim": self.index.dim},
         }
@@ -311,9 +312,9 @@ class Memory:
         manifest = read_manifest(place)
         stamp: dict[str, Any] = manifest["index"]
         kind = kind_of_format(place, manifest["format"])
-        if manifest["knots"] != kind.knots[0]:
-            found = manifest["knots"]
-            raise RecallError(f"{place}: paths of {found} knots, expected {kind.knots[0]}")
+        found, expected = manifest["knots"], MEMORIES.of(kind).knots[0]
+        if found != expected:
+            raise RecallError(f"{place}: paths of {found} knots, expected {expected}")
         if index is None:
             index = index_class(stamp["name"]).load(place / manifest["data"])
         if stamp["key"] != index.key:

@@ -28,8 +28,8 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 from gcm_learn import seeding
 from gcm_learn.dataset import Dataset
 from gcm_learn.errors import EncoderError
-from gcm_learn.recall.clearance_features import STEPS, FeatureBatch
 from gcm_learn.recall.encoder import Encoder, EncoderConfig, config_to_json, save_encoder
+from gcm_learn.recall.features import STEPS, FeatureBatch
 from gcm_learn.recall.networks import EncoderNet, binary, contrast, listwise
 from gcm_learn.recall.transfer_labels import Labels, TrainingData
 from gcm_learn.storage import write_whole

@@ -23,14 +23,10 @@ from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.processes import Crew, Here
 from gcm_learn.recall.adaptation import DEFAULT
-from gcm_learn.recall.clearance_features import (
-    FeatureBatch,
-    Features,
-    batched,
-)
+from gcm_learn.recall.features import FeatureBatch, Features, batched
 from gcm_learn.recall.growth import catch_of
-from gcm_learn.recall.kinds import PLANE, SPACE, kind_of
-from gcm_learn.recall.memory_features import map_features
+from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.map_features import map_features
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import write_whole
@@ -158,7 +154,7 @@ class TransferLabels:
     ) -> None:
         self.spec, self.seed, self.crew = records.spec, seed, crew or Here()
         self.sizes = Sizes() if sizes is None else sizes
-        self.kind = SPACE if records.spec.spatial else PLANE
+        self.kind = MEMORIES.of(records.spec.kind)
         train, self._held = records.where(split="train"), records.where(split="validation")
         order = np.arange(len(train))
         if most is not None and most < len(order):
@@ -313,12 +309,12 @@ def _tried(ask: _Try) -> np.ndarray:
 
 def _valid_in(problem: Any, ask: _Try, rows: np.ndarray) -> np.ndarray:
     """Which memories are valid in one of the situations (m,) bool."""
-    tries = kind_of(problem.situation).tries(problem, DEFAULT)
+    tries = MEMORIES.of(problem.situation).tries(problem, DEFAULT)
     return tries.catch_times(ask.knots, ask.goals, np.ascontiguousarray(rows, np.int64)) >= 0.0
 
 
 def _looks(problems: list[Any]) -> list[Features]:
-    return [kind_of(p.situation).look(p.situation, p.scene) for p in problems]
+    return [MEMORIES.of(p.situation).features(p.situation, p.scene) for p in problems]
 
 
 def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:

@@ -1,8 +1,7 @@
-"""Many memories tried on one situation, in compiled code: adapted, bent, checked.
+"""Many memories tried on one situation, in compiled code: adapted, freed, checked.
 
-Every memory is checked once, in the form that its adaptation gave it: a path that looks as if it
-touched is bent first (`bending`), and one that still does so counts as a check that failed. After
-the first failure more are looked at than are checked: what touches less is more easily freed.
+Every memory is checked once, in the form that its adaptation gave it. After the first failure some
+memories are compared for each check of a hand path: one that touches less is more easily freed.
 """
 
 from __future__ import annotations
@@ -11,117 +10,167 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.sweep import least_distance
+import gcm_learn.recall.hand_paths as hand_paths
+import gcm_learn.recall.joint_moves as joint_moves
+import gcm_learn.recall.timed_moves as timed_moves
 from gcm_learn.compiled import njit
-from gcm_learn.motion.verification import nearest_to_shoulder
-from gcm_learn.recall.bending import bend, hasten, look
-from gcm_learn.recall.kernels import HUB, KNOTS, Style, adapt_to_targets, workspace_for
+from gcm_learn.recall.dispatch import by_type
+from gcm_learn.recall.freeing import again, free, habits, quick_check
+from gcm_learn.recall.hand_paths import HandQuery
+from gcm_learn.recall.joint_moves import JointQuery
+from gcm_learn.recall.meeting import adapt_to_targets, hasten
+from gcm_learn.recall.styles import POLAR, Style
+from gcm_learn.recall.timed_moves import TimedQuery
 
-LOOKS = 5  # memories that are looked at for each check after the first
-TOUCH = 32.0  # what a memory loses by touching, before it is bent [log-odds by cost of a look]
+TOUCH = 32.0  # loss of a memory by contact before it is freed [log-odds by cost of a quick check]
+
+_check = by_type({HandQuery: hand_paths.check, JointQuery: joint_moves.check})
+_failures = by_type(
+    {
+        HandQuery: hand_paths.failures,
+        JointQuery: joint_moves.failures,
+        TimedQuery: timed_moves.failures,
+    }
+)
+_note = by_type(
+    {HandQuery: hand_paths.note, JointQuery: joint_moves.note, TimedQuery: timed_moves.note}
+)
+_is_near = by_type(
+    {
+        HandQuery: hand_paths.is_near,
+        JointQuery: joint_moves.is_near,
+        TimedQuery: timed_moves.is_near,
+    }
+)
 
 
 class Offer(NamedTuple):
     """Memories that may be valid."""
 
-    chosen: np.ndarray  # (m,) int64: which of all
+    chosen: np.ndarray  # (m,) int64: positions among all
     scores: np.ndarray  # (m,) float64: how promising each is
     places: np.ndarray  # (m, d) float32: their embeddings
     left: np.ndarray  # (m,) bool: not tried yet
 
 
 class Budget(NamedTuple):
-    """How much is tried."""
+    """Limits of trials."""
 
     changes: int  # at most of a path that touches
     tries: int  # paths that are checked at most
-    novelty: float  # a path this near to one that failed is not checked [forearm lengths]
+    novelty: float  # a path this near to one that failed is not checked
     penalty: float  # what a memory loses by the failure of one in the same direction
 
 
 @njit
-def is_valid(query, work, count):
-    """Whether the limb keeps free and out of the hole on the best path's first samples."""
-    time, hand, floor = work.best_time[:count], work.best_hand[:count], query.rules.touch
-    if count > 1 and nearest_to_shoulder(hand) < max(query.scene.limb.near, 0.5 * HUB):
-        return False
-    return least_distance(query.scene, time, hand, floor, np.inf)[0] > floor
-
-
-@njit
-def _met(knots, goals, m, query, style, work, bends):
+def _met_in_time(query, paths, m, style, work, bends):
     """Adapt memory m, and hasten it where it comes too late; as `adapt_to_targets`."""
-    count, body = adapt_to_targets(knots, goals, m, query, style, work)
+    count, body = adapt_to_targets(paths, m, query, style, work)
     if count == 0 and bends > 0:
         return hasten(query, style, work)
     return count, body
 
 
 @njit
-def adapted(knots, goals, m, query, style, work, bends):
-    """Adapt memory m, and bend it where it looks as if it touched.
+def _freed_path(query, style, work, count, body, bends):
+    """Check the best path, and change it where it touches."""
+    if habits(query).checks_first:
+        samples, is_free, caught = _check(query, work, count, body)
+        if is_free or bends == 0:
+            return samples, is_free, caught
+    if bends > 0 and style.space == POLAR:
+        count, is_free = free(query, style, work, count, body, bends)
+        if not is_free:
+            return count, False, body
+    return _check(query, work, count, body)
+
+
+@njit
+def _freed_in_its_time(query, style, work, count, body, bends):
+    """Push the movement aside if it touches at all times of its end."""
+    caught = work.track.body[0]
+    if caught < 0:
+        until, samples = again(query, body, style, work, 0.0)
+        if until < 0.0 or not free(query, style, work, samples, body, bends)[1]:
+            return count, False, body
+        caught = body
+    return timed_moves.write_best(work), True, caught
+
+
+met = by_type({HandQuery: _met_in_time, JointQuery: _met_in_time, TimedQuery: timed_moves.met})
+"""Adapt memory m; samples of the path, 0 if no target can be met in time, and the target."""
+freed = by_type({HandQuery: _freed_path, JointQuery: _freed_path, TimedQuery: _freed_in_its_time})
+"""Free the best path from contacts; its samples, whether it is free, and the target."""
+
+
+@njit
+def adapted(query, paths, m, style, work, bends):
+    """Adapt memory m, and change it where a quick check finds a contact.
 
     Returns
     -------
     count : int
-        Samples of the path in the workspace, 0 if no target can be met in time.
+        Samples of the path in the buffers, 0 if no target can be met in time.
     free : bool
-        Whether the path may be free.
+        True if the path may be free.
     body : int
     """
-    count, body = _met(knots, goals, m, query, style, work, bends)
+    count, body = met(query, paths, m, style, work, bends)
     if count == 0:
         return count, False, body
-    count, free = bend(query, style, work, count, body, bends)
-    return count, free, body
+    is_free = True
+    if bends > 0 and style.space == POLAR:
+        count, is_free = free(query, style, work, count, body, bends)
+    return count, is_free, body
 
 
 @njit
-def catch_times(knots, goals, chosen, query, styles, bends):
-    """When memories, adapted to a situation, catch in it.
+def catch_times(query, paths, chosen, styles, bends, work):
+    """Return when memories, adapted to a situation, catch in it.
 
     Parameters
     ----------
-    knots, goals : (n, KNOTS, 4), (n, 2) ndarray of float32
-        All memories.
+    query : HandQuery, JointQuery or TimedQuery
+    paths : (ndarray, ndarray)
+        Knots and goals of all memories, float32.
     chosen : (m,) ndarray of int64
-        Which of them to try.
-    query : Query
+        Memories to try.
     styles : (s, 2) ndarray of int64
-        In which each is tried, in order: columns of `Style`.
+        Columns of `Style`, in the order in which each is tried.
     bends : int
         Changes at most of a path that touches.
+    work : HandWork or JointWork
 
     Returns
     -------
     (m,) ndarray
         Catch times [s], negative where no adapted path is valid.
     """
-    work, out = workspace_for(query), np.full(chosen.size, -1.0)
+    out = np.full(chosen.size, -1.0)
     for i in range(chosen.size):
         for s in range(styles.shape[0]):
             style = Style(styles[s, 0], styles[s, 1])
-            samples, free = adapted(knots, goals, chosen[i], query, style, work, bends)[:2]
-            if free and is_valid(query, work, samples):
-                out[i] = work.best_time[samples - 1]
-            if out[i] >= 0.0:
-                break
+            count, body = met(query, paths, chosen[i], style, work, bends)
+            if count > 0:
+                count, is_free, body = freed(query, style, work, count, body, bends)
+                if is_free:
+                    out[i] = work.best_time[count - 1]
+                    break
     return out
 
 
 @njit
-def first_valid(knots, goals, offer, query, styles, budget):
+def first_valid(query, paths, offer, styles, budget, work):
     """Try memories, the most promising first, until one is valid.
 
-    Each failure says something about the situation: memories in the same direction are put back, so
-    that the next one tried is another kind of path. After the first failure some are looked at for
-    each that is checked, as they are adapted and not yet bent, and those that touch are put back.
-    Where near ones are not passed over the order is that of the offer.
+    Each failure says something about the situation: memories in the same direction lose by it, so
+    that the next one tried is another kind of path. Where near paths are not passed over, the
+    order is that of the offer.
 
     Parameters
     ----------
-    knots, goals, query, styles :
-        As of `catch_times`.
+    query, paths, styles, work :
+        See `catch_times`.
     offer : Offer
         The memories; scores and what is left of them are changed.
     budget : Budget
@@ -134,39 +183,35 @@ def first_valid(knots, goals, offer, query, styles, budget):
         The target that is caught.
     checked : int
         Paths that were checked.
-    time, hand : (m,), (m, 2) ndarray
-        The valid path.
+    count : int
+        Samples of the valid path, which is left in the buffers.
     """
-    work = workspace_for(query)
-    time, hand = work.best_time, work.best_hand
-    failed = np.empty((budget.tries, KNOTS + 1, 3))
-    costs = np.full(offer.scores.size, np.nan)
-    checked, kept = 0, 0
+    failed, costs = _failures(query, budget.tries), np.full(offer.scores.size, np.nan)
+    checked, kept, compares = 0, 0, habits(query).alternatives > 0 and budget.novelty > 0.0
     while True:
-        if checked == 0 or budget.novelty <= 0.0:
-            i = most_promising(offer)
-        else:
+        if checked > 0 and compares:
             style = Style(styles[0, 0], styles[0, 1])
-            _look_on(knots, goals, offer, costs, query, style, work, failed[:kept], budget)
+            _compare(query, paths, offer, costs, style, work, failed[:kept], budget)
             i = _least_touching(offer, costs)
+        else:
+            i = most_promising(offer)
         if i < 0:
-            return -1, -1, checked, time[:0], hand[:0]
+            return -1, -1, checked, 0
         offer.left[i] = False
         for s in range(styles.shape[0]):
             style = Style(styles[s, 0], styles[s, 1])
-            m, bends = offer.chosen[i], budget.changes
-            samples, body = _met(knots, goals, m, query, style, work, bends)
-            if samples == 0:
+            count, body = met(query, paths, offer.chosen[i], style, work, budget.changes)
+            if count == 0:
                 checked += 1 if budget.novelty <= 0.0 else 0
-            elif budget.novelty <= 0.0 or not _known(failed[:kept], query, work, samples, budget):
+            elif not _known(query, failed[:kept], work, count, budget.novelty):
                 checked += 1
-                _note(failed[kept], query, work, samples)
+                _note(query, failed[kept], work, count)
                 kept += 1
-                samples, free = bend(query, style, work, samples, body, bends)
-                if free and is_valid(query, work, samples):
-                    return i, body, checked, time[:samples], hand[:samples]
+                count, is_free, body = freed(query, style, work, count, body, budget.changes)
+                if is_free:
+                    return i, body, checked, count
             if checked >= budget.tries:
-                return -1, -1, checked, time[:0], hand[:0]
+                return -1, -1, checked, 0
         if budget.penalty > 0.0:
             learn(offer, i, budget.penalty)
 
@@ -182,13 +227,13 @@ def most_promising(offer):
 
 
 @njit
-def _look_on(knots, goals, offer, costs, query, style, work, failed, budget):
-    """Look at some more memories, the most promising first, and note how much they touch.
+def _compare(query, paths, offer, costs, style, work, failed, budget):
+    """Adapt some more memories, the most promising first, and note how much they touch.
 
-    Those that meet no target, or are near to one that failed, are left no more.
+    Memories that meet no target, or are near to one that failed, are out.
     """
-    looked = 0
-    while looked < LOOKS:
+    compared = 0
+    while compared < habits(query).alternatives:
         i = -1
         for j in range(costs.size):
             if offer.left[j] and np.isnan(costs[j]):
@@ -196,12 +241,22 @@ def _look_on(knots, goals, offer, costs, query, style, work, failed, budget):
                     i = j
         if i < 0:
             break
-        count, _ = _met(knots, goals, offer.chosen[i], query, style, work, budget.changes)
-        if count == 0 or _known(failed, query, work, count, budget):
+        count, _ = met(query, paths, offer.chosen[i], style, work, budget.changes)
+        if count == 0 or _known(query, failed, work, count, budget.novelty):
             offer.left[i] = False
             continue
-        costs[i], _, _ = look(query, work, count, 0.0)
-        looked += 1
+        costs[i] = quick_check(query, work, count, 0.0, np.inf)[0]
+        compared += 1
+
+
+@njit
+def _known(query, failed, work, count, novelty):
+    """Return whether the best path is near to one that failed; never if all are to be checked."""
+    if novelty > 0.0:
+        for row in range(failed.shape[0]):
+            if _is_near(query, failed[row], work, count, novelty):
+                return True
+    return False
 
 
 @njit(_nrt=False)
@@ -235,30 +290,3 @@ def _length(places, i):
     for j in range(places.shape[1]):
         total += places[i, j] ** 2
     return np.sqrt(total)
-
-
-@njit(_nrt=False)
-def _note(row, query, work, count):
-    """Note the best path; samples that it does not have are its last one."""
-    for k in range(KNOTS + 1):
-        j = min(k, count - 1)
-        row[k, 0], row[k, 1] = work.best_hand[j, 0], work.best_hand[j, 1]
-        row[k, 2] = query.rules.speed * work.best_time[j]
-
-
-@njit(_nrt=False)
-def _known(failed, query, work, count, budget):
-    """Whether a noted path is everywhere as near as `novelty` to the best one, time included."""
-    limit, speed = budget.novelty * budget.novelty, query.rules.speed
-    time, hand = work.best_time, work.best_hand
-    for row in range(failed.shape[0]):
-        apart = 0.0
-        for k in range(KNOTS + 1):
-            j = min(k, count - 1)
-            d2 = (failed[row, k, 0] - hand[j, 0]) ** 2 + (failed[row, k, 1] - hand[j, 1]) ** 2
-            apart = max(apart, d2 + (failed[row, k, 2] - speed * time[j]) ** 2)
-            if apart > limit:
-                break
-        if apart <= limit:
-            return True
-    return False

@@ -1,43 +1,56 @@
-"""Waypoint trajectories: catches as memory keeps them, in few knots and a frame of their own."""
+"""Waypoints: catches as memory keeps them, in few knots and a frame of their own."""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import Arm
+from gcm_learn.arms import Arm, SpatialArm
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import SpatialTrajectory, Trajectory, opening
 from gcm_learn.motion.timing import segment_times
-from gcm_learn.planners import Plan
-from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
+from gcm_learn.planners import Plan, study_of
+from gcm_learn.recall.hand_paths import ANGLE, RING
+from gcm_learn.recall.hand_paths import KNOTS as HAND_KNOTS
+from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS
+from gcm_learn.recall.joint_moves import centre_of, least_times
+from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.scene.packing import pack_bodies
-from gcm_learn.situation import Situation, frame_of
+from gcm_learn.situation import Situation, canonical, frame_of
 
-CLOSE = 1e-5  # knots are put where the hand would be farther off than this [forearm lengths]
+CLOSE = 1e-5  # largest distance of a hand path from its knots [forearm lengths]
+CLOSE_JOINTS = 1e-2  # largest distance of a joint movement from its knots [rad]
 SLOW = 2.0  # a piece that takes this much longer than it must is a wait
+RESTS = 10.0  # the same of a movement that takes time to come to its speed
+INSTANTS = 97  # of a curved movement, at which knots may lie
+GOAL = 6  # numbers of the goal of a joint movement
+TIME, EARLIEST = -2, -1  # columns of a knot, after its place
 
 
 class Waypoints(NamedTuple):
     """A catch as memory keeps it.
 
-    Directions are measured from that of the hand at t = 0, counter-clockwise if the elbow is on the
-    right, else clockwise; a share of the ring is 0 at its inner rim and 1 at its outer one, so that
-    a trajectory means the same to arms of other proportions: how far the arm is stretched.
+    Knots of a planar arm are hands: direction and share of the ring; so is its goal. Directions are
+    measured from that of the hand at t = 0, counter-clockwise if the elbow is on the right, else
+    clockwise. A share of the ring is 0 at its inner rim and 1 at its outer one: how far the arm is
+    stretched, so that a path means the same to arms of other proportions.
+
+    Knots of a spatial arm are joints of a left arm [rad]. Its goal is the target's centre, and the
+    hand from there, in the frame of the left arm's base [reaches].
     """
 
     knots: np.ndarray
-    """(KNOTS, 4) float32: direction of the hand [rad], its share of the ring, time [s], and the
-    earliest time at which it should be there [s]: that time after a wait, else 0."""
+    """(24, 4) or (12, 6) float32: place, time [s], and earliest time [s]: after a wait that time,
+    else 0."""
     goal: np.ndarray
-    """(2,) float32: direction and share of the target's centre when it is caught."""
+    """(2,) or (6,) float32: place of the target's centre when it is caught."""
 
     @property
     def catch_time(self) -> float:
-        """Of the last knot [s]."""
+        """Time of the last knot [s]."""
         return float(self.knots[-1, TIME])
 
 
@@ -83,7 +96,7 @@ def knot_times(time, places, count, close):
 
 @njit
 def _insert(values, used, value):
-    """Insert into the first `used` values, which increase; how many there are then."""
+    """Insert into the first `used` values, which increase; return their new number."""
     k = used
     while k > 0 and values[k - 1] > value:
         values[k] = values[k - 1]
@@ -105,30 +118,20 @@ def _place_at(time, places, t, out):
 
 
 def ring_share(arm: Arm, radius: np.ndarray | float) -> np.ndarray | float:
-    """Share of the ring of hands at a radius: 0 at the inner rim, 1 at the outer one."""
+    """Return the share of the ring at a radius: 0 at the inner rim, 1 at the outer one."""
     return (radius - arm.inner_reach) / (arm.reach - arm.inner_reach)
 
 
-def waypoints_in_plane(situation: Situation, plan: Plan) -> Waypoints:
-    """The catch of a plan as memory keeps it.
-
-    Parameters
-    ----------
-    situation : Situation
-        In any frame; those of a situation and of its canonical form are the same.
-    plan : Plan
-        A catch in it.
-    """
-    if plan.trajectory is None or plan.catch_body is None:
-        raise ValueError(f"plan: {plan.status}, only catches can be remembered")
-    body = [b.name for b in situation.bodies].index(plan.catch_body)
+def hand_waypoints(situation: Situation, plan: Plan) -> Waypoints:
+    """Return the catch of a planar arm as memory keeps it; see `waypoints_of`."""
+    path, body = _caught(situation, plan)
     poses = np.zeros((len(situation.bodies), 12))
-    pose_at(pack_bodies(situation), body, plan.trajectory.duration, poses)
-    return waypoints_of_path(situation, plan.trajectory, poses[body, :2])
+    pose_at(pack_bodies(situation), body, path.duration, poses)
+    return waypoints_of_path(situation, path, poses[body, :2])
 
 
 def waypoints_of_path(situation: Situation, trajectory: Trajectory, goal: np.ndarray) -> Waypoints:
-    """A path as memory keeps it.
+    """Return a hand path as memory keeps it.
 
     Parameters
     ----------
@@ -139,15 +142,15 @@ def waypoints_of_path(situation: Situation, trajectory: Trajectory, goal: np.nda
     """
     arm, frame = situation.arm, frame_of(situation)
     side = -1.0 if frame.mirrored else 1.0
-    time = knot_times(trajectory.time, trajectory.hand, KNOTS, CLOSE)
+    time = knot_times(trajectory.time, trajectory.hand, HAND_KNOTS, CLOSE)
     hand = trajectory.hand_at(time)
-    knots = np.zeros((KNOTS, 4), dtype=np.float32)
     angles = np.unwrap(np.arctan2(hand[:, 1], hand[:, 0]))
-    knots[:, ANGLE] = side * (angles - angles[0])
-    knots[:, RING] = ring_share(arm, np.hypot(*hand.T))
-    knots[:, TIME] = time
-    slow = np.diff(time) > SLOW * segment_times(arm, hand) + 1e-6
-    knots[1:, EARLIEST] = np.where(slow, time[1:], 0.0)
+    places = np.empty((len(time), 2))
+    places[:, ANGLE], places[:, RING] = (
+        side * (angles - angles[0]),
+        ring_share(arm, np.hypot(*hand.T)),
+    )
+    knots = _knots(places, time, SLOW * segment_times(arm, hand))
     last = float(knots[-1, ANGLE])
     turn = side * (math.atan2(goal[1], goal[0]) - frame.angle) - last
     turn = last + math.remainder(turn, 2.0 * math.pi)
@@ -155,8 +158,38 @@ def waypoints_of_path(situation: Situation, trajectory: Trajectory, goal: np.nda
     return Waypoints(knots, np.array([turn, share], dtype=np.float32))
 
 
+def joint_waypoints(situation: Situation[SpatialArm], plan: Plan[SpatialTrajectory]) -> Waypoints:
+    """Return the catch of a spatial arm as memory keeps it; see `waypoints_of`."""
+    path, body = _caught(situation, plan)
+    turned, frame = canonical(situation)
+    seen = path.time if path.rates is None else np.linspace(0.0, path.duration, INSTANTS)
+    joints = frame.canonical_joints(path.joints_at(seen))
+    time = knot_times(seen, joints, JOINT_KNOTS, CLOSE_JOINTS)
+    at, scene = frame.canonical_joints(path.joints_at(time)), pack(turned)
+    least = least_times(study_of(scene, opening(scene).rules), at)
+    knots = _knots(at, time, (SLOW if path.rates is None else RESTS) * least)
+    hand, centre = frame.canonical(path.hand[-1]), centre_of(scene.bodies, body, path.duration)
+    goal = np.concatenate([centre, hand - centre]) / situation.arm.reach
+    return Waypoints(knots, goal.astype(np.float32))
+
+
+def _caught(situation: Situation[Any], plan: Plan[Any]) -> tuple[Any, int]:
+    """Return the path of a catch and the index of its target."""
+    if plan.trajectory is None or plan.catch_body is None:
+        raise ValueError(f"plan: {plan.status}, only catches can be remembered")
+    return plan.trajectory, [body.name for body in situation.bodies].index(plan.catch_body)
+
+
+def _knots(places: np.ndarray, time: np.ndarray, longest: np.ndarray) -> np.ndarray:
+    """Return knots (n, m + 2) float32; a piece that takes longer than `longest` (n - 1,) waits."""
+    knots = np.zeros((len(time), places.shape[1] + 2), dtype=np.float32)
+    knots[:, :TIME], knots[:, TIME] = places, time
+    knots[1:, EARLIEST] = np.where(np.diff(time) > longest + 1e-6, time[1:], 0.0)
+    return knots
+
+
 def path_of(waypoints: Waypoints, arm: Arm) -> tuple[np.ndarray, np.ndarray]:
-    """Times (KNOTS,) and hands (KNOTS, 2) of an arm in canonical coordinates."""
+    """Return times (n,) and hands (n, 2) of a planar arm in canonical coordinates."""
     knots = waypoints.knots.astype(float)
     radius = arm.inner_reach + knots[:, RING] * (arm.reach - arm.inner_reach)
     angle = knots[:, ANGLE]

@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import dataset
 from gcm_learn.dataset import item as items
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.item import Case, make_item
+from gcm_learn.dataset.item import case_of, make_item
 from gcm_learn.dataset.parameters import parameters_of, structure_of, twin_key
 from gcm_learn.dataset.shards import make_shard, shard_name
 from gcm_learn.errors import SituationError
@@ -59,7 +59,7 @@ def test_plans_and_labels_are_those_of_the_planners(small):
         caught = [name for name, plan in answers.items() if plan.caught]
         first = {"straight": "L", "marching": "W", "layered": "Q"}
         assert found.stratum == (first[caught[0]] if caught else "U")
-        assert not Case(found.situation, spec).blocked
+        assert not case_of(found.situation, spec).blocked
 
 
 @pytest.mark.parametrize("wanted", ["L", "W", "U"])
@@ -71,7 +71,7 @@ def test_rejection_fills_a_stratum_and_counts_what_it_threw_away(wanted, small):
         assert item.attempts == 1 + item.rejected.total()
         assert wanted not in item.rejected
     assert sum(item.attempts for item in made) > len(made)
-    alone = Case(made[0].situation, small)
+    alone = case_of(made[0].situation, small)
     assert alone.verdict() == wanted
 
 

@@ -18,7 +18,7 @@ from gcm_learn.dataset import (
     verify_dataset,
 )
 from gcm_learn.dataset import open as open_data
-from gcm_learn.dataset.item import Case
+from gcm_learn.dataset.item import case_of
 from gcm_learn.dataset.parameters import parameters_of, structure_of, twin_key
 from gcm_learn.errors import SpecError
 from gcm_learn.families import draw, family_names
@@ -44,7 +44,7 @@ HURRIED = replace(
 
 
 def case(situation, **changes):
-    return Case(situation, replace(SPEC, **changes))
+    return case_of(situation, replace(SPEC, **changes))
 
 
 # --- how hard planners try --------------------------------------------------------------------

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.arms import SPATIAL
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.layered import layered
-from gcm_learn.recall import SPACE, Memory, RawIndex, waypoints_of
+from gcm_learn.recall import Memory, RawIndex, waypoints_of
 from gcm_learn.wave import MarchingParams
 
 ENTRIES = 300
@@ -28,7 +29,7 @@ def caught(seed, count):
 def memory_in_space(catches):
     """A memory of situations in space and their catches, filed by raw parameters."""
     situations = [situation for situation, _ in catches]
-    memory = Memory(RawIndex.fit(situations), kind=SPACE)
+    memory = Memory(RawIndex.fit(situations), kind=SPATIAL)
     memory.add(situations, [waypoints_of(situation, plan) for situation, plan in catches])
     return memory
 

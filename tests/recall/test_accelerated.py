@@ -9,17 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 
-from gcm_learn import families, get_planner, solve
+from gcm_learn import get_planner, solve
 from gcm_learn.planners import plan_to_json
 from gcm_learn.recall import (
-    SPACE,
-    Adaptation,
-    HybridPlanner,
-    RandomIndex,
     RecallPlanner,
     waypoints_of,
 )
-from gcm_learn.recall.space.kernels import EARLIEST, TIME
+from gcm_learn.recall.joint_moves import EARLIEST, TIME
 from gcm_learn.situation import (
     Body,
     SolidQuadratic,
@@ -28,65 +24,24 @@ from gcm_learn.situation import (
     situation_from_json,
     situation_to_json,
 )
-from gcm_learn.situation.spatial_frame import _in_base, _mirrored
 from tests import strategies
 from tests.planners.test_fuzz_in_space import answered, wild_situations
 from tests.recall.conftest import memory_in_space
+from tests.recall.worlds import LIMITED, catches_of, memory_of
 from tests.referee_in_space import judge
 from tests.situation.test_spatial_arm import MOVING
-
-NAMES = ("static-clutter-space", "window-space", "falling-space", "crate-space")
-RAMP = 0.08  # in which joints come to their full speed [s]
-
-
-def limited(situation, ramp=RAMP, moving=0.4, seed=0):
-    """A situation whose joints need a time to come to full speed, and may move at t = 0."""
-    arm, rng = situation.arm, np.random.default_rng(seed)
-    limits = tuple(speed / ramp for speed in arm.max_joint_speed)
-    rates = tuple(moving * rng.uniform(-1.0, 1.0, 4) * arm.max_joint_speed)
-    return replace(situation, arm=replace(arm, max_joint_acceleration=limits, joint_rates=rates))
-
-
-def drawn(seed, count):
-    """Situations under limits of acceleration."""
-    return [limited(families.draw(NAMES[k % 4], seed, k), seed=k) for k in range(count)]
 
 
 @pytest.fixture(scope="module")
 def catches():
     """Situations under such limits with their catches."""
-    found = ((s, solve(s, "layered")) for s in drawn(311, 48))
-    return [(s, plan) for s, plan in found if plan.caught]
+    return catches_of(LIMITED)
 
 
 @pytest.fixture(scope="module")
-def memory(catches):
+def memory():
     """A memory of them."""
-    return memory_in_space(catches)
-
-
-PLANNERS = {
-    "recall": lambda memory: RecallPlanner(memory),
-    "recall-1": lambda memory: RecallPlanner(memory, 1, "recall-1", novelty=0.0),
-    "hybrid": lambda memory: HybridPlanner(RecallPlanner(memory, 5)),
-    "recall-random": lambda memory: RecallPlanner(memory.refiled(RandomIndex())),
-    "once": lambda memory: RecallPlanner(memory, how=Adaptation(bends=0)),
-    "shipped": lambda memory: get_planner("recall"),
-}
-
-
-@pytest.mark.parametrize("name", PLANNERS)
-def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(memory, name):
-    planner, caught = PLANNERS[name](memory), 0
-    for situation in drawn(312, 32):
-        plan = planner.plan(situation)
-        assert plan.status in ("caught", "unreachable", "start_blocked")
-        if plan.caught:
-            caught += 1
-            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
-            assert verdict.complaints == []
-            assert tuple(plan.trajectory.rates[0]) == situation.arm.joint_rates
-    assert caught >= (1 if name == "recall-1" else 10)
+    return memory_of(LIMITED)
 
 
 def test_a_catch_keeps_its_timing_where_it_was_made(memory, catches):
@@ -138,47 +93,14 @@ def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits(catches):
 
 def test_memories_without_such_limits_serve_under_them_and_the_other_way_round(memory):
     """What is kept is the same for both, so folders from before such limits were known load."""
-    free = [families.draw(NAMES[k % 4], 313, k) for k in range(24)]
+    free = list(replace(LIMITED, accelerates=False).drawn(313, 24))
     plans = [solve(s, "layered") for s in free]
     found = [(s, p) for s, p in zip(free, plans, strict=True) if p.caught]
     unlimited = memory_in_space(found)
     assert unlimited.knots.shape[1:] == memory.knots.shape[1:]
-    served = [RecallPlanner(unlimited).plan(s).caught for s in drawn(314, 24)]
+    served = [RecallPlanner(unlimited).plan(s).caught for s in LIMITED.drawn(314, 24)]
     assert sum(served) >= 8
     assert sum(RecallPlanner(memory).plan(s).caught for s in free) >= 8
-
-
-def test_a_right_arm_recalls_what_a_left_one_does(memory):
-    planner, same = RecallPlanner(memory), 0
-    for situation in (canonical(s)[0] for s in drawn(315, 16)):
-        bodies = tuple(_in_base(situation, mirrored=True))
-        mirror = replace(situation, arm=_mirrored(situation.arm), bodies=bodies)
-        mine, other = planner.recollect(situation), planner.recollect(mirror)
-        assert (mine.memory, mine.checked) == (other.memory, other.checked)
-        if mine.memory is not None:
-            same += 1
-            signs = np.array([1.0, -1.0, -1.0, -1.0])
-            paths = mine.plan.trajectory, other.plan.trajectory
-            assert np.allclose(paths[0].joints * signs, paths[1].joints, atol=1e-8)
-            assert np.allclose(paths[0].rates * signs, paths[1].rates, atol=1e-6)
-    assert same >= 4
-
-
-def test_more_times_of_the_end_catch_more(memory):
-    situations, caught = drawn(316, 32), {}
-    for bends in (0, 3):
-        planner = RecallPlanner(memory, 5, how=Adaptation(bends=bends))
-        caught[bends] = sum(planner.plan(s).caught for s in situations)
-    assert caught[3] > caught[0]
-    for situation in situations[:8]:
-        times = [
-            SPACE.tries(SPACE.problem(situation, "labels"), Adaptation(bends=r)).catch_times(
-                memory.knots, memory.goals, np.arange(len(memory))
-            )
-            for r in (0, 3)
-        ]
-        plain = times[0] >= 0.0
-        assert np.array_equal(times[1][plain], times[0][plain])
 
 
 def test_what_touches_at_all_times_is_pushed_aside(catches):
@@ -206,7 +128,7 @@ def test_what_touches_at_all_times_is_pushed_aside(catches):
 
 def test_hybrid_keeps_deadlines_and_bounds():
     planner, sooner, bounded = get_planner("hybrid"), 0, 0
-    for situation in drawn(317, 12):
+    for situation in LIMITED.drawn(317, 12):
         first = planner.plan(situation)
         if not first.caught:
             continue

@@ -15,7 +15,7 @@ from gcm_learn.motion.interception import target_distance
 from gcm_learn.planners.completion import Problem, checked
 from gcm_learn.planners.layered import layered
 from gcm_learn.recall import Adaptation, adapt, path_of, transfer, waypoints_of
-from gcm_learn.recall.kernels import ANGLE, EARLIEST, KNOTS, RING, TIME
+from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.recall.planners import random_waypoints
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.situation.canonical import canonical

@@ -17,18 +17,22 @@ from gcm_learn.recall import (
     RecallPlanner,
     Waypoints,
     adapt,
-    bending,
-    kernels,
+    hand_pushes,
     transfer,
     waypoints_of,
 )
 from gcm_learn.recall.adaptation import INSTANTS, query_of
-from gcm_learn.recall.kernels import EARLIEST, TIME, Style, adapt_to_targets, workspace_for
-from gcm_learn.recall.trials import is_valid
+from gcm_learn.recall.freeing import free as freed
+from gcm_learn.recall.freeing import quick_check
+from gcm_learn.recall.hand_paths import check, hand_work
+from gcm_learn.recall.meeting import adapt_to_targets
+from gcm_learn.recall.styles import HURRY, Style
+from gcm_learn.recall.styles import POLAR as POLAR_SPACE
+from gcm_learn.recall.waypoints import EARLIEST, TIME
 from gcm_learn.scene.bodies import poses_at
 
 BARE, BENT = Adaptation(bends=0), Adaptation()
-POLAR = Style(kernels.POLAR, kernels.HURRY)
+POLAR = Style(POLAR_SPACE, HURRY)
 
 
 def stacked(traces):
@@ -105,18 +109,18 @@ def test_the_look_leaves_no_instant_out(traces):
         if problem.early_answer() is not None:
             continue
         query = query_of(problem)
-        work = workspace_for(query)
+        work = hand_work(query)
         for m in range(0, len(traces), 7):
-            count, _ = adapt_to_targets(knots, goals, m, query, POLAR, work)
+            count, _ = adapt_to_targets((knots, goals), m, query, POLAR, work)
             if count < 2:
                 continue
-            _, first, _ = bending.look(query, work, count, 0.0)
+            _, first, _ = quick_check(query, work, count, 0.0, np.inf)
             step = situation.horizon / (INSTANTS - 1)
             end = int(work.best_time[count - 1] / step)
             gaps = []
             for g in range(1, end + 1):
-                _, _, x, y = bending._at(query, work, count, g)
-                gaps.append(bending._clearance(query, g, x, y, 1e300))
+                _, _, x, y = hand_pushes._at(query, work, count, g)
+                gaps.append(hand_pushes._clearance(query, g, x, y, 1e300))
             touching = [g for g, gap in enumerate(gaps, 1) if gap <= query.rules.touch]
             asked, touched = asked + 1, touched + bool(touching)
             agreed += first == (touching[0] if touching else -1)
@@ -181,13 +185,13 @@ def test_a_path_may_pass_nearer_than_it_is_meant_to(traces):
         if problem.early_answer() is not None:
             continue
         query = query_of(problem)
-        work = workspace_for(query)
+        work = hand_work(query)
         for m in range(0, len(traces), 5):
-            count, body = adapt_to_targets(knots, goals, m, query, POLAR, work)
-            if count < 2 or bending.look(query, work, count, 0.0)[1] < 0:
+            count, body = adapt_to_targets((knots, goals), m, query, POLAR, work)
+            if count < 2 or quick_check(query, work, count, 0.0, np.inf)[1] < 0:
                 continue
-            count, free = bending.bend(query, POLAR, work, count, body, 5)
-            if free and is_valid(query, work, count):
+            count, free = freed(query, POLAR, work, count, body, 5)
+            if free and check(query, work, count, body)[1]:
                 bent += 1
-                near += bending.look(query, work, count, bending.MARGIN)[1] >= 0
+                near += quick_check(query, work, count, hand_pushes.MARGIN, np.inf)[1] >= 0
     assert near > 0 and bent > near

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from gcm_learn import families, seeding
+from gcm_learn.arms import SPATIAL
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.layered import layered
-from gcm_learn.recall import SPACE, Adaptation, Memory, RawIndex, book, grow
+from gcm_learn.recall import Adaptation, Memory, RawIndex, book, grow
 from gcm_learn.recall.book import WORKS, Book
 from gcm_learn.wave import MarchingParams
 
@@ -130,7 +131,7 @@ def test_in_space_a_memory_forgets_what_others_cover_and_grows_on(tmp_path):
     names = ("window-space", "late-target-space", "pendulum-space")
     situations = [families.draw(names[k % 3], 172, k) for k in range(36)]
     planner = get_planner("layered")
-    memory = Memory(RawIndex.fit(situations), kind=SPACE)
+    memory = Memory(RawIndex.fit(situations), kind=SPATIAL)
     steps = grow(memory, situations[:24], planner, most=3)
     assert len(memory) == 3 < sum(s.caught and not s.recalled for s in steps)
     assert 0 < len(memory.book) == memory.book.met

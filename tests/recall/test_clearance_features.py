@@ -11,14 +11,13 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.motion.clearance import clearance
 from gcm_learn.motion.trajectory import Trajectory
-from gcm_learn.recall.clearance_features import (
+from gcm_learn.recall.features import TOUCH, batched
+from gcm_learn.recall.hand_features import (
     CELLS,
     CONTEXT,
     DIRECTIONS,
     LENGTHS,
     RINGS,
-    TOUCH,
-    batched,
     clearance_features,
 )
 from gcm_learn.situation import Body, Disc, PlanarQuadratic

@@ -16,8 +16,8 @@ from gcm_learn.cli import main
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.evaluation import draw_suite
 from gcm_learn.recall import Memory, RawIndex
-from gcm_learn.recall.clearance_features import clearance_features
 from gcm_learn.recall.growth import remember
+from gcm_learn.recall.hand_features import clearance_features
 from gcm_learn.recall.transfer_labels import Sizes, TransferLabels
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack

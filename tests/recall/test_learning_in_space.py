@@ -13,17 +13,19 @@ pytest.importorskip("safetensors")
 pytest.importorskip("pyarrow")
 
 from gcm_learn import dataset, families, recall
+from gcm_learn.arms import SPATIAL
 from gcm_learn.cli import main
 from gcm_learn.dataset import DatasetSpec, FamilyShare, Split
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall import EncoderConfig, Memory, Sizes, TransferLabels, load_encoder
-from gcm_learn.recall.clearance_features import TOUCH
-from gcm_learn.recall.kinds import SPACE
-from gcm_learn.recall.space.features import CELLS, CONTEXT, FREE, features_in_space
-from gcm_learn.recall.space.path_features import COUNT, path_features_in_space
+from gcm_learn.recall.features import TOUCH
+from gcm_learn.recall.joint_features import CELLS, CONTEXT, FREE, posture_features
+from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.path_features import JOINT_COUNT, joint_path_features
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, canonical
 from tests.recall.test_recall_in_space import mirrored
 
+MOVEMENTS = MEMORIES.of(SPATIAL)
 NAMES = ("window-space", "late-target-space")
 SPEC = DatasetSpec(
     "space",
@@ -46,7 +48,7 @@ def ball(place, radius=0.05):
 @pytest.mark.parametrize("k", range(6))
 def test_a_mirrored_situation_looks_the_same(k):
     situation = canonical(families.draw(NAMES[k % 2], 31, k))[0]
-    mine, other = features_in_space(situation), features_in_space(mirrored(situation))
+    mine, other = posture_features(situation), posture_features(mirrored(situation))
     assert mine.context.shape == (CONTEXT,) and mine.cells.shape[1] == CELLS
     assert np.allclose(mine.context, other.context, atol=1e-5)
     assert np.allclose(mine.cells, other.cells, atol=1e-5)
@@ -57,27 +59,27 @@ def test_each_obstacle_is_seen_alone_and_those_far_away_are_not():
     reach = situation.arm.reach
     near = ball((0.5 * reach, 0.1, 0.3 * reach), 0.05 * reach)
     far = ball(((2.0 + FREE) * reach, 0.0, 0.0), 0.05 * reach)
-    alone = features_in_space(replace(situation, bodies=(*situation.targets, near))).cells
-    both = features_in_space(replace(situation, bodies=(*situation.targets, far, near))).cells
+    alone = posture_features(replace(situation, bodies=(*situation.targets, near))).cells
+    both = posture_features(replace(situation, bodies=(*situation.targets, far, near))).cells
     assert len(alone) == 1 and np.array_equal(alone, both)
     assert 0.0 < alone.max() <= TOUCH and (alone == 0.0).any()
-    more = features_in_space(replace(situation, bodies=(*situation.bodies, near))).cells
+    more = posture_features(replace(situation, bodies=(*situation.bodies, near))).cells
     assert np.array_equal(more[-1], alone[0])
 
 
 def test_paths_are_told_apart_by_ends_ways_and_waits():
     rng = np.random.default_rng(3)
-    knots = rng.uniform(0.1, 1.0, (1, *SPACE.knots)).astype(np.float32).repeat(4, axis=0)
-    goals = rng.uniform(-1.0, 1.0, (1, SPACE.goal)).astype(np.float32).repeat(4, axis=0)
+    knots = rng.uniform(0.1, 1.0, (1, *MOVEMENTS.knots)).astype(np.float32).repeat(4, axis=0)
+    goals = rng.uniform(-1.0, 1.0, (1, MOVEMENTS.goal)).astype(np.float32).repeat(4, axis=0)
     knots[1, 5, 5] += 0.5
     knots[2, 6, 2] += 0.5
     goals[3, 0] += 0.1
-    told = path_features_in_space(knots, goals)
-    assert told.shape == (4, COUNT) and np.isfinite(told).all()
+    told = joint_path_features(knots, goals)
+    assert told.shape == (4, JOINT_COUNT) and np.isfinite(told).all()
     assert len(np.unique(told, axis=0)) == 4
-    still = np.zeros((1, *SPACE.knots), np.float32)
-    assert np.isfinite(path_features_in_space(still, goals[:1])).all()
-    assert path_features_in_space(knots[:0], goals[:0]).shape == (0, COUNT)
+    still = np.zeros((1, *MOVEMENTS.knots), np.float32)
+    assert np.isfinite(joint_path_features(still, goals[:1])).all()
+    assert joint_path_features(knots[:0], goals[:0]).shape == (0, JOINT_COUNT)
 
 
 @pytest.fixture(scope="module")
@@ -112,13 +114,13 @@ def test_train_and_remember_on_the_command_line(folder, small, tmp_path, capsys)
     assert main(["train-encoder", str(folder), "--out", str(model), *words]) == 0
     assert "spatial" in (model / "card.md").read_text("utf-8")
     encoder = load_encoder(model)
-    assert encoder.kind == SPACE and encoder.dim == 8
+    assert encoder.kind == SPATIAL and encoder.dim == 8
     assert main(["remember", str(folder), "--out", str(memory), "--index", str(model)]) == 0
     loaded = Memory.load(memory)
-    assert loaded.kind == SPACE and loaded.index.key == encoder.key and len(loaded) > 5
+    assert loaded.kind == SPATIAL and loaded.index.key == encoder.key and len(loaded) > 5
     situation = families.draw(NAMES[0], 33, 0)
     query = loaded.index.embed_query(situation)
-    seen = features_in_space(situation)
+    seen = posture_features(situation)
     assert np.array_equal(query, encoder.embed_features(seen)) and query.shape == (8,)
     capsys.readouterr()
 

@@ -17,10 +17,10 @@ from gcm_learn.planners.completion import Problem
 from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, index_class
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, query_of, transfer
 from gcm_learn.recall.encoder import Encoder
+from gcm_learn.recall.hand_paths import KNOTS, hand_work
 from gcm_learn.recall.index import LearnedIndex
-from gcm_learn.recall.kernels import KNOTS
-from gcm_learn.recall.memory_features import count
 from gcm_learn.recall.networks import EncoderNet
+from gcm_learn.recall.path_features import count
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.trials import Budget, Offer, first_valid
 from tests.referee import judge
@@ -112,13 +112,9 @@ def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
         for penalty in (0.0, 2.0):
             scores = np.array([1.0] * len(bad) + [0.5])
             offer = Offer(chosen, scores, places, np.ones(len(chosen), bool))
-            found, _, tried[penalty], _, _ = first_valid(
-                knots,
-                goals,
-                offer,
-                query_of(problem),
-                DEFAULT.styles,
-                Budget(DEFAULT.bends, 99, 0.0, penalty),
+            query, budget = query_of(problem), Budget(DEFAULT.bends, 99, 0.0, penalty)
+            found, _, tried[penalty], _ = first_valid(
+                query, (knots, goals), offer, DEFAULT.styles, budget, hand_work(query)
             )
             assert found == len(bad)
         assert tried[2.0] <= tried[0.0]
@@ -148,7 +144,9 @@ def test_after_a_failure_the_memory_that_touches_least_is_next(traces):
             offer = Offer(chosen, -1e-3 * np.arange(5.0), places, np.ones(5, bool))
             budget = Budget(0, 2, novelty, 0.0)
             query = query_of(problem)
-            found[novelty] = first_valid(knots, goals, offer, query, unbent.styles, budget)[0]
+            found[novelty] = first_valid(
+                query, (knots, goals), offer, unbent.styles, budget, hand_work(query)
+            )[0]
         assert found[0.0] == -1
         tested, first = tested + 1, first + (found[1e-9] == 4)
     assert tested > 20 and first > 0.5 * tested

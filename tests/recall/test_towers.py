@@ -14,10 +14,12 @@ from gcm_learn import seeding
 from gcm_learn.errors import EncoderError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.recall import EncoderConfig, load_encoder, save_encoder
-from gcm_learn.recall.clearance_features import batched, clearance_features
 from gcm_learn.recall.encoder import Encoder
-from gcm_learn.recall.memory_features import COUNT, count, map_features, path_features
+from gcm_learn.recall.features import batched
+from gcm_learn.recall.hand_features import clearance_features
+from gcm_learn.recall.map_features import COUNT, map_features
 from gcm_learn.recall.networks import EncoderNet
+from gcm_learn.recall.path_features import count, hand_path_features
 
 KNOTS = 24
 
@@ -56,7 +58,7 @@ def test_arrays_embed_as_torch_does(situations):
     traces, goals = some_ways(len(situations))
     pictures = np.array([map_features(s) for s in situations])
     with torch.no_grad():
-        way = torch.from_numpy(path_features(traces, goals))
+        way = torch.from_numpy(hand_path_features(traces, goals))
         wanted = net.memories(way, torch.from_numpy(pictures)).numpy()
     found = encoder.embed_memories(situations, traces, goals)
     np.testing.assert_allclose(found, wanted, atol=1e-4)
@@ -105,11 +107,11 @@ def test_maps_tell_apart_unreached_and_reached_at_once(situations):
 
 def test_ways_depend_on_nothing_but_place_and_time():
     traces, goals = some_ways(4)
-    features = path_features(traces, goals)
+    features = hand_path_features(traces, goals)
     assert features.shape == (4, count(KNOTS)) and np.isfinite(features).all()
     full_turn = traces.copy()
     full_turn[:, :, 0] += 2.0 * np.pi
-    changed = np.abs(path_features(full_turn, goals) - features) > 1e-4
+    changed = np.abs(hand_path_features(full_turn, goals) - features) > 1e-4
     assert changed[0].sum() == KNOTS + 16  # the angles themselves; sines and cosines stay
 
 

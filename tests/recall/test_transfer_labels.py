@@ -26,7 +26,7 @@ from gcm_learn.recall import (
     transfer,
     transfer_labels,
 )
-from gcm_learn.recall.clearance_features import clearance_features
+from gcm_learn.recall.hand_features import clearance_features
 from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.transfer_labels import Sizes, TransferLabels
 from tests.dataset.conftest import SMALL, make_here

@@ -9,7 +9,6 @@ stay apart: a path is valid if it is so against each of them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.rules import Rules
+from gcm_learn.recall.features import TOUCH, Features
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at, poses_at
 from gcm_learn.scene.packing import pack
@@ -31,44 +31,12 @@ LENGTHS = np.array([0.15, 0.4, 0.7, 1.0, 1.35, 1.7, 2.1, 2.5, 2.9, 3.4, 4.0, 4.8
 FREE = 0.4  # clearance beyond this is as good as free [forearm lengths]
 TOUCHING = 1e-6  # clearance up to this is none [forearm lengths]
 SLACK = 0.25  # hands that are farther than the hand can be by this are not asked for [same]
-TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, FREE away is 0
 INSTANT = 1e-3  # resolution of interceptions, coarser than a plan's: encoders know it [horizons]
 
 CELLS = len(LENGTHS) * len(RINGS) * DIRECTIONS
 TRACK = 5  # numbers of the target at an instant
 SCALARS = 14
 CONTEXT = TRACK * len(LENGTHS) + SCALARS
-STEPS = 170  # of a cell's number between 0 and 1, where features are stored in bytes
-
-
-class Features(NamedTuple):
-    """What one situation looks like."""
-
-    context: np.ndarray
-    """(CONTEXT,) float32: the target's track, then scalars."""
-    cells: np.ndarray
-    """(obstacles, CELLS) float32: by instants, rings and directions; 0 is free by FREE or more, 1
-    just free, TOUCH touches. Cells that the hand cannot have come to are 0. Obstacles that the limb
-    can nowhere come near are left out: they change nothing."""
-
-
-class FeatureBatch(NamedTuple):
-    """What many situations look like."""
-
-    context: np.ndarray
-    """(n, CONTEXT) float32"""
-    cells: np.ndarray
-    """(m, CELLS) uint8: of all their obstacles [1 / STEPS]."""
-    whose: np.ndarray
-    """(m,) int64: whose obstacle it is."""
-
-
-def batched(features: Sequence[Features]) -> FeatureBatch:
-    """Many as one, at least one of them, in bytes."""
-    cells = [np.rint(one.cells * STEPS).astype(np.uint8) for one in features]
-    whose = np.repeat(np.arange(len(features)), [len(c) for c in cells])
-    whole = np.concatenate(cells)
-    return FeatureBatch(np.array([one.context for one in features]), whole, whose)
 
 
 def clearance_features(situation: Situation, scene: Scene | None = None) -> Features:

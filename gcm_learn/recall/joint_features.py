@@ -17,7 +17,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion import Rules
 from gcm_learn.planners.space.moves import study_of, turning_time
 from gcm_learn.planners.space.pull import pulled
-from gcm_learn.recall.clearance_features import Features
+from gcm_learn.recall.features import TOUCH, Features
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
 from gcm_learn.scene.packing import pack
@@ -33,7 +33,6 @@ ASIDE, BENT = 0.35, 0.9  # how far aside they are, at its ends and more in its m
 MEETINGS = 16  # instants at which the end of the straight way is looked for
 TRACKED = np.array([0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6])  # of the target [s]
 FREE = 0.3  # clearance beyond this is as good as free [reaches]
-TOUCH = 1.5  # what stands for a limb that touches; just free of it is 1, FREE away is 0
 FAR = 1.5  # a target is told to be no farther than this [reaches]
 
 CELLS = POSTURES * len(TIMES) + ROUND * len(LATER)
@@ -62,7 +61,7 @@ AGAIN = np.concatenate(
 """Whether the posture of a cell is that of the cell before, at another instant."""
 
 
-def features_in_space(situation: Situation[SpatialArm], scene: Scene | None = None) -> Features:
+def posture_features(situation: Situation[SpatialArm], scene: Scene | None = None) -> Features:
     """What a situation in any frame looks like.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Remembered paths adapted to a new situation, and timed.
+"""Kernels of remembered hand paths: load, move, time and check them.
 
 A remembered path lies in polar coordinates about the shoulder, in the frame in which the hand
 starts in direction 0 and the elbow is on the right: `KNOTS` rows (angle, share of the ring, time,
@@ -11,20 +11,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import approach, target_distance
 from gcm_learn.motion.rules import Rules
-from gcm_learn.motion.verification import PARTS, joint_turns
+from gcm_learn.motion.verification import PARTS, joint_turns, nearest_to_shoulder
+from gcm_learn.recall.styles import HURRY, POLAR, Chase
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
 
 KNOTS = 24  # of a remembered path, see `gcm_learn.recall.waypoints`
 ANGLE, RING, TIME, EARLIEST = range(4)  # columns of a knot
-POLAR, CARTESIAN = 0, 1  # in which coordinates paths are adapted
-HURRY, KEEP = 0, 1  # waits are kept and the rest is hurried, or all times are kept
 
-_TURNS = 60  # instants of interception that are tried at most
-_LONGEST = 60.0  # times the lateness that a step may be long
+_TRIALS = 60  # instants of interception that are tried at most
 _STRIDE = 48.0  # steps in a horizon while there is no target to be met
 _CLOSE = 1e-3  # share of the horizon within which the instant is found
 _SLACK = 1.0 + 2e-9  # against rounding of the speed limits
@@ -35,8 +34,8 @@ _RIM = 4e-3  # share of the ring that joints with limits keep from the outer rim
 HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [forearm lengths]
 
 
-class Query(NamedTuple):
-    """What an adaptation must know of a situation."""
+class HandQuery(NamedTuple):
+    """A situation, as adaptations of hand paths need it."""
 
     scene: Scene
     rules: Rules
@@ -46,17 +45,11 @@ class Query(NamedTuple):
     soonest: float  # no movement can catch before [s]
 
 
-class Style(NamedTuple):
-    """How a path is adapted."""
-
-    space: int  # POLAR or CARTESIAN
-    tempo: int  # HURRY or KEEP
-
-
-class Workspace(NamedTuple):
+class HandWork(NamedTuple):
     """Buffers for one adaptation after the other."""
 
     knots: np.ndarray  # (KNOTS, 4) float32: the remembered path
+    wanted: np.ndarray  # (KNOTS,) float32: earliest times at the knots [s]
     goal: np.ndarray  # (2,) float32: direction and share of its target
     share: np.ndarray  # (KNOTS,): of its length that lies behind it
     base: np.ndarray  # (KNOTS, 2): the path with its start moved to the hand
@@ -65,17 +58,18 @@ class Workspace(NamedTuple):
     hand: np.ndarray  # (KNOTS, 2)
     best_time: np.ndarray  # (KNOTS + 1,): the best path so far
     best_hand: np.ndarray  # (KNOTS + 1, 2)
-    from_base: np.ndarray  # (KNOTS, 2): base and earliest times of a path that is bent
-    from_early: np.ndarray  # (KNOTS,)
-    least_base: np.ndarray  # (KNOTS, 2): those of the path among its changes that touches least
-    least_early: np.ndarray  # (KNOTS,)
+    from_base: np.ndarray  # (KNOTS, 2): base of the path before a change
+    from_wanted: np.ndarray  # (KNOTS,)
+    least_base: np.ndarray  # (KNOTS, 2): base of the change with the least contact
+    least_wanted: np.ndarray  # (KNOTS,)
 
 
 @njit
-def workspace_for(query):
-    """Buffers for adaptations to a situation."""
-    return Workspace(
+def hand_work(query):
+    """Return buffers for adaptations to a situation."""
+    return HandWork(
         np.empty((KNOTS, 4), dtype=np.float32),
+        np.empty(KNOTS, dtype=np.float32),
         np.empty(2, dtype=np.float32),
         np.empty(KNOTS),
         np.empty((KNOTS, 2)),
@@ -97,13 +91,33 @@ def _wrapped(angle):
     return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
 
 
+@njit
+def bodies_of(query):
+    """Return the bodies of a situation."""
+    return query.scene.bodies
+
+
 @njit(_nrt=False)
-def _load(knots, goals, m, work):
-    """Copy memory m into the workspace."""
+def load(query, paths, m, style, work):
+    """Copy memory m into the workspace, and move its start to the hand.
+
+    Parameters
+    ----------
+    query : HandQuery
+    paths : ((n, KNOTS, 4), (n, 2)) ndarrays of float32
+        Knots and goals of all memories.
+    m : int
+    style : Style
+    work : HandWork
+    """
+    knots, goals = paths
     for k in range(KNOTS):
         for a in range(4):
             work.knots[k, a] = knots[m, k, a]
+        work.wanted[k] = knots[m, k, EARLIEST if style.tempo == HURRY else TIME]
     work.goal[0], work.goal[1] = goals[m, 0], goals[m, 1]
+    _measure(query, work)
+    _move_start(query, style, work)
 
 
 @njit(_nrt=False)
@@ -199,7 +213,6 @@ def _move_end(query, style, work, end):
 @njit(_nrt=False)
 def _soonest_end(query, style, work, end):
     """When a path whose end is so moved can be at its end: nearly, and without trigonometry."""
-    column = EARLIEST if style.tempo == HURRY else TIME
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     base, share, low = work.base, work.share, _lowest(query)
     slowness = 1.0 / query.rules.speed
@@ -214,15 +227,14 @@ def _soonest_end(query, style, work, end):
             way2 = (r - r0) ** 2 + r * r0 * turn2 * (1.0 - turn2 / 12.0)
         else:
             way2 = (a - a0) ** 2 + (r - r0) ** 2
-        t = max(t + np.sqrt(max(way2, 0.0)) * slowness, np.float64(work.knots[k, column]))
+        t = max(t + np.sqrt(max(way2, 0.0)) * slowness, np.float64(work.wanted[k]))
         a0, r0 = a, r
     return t
 
 
 @njit
-def _pace(query, style, work):
-    """Times of the knots: as early as the limits allow, and no wait cut short; the last one."""
-    column = EARLIEST if style.tempo == HURRY else TIME
+def _pace(query, work):
+    """Write the times of the knots, as early as limits and waits allow; return the last one."""
     limb, limits, hand, time = query.scene.limb, query.scene.limits, work.hand, work.time
     time[0] = 0.0
     if limits.shoulder < np.inf:
@@ -233,7 +245,7 @@ def _pace(query, style, work):
         if limits.shoulder < np.inf:
             least = max(least, _JOINT_SLACK * turns[k - 1, 0] / limits.shoulder)
             least = max(least, _JOINT_SLACK * turns[k - 1, 1] / limits.elbow)
-        time[k] = max(time[k - 1] + least * _SLACK, np.float64(work.knots[k, column]))
+        time[k] = max(time[k - 1] + least * _SLACK, np.float64(work.wanted[k]))
     return time[KNOTS - 1]
 
 
@@ -252,110 +264,75 @@ def _away(query, b, poses, t):
     return wait
 
 
-@njit
-def meet(query, b, style, work):
-    """Adapt the path to where target b can be met and time it: the instant, or -1.
-
-    The sooner the instant, the better; it is found by conservative advancement: a hand that comes
-    late by some time needs at least that part of it in which hand and target can close the gap.
-    Most of the advance is made on lengths alone. The path's last knot is where the hand catches.
-    """
-    last, bodies, limb, hand = KNOTS - 1, query.scene.bodies, query.scene.limb, work.hand
-    horizon, catch = query.scene.limits.horizon, query.rules.catch
-    closing = query.rules.speed / (query.rules.speed + bodies.rows[b, TOP_SPEED])
-    close = _CLOSE * horizon
-    rim = limb.near + min(_highest(query), 1.0) * (limb.far - limb.near)
-    t, rough = query.soonest, True
-    before, late_before = -1.0, 0.0
-    for _ in range(_TURNS):
-        if t > horizon:
-            return -1.0
-        pose_at(bodies, b, t, work.poses)
-        away = _away(query, b, work.poses, t)
-        if away > close:
-            t, before = t + away, -1.0
-            continue
-        end = _ends_by(query, style, work, work.poses[b, 0], work.poses[b, 1])
-        if rough:
-            late = _soonest_end(query, style, work, end) - t
-            rough = late > close
-        if not rough:
-            _move_end(query, style, work, end)
-            x, y, found = approach(bodies, work.poses, b, hand[last, 0], hand[last, 1], catch, rim)
-            if not found or x * x + y * y < limb.near * limb.near:
-                t, before, rough = t + horizon / _STRIDE, -1.0, True
-                continue
-            hand[last, 0], hand[last, 1] = x, y
-            late = _pace(query, style, work) - t
-            if late <= 0.0:
-                return t
-        step = late * closing
-        if before >= 0.0 and late < late_before:  # the secant, where hand gains on target
-            step = max(step, late * min((t - before) / (late_before - late), _LONGEST))
-        before, late_before = t, late
-        t += max(step, query.rules.instant)
-    return -1.0
-
-
-@njit
-def adapt_to_targets(knots, goals, m, query, style, work):
-    """Adapt memory m to the target that it can catch first.
-
-    The path is left in `work.best_time` and `work.best_hand`, and ends at the first knot at which
-    the hand is within reach of any target.
-
-    Parameters
-    ----------
-    knots, goals : (n, KNOTS, 4), (n, 2) ndarray of float32
-        All memories.
-    m : int
-    query : Query
-    style : Style
-    work : Workspace
-
-    Returns
-    -------
-    count : int
-        Samples of the path, 0 if no target can be met in time.
-    body : int
-    """
-    _load(knots, goals, m, work)
-    _measure(query, work)
-    _move_start(query, style, work)
-    return meet_any(query, style, work)
-
-
-@njit
-def meet_any(query, style, work):
-    """Adapt the path in the workspace to the target that it can catch first, as above."""
-    best, body, bodies = -1.0, -1, query.scene.bodies
-    for b in range(bodies.rows.shape[0]):
-        if bodies.rows[b, PART] != HAND:
-            continue
-        t = meet(query, b, style, work)
-        if t < 0.0 or 0.0 <= best <= t:
-            continue
-        best, body = t, b
-        keep(work, t)
-    if best < 0.0:
-        return 0, -1
-    return _first_knot_at_a_target(query, work, body)
+@njit(_nrt=False)
+def chase(query, b, _since):
+    """Return the numbers by which target b is chased."""
+    horizon, speed = query.scene.limits.horizon, query.rules.speed
+    top = query.scene.bodies.rows[b, TOP_SPEED]
+    return Chase(
+        query.soonest,
+        speed,
+        horizon,
+        speed / (speed + top),
+        _CLOSE * horizon,
+        horizon / _STRIDE,
+        query.rules.instant,
+        _TRIALS,
+    )
 
 
 @njit(_nrt=False)
-def keep(work, t):
-    """Keep the path that was just adapted and timed as the best, its hand at its end until t."""
+def away(query, b, t, _speed, work):
+    """Return for how long target b surely stays out of reach of ring and straight hand [s]."""
+    pose_at(query.scene.bodies, b, t, work.poses)
+    return _away(query, b, work.poses, t)
+
+
+@njit
+def lateness(query, b, t, rough, close, style, work):
+    """Adapt the path to target b at t [s], by lengths alone while it is far too late.
+
+    Returns
+    -------
+    late : float
+        Time by which the hand comes late [s].
+    rough : bool
+        True if only lengths were compared.
+    found : bool
+        False if no hand near the path's end catches.
+    """
+    last, bodies, limb, hand = KNOTS - 1, query.scene.bodies, query.scene.limb, work.hand
+    late, end = 0.0, _ends_by(query, style, work, work.poses[b, 0], work.poses[b, 1])
+    if rough:
+        late = _soonest_end(query, style, work, end) - t
+        rough = late > close
+    if not rough:
+        _move_end(query, style, work, end)
+        catch = query.rules.catch
+        rim = limb.near + min(_highest(query), 1.0) * (limb.far - limb.near)
+        x, y, found = approach(bodies, work.poses, b, hand[last, 0], hand[last, 1], catch, rim)
+        if not found or x * x + y * y < limb.near * limb.near:
+            return 0.0, True, False
+        hand[last, 0], hand[last, 1] = x, y
+        late = _pace(query, work) - t
+    return late, rough, True
+
+
+@njit(_nrt=False)
+def keep(work, t, _body):
+    """Keep the adapted path as the best, its hand at its end until t [s]; return its samples."""
     for k in range(KNOTS):
         work.best_time[k] = work.time[k]
         work.best_hand[k, 0], work.best_hand[k, 1] = work.hand[k, 0], work.hand[k, 1]
     work.best_time[KNOTS] = t
     work.best_hand[KNOTS, 0] = work.hand[KNOTS - 1, 0]
     work.best_hand[KNOTS, 1] = work.hand[KNOTS - 1, 1]
+    return KNOTS + 1
 
 
 @njit
-def _first_knot_at_a_target(query, work, body):
-    """Samples of the best path until a target is within reach, and that target."""
+def cut(query, work, body):
+    """Return samples of the best path until a target is within reach, and that target."""
     bodies, catch = query.scene.bodies, query.rules.catch
     for k in range(KNOTS):
         x, y = work.best_hand[k, 0], work.best_hand[k, 1]
@@ -370,3 +347,51 @@ def _first_knot_at_a_target(query, work, body):
             if target_distance(bodies, work.poses, b, x, y) <= catch:
                 return k + 1, b
     return KNOTS + 1, body
+
+
+@njit
+def check(query, work, count, body):
+    """Check the limb on the first samples of the best path.
+
+    Returns
+    -------
+    count : int
+        Samples of the path.
+    free : bool
+        True if the limb is free and the hand keeps out of the hole of the ring.
+    body : int
+        Target at its end.
+    """
+    time, hand, floor = work.best_time[:count], work.best_hand[:count], query.rules.touch
+    if count > 1 and nearest_to_shoulder(hand) < max(query.scene.limb.near, 0.5 * HUB):
+        return count, False, body
+    return count, least_distance(query.scene, time, hand, floor, np.inf)[0] > floor, body
+
+
+@njit
+def failures(_query, most):
+    """Return room for notes of so many paths."""
+    return np.empty((most, KNOTS + 1, 3))
+
+
+@njit(_nrt=False)
+def note(query, row, work, count):
+    """Note the best path; its last sample stands for missing ones."""
+    for k in range(KNOTS + 1):
+        j = min(k, count - 1)
+        row[k, 0], row[k, 1] = work.best_hand[j, 0], work.best_hand[j, 1]
+        row[k, 2] = query.rules.speed * work.best_time[j]
+
+
+@njit(_nrt=False)
+def is_near(query, row, work, count, novelty):
+    """Return whether the best path stays within `novelty` of a noted one, time included."""
+    limit, speed = novelty * novelty, query.rules.speed
+    time, hand, apart = work.best_time, work.best_hand, 0.0
+    for k in range(KNOTS + 1):
+        j = min(k, count - 1)
+        d2 = (row[k, 0] - hand[j, 0]) ** 2 + (row[k, 1] - hand[j, 1]) ** 2
+        apart = max(apart, d2 + (row[k, 2] - speed * time[j]) ** 2)
+        if apart > limit:
+            return False
+    return True

@@ -1,4 +1,4 @@
-"""Remembered movements of the joints, adapted to a new situation and timed.
+"""Kernels of remembered joint movements: load, move, time and check them.
 
 A remembered movement is `KNOTS` rows (four joints of a left arm, time, earliest).  Its start is
 moved to the joints at t = 0, its end to a posture that catches the target at the time at which the
@@ -15,31 +15,44 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import fastest_hand, target_room
-from gcm_learn.planners.space.moves import Study, time_of, turning_time
+from gcm_learn.planners.space.moves import PIECES, Study, time_of, turning_time
 from gcm_learn.planners.space.pull import pulled
-from gcm_learn.planners.space.ways import Way, new_way, write
-from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
+from gcm_learn.planners.space.ways import Way, new_way, samples_of, write
+from gcm_learn.recall.styles import HURRY, Chase
+from gcm_learn.scene.bodies import TOP_SPEED, pose_at
 
 KNOTS = 12  # of a remembered movement, see `gcm_learn.recall.space.waypoints`
 TIME, EARLIEST = 4, 5  # columns of a knot, after its joints
 COLUMNS = 6
-HURRY, KEEP = 0, 1  # waits are kept and the rest is hurried, or all times are kept
+STEPS = 24  # of a movement that is followed, of equal length
+MOST = KNOTS * (PIECES + 2)  # samples of a movement
 
-_TURNS = 40  # instants of interception that are tried at most
-_LONGEST = 60.0  # times the lateness that a step may be long
+_TRIALS = 40  # instants of interception that are tried at most
 _STRIDE = 32.0  # steps in a horizon while there is no target to be met
 _CLOSE = 2e-3  # share of the horizon within which the instant is found
 _STILL = 1e-6  # a movement shorter than this is shared out by time [s]
 
 
-class Query(NamedTuple):
-    """What an adaptation must know of a situation."""
+class JointQuery(NamedTuple):
+    """A situation, as adaptations of joint movements need it."""
 
     study: Study
     turns: np.ndarray  # (4,): signs that make joints of a left arm those of this one
 
 
-class Work(NamedTuple):
+class Track(NamedTuple):
+    """A movement under limits of acceleration, and the arm that follows it."""
+
+    aims: np.ndarray  # (STEPS + 1, 4): the movement [rad]
+    time: np.ndarray  # (STEPS + 1,) [s]
+    joints: np.ndarray  # (STEPS + 1, 4) [rad]
+    rates: np.ndarray  # (STEPS + 1, 4) [rad/s]
+    least: np.ndarray  # (KNOTS,): least times of the movement's pieces [s]
+    until: np.ndarray  # (1,): end of the movement [s]
+    body: np.ndarray  # (1,) int64: target caught without contact, -1 if there is none
+
+
+class JointWork(NamedTuple):
     """Buffers for one adaptation after the other."""
 
     share: np.ndarray  # (KNOTS,): of its length that lies behind it
@@ -49,30 +62,56 @@ class Work(NamedTuple):
     path: np.ndarray  # (KNOTS, 4): the movement that was adapted last [rad]
     time: np.ndarray  # (KNOTS,): of it [s]
     way: Way  # the best so far
-    from_base: np.ndarray  # (KNOTS, 4), (KNOTS,): base and wanted that a change begins with
-    from_wanted: np.ndarray
-    least_base: np.ndarray  # (KNOTS, 4), (KNOTS,): of the change that touches least
-    least_wanted: np.ndarray
+    best_time: np.ndarray  # (MOST,): samples of the best movement [s]
+    best_joints: np.ndarray  # (MOST, 4) [rad]
+    from_base: np.ndarray  # (KNOTS, 4): base of the movement before a change
+    from_wanted: np.ndarray  # (KNOTS,)
+    least_base: np.ndarray  # (KNOTS, 4): base of the change with the least contact
+    least_wanted: np.ndarray  # (KNOTS,)
+    track: Track
 
 
-def work_room() -> Work:
-    """Buffers for adaptations."""
-    share, wanted, time, from_wanted, least_wanted = np.zeros((5, KNOTS))
+def joint_work() -> JointWork:
+    """Return buffers for adaptations."""
+    share, wanted, time, from_wanted, least_wanted, least = np.zeros((6, KNOTS))
     base, path, from_base, least_base = np.zeros((4, KNOTS, 4))
+    aims, joints, rates = np.zeros((3, STEPS + 1, 4))
+    followed = aims, np.zeros(STEPS + 1), joints, rates
+    track = Track(*followed, least, np.zeros(1), np.zeros(1, np.int64))
+    sampled = np.zeros(MOST), np.zeros((MOST, 4))
     kept = from_base, from_wanted, least_base, least_wanted
-    return Work(share, base, wanted, np.zeros(4), path, time, new_way(), *kept)
+    return JointWork(
+        share, base, wanted, np.zeros(4), path, time, new_way(), *sampled, *kept, track
+    )
+
+
+@njit
+def bodies_of(query):
+    """Return the bodies of a situation."""
+    return query.study.scene.bodies
 
 
 @njit(_nrt=False)
-def load(knots, m, query, tempo, work):
-    """Move the start of memory m to where the arm is."""
+def load(query, paths, m, style, work):
+    """Copy memory m into the buffers, and move its start to the arm.
+
+    Parameters
+    ----------
+    query : JointQuery
+    paths : ((n, KNOTS, COLUMNS), (n, 6)) ndarrays of float32
+        Knots and goals of all memories.
+    m : int
+    style : Style
+    work : JointWork
+    """
+    knots, _ = paths
     study, share, base = query.study, work.share, work.base
     limb, rate = study.scene.limb, study.scene.limits.joint_speed
     share[0] = 0.0
     for k in range(KNOTS):
         for j in range(4):
             base[k, j] = query.turns[j] * np.float64(knots[m, k, j])
-        work.wanted[k] = knots[m, k, EARLIEST if tempo == HURRY else TIME]
+        work.wanted[k] = knots[m, k, EARLIEST if style.tempo == HURRY else TIME]
         if k > 0:
             share[k] = share[k - 1] + turning_time(rate, base[k - 1], base[k])
     total, last = share[KNOTS - 1], max(np.float64(knots[m, KNOTS - 1, TIME]), 1e-9)
@@ -147,78 +186,87 @@ def seed_end(study, work):
 
 
 @njit(_nrt=False)
-def meet(query, b, work, since):
-    """Adapt the movement to where target b can be met and time it: the instant, or -1.
-
-    No instant before `since` [s] is tried.
-
-    The sooner the instant, the better: one that comes late by some time needs at least that part
-    of it in which hand and target can close the gap.
-    """
+def chase(query, b, since):
+    """Return the numbers by which target b is chased, from `since` on [s]."""
     study = query.study
     horizon, fast = study.scene.limits.horizon, fastest_hand(study.scene)
-    closing = fast / (fast + study.scene.bodies.rows[b, TOP_SPEED])
-    close, t, rough = _CLOSE * horizon, since, True
-    before, late_before = -1.0, 0.0
-    for _ in range(_TURNS):
-        if t > horizon:
-            return -1.0
-        away = _away(study, b, fast, t)
-        if away > close:
-            t, before = t + away, -1.0
-            continue
-        seed_end(study, work)
-        if not pulled(study, b, t, work.end):
-            t, before, rough = t + horizon / _STRIDE, -1.0, True
-            continue
-        if rough:
-            late = _soonest_end(study, work) - t
-            rough = late > close
-        if not rough:
-            late = _paced(study, work) - t
-            if late <= 0.0:
-                return t
-        step = late * closing
-        if before >= 0.0 and late < late_before:  # the secant, where hand gains on target
-            step = max(step, late * min((t - before) / (late_before - late), _LONGEST))
-        before, late_before = t, late
-        t += max(step, study.instant)
-    return -1.0
+    top = study.scene.bodies.rows[b, TOP_SPEED]
+    return Chase(
+        since,
+        fast,
+        horizon,
+        fast / (fast + top),
+        _CLOSE * horizon,
+        horizon / _STRIDE,
+        study.instant,
+        _TRIALS,
+    )
+
+
+@njit(_nrt=False)
+def away(query, b, t, speed, _work):
+    """Return for how long target b surely stays out of reach [s]."""
+    return _away(query.study, b, speed, t)
+
+
+@njit(_nrt=False)
+def lateness(query, b, t, rough, close, _style, work):
+    """Adapt the movement to target b at t [s], by turns of joints alone while it is far too late.
+
+    Returns
+    -------
+    late : float
+        Time by which the movement comes late [s].
+    rough : bool
+        True if only turns were compared.
+    found : bool
+        False if no posture near the movement's end catches.
+    """
+    study, late = query.study, 0.0
+    seed_end(study, work)
+    if not pulled(study, b, t, work.end):
+        return 0.0, True, False
+    if rough:
+        late = _soonest_end(study, work) - t
+        rough = late > close
+    if not rough:
+        late = _paced(study, work) - t
+    return late, rough, True
 
 
 @njit(_nrt=False)
 def keep(work, t, b):
-    """Keep the movement that was just adapted as the best, over when b is caught at t [s]."""
+    """Keep the adapted movement as the best, over when b is caught at t [s]; return its knots."""
     way, last = work.way, KNOTS - 1
     for k in range(KNOTS):
         write(way, k, work.path[k], work.time[k], work.time[k] if k < last else t)
     way.body[0] = b
+    return KNOTS
 
 
 @njit(_nrt=False)
-def adapt_to_targets(knots, m, query, tempo, work):
-    """Adapt memory m to the target that it can catch first; its way is left in ``work.way``.
+def cut(_query, work, body):
+    """Return the knots of the best movement and its target, both unchanged."""
+    return KNOTS, body
+
+
+@njit
+def check(query, work, _count, _body):
+    """Sample the best movement, and check the limb on it.
 
     Returns
     -------
-    bool
-        Whether any can be met in time.
+    count : int
+        Samples until the first target is met, written into the buffers.
+    free : bool
+        True if no piece touches an obstacle.
+    body : int
+        Target that is met first.
     """
-    load(knots, m, query, tempo, work)
-    return meet_any(query, work)
-
-
-@njit(_nrt=False)
-def meet_any(query, work):
-    """Adapt the movement to the target that it can catch first; whether any can be met in time."""
-    best, rows = -1.0, query.study.scene.bodies.rows
-    for b in range(rows.shape[0]):
-        if rows[b, PART] == HAND:
-            t = meet(query, b, work, 0.0)
-            if t >= 0.0 and (best < 0.0 or t < best):
-                best = t
-                keep(work, t, b)
-    return best >= 0.0
+    time, joints, body = samples_of(query.study, work.way)
+    count = time.size
+    work.best_time[:count], work.best_joints[:count] = time, joints
+    return count, first_touch(query.study, time, joints) < 0, body
 
 
 @njit
@@ -230,6 +278,37 @@ def first_touch(study, time, joints):
         ):
             return k
     return -1
+
+
+@njit
+def failures(_query, most):
+    """Return room for notes of so many movements."""
+    return np.empty((most, KNOTS, 5))
+
+
+@njit(_nrt=False)
+def note(_query, row, work, _count):
+    """Note the best movement."""
+    for k in range(KNOTS):
+        for j in range(4):
+            row[k, j] = work.way.joints[k, j]
+        row[k, 4] = work.way.reached[k]
+
+
+@njit(_nrt=False)
+def is_near(_query, row, work, _count, novelty):
+    """Return whether the best movement stays within `novelty` [rad] of a noted one.
+
+    A second counts as much as ten radians.
+    """
+    way, apart = work.way, 0.0
+    for k in range(KNOTS):
+        apart = max(apart, 10.0 * abs(row[k, 4] - way.reached[k]))
+        for j in range(4):
+            apart = max(apart, abs(row[k, j] - way.joints[k, j]))
+        if apart > novelty:
+            return False
+    return True
 
 
 @njit

@@ -1,0 +1,129 @@
+"""Columns that differ by the kind of arm: paths of plans, frames, and the arm as numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from gcm_learn.arms import JOINTS, Arm, Base, SpatialArm
+from gcm_learn.motion import SpatialTrajectory, Trajectory, fastest_hand
+from gcm_learn.scene import pack
+from gcm_learn.situation import Frame, Situation, SpatialFrame
+
+Types = Mapping[str, pa.DataType]
+WORD, NUMBER, BITS, COUNT = pa.string(), pa.float64(), pa.binary(), pa.int32()
+_ANSWER = {
+    "status": WORD,
+    "message": WORD,
+    "catch_time": NUMBER,
+    "catch_body": WORD,
+    "clearance": NUMBER,
+    "time": pa.list_(NUMBER),
+}
+HAND_PLAN = pa.struct(_ANSWER | {"hand": pa.list_(NUMBER)})
+JOINT_PLAN = pa.struct(_ANSWER | {"joints": pa.list_(NUMBER), "rates": pa.list_(NUMBER)})
+BASE: Types = {"origin": pa.list_(NUMBER), "rotation": pa.list_(NUMBER)}
+
+
+# --- paths -----------------------------------------------------------------------------------
+
+
+def hand_cells(path: Trajectory) -> dict[str, Any]:
+    """Return the cells of a hand path."""
+    return {"time": path.time, "hand": path.hand.ravel()}
+
+
+def joint_cells(path: SpatialTrajectory) -> dict[str, Any]:
+    """Return the cells of a joint movement."""
+    rates = None if path.rates is None else path.rates.ravel()
+    return {"time": path.time, "joints": path.joints.ravel(), "rates": rates}
+
+
+def hand_path(arm: Arm, cells: Mapping[str, Any]) -> Trajectory:
+    """Return the hand path in the cells of a plan."""
+    time, hand = (np.asarray(cells[name], dtype=float) for name in ("time", "hand"))
+    return Trajectory.of_hand(time, hand.reshape(-1, 2), arm.upper_arm, arm.elbow)
+
+
+def joint_path(arm: SpatialArm, cells: Mapping[str, Any]) -> SpatialTrajectory:
+    """Return the joint movement in the cells of a plan."""
+    time, joints = (np.asarray(cells[name], dtype=float) for name in ("time", "joints"))
+    rates = cells["rates"]
+    if rates is not None:
+        rates = np.asarray(rates, dtype=float).reshape(-1, JOINTS)
+    return SpatialTrajectory(arm, time, joints.reshape(-1, JOINTS), rates)
+
+
+# --- frames ----------------------------------------------------------------------------------
+
+
+def planar_frame(base: Base | None, angle: float | None, mirrored: bool) -> Frame:
+    """Return the frame of a planar arm."""
+    assert angle is not None
+    return Frame(angle, mirrored)
+
+
+def spatial_frame(base: Base | None, angle: float | None, mirrored: bool) -> SpatialFrame:
+    """Return the frame of a spatial arm."""
+    assert base is not None
+    return SpatialFrame(base, mirrored)
+
+
+# --- the arm as numbers ----------------------------------------------------------------------
+
+
+def planar_word(situation: Situation) -> str:
+    """Return the part of a situation's structure that tells its arm."""
+    joints = "" if situation.arm.max_joint_speed is None else "+joints"
+    return f"{'solid' if situation.is_solid else 'planar'}{joints}"
+
+
+def spatial_word(situation: Situation[SpatialArm]) -> str:
+    """Return the part of a situation's structure that tells its arm."""
+    arm = situation.arm
+    hand = "" if arm.max_hand_speed is None else "+hand"
+    return f"space{hand}{'' if arm.max_joint_acceleration is None else '+acceleration'}"
+
+
+def planar_numbers(arm: Arm, horizon: float) -> list[float]:
+    """Return the parameters of an arm."""
+    joints = arm.max_joint_speed or ()
+    numbers = [arm.hand[0], arm.upper_arm, arm.max_hand_speed * horizon, arm.thickness, arm.grasp]
+    return [*numbers, *(limit * horizon for limit in joints)]
+
+
+def spatial_numbers(arm: SpatialArm, horizon: float) -> list[float]:
+    """Return the parameters of an arm; angles count as way of the hand about the elbow."""
+    unit = spatial_forearm(arm)
+    ends = [end for ends in arm.joint_range for end in ends]
+    turns = [*arm.joints, *ends, *(limit * horizon for limit in arm.max_joint_speed)]
+    if arm.max_joint_acceleration is not None:
+        turns += [0.5 * limit * horizon**2 for limit in arm.max_joint_acceleration]
+        turns += [rate * horizon for rate in arm.joint_rates or ()]
+    hand = [] if arm.max_hand_speed is None else [arm.max_hand_speed * horizon]
+    bones = [*arm.upper_arm, *arm.forearm, *hand, arm.thickness, arm.grasp]
+    return bones + [unit * turn for turn in turns]
+
+
+def planar_forearm(arm: Arm) -> float:
+    """Return the length of the forearm: the unit of planar situations."""
+    return 1.0
+
+
+def spatial_forearm(arm: SpatialArm) -> float:
+    """Return the length of the forearm in the situation's unit."""
+    return math.hypot(*arm.forearm)
+
+
+def planar_sizes(situation: Situation) -> tuple[float, float]:
+    """Return the length of the upper arm and the top speed of the hand."""
+    return situation.arm.upper_arm, situation.arm.max_hand_speed
+
+
+def spatial_sizes(situation: Situation[SpatialArm]) -> tuple[float, float]:
+    """Return the length of the upper arm and the top speed of the hand."""
+    return math.hypot(*situation.arm.upper_arm), float(fastest_hand(pack(situation)))

@@ -1,0 +1,253 @@
+"""A situation and the answers of planners to it: its stratum, its plans, its map, its label."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, Any, Literal
+
+from gcm_learn.arms import Arm
+from gcm_learn.maps import CognitiveMap, build_map
+from gcm_learn.planners import (
+    Bounds,
+    FrontPlanner,
+    Plan,
+    Planner,
+    Problem,
+    SpatialProblem,
+    Yardstick,
+    any_straight,
+    bounds,
+    gcm,
+    get_planner,
+    layered,
+    layered_in_space,
+    marching,
+    straight_plan,
+    stratum,
+    without_waits,
+    yardstick,
+)
+from gcm_learn.situation import AnySituation, Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.wave import MarchingParams, WaveParams
+
+if TYPE_CHECKING:
+    from gcm_learn.dataset.spec import DatasetSpec
+
+Verdict = Literal["L", "W", "Q", "U", "blocked", "other"]
+INSTANTS = 32  # of the horizon, at which straight lines to interceptions are tried in space
+FRONTS = ("gcm", "marching", "layered")
+ENGINES = {"wave": "gcm", "marching": "marching", "layered": "layered"}
+"""The planner whose first map is the map of an engine."""
+
+
+@dataclass(frozen=True)
+class OracleLabel:
+    """Label of a situation by the oracle."""
+
+    stratum: str
+    lower: float
+    """No movement catches before [s]; infinite if none does."""
+    upper: float
+    """Catch time of the oracle's plan [s]; infinite without a catch."""
+
+    @property
+    def decided(self) -> bool:
+        """Whether a catch was found or ruled out."""
+        return math.isinf(self.lower) or not math.isinf(self.upper)
+
+
+@lru_cache(maxsize=64)
+def planner_of(name: str, n: int, rungs: int) -> Planner:
+    """Return a planner by name; planners with fronts have n cells and their first levels only."""
+    if name not in FRONTS:
+        return get_planner(name)
+    made: FrontPlanner = (
+        gcm(WaveParams(n=n))
+        if name == "gcm"
+        else (marching if name == "marching" else layered)(MarchingParams(n=n))
+    )
+    return replace(made, levels=made.levels[:rungs])
+
+
+class Case(ABC):
+    """A situation and the answers of planners to it, each asked at most once, cheap ones first."""
+
+    problem: Any
+
+    def __init__(self, situation: AnySituation, spec: DatasetSpec) -> None:
+        self.situation: Any = situation
+        self.spec = spec
+        self._early = self._begin()
+        self._plans: dict[str, Plan[Any]] = {}
+        self._first_maps: dict[str, CognitiveMap] = {}
+        self._bounds: Bounds | Yardstick | None = None
+
+    @classmethod
+    def examples(cls) -> tuple[AnySituation, ...]:
+        """Return situations that take all levels of all planners."""
+        return ()
+
+    @abstractmethod
+    def _begin(self) -> Plan[Any] | None:
+        """Make the problem; return the answer that needs no planner."""
+
+    @abstractmethod
+    def _caught_straight(self) -> bool:
+        """Return whether a straight line catches."""
+
+    @abstractmethod
+    def _caught_without_waiting(self) -> bool:
+        """Return whether a movement without waits catches."""
+
+    @abstractmethod
+    def _asked(self, name: str) -> Plan[Any]:
+        """Return a planner's answer to a situation that needs one."""
+
+    @abstractmethod
+    def _bounded(self) -> Bounds | Yardstick:
+        """Return the bounds on the earliest catch."""
+
+    @property
+    def blocked(self) -> bool:
+        """Whether the limb touches an obstacle at t = 0."""
+        return self._early is not None and self._early.status == "start_blocked"
+
+    def verdict(self, wanted: str | None = None) -> Verdict:
+        """Return the stratum, or "other" as soon as it is not the wanted one.
+
+        Straight line, a method that never waits and waiting are tried in this order until one
+        catches. The oracle decides the rest if it is to label, and U if no movement can catch.
+        """
+        if self.blocked:
+            return "blocked"
+        if self._caught_straight():
+            return "L"
+        if wanted == "L":
+            return "other"
+        if self._caught_without_waiting():
+            return "W"
+        if self.spec.label == "oracle":
+            return stratum(self.situation, self.bounds())
+        if wanted == "W":
+            return "other"
+        if self.plan("layered").caught:
+            return "Q"
+        if wanted not in (None, "U"):
+            return "U"
+        # A record must not hold a catch and say that there is none.
+        return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
+
+    def plan(self, name: str) -> Plan[Any]:
+        """Return the answer of a planner."""
+        if name not in self._plans:
+            self._plans[name] = self._planned(name)
+        return self._plans[name]
+
+    def _planned(self, name: str) -> Plan[Any]:
+        """Answer as the planner does, sharing what all of them need."""
+        if self._early is not None:
+            return replace(self._early, planner=name)
+        if name == "oracle":
+            return replace(self.bounds().plan, planner=name)
+        return self._asked(name)
+
+    def map(self) -> CognitiveMap | None:
+        """Return the map of the specification's engine, with default parameters and full margin."""
+        if self.spec.map == "none" or self.blocked:
+            return None
+        name = ENGINES[self.spec.map]
+        if name in self.spec.planners:
+            self.plan(name)
+        if name not in self._first_maps:
+            self._first_maps[name] = self._explored()
+        return self._first_maps[name]
+
+    def _explored(self) -> CognitiveMap:
+        """Return the map on its own, where no planner needed one."""
+        kind = WaveParams if self.spec.map == "wave" else MarchingParams
+        wait, scene = self.spec.map == "layered", self.problem.scene
+        return build_map(self.situation, kind(n=self.spec.n), wait=wait, scene=scene)
+
+    def bounds(self) -> Bounds | Yardstick:
+        """Return the bounds on the earliest catch."""
+        if self._bounds is None:
+            self._bounds = self._bounded()
+        return self._bounds
+
+    def oracle(self) -> OracleLabel:
+        """Return the oracle's label."""
+        known = self.bounds()
+        return OracleLabel(stratum(self.situation, known), known.lower, known.upper)
+
+
+class PlanarCase(Case):
+    """A situation of a planar arm; the oracle bounds the earliest catch."""
+
+    @classmethod
+    def examples(cls) -> tuple[AnySituation, ...]:
+        """Return a target that is free and one that is covered."""
+        still = PlanarQuadratic((0.4, 1.4), (0.0, 0.0), (0.0, 0.0))
+        ball = Body("target", "ball", Disc(0.08), still)
+        lid = Body("obstacle", "lid", Disc(0.4), still)
+        arm = Arm((1.3, 0.0), 3.0)
+        return Situation("free", 1.0, arm, (ball,)), Situation("covered", 1.0, arm, (ball, lid))
+
+    def _begin(self) -> Plan[Any] | None:
+        self.problem = Problem(self.situation, "case")
+        return self.problem.early_answer()
+
+    def _caught_straight(self) -> bool:
+        """Return whether the straight line to the earliest interception catches."""
+        return self.plan("straight").caught
+
+    def _caught_without_waiting(self) -> bool:
+        """Return whether first arrivals catch."""
+        return self.plan("marching").caught
+
+    def _asked(self, name: str) -> Plan[Any]:
+        problem = Problem(self.situation, name, self.problem.scene)
+        if name == "straight":
+            return straight_plan(problem)
+        planner = planner_of(name, self.spec.n, self.spec.rungs)
+        if not isinstance(planner, FrontPlanner):
+            return planner.plan(self.situation)
+        if planner.direct and self.plan("straight").caught:
+            return replace(self.plan("straight"), planner=name)
+        return planner.search(problem, partial(self._first_maps.setdefault, name))
+
+    def _bounded(self) -> Bounds:
+        return bounds(self.situation)
+
+
+class SpatialCase(Case):
+    """A situation of a spatial arm; some catch stands for the earliest one."""
+
+    def _begin(self) -> Plan[Any] | None:
+        self.problem = SpatialProblem(self.situation, "case")
+        return self.problem.early_answer(keeps_acceleration=True)
+
+    def _caught_straight(self) -> bool:
+        """Return whether a straight line to any interception catches."""
+        if self.plan("straight").caught:
+            return True
+        if self.problem.accelerates:
+            return False
+        return self._early is None and any_straight(self.problem, INSTANTS).caught
+
+    def _caught_without_waiting(self) -> bool:
+        """Return whether `layered` needs no rest for its catch."""
+        plan = self.plan("layered")
+        if plan.trajectory is None or not plan.trajectory.rests:
+            return plan.caught
+        return without_waits(self.problem, plan) is not None
+
+    def _asked(self, name: str) -> Plan[Any]:
+        effort = self.spec.effort if name == "layered" else None
+        known: Any = get_planner(name) if effort is None else layered_in_space(effort)
+        return known.plan(self.situation)
+
+    def _bounded(self) -> Yardstick:
+        return yardstick(self.situation, 0.0, earliest=False)

@@ -1,0 +1,89 @@
+"""The table of records by kind of arm: columns, numbers, cases, and what else a dataset has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import pyarrow as pa
+
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.dataset import arm_columns as columns
+from gcm_learn.dataset.arm_columns import Types
+from gcm_learn.dataset.cases import Case, PlanarCase, SpatialCase
+from gcm_learn.situation import Frame, SpatialFrame
+
+
+@dataclass(frozen=True)
+class RecordKind:
+    """Records of situations with one kind of arm."""
+
+    version: str
+    """Format of records."""
+    plan: pa.StructType
+    """Columns of a plan."""
+    base: Types
+    """Columns of the arm's base, none if it has none."""
+    path_cells: Callable[[Any], dict[str, Any]]
+    """Cells of a plan's path."""
+    path: Callable[[Any, Mapping[str, Any]], Any]
+    """Path of an arm, of its cells."""
+    frame: Callable[..., Frame | SpatialFrame]
+    """Frame of base, angle and mirroring."""
+    word: Callable[[Any], str]
+    """Name of the arm in a situation's structure."""
+    numbers: Callable[[Any, float], list[float]]
+    """Parameters of an arm, for a horizon [s]."""
+    forearm: Callable[[Any], float]
+    """Length of an arm's forearm."""
+    sizes: Callable[[Any], tuple[float, float]]
+    """Length of the upper arm and top speed of the hand of a situation's arm."""
+    case: type[Case]
+    """A situation with the answers of planners to it."""
+    maps: bool
+    """Whether records may have maps."""
+    efforts: bool
+    """Whether the effort of a search may be limited."""
+    episodes: bool
+    """Whether catches are exported as episodes."""
+
+
+RECORDS = ByKind(
+    {
+        PLANAR: RecordKind(
+            version="gcm-learn/record@1",
+            plan=columns.HAND_PLAN,
+            base={},
+            path_cells=columns.hand_cells,
+            path=columns.hand_path,
+            frame=columns.planar_frame,
+            word=columns.planar_word,
+            numbers=columns.planar_numbers,
+            forearm=columns.planar_forearm,
+            sizes=columns.planar_sizes,
+            case=PlanarCase,
+            maps=True,
+            efforts=False,
+            episodes=True,
+        ),
+        SPATIAL: RecordKind(
+            version="gcm-learn/record@2",
+            plan=columns.JOINT_PLAN,
+            base=columns.BASE,
+            path_cells=columns.joint_cells,
+            path=columns.joint_path,
+            frame=columns.spatial_frame,
+            word=columns.spatial_word,
+            numbers=columns.spatial_numbers,
+            forearm=columns.spatial_forearm,
+            sizes=columns.spatial_sizes,
+            case=SpatialCase,
+            maps=False,
+            efforts=True,
+            episodes=False,
+        ),
+    },
+    who="dataset",
+)
+VERSIONS = tuple(kind.version for kind in RECORDS.entries())

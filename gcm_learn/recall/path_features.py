@@ -1,0 +1,127 @@
+"""Features of remembered paths, from knots and goal alone.
+
+Validity of a memory depends on its knots and its goal, and on nothing else of the situation that it
+comes from. Knots lie at corners and waits, so a single one says little; the path is also sampled at
+equal shares of its length. Of a joint movement the straight line from start to end is kept apart
+from the rest, since an adaptation moves both ends.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+from gcm_learn.recall.joint_moves import EARLIEST, TIME
+from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS
+from gcm_learn.recall.waypoints import GOAL
+
+SAMPLES = 16  # equal shares of a hand path's length
+PER_KNOT, PER_SAMPLE, WHOLE = 8, 5, 7
+HUB = 0.1  # added to shares of the ring for lengths, so that a hand at the shoulder moves
+PARTS = 12  # equal shares of a joint movement's length
+PER_PART, PER_JOINT_KNOT = 9, 3
+JOINT_COUNT = PARTS * PER_PART + JOINT_KNOTS * PER_JOINT_KNOT + 16 + GOAL
+_SMALL = 1e-6  # added to the length of a piece [rad]
+
+
+def count(knots: int) -> int:
+    """Features of a path with so many knots."""
+    return PER_KNOT * knots + PER_SAMPLE * SAMPLES + WHOLE
+
+
+def hand_path_features(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
+    """Features (n, count(k)) float32 of remembered paths.
+
+    Parameters
+    ----------
+    knots : (n, k, 4) ndarray
+        Rows (direction of the hand [rad], share of the ring, time [s], earliest [s] or 0).
+    goals : (n, 2) ndarray
+        Direction and share of the target's centre.
+    """
+    out = np.zeros((len(knots), count(knots.shape[1])), dtype=np.float32)
+    _fill(knots.astype(np.float64), goals.astype(np.float64), out)
+    return out
+
+
+@njit
+def _fill(knots, goals, out):
+    """Fill in the features of all paths."""
+    n, size = knots.shape[0], knots.shape[1]
+    cum = np.zeros(size)
+    for m in range(n):
+        at, latest = 0, 0.0
+        for k in range(size):
+            a, ring, t, earliest = (
+                knots[m, k, 0], knots[m, k, 1], knots[m, k, 2], knots[m, k, 3],
+            )  # fmt: skip
+            latest = max(latest, earliest)
+            at = _place(a, ring, t, m, at, out)
+            out[m, at] = 1.0 if earliest > 0.0 else 0.0
+            out[m, at + 1], out[m, at + 2] = earliest, latest
+            at += 3
+            if k > 0:
+                turn, width = a - knots[m, k - 1, 0], ring - knots[m, k - 1, 1]
+                mean = 2.0 * (0.5 * (ring + knots[m, k - 1, 1]) + HUB)
+                cum[k] = cum[k - 1] + np.sqrt((2.0 * width) ** 2 + (mean * turn) ** 2)
+        whole = cum[size - 1]
+        k = 0
+        for j in range(SAMPLES):
+            want = whole * (j + 0.5) / SAMPLES
+            while k < size - 2 and cum[k + 1] < want:
+                k += 1
+            span = cum[k + 1] - cum[k]
+            s = min(max((want - cum[k]) / span, 0.0), 1.0) if span > 1e-12 else 1.0
+            a = knots[m, k, 0] + s * (knots[m, k + 1, 0] - knots[m, k, 0])
+            ring = knots[m, k, 1] + s * (knots[m, k + 1, 1] - knots[m, k, 1])
+            t = knots[m, k, 2] + s * (knots[m, k + 1, 2] - knots[m, k, 2])
+            at = _place(a, ring, t, m, at, out)
+        at = _place(goals[m, 0], goals[m, 1], knots[m, size - 1, 2], m, at, out)
+        out[m, at], out[m, at + 1] = 0.5 * whole, latest
+
+
+@njit
+def _place(a, ring, t, m, at, out):
+    """Fill in a place of the hand and its time; where the next feature goes."""
+    out[m, at], out[m, at + 1] = np.cos(a), np.sin(a)
+    out[m, at + 2] = a / np.pi
+    out[m, at + 3] = 2.0 * ring - 1.0
+    out[m, at + 4] = 2.0 * t - 1.0
+    return at + 5
+
+
+def joint_path_features(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
+    """Features (n, JOINT_COUNT) float32 of remembered movements.
+
+    Parameters
+    ----------
+    knots, goals : (n, JOINT_KNOTS, 6), (n, GOAL) ndarray
+        As of `Waypoints`.
+    """
+    n = len(knots)
+    if n == 0:
+        return np.zeros((0, JOINT_COUNT), np.float32)
+    joints, time = knots[:, :, :4].astype(float), knots[:, :, TIME].astype(float)
+    pieces = np.abs(np.diff(joints, axis=1)).max(axis=2) + _SMALL
+    share = np.concatenate([np.zeros((n, 1)), np.cumsum(pieces, axis=1)], axis=1)
+    length = share[:, -1]
+    share /= length[:, None]
+    at = np.arange(1, PARTS + 1) / PARTS
+    rows = np.arange(n)[:, None]
+    k = np.clip((share[:, :, None] < at).sum(axis=1) - 1, 0, JOINT_KNOTS - 2)
+    s = (at - share[rows, k]) / (share[rows, k + 1] - share[rows, k])
+    there = joints[rows, k] + s[..., None] * (joints[rows, k + 1] - joints[rows, k])
+    when = time[rows, k] + s * (time[rows, k + 1] - time[rows, k])
+    first, last = joints[:, 0], joints[:, -1]
+    line = first[:, None] + at[:, None] * (last - first)[:, None]
+    waits = knots[:, :, EARLIEST]
+    parts = [
+        np.concatenate([there, there - line, when[..., None]], axis=2).reshape(n, -1),
+        np.stack([time, waits, waits > 0.0], axis=2).reshape(n, -1),
+        first,
+        last,
+        last - first,
+        np.stack([length, time[:, -1], waits.max(axis=1), pieces.max(axis=1)], axis=1),
+        goals,
+    ]
+    return np.concatenate(parts, axis=1).astype(np.float32)

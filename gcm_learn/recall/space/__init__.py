@@ -1,1 +1,0 @@
-"""Recall for arms in space: catches kept in their joints."""
