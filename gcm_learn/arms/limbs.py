@@ -30,11 +30,29 @@ def by_limb(stub: Callable[..., Any]) -> Any:
     """
     table = _TABLES.setdefault(stub, {})
 
-    def body(limb: Any, *arguments: Any) -> Callable[..., Any] | None:
-        return table.get(getattr(limb, "instance_class", None), table.get(None))
+    def body(first: Any, *arguments: Any) -> Callable[..., Any] | None:
+        found = table.get(getattr(first, "instance_class", None), table.get(None))
+        return None if found is None else _CALLS[len(arguments)](found)
 
     overload(stub, strict=False, jit_options={"_nrt": False})(body)
     return stub
+
+
+_CALLS: tuple[Callable[..., Any], ...] = (
+    lambda f: lambda a: f(a),
+    lambda f: lambda a, b: f(a, b),
+    lambda f: lambda a, b, c: f(a, b, c),
+    lambda f: lambda a, b, c, d: f(a, b, c, d),
+    lambda f: lambda a, b, c, d, e: f(a, b, c, d, e),
+    lambda f: lambda a, b, c, d, e, g: f(a, b, c, d, e, g),
+    lambda f: lambda a, b, c, d, e, g, h: f(a, b, c, d, e, g, h),
+    lambda f: lambda a, b, c, d, e, g, h, i: f(a, b, c, d, e, g, h, i),
+    lambda f: lambda a, b, c, d, e, g, h, i, j: f(a, b, c, d, e, g, h, i, j),
+)
+"""Calls of a compiled function by the number of arguments less one.
+
+A thin call shares the function's code, which is kept on disk; its body would be compiled anew.
+"""
 
 
 def give(stub: Callable[..., Any], limb: type | None, body: Callable[..., Any]) -> None:
@@ -47,9 +65,9 @@ def give(stub: Callable[..., Any], limb: type | None, body: Callable[..., Any]) 
     limb : type, optional
         NamedTuple of the limb.
     body : callable
-        Plain function of the same arguments, or a compiled one.
+        Compiled function of the same arguments.
     """
-    _TABLES[stub][limb] = getattr(body, "py_func", body)
+    _TABLES[stub][limb] = body
 
 
 def register_limb(limb: type, **bodies: Callable[..., Any]) -> None:

@@ -5,12 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.curves import line, on_curve
-from gcm_learn.arms.limbs import axis_bound, axis_of, dof, hand_bound, hand_of, place, reach_of
+from gcm_learn.arms.limbs import (
+    axis_bound,
+    axis_of,
+    by_limb,
+    dof,
+    give,
+    hand_bound,
+    hand_of,
+    place,
+    reach_of,
+)
 from gcm_learn.collision.postures import desk_of
 from gcm_learn.collision.rests import free_until
 from gcm_learn.collision.solids import room_in_pose
 from gcm_learn.compiled import njit
-from gcm_learn.scene import Scene
+from gcm_learn.scene import AimedLimits, Scene
 from gcm_learn.scene.bodies import (
     APPROACH,
     HAND,
@@ -62,12 +72,14 @@ def approach_axis(scene, b, t, poses):
     )
 
 
-@njit(_nrt=False)
-def approach_excess(scene, where, b, t, poses):
+@by_limb
+def approach_excess(limits, scene, where, b, t, poses):
     """Angle of the hand's axis to the approach of target b at t [s] beyond what is allowed.
 
     Parameters
     ----------
+    limits : limits of the scene
+        Their type says whether targets may have an approach.
     where : place of the limb
     poses : (bodies, 12) ndarray
         Row b holds the body's pose.
@@ -77,6 +89,15 @@ def approach_excess(scene, where, b, t, poses):
     float
         [rad]; -1 where the target has no approach.
     """
+
+
+@njit(_nrt=False, forceinline=True)
+def _no_excess(limits, scene, where, b, t, poses):
+    return -1.0
+
+
+@njit(_nrt=False)
+def _excess(limits, scene, where, b, t, poses):
     if not has_approach(scene, b):
         return -1.0
     ax, ay, az = approach_axis(scene, b, t, poses)
@@ -84,6 +105,10 @@ def approach_excess(scene, where, b, t, poses):
     cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
     sine = np.sqrt(cx * cx + cy * cy + cz * cz)
     return np.arctan2(sine, ax * bx + ay * by + az * bz) - scene.bodies.rows[b, WITHIN]
+
+
+give(approach_excess, None, _no_excess)
+give(approach_excess, AimedLimits, _excess)
 
 
 @njit(_nrt=False)
@@ -100,7 +125,7 @@ def met_at(scene, q, t, catch, poses):
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] == HAND:
             if target_room(scene, b, x, y, z, t, poses) <= catch:
-                if approach_excess(scene, where, b, t, poses) <= ANGLE:
+                if approach_excess(scene.limits, scene, where, b, t, poses) <= ANGLE:
                     return b
     return -1
 
@@ -108,7 +133,7 @@ def met_at(scene, q, t, catch, poses):
 @njit(_nrt=False)
 def _turn_wait(scene, where, b, t, turning, poses):
     """Time [s] before the hand can have the approach of target b; 0 if it has it at t."""
-    excess = approach_excess(scene, where, b, t, poses)
+    excess = approach_excess(scene.limits, scene, where, b, t, poses)
     if excess <= ANGLE:
         return 0.0
     fast = turning + top_spin(scene.bodies, b)

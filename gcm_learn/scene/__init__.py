@@ -21,11 +21,12 @@ from gcm_learn.scene.later import later
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack, pack_bodies, pose
 from gcm_learn.scene.reversal import reverse_pieces
-from gcm_learn.scene.scene import JointLimits, Limits, Scene
+from gcm_learn.scene.scene import AimedLimits, JointLimits, Limits, Scene
 from gcm_learn.scene.swings import integrate_swing
 
 __all__ = [
     "ACCELERATION",
+    "AimedLimits",
     "Bodies",
     "COLUMNS",
     "DISC",

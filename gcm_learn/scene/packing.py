@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, Arm, ByKind, kind_of
+from gcm_learn.arms import PLANAR, ByKind, kind_of
 from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.laws import LAWS, Frame, Tables
-from gcm_learn.scene.scene import JointLimits, Limits, Scene
+from gcm_learn.scene.scene import AimedLimits, JointLimits, Limits, Scene
 from gcm_learn.scene.swings import swing_tables
 from gcm_learn.situation import (
+    FORMATS,
     AnySituation,
     Box,
     Capsule,
@@ -51,26 +52,31 @@ def pack(situation: AnySituation) -> Scene:
     """
     names = tuple(body.name for body in situation.bodies)
     limb = kind_of(situation).pack(situation.arm, names)
-    limits = _LIMITS.of(situation)(situation.arm, situation.horizon)
+    limits = _LIMITS.of(situation)(situation)
     return Scene(pack_bodies(situation), limb, limits)
 
 
-def _limits(arm: Arm, horizon: float) -> Limits:
+def _limits(situation: Any) -> Limits:
+    arm, horizon = situation.arm, situation.horizon
     shoulder, elbow = arm.max_joint_speed or (math.inf, math.inf)
     return Limits(arm.max_hand_speed, shoulder, elbow, arm.grasp, horizon)
 
 
-def joint_limits(arm: Any, horizon: float) -> JointLimits:
-    """Return the limits of an arm that moves in its joints."""
+def _joint_limits(situation: Any) -> JointLimits | AimedLimits:
+    arm, aimed = situation.arm, FORMATS[situation.format].approach
     count = len(arm.joints)
     acceleration = arm.max_joint_acceleration or (math.inf,) * count
     speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
-    return JointLimits(
-        np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, horizon
+    return (AimedLimits if aimed else JointLimits)(
+        np.array(arm.max_joint_speed),
+        np.array(acceleration),
+        speed,
+        arm.grasp,
+        situation.horizon,
     )
 
 
-_LIMITS: ByKind[Callable[[Any, float], Any]] = ByKind({PLANAR: _limits}, default=joint_limits)
+_LIMITS: ByKind[Callable[[Any], Any]] = ByKind({PLANAR: _limits}, default=_joint_limits)
 
 
 def pack_bodies(situation: AnySituation) -> Bodies:

@@ -29,6 +29,19 @@ class JointLimits(NamedTuple):
     horizon: float  # last moment at which a catch counts [s]
 
 
+class AimedLimits(NamedTuple):
+    """Limits of a movement in the joints where targets may have an approach.
+
+    The fields are those of `JointLimits`.  Kernels that mind approaches are compiled for this type.
+    """
+
+    joint_speed: np.ndarray  # (n,) [rad/s; lengths/s of prismatic joints]
+    joint_acceleration: np.ndarray  # (n,) [the same per second]
+    speed: float  # of the hand [lengths/s]
+    grasp: float  # signed distance of hand and target at which it is caught [lengths]
+    horizon: float  # last moment at which a catch counts [s]
+
+
 class Scene(NamedTuple):
     """A situation, packed once and handed from kernel to kernel.
 

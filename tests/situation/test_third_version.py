@@ -18,7 +18,7 @@ from gcm_learn.arms import (
     Hand,
     Link,
     SpatialArm,
-    links_of_chain,
+    hands_along,
 )
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation import (
@@ -424,7 +424,8 @@ def test_shipped_arms_bear_their_names(name):
 
 def hand_at(arm, joints):
     """Hand (3,) and its axis (3,) at a posture."""
-    return links_of_chain(arm, [joints])[0, -1]
+    hand, axis = hands_along(arm, [joints])
+    return np.array([hand[0], axis[0]])
 
 
 def test_planar_2():

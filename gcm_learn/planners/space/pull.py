@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.limbs import axis_of, axis_turns, dof, hand_of, jacobian, place
+from gcm_learn.arms.limbs import axis_of, axis_turns, by_limb, dof, give, hand_of, jacobian, place
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception_in_space import (
     ANGLE,
@@ -14,6 +14,7 @@ from gcm_learn.motion.interception_in_space import (
     target_room,
 )
 from gcm_learn.planners.space.moves import HAIR, time_of
+from gcm_learn.scene import AimedLimits
 from gcm_learn.scene.bodies import WITHIN
 
 ROUNDS = 16  # of pulling a hand to a target
@@ -45,8 +46,9 @@ def pulled(study, b, t, q):
     """
     scene, low, high, slopes = study.scene, study.low, study.high, study.jacobian
     limb, rate, poses = scene.limb, scene.limits.joint_speed, study.desk.poses
-    if has_approach(scene, b):
-        return _pulled_along(study, b, t, q)
+    pulled_so = pulled_along(scene.limits, study, b, t, q)
+    if pulled_so >= 0:
+        return pulled_so == 1
     for _ in range(ROUNDS):
         x, y, z = hand_of(limb, place(limb, q))
         room = target_room(scene, b, x, y, z, t, poses) - study.catch
@@ -70,22 +72,33 @@ def pulled(study, b, t, q):
     return False
 
 
-@njit(_nrt=False)
-def _pulled_along(study, b, t, q):
+@by_limb
+def pulled_along(limits, study, b, t, q):
     """Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
 
     Newton's method on distance and angle together, damped; joints that would leave their box are
-    held for a round.
+    held for a round.  Returns 1 if it succeeds, 0 if not, -1 if the target has no approach.
     """
+
+
+@njit(_nrt=False, forceinline=True)
+def _pulled_freely(limits, study, b, t, q):
+    return -1
+
+
+@njit(_nrt=False)
+def _pulled_along(limits, study, b, t, q):
+    if not has_approach(study.scene, b):
+        return -1
     scene, poses, rate = study.scene, study.desk.poses, study.scene.limits.joint_speed
     limb, within = scene.limb, scene.bodies.rows[b, WITHIN]
     for _ in range(2 * ROUNDS):
         where = place(limb, q)
         x, y, z = hand_of(limb, where)
         room = target_room(scene, b, x, y, z, t, poses) - study.catch
-        excess = approach_excess(scene, where, b, t, poses)
+        excess = approach_excess(scene.limits, scene, where, b, t, poses)
         if room <= 0.0 and excess <= 0.5 * ANGLE:
-            return True
+            return 1
         ax, ay, az = approach_axis(scene, b, t, poses)
         bx, by, bz = axis_of(limb, where)
         nx, ny, nz = slope_at(study, b, x, y, z, t)
@@ -100,8 +113,12 @@ def _pulled_along(study, b, t, q):
         depth = room + DEPTH * limb.length if room > 0.0 else 0.0
         angle = excess + min(0.1 * within, 0.02) if excess > 0.0 else 0.0
         if not _stepped(study, rate, depth, angle, q):
-            return False
-    return False
+            return 0
+    return 0
+
+
+give(pulled_along, None, _pulled_freely)
+give(pulled_along, AimedLimits, _pulled_along)
 
 
 @njit(_nrt=False)
