@@ -33,7 +33,7 @@ situation = Situation("flying-ball", 1.0, Arm(hand=(1.5, -0.6), max_hand_speed=3
 
 # %%
 print(solve(situation, "straight").message)
-plan = solve(situation)
+plan = solve(situation, "gcm")
 assert plan.caught
 print(plan.message, f"({plan.clearance:.2f} forearms clear)")
 

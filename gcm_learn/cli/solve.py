@@ -33,7 +33,7 @@ class Solve:
     file: Annotated[Positional[str], arg(metavar="FILE")]
     """situations: a .json or .jsonl file, or - for standard input"""
 
-    planner: Annotated[str, arg(metavar="NAME")] = "gcm"
+    planner: Annotated[str, arg(metavar="NAME")] = "search"
     """who plans; an unknown name lists all of them"""
 
     deadline: Annotated[

@@ -83,19 +83,19 @@ def get_planner(name: str) -> Planner:
 
 
 @overload
-def solve(situation: Situation, planner: str | Planner = "gcm") -> Plan: ...
+def solve(situation: Situation, planner: str | Planner = "search") -> Plan: ...
 @overload
 def solve(
-    situation: Situation[SpatialArm], planner: str | Planner = "gcm"
+    situation: Situation[SpatialArm], planner: str | Planner = "search"
 ) -> Plan[SpatialTrajectory]: ...
-def solve(situation: AnySituation, planner: str | Planner = "gcm") -> AnyPlan:
+def solve(situation: AnySituation, planner: str | Planner = "search") -> AnyPlan:
     """Plan a catch and verify it.
 
     Parameters
     ----------
     situation : Situation
     planner : str or Planner
-        A registered name ("gcm", "marching", "straight") or a planner of your own.
+        A registered name ("search", "gcm", "straight") or a planner of your own.
 
     Returns
     -------

