@@ -17,11 +17,11 @@ from gcm_learn import seeding
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.execution import (
     OUTCOMES,
-    KinematicPlant,
     Moment,
-    Pool,
     Settings,
     into_frame,
+    plant_of,
+    pool_for,
     run_episode,
 )
 from gcm_learn.motion import Trajectory
@@ -251,7 +251,8 @@ def under_noise(
         caught, touched or late.
     """
     agents = [_Agent(planner, entry, noise, habit, seed) for entry in entries]
-    pool = Pool.of([entry.situation for entry in entries])
-    plant = KinematicPlant(pool, len(entries), Settings(dt=STEP, slots=0))
+    settings = Settings(dt=STEP, slots=0)
+    pool = pool_for(settings, [entry.situation for entry in entries])
+    plant = plant_of(pool, len(entries), settings)
     episodes = run_episode(_Agents(agents, pool.speed), plant, np.arange(len(entries)))
     return [OUTCOMES[o] for o in episodes.outcomes]
