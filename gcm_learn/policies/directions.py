@@ -15,8 +15,6 @@ of it turns the joint about. With a fan, differences are in its frame.
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind
@@ -25,35 +23,6 @@ from gcm_learn.execution import AIM, COMMANDS, MEETING, RAYS, ArenaSettings, com
 REST = RAYS - 1
 STEER = 2.0  # largest difference from the straight command [greatest joint speeds]
 _SLOW = 0.25  # hands slower than this rest [hand speeds]
-
-
-class Language(Protocol):
-    """Meaning of actions of policies for one kind of arm; see the functions of this module."""
-
-    bounded: bool
-
-    def choices(self, settings: ArenaSettings) -> int:
-        """As `choices_in`."""
-
-    def chosen(
-        self, settings: ArenaSettings, observations: np.ndarray, choices: np.ndarray
-    ) -> np.ndarray:
-        """As `chosen`."""
-
-    def choices_of(
-        self, settings: ArenaSettings, observations: np.ndarray, actions: np.ndarray
-    ) -> np.ndarray:
-        """As `choices_of`."""
-
-    def moved(
-        self, settings: ArenaSettings, observations: np.ndarray, aimed: np.ndarray
-    ) -> np.ndarray:
-        """As `moved`."""
-
-    def said(
-        self, settings: ArenaSettings, observations: np.ndarray, actions: np.ndarray
-    ) -> np.ndarray:
-        """As `said`."""
 
 
 def choices_in(settings: ArenaSettings) -> int:
@@ -103,7 +72,7 @@ def aimed_of(observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
 
 
 class _Hands:
-    """Velocities of planar arms."""
+    """Velocities of planar arms; the methods are the functions above."""
 
     bounded = True
 
@@ -137,7 +106,7 @@ class _Hands:
 
 
 class _Joints:
-    """Commands of spatial arms."""
+    """Commands of spatial arms; the methods are the functions above."""
 
     bounded = False  # PPO, which begins as a clone, has no tanh
 
@@ -178,7 +147,7 @@ class _Joints:
         return np.clip(aimed, -1.0, 1.0)
 
 
-LANGUAGES: ByKind[Language] = ByKind({PLANAR: _Hands(), SPATIAL: _Joints()}, who="a policy")
+LANGUAGES: ByKind[_Hands | _Joints] = ByKind({PLANAR: _Hands(), SPATIAL: _Joints()}, who="a policy")
 """By kind of arm."""
 
 
