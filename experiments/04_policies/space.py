@@ -27,7 +27,7 @@ from gcm_learn.execution import (
     pool_of,
     run_episode,
 )
-from gcm_learn.execution.arena.joints.fan import DIRECTIONS, FRAME, HALF, RAY, ROOM
+from gcm_learn.execution.arena.kernels.joints.fan import DIRECTIONS, FRAME, HALF, RAY, ROOM
 from gcm_learn.families import family_names
 from gcm_learn.policies import Actor
 

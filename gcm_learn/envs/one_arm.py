@@ -18,6 +18,7 @@ from gcm_learn.execution import (
     LATE,
     OUTCOMES,
     RUNNING,
+    AnyBody,
     Arena,
     ArenaSettings,
     Batch,
@@ -27,7 +28,6 @@ from gcm_learn.execution import (
     pool_of,
     settings_of,
 )
-from gcm_learn.execution.arenas import AnyBody
 from gcm_learn.situation import Situation
 
 POOL = 256  # situations that an environment draws from a family, by default

@@ -18,13 +18,13 @@ from gcm_learn.execution import (
     OUTCOMES,
     RUNNING,
     TERMS,
+    AnyBody,
     Arena,
     ArenaSettings,
     Pool,
     Source,
     settings_of,
 )
-from gcm_learn.execution.arenas import AnyBody
 
 
 class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):

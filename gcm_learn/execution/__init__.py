@@ -8,10 +8,11 @@
 
 from gcm_learn.execution.arena.batch import Batch
 from gcm_learn.execution.arena.embedding import encoder
-from gcm_learn.execution.arena.hands.fan import RAYS
-from gcm_learn.execution.arena.hands.observation import MEETING
-from gcm_learn.execution.arena.joints.fan import COMMANDS, commands_of
-from gcm_learn.execution.arena.joints.observation import AIM
+from gcm_learn.execution.arena.kernels.hands.fan import RAYS
+from gcm_learn.execution.arena.kernels.hands.observation import MEETING
+from gcm_learn.execution.arena.kernels.joints.fan import COMMANDS, commands_of
+from gcm_learn.execution.arena.kernels.joints.observation import AIM
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.execution.arena.plant import KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, placed
 from gcm_learn.execution.arena.settings import (
@@ -24,9 +25,9 @@ from gcm_learn.execution.arena.settings import (
     settings_of,
 )
 from gcm_learn.execution.arena.ways import way_of
-from gcm_learn.execution.arena.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.execution.arenas import (
     ARENAS,
+    AnyBody,
     Arena,
     arena_of,
     plant_of,
@@ -76,6 +77,7 @@ __all__ = [
     "AIM",
     "ARENAS",
     "Agent",
+    "AnyBody",
     "Arena",
     "ArenaSettings",
     "Batch",

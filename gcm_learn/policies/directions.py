@@ -8,7 +8,7 @@ the first direction, so that (1, 0) catches if nothing is in the way. Otherwise 
 meet a target at first.
 
 For spatial arms a choice is one of 30 commands of the joints, the rays of the fan in
-`execution.arena.joints.fan`. The first is the command that goes straight. Velocities are
+`execution.arena.kernels.joints.fan`. The first is the command that goes straight. Velocities are
 differences from that command: 0 goes straight, half of the largest difference stops a joint, all
 of it turns the joint about. With a fan, differences are in its frame.
 """

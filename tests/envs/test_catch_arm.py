@@ -21,7 +21,7 @@ from tests.transforms import mirrored, turned
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs.catch_arm import CatchArm  # noqa: E402
-from gcm_learn.execution.arena.hands.observation import ARM  # noqa: E402
+from gcm_learn.execution.arena.kernels.hands.observation import ARM  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +146,7 @@ def test_the_guide_adds_up_to_the_first_potential(scenes, rng):
             factor, over = 0.97 * factor, ended or late
         again = CatchArm(scenes[:6], settings=settings)
         again.reset(options={"index": index})
-        from gcm_learn.execution.arena.hands.stepping import time_to_go
+        from gcm_learn.execution.arena.kernels.hands.stepping import time_to_go
 
         first = time_to_go(env.pool.world, index, env.situation.arm.hand[0], 0.0)
         assert total == pytest.approx(2.0 * first, abs=1e-9)

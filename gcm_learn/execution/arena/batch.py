@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.execution.arena.embedding import FARTHEST
-from gcm_learn.execution.arena.kernels import KERNELS
+from gcm_learn.execution.arena.kernels.rewards import TERMS
+from gcm_learn.execution.arena.kernels.world import EXTREME, Told
+from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.pool import Pool
-from gcm_learn.execution.arena.rewards import TERMS
 from gcm_learn.execution.arena.settings import ArenaSettings
-from gcm_learn.execution.arena.world import EXTREME, Told
 
 
 class Batch(ABC):

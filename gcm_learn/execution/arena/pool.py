@@ -10,9 +10,9 @@ import numpy as np
 
 from gcm_learn.arms import ByKind, Kind, kind_of
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.arena.joints.stepping import can_stop
-from gcm_learn.execution.arena.kernels import KERNELS
-from gcm_learn.execution.arena.world import World, world_of
+from gcm_learn.execution.arena.kernels.joints.stepping import can_stop
+from gcm_learn.execution.arena.kernels.world import World, world_of
+from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.motion import Rules, opening
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import AnySituation, ArmBody

@@ -10,9 +10,9 @@ import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, Kind
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.arena.kernels import KERNELS
+from gcm_learn.execution.arena.kernels.world import HAND_VELOCITY, JOINT_VELOCITY, Options
+from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
-from gcm_learn.execution.arena.world import HAND_VELOCITY, JOINT_VELOCITY, Options
 
 CONTROLS = {"hand": HAND_VELOCITY, "joint": JOINT_VELOCITY}
 OUTCOMES = ("running", "caught", "touched", "late")  # by the kernels' codes

@@ -10,10 +10,10 @@ import numpy as np
 from gcm_learn.arms import JOINTS
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.batch import Batch
-from gcm_learn.execution.arena.joints.observation import AIM
-from gcm_learn.execution.arena.joints.playing import settle, ways_to_go
+from gcm_learn.execution.arena.kernels.joints.observation import AIM
+from gcm_learn.execution.arena.kernels.joints.playing import settle, ways_to_go
+from gcm_learn.execution.arena.kernels.world import EXTREME, LATE, RUNNING
 from gcm_learn.execution.arena.pool import Pool
-from gcm_learn.execution.arena.world import EXTREME, LATE, RUNNING
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.execution.body.plant import PhysicalPlant
 from gcm_learn.execution.body.settings import PhysicalSettings

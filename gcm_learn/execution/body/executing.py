@@ -10,7 +10,7 @@ import numpy as np
 
 from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.arena.world import CAUGHT, COLLIDED
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
 from gcm_learn.execution.body.bodies import body_for
 from gcm_learn.execution.body.control import Controller
 from gcm_learn.execution.body.model import STEP

@@ -11,7 +11,7 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.solids import room_in_pose
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.arena.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.execution.body.control import Controller, following
 from gcm_learn.execution.body.laws import laws
 from gcm_learn.execution.body.model import STEP, model_of, mujoco

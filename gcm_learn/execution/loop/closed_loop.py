@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol
 
 from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.arena.world import RUNNING
+from gcm_learn.execution.arena.kernels.world import RUNNING
 from gcm_learn.execution.loop.belief import ACCELERATION, Belief
 from gcm_learn.execution.loop.following import LedPlant, at_first, begun, led, rest_of
 from gcm_learn.execution.loop.perception import Perception

@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from gcm_learn.execution.arena.world import RUNNING
+from gcm_learn.execution.arena.kernels.world import RUNNING
 
 
 class Moment(NamedTuple):

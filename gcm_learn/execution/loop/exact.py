@@ -8,7 +8,7 @@ from gcm_learn.arms import JOINTS, SpatialArm, forward_in_space
 from gcm_learn.arms.curves import hermite, line, part
 from gcm_learn.collision.postures import desk_of, least_on
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory, rules_of
 from gcm_learn.motion.interception_in_space import first_meeting
 from gcm_learn.scene import Scene, pack

@@ -9,11 +9,11 @@ import numpy as np
 
 from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.joints.playing import observe_all
-from gcm_learn.execution.arena.joints.scene import view_in, views_for
-from gcm_learn.execution.arena.joints.stepping import reach_out
+from gcm_learn.execution.arena.kernels.joints.playing import observe_all
+from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
+from gcm_learn.execution.arena.kernels.joints.stepping import reach_out
+from gcm_learn.execution.arena.kernels.world import Options, State, World, world_of
 from gcm_learn.execution.arena.settings import ArenaSettings
-from gcm_learn.execution.arena.world import Options, State, World, world_of
 from gcm_learn.motion import fastest_hand, opening
 from gcm_learn.scene import pack
 from gcm_learn.situation import Situation

@@ -8,7 +8,7 @@ import pytest
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.collision.sweep import least_distance
-from gcm_learn.execution.arena.hands import nearness as near
+from gcm_learn.execution.arena.kernels.hands import nearness as near
 from gcm_learn.motion.interception import first_catch
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, pose_at
 from gcm_learn.scene.packing import pack

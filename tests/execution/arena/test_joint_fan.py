@@ -17,7 +17,7 @@ from gcm_learn.execution import (
     SpatialSettings,
     commands_of,
 )
-from gcm_learn.execution.arena.joints import fan
+from gcm_learn.execution.arena.kernels.joints import fan
 from gcm_learn.motion.interception_in_space import fastest_hand
 from gcm_learn.motion.rules import opening
 from gcm_learn.scene import pack, poses_at

@@ -22,7 +22,7 @@ from gcm_learn.execution import (
     run_episode,
     situations_of,
 )
-from gcm_learn.execution.arena.joints.playing import observe_all
+from gcm_learn.execution.arena.kernels.joints.playing import observe_all
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.execution.body.motors import motor_accelerations
 

@@ -22,7 +22,7 @@ from gcm_learn.execution import (
     read_body,
     with_motor_limits,
 )
-from gcm_learn.execution.arena.world import CAUGHT, COLLIDED, LATE
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE
 from gcm_learn.execution.body.laws import laws
 from gcm_learn.execution.body.model import STEP, compiled, model_xml, mujoco
 from gcm_learn.execution.body.motors import Dynamics

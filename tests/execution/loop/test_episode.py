@@ -17,8 +17,8 @@ from gcm_learn.execution import (
     follower_of,
     run_episode,
 )
-from gcm_learn.execution.arena.hands.scene import scene_of
-from gcm_learn.execution.arena.world import rules_in
+from gcm_learn.execution.arena.kernels.hands.scene import scene_of
+from gcm_learn.execution.arena.kernels.world import rules_in
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical

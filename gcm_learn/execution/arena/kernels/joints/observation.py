@@ -13,15 +13,19 @@ import numpy as np
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.joints.fan import tell_fan
-from gcm_learn.execution.arena.joints.meeting import AIM_ROW, aim_along, first_meeting_in_view
-from gcm_learn.execution.arena.joints.nearness import (
+from gcm_learn.execution.arena.kernels.joints.fan import tell_fan
+from gcm_learn.execution.arena.kernels.joints.meeting import (
+    AIM_ROW,
+    aim_along,
+    first_meeting_in_view,
+)
+from gcm_learn.execution.arena.kernels.joints.nearness import (
     centre_motion,
     limb_velocity,
     nearest_on_bone,
     point_velocity,
 )
-from gcm_learn.execution.arena.world import EXTREME
+from gcm_learn.execution.arena.kernels.world import EXTREME
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene.bodies import BOX, CAPSULE, KIND, REACH, SIZE, SPHERE, centre_at, pose_at
 

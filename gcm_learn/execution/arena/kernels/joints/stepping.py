@@ -13,10 +13,10 @@ from gcm_learn.arms.curves import hermite, line, on_curve
 from gcm_learn.arms.spatial_limb import hand_rate, limb_at
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.joints.meeting import way_to_go
-from gcm_learn.execution.arena.joints.scene import HORIZON, view_in
-from gcm_learn.execution.arena.rewards import GUIDE, pay
-from gcm_learn.execution.arena.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
+from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in
+from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion.interception_in_space import first_meeting
 from gcm_learn.motion.verification_in_space import NOTHING, hand_too_fast, piece_fault
 from gcm_learn.scene import Scene

@@ -16,7 +16,7 @@ import numpy as np
 from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.joints.meeting import AIM_ROW
+from gcm_learn.execution.arena.kernels.joints.meeting import AIM_ROW
 from gcm_learn.scene.bodies import REACH, centre_at
 
 FRAME = 16  # numbers of the frame: four unit vectors, the straight command first

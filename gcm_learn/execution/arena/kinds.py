@@ -9,15 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.arms import JOINTS, PLANAR, SPATIAL, ByKind
-from gcm_learn.execution.arena.hands import fan as hand_fan
-from gcm_learn.execution.arena.hands import observation as hand_observation
-from gcm_learn.execution.arena.hands import playing as hand_playing
-from gcm_learn.execution.arena.hands import scene as hand_scene
-from gcm_learn.execution.arena.joints import fan as joint_fan
-from gcm_learn.execution.arena.joints import observation as joint_observation
-from gcm_learn.execution.arena.joints import playing as joint_playing
-from gcm_learn.execution.arena.joints import scene as joint_scene
-from gcm_learn.execution.arena.world import State
+from gcm_learn.execution.arena.kernels.hands import fan as hand_fan
+from gcm_learn.execution.arena.kernels.hands import observation as hand_observation
+from gcm_learn.execution.arena.kernels.hands import playing as hand_playing
+from gcm_learn.execution.arena.kernels.hands import scene as hand_scene
+from gcm_learn.execution.arena.kernels.joints import fan as joint_fan
+from gcm_learn.execution.arena.kernels.joints import observation as joint_observation
+from gcm_learn.execution.arena.kernels.joints import playing as joint_playing
+from gcm_learn.execution.arena.kernels.joints import scene as joint_scene
+from gcm_learn.execution.arena.kernels.world import State
 from gcm_learn.motion import HOLE_MARGIN, fastest_hand
 from gcm_learn.scene import Scene
 from gcm_learn.situation import AnySituation, canonical

@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.arms import SpatialLimb
 from gcm_learn.collision.postures import Desk, desk_of
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.world import bodies_in, rules_in
+from gcm_learn.execution.arena.kernels.world import bodies_in, rules_in
 from gcm_learn.motion.rules import Rules
 from gcm_learn.scene import JointLimits as JointLimits
 from gcm_learn.scene import Scene

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.hands.observation import observe
-from gcm_learn.execution.arena.hands.scene import workspace_for
-from gcm_learn.execution.arena.hands.stepping import step
-from gcm_learn.execution.arena.world import Options, State, Told, World
+from gcm_learn.execution.arena.kernels.hands.observation import observe
+from gcm_learn.execution.arena.kernels.hands.scene import workspace_for
+from gcm_learn.execution.arena.kernels.hands.stepping import step
+from gcm_learn.execution.arena.kernels.world import Options, State, Told, World
 
 
 @njit(nogil=True)

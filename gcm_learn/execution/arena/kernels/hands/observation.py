@@ -14,8 +14,8 @@ import numpy as np
 
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.hands.fan import tell_fan
-from gcm_learn.execution.arena.hands.nearness import (
+from gcm_learn.execution.arena.kernels.hands.fan import tell_fan
+from gcm_learn.execution.arena.kernels.hands.nearness import (
     ELBOW_X,
     ELBOW_Y,
     HAND_X,
@@ -28,8 +28,8 @@ from gcm_learn.execution.arena.hands.nearness import (
     follow,
     place_limb,
 )
-from gcm_learn.execution.arena.hands.scene import MOMENTS, scene_of
-from gcm_learn.execution.arena.world import EXTREME, LONG, rules_in
+from gcm_learn.execution.arena.kernels.hands.scene import MOMENTS, scene_of
+from gcm_learn.execution.arena.kernels.world import EXTREME, LONG, rules_in
 from gcm_learn.scene.bodies import (
     ACCELERATION,
     DISC,

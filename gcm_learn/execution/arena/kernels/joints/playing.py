@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.joints.meeting import way_to_go
-from gcm_learn.execution.arena.joints.observation import observe
-from gcm_learn.execution.arena.joints.scene import HORIZON, view_in, views_for
-from gcm_learn.execution.arena.joints.stepping import step
-from gcm_learn.execution.arena.rewards import GUIDE, pay
-from gcm_learn.execution.arena.world import RUNNING, Options, State, Told, World
+from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
+from gcm_learn.execution.arena.kernels.joints.observation import observe
+from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in, views_for
+from gcm_learn.execution.arena.kernels.joints.stepping import step
+from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
+from gcm_learn.execution.arena.kernels.world import RUNNING, Options, State, Told, World
 
 
 @njit(nogil=True)

@@ -8,8 +8,8 @@ import numpy as np
 
 from gcm_learn.arms import PlanarLimb
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.hands.nearness import MOMENT_COLUMNS
-from gcm_learn.execution.arena.world import bodies_in
+from gcm_learn.execution.arena.kernels.hands.nearness import MOMENT_COLUMNS
+from gcm_learn.execution.arena.kernels.world import bodies_in
 from gcm_learn.scene import Limits, Scene
 
 # Columns of a world's limbs and limits.

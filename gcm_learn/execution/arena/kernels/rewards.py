@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.world import CAUGHT, COLLIDED
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
 
 CATCH, TOUCH, HASTE, GUIDE = range(4)  # terms of the reward
 TERMS = 4

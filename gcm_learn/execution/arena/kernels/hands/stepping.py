@@ -11,10 +11,10 @@ import numpy as np
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.hands.nearness import stays_away, stays_free
-from gcm_learn.execution.arena.hands.scene import FAR, HORIZON, scene_of
-from gcm_learn.execution.arena.rewards import GUIDE, pay
-from gcm_learn.execution.arena.world import (
+from gcm_learn.execution.arena.kernels.hands.nearness import stays_away, stays_free
+from gcm_learn.execution.arena.kernels.hands.scene import FAR, HORIZON, scene_of
+from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
+from gcm_learn.execution.arena.kernels.world import (
     CAUGHT,
     COLLIDED,
     HAND_VELOCITY,
