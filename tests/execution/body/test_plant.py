@@ -295,9 +295,9 @@ def test_motors_do_not_push_joints_beyond_their_speed(name, way):
     assert min(near) > 0.9
 
 
-def test_numbers_that_are_none_are_said():
+def test_numbers_that_are_not_finite_are_an_error():
     plant = PhysicalPlant(Situation("nan", 0.3, NAO.arm, (far_target(),)), read_body("nao"))
-    with pytest.raises(PhysicsError, match="numbers are none any more"):
+    with pytest.raises(PhysicsError, match="numbers are not finite"):
         plant.push(np.full(4, np.nan), 0.1)
 
 
