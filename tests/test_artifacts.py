@@ -5,7 +5,7 @@ import pytest
 from gcm_learn import artifacts
 from gcm_learn.errors import EncoderError, PolicyError, RecallError
 from gcm_learn.evaluation import suites
-from gcm_learn.execution import embedding
+from gcm_learn.execution.arena import embedding
 from gcm_learn.policies.planner import actor_names, shipped_actor
 from gcm_learn.recall import has_memory, shipped_memory
 

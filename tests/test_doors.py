@@ -17,10 +17,8 @@ FOLDERS = sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
 MIXED = {
     "gcm_learn.arms.limbs",
     "gcm_learn.arms.planar_limb",
-    "gcm_learn.execution.exact",
-    "gcm_learn.execution.physics.arms",
-    "gcm_learn.execution.physics.plant",
-    "gcm_learn.execution.space.plant",
+    "gcm_learn.execution.body.plant",
+    "gcm_learn.execution.loop.exact",
     "gcm_learn.handspace.lattice",
     "gcm_learn.handspace.postures",
     "gcm_learn.handspace.space",
@@ -38,8 +36,6 @@ MIXED = {
 }
 """Files that pass a door although fewer than half of their functions are kernels."""
 BOTH_WAYS = {
-    "gcm_learn.execution.physics",
-    "gcm_learn.execution.space",
     "gcm_learn.families.space",
     "gcm_learn.planners.baselines",
     "gcm_learn.planners.oracle",

@@ -23,13 +23,11 @@ from gcm_learn.execution import (
     COMMANDS,
     Moment,
     commands_of,
-    physical_pool_of,
     plant_of,
+    pool_of,
     run_episode,
-    spatial_pool_of,
 )
-from gcm_learn.execution import PhysicalSettings as Physical
-from gcm_learn.execution.space.fan import DIRECTIONS, FRAME, HALF, RAY, ROOM
+from gcm_learn.execution.arena.kernels.joints.fan import DIRECTIONS, FRAME, HALF, RAY, ROOM
 from gcm_learn.families import family_names
 from gcm_learn.policies import Actor
 
@@ -74,13 +72,6 @@ def interval(count: int, n: int) -> str:
     return f"{share:.1%} ({low:.1%} to {high:.1%})"
 
 
-def pool_of(source: str, actor: Actor, count: int, seed: int) -> Any:
-    """Unseen situations for the actor's kind of arm."""
-    if isinstance(actor.settings, Physical):
-        return physical_pool_of(source, count, seed)
-    return spatial_pool_of(source, count, seed, actor.settings.dt)
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Play, and print a row for each family and one for all."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -98,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(f"\n{folder}\n\n| situations | number | caught | touched |{names}")
         print("|---|---|---|---|" + "---|---|---|---|" * len(rules))
         for source in options.source or family_names("spatial"):
-            pool = pool_of(source, actor, options.count, options.seed)
+            pool = pool_of(source, options.count, options.seed, actor.settings)
             places = np.arange(len(pool))
             plant = plant_of(pool, len(pool), actor.settings)
             played = [actor.play(pool, places)]

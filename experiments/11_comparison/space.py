@@ -24,15 +24,15 @@ from scipy.stats import binomtest
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
-from gcm_learn.arms import SpatialArm  # noqa: E402
+from gcm_learn.arms import SPATIAL, SpatialArm  # noqa: E402
 from gcm_learn.evaluation import get_method  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
     OUTCOMES,
-    PhysicalPool,
     PhysicalSettings,
     SpatialSettings,
     body_for,
     execute,
+    pool_for,
     with_motor_limits,
 )
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
@@ -116,7 +116,7 @@ def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
     actor = shipped_actor(name)
     same = {field.name: getattr(actor.settings, field.name) for field in fields(SpatialSettings)}
     arena = replace(actor, settings=PhysicalSettings(**same))
-    done = arena.play(PhysicalPool.of([free], body), np.zeros(1, np.int64))
+    done = arena.play(pool_for(arena.settings, [free], body), np.zeros(1, np.int64))
     told["servo"] = OUTCOMES[int(done.outcomes[0])]
     return told
 
@@ -142,7 +142,7 @@ def answer(family: str, index: int, methods: Sequence[str], row: dict[str, Any])
     free = drawn(family, index)
     body = body_for(free.arm)
     new = {
-        name: (acted if name in actor_names(space=True) else followed)(name, free, body)
+        name: (acted if name in actor_names(SPATIAL) else followed)(name, free, body)
         for name in methods
         if name not in row
     }
@@ -204,7 +204,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=np.inf, help="no new one after that")
     parser.add_argument("--only", default=",".join(METHODS), help="methods, with commas")
     asked, started = parser.parse_args(), perf_counter()
-    there = (*PLANNERS, "st-rrt-star", *actor_names(space=True))
+    there = (*PLANNERS, "st-rrt-star", *actor_names(SPATIAL))
     wanted = ("straight", *asked.only.split(","))  # by which situations are told apart
     methods = [name for name in dict.fromkeys(wanted) if name.partition("@")[0] in there]
     OUT.parent.mkdir(exist_ok=True)

@@ -26,7 +26,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
-from gcm_learn.arms import SpatialArm  # noqa: E402
+from gcm_learn.arms import SPATIAL, SpatialArm  # noqa: E402
 from gcm_learn.evaluation.statistics import difference, mcnemar, wilson  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
     OUTCOMES,
@@ -73,7 +73,7 @@ class Case(NamedTuple):
 def cases(plant: str, count: int, policy: str) -> Iterator[Case]:
     """All that is to be done, what matters most first."""
     rows = [(0.0, "once", "charged")] + [(CHOSEN, habit, "charged") for habit in HABITS]
-    if policy in actor_names(space=True):
+    if policy in actor_names(SPATIAL):
         rows += [(noise, policy, "charged") for noise in (0.0, CHOSEN)]
     if plant == "exact":
         rows += [(0.0, "broken", "charged"), (CHOSEN, "broken", "one period")]

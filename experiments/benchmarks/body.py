@@ -25,7 +25,7 @@ sys.path.insert(0, str(ROOT))
 
 from gcm_learn.arms import SpatialArm  # noqa: E402
 from gcm_learn.execution import body_for, execute, with_motor_limits  # noqa: E402
-from gcm_learn.execution.physics.model import compiled, model_xml, mujoco  # noqa: E402
+from gcm_learn.execution.body.model import compiled, model_xml, mujoco  # noqa: E402
 from gcm_learn.families import paper_scene  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere  # noqa: E402

@@ -401,6 +401,7 @@ def many_arms(name: str, place: Any, options: Mapping[str, Any], actor: Any, k: 
 def policies() -> Iterator[Group]:
     """Plans and actions of the shipped actors."""
     from gcm_learn import families
+    from gcm_learn.arms import SPATIAL
     from gcm_learn.planners import plan_to_json
     from gcm_learn.policies import ActorPlanner, actor_names, shipped_actor
 
@@ -412,7 +413,7 @@ def policies() -> Iterator[Group]:
         return many_arms(env, place, {"settings": actor.settings}, actor, k)
 
     rows = [(name, "CatchArm-v0", ("planar", "limited")) for name in actor_names()]
-    rows += [(name, "CatchArm3D-v0", ("spatial", "ramped")) for name in actor_names(space=True)]
+    rows += [(name, "CatchArm3D-v0", ("spatial", "ramped")) for name in actor_names(SPATIAL)]
     for name, env, varieties in rows:
         yield from about("policy-plans", name, {v: 2 for v in varieties}, partial(tried, name))
         for family in families.family_names(VARIETIES[varieties[0]]):

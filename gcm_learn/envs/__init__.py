@@ -16,15 +16,7 @@ if TYPE_CHECKING:
     from gcm_learn.envs.one_arm import box, commands
     from gcm_learn.envs.vector import CatchArms, CatchArms3D, CatchArmsPhysics
     from gcm_learn.envs.views import WithMap, map_image
-    from gcm_learn.execution import (
-        PhysicalPool,
-        PhysicalSettings,
-        Pool,
-        Settings,
-        SpatialPool,
-        SpatialSettings,
-        Weights,
-    )
+    from gcm_learn.execution import PhysicalSettings, Pool, Settings, SpatialSettings, Weights
 
 __all__ = [
     "CatchArm",
@@ -33,11 +25,9 @@ __all__ = [
     "CatchArms",
     "CatchArms3D",
     "CatchArmsPhysics",
-    "PhysicalPool",
     "PhysicalSettings",
     "Pool",
     "Settings",
-    "SpatialPool",
     "SpatialSettings",
     "Weights",
     "WithMap",
@@ -53,11 +43,9 @@ _HOMES = {
     "CatchArms": "envs.vector",
     "CatchArms3D": "envs.vector",
     "CatchArmsPhysics": "envs.vector",
-    "PhysicalPool": "execution",
     "PhysicalSettings": "execution",
     "Pool": "execution",
     "Settings": "execution",
-    "SpatialPool": "execution",
     "SpatialSettings": "execution",
     "Weights": "execution",
     "WithMap": "envs.views",
@@ -68,7 +56,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Names of this folder, loaded when they are asked for: they need gymnasium."""
+    """Load a name of this folder when it is first used: it needs gymnasium."""
     import importlib
 
     if name not in _HOMES:

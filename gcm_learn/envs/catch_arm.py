@@ -2,15 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
-
-from gcm_learn.envs.one_arm import POOL, OneArm, known_mode
-from gcm_learn.execution import KinematicPlant, Pool, Settings, Source, pool_of, settings_of
-from gcm_learn.motion import Trajectory
-from gcm_learn.situation import Frame, Situation
+from gcm_learn.envs.one_arm import OneArm
+from gcm_learn.execution import ARENAS
 
 
 class CatchArm(OneArm):
@@ -29,10 +22,10 @@ class CatchArm(OneArm):
     joint   shoulder, elbow                                      the joint's greatest speed
     ======= ==================================================== ==========================
 
-    Actions longer than 1 are shortened to 1 (hand) or clipped (joint); the hand goes straight, and
-    keeps the limits that planners keep, of the hand's speed and, if the situation has them, of the
-    joints' speeds. What would leave the ring or lead through its hole is shortened. Where the
-    elbow is on the left, all is mirrored.
+    Actions longer than 1 are shortened to 1 (hand) or clipped (joint). The hand goes straight. It
+    keeps the limits of planners: of its own speed and, if the situation has them, of the joints'.
+    Moves out of the ring or through its hole are shortened. If the elbow is on the left, all is
+    mirrored.
 
     **Observation**, ``Box(-10, 10, (27 + 20 slots,))``, 107 numbers by default. Lengths in
     forearms, velocities in hand speeds, times as the way that the hand can make in them; vectors in
@@ -106,65 +99,4 @@ class CatchArm(OneArm):
         These three for short.
     """
 
-    plant: KinematicPlant
-
-    def __init__(
-        self,
-        situations: Source | Pool = "random-planar",
-        render_mode: str | None = None,
-        *,
-        pool: int = POOL,
-        pool_seed: int = 0,
-        settings: Settings | Mapping[str, Any] | None = None,
-        control: str | None = None,
-        fan: bool | None = None,
-        embedding: bool | None = None,
-    ) -> None:
-        known_mode(render_mode)
-        chosen = settings_of(settings, control, fan, embedding)
-        made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        super().__init__(KinematicPlant(made, 1, chosen), render_mode)
-        self._turns = dict[int, list[list[float]]]()
-        self._turn = [[1.0, 0.0], [0.0, 1.0]]
-
-    @property
-    def frame(self) -> Frame:
-        """How the present situation was drawn."""
-        return self.plant.pool.frames[int(self.plant.state.place[0])]
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The hand's way so far, in canonical coordinates."""
-        path = np.array(self._path)
-        return Trajectory.of_hand(path[:, 0], path[:, 1:], self.situation.arm.upper_arm)
-
-    def _pool_of(self, situation: Situation) -> Pool:
-        return Pool.of([situation])
-
-    def _begin(self, index: int) -> None:
-        """Note how the situation's frame turns vectors, as rows; kept for those of the pool."""
-        if self.plant.pool is not self.pool:
-            self._turn = self.frame.original(np.eye(2)).T.tolist()
-            return
-        if index not in self._turns:
-            self._turns[index] = self.frame.original(np.eye(2)).T.tolist()
-        self._turn = self._turns[index]
-
-    def _where(self) -> tuple[float, ...]:
-        state = self.plant.state
-        return (state.time.item(0), state.hand.item(0), state.hand.item(1))
-
-    def _in_world(self) -> np.ndarray:
-        _, x, y = self._path[-1]
-        (a, b), (c, d) = self._turn
-        return np.array((a * x + b * y, c * x + d * y))
-
-    def _new_viewer(self, window: bool) -> Any:
-        from gcm_learn.envs.viewer import Viewer
-
-        return Viewer(window)
-
-    def _drawn(self, viewer: Any) -> np.ndarray | None:
-        path = np.array(self._path)
-        picture: np.ndarray | None = viewer.show(self.situation, path[-1, 0], path[:, 1:])
-        return picture
+    arena = ARENAS["CatchArm-v0"]

@@ -1,28 +1,12 @@
-"""The arm in space as a Gymnasium environment: one arm, one situation an episode."""
+"""The spatial arm as a Gymnasium environment: one arm, one situation an episode."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
-
-from gcm_learn.arms import SpatialArm
-from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArmInSpace, known_mode
-from gcm_learn.execution import (
-    Source,
-    SpatialPlant,
-    SpatialPool,
-    SpatialSettings,
-    made_of,
-    spatial_pool_of,
-    way_of,
-)
-from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import Situation
+from gcm_learn.envs.one_arm import OneArm
+from gcm_learn.execution import ARENAS
 
 
-class CatchArm3D(OneArmInSpace):
+class CatchArm3D(OneArm):
     """A four-joint arm in space that catches a moving target among moving obstacles.
 
     An episode is one situation (`gcm_learn.Situation`) with a spatial arm, its bodies moving by
@@ -30,16 +14,16 @@ class CatchArm3D(OneArmInSpace):
     arguments of the constructor go to `make`. Importing `gcm_learn` registers it.
 
     **Action**, ``Box(-1, 1, (4,))``: rates of the joints for the next `dt` seconds, 1 being the
-    joint's greatest speed. Ranges end a joint's turn. Where the hand's speed is limited, what would
-    be too fast is scaled down. Where accelerations are limited, the rates are those at the end of
-    the step, as near as the joints get, and such that they can always stop before their ranges end
-    and keep the hand's limit meanwhile.
+    joint's greatest speed. Ranges end a joint's turn. Under a limit of the hand's speed, faster
+    actions are scaled down. Under limits of acceleration the rates are reached at the end of
+    the step, as nearly as possible. They leave the joints the way to stop before their ranges end,
+    within the hand's limit.
 
     **Observation**, ``Box(-10, 10, (65 + 20 slots,))``, 145 numbers by default. Vectors are in the
     frame of the arm's base, the shoulder at the origin. Unit of lengths: the arm's reach, both
     bones in line. Unit of velocities: the fastest that the hand can be, by its own limit or by what
-    the joints allow at most. Unit of times: that in which such a hand makes a reach. What is larger
-    than 10 is told as 10.
+    the joints allow at most. Unit of times: that in which such a hand makes a reach. Numbers
+    are cut at 10.
 
     ===== ============================================================== ============== =======
     from  the arm                                                        range          unit
@@ -83,15 +67,15 @@ class CatchArm3D(OneArmInSpace):
     end   with ``settings={"fan": True}``, a frame of actions, four unit -1 ... 1       action
           vectors: the action at 61, what moves the elbow and not the
           hand, what moves the hand outward, what is orthogonal (4 x 4)
-    end   then of 30 actions (`execution.space.fan`: that at 61, turned
-          towards the others, half of it, rest), 3 each:
+    end   then of 30 actions (see `execution.arena.kernels.joints.fan`: that at 61,
+          turned towards the others, half of it, rest), 3 each:
     +0    how long the limb is free on it, 1.2 are looked at             0 ... 1.2      time
     +1    least clearance until then, 0 if it touches                    0 ... 0.15     reach
     +2    distance that is missing for a catch then, 1 at most           -10 ... 1      reach
     ===== ============================================================== ============== =======
 
-    Distances above half a reach are those of the ball that holds an obstacle. Everything is a
-    function of situation, time, joints and rates (`execution.space.observe_in_space`).
+    Distances above half a reach are to the ball that holds an obstacle. Everything is a
+    function of situation, time, joints and rates (`execution.arena.kernels.joints.observation`).
 
     **End.** A catch or a touch terminates the episode, the horizon truncates it. Both are found by
     the functions that verify plans, between steps too: a catch that is reported here is one that
@@ -127,28 +111,4 @@ class CatchArm3D(OneArmInSpace):
         Fields of `SpatialSettings`, and of `Weights` under "weights".
     """
 
-    plant: SpatialPlant
-
-    def __init__(
-        self,
-        situations: Source | SpatialPool = IN_SPACE,
-        render_mode: str | None = None,
-        *,
-        pool: int = POOL,
-        pool_seed: int = 0,
-        settings: SpatialSettings | Mapping[str, Any] | None = None,
-    ) -> None:
-        known_mode(render_mode)
-        chosen, made = made_of(SpatialSettings, settings), situations
-        if not isinstance(made, SpatialPool):
-            made = spatial_pool_of(made, pool, pool_seed, chosen.dt)
-        super().__init__(SpatialPlant(made, 1, chosen), render_mode)
-
-    @property
-    def trajectory(self) -> SpatialTrajectory:
-        """The arm's way so far."""
-        path = np.array(self._path)
-        return way_of(self.situation.arm, path[:, 0], path[:, 1:])
-
-    def _pool_of(self, situation: Situation[SpatialArm]) -> SpatialPool:
-        return SpatialPool.of([situation])
+    arena = ARENAS["CatchArm3D-v0"]

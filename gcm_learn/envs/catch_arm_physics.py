@@ -2,25 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
-
-from gcm_learn.arms import SpatialArm
-from gcm_learn.envs.one_arm import IN_SPACE, POOL, OneArmInSpace, known_mode
-from gcm_learn.execution import (
-    PhysicalArms,
-    PhysicalPool,
-    PhysicalSettings,
-    Source,
-    made_of,
-    physical_pool_of,
-)
-from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.situation import ArmBody, Situation
+from gcm_learn.envs.one_arm import OneArm
+from gcm_learn.execution import ARENAS
 
 
-class CatchArmPhysics(OneArmInSpace):
+class CatchArmPhysics(OneArm):
     """A four-joint arm with masses and motors, in MuJoCo, that catches among moving obstacles.
 
     `CatchArm3D` with a body: the same situations, numbers, rewards and outcomes, another plant
@@ -29,8 +15,8 @@ class CatchArmPhysics(OneArmInSpace):
 
     **Action**, ``Box(-1, 1, (4,))``, for the next `dt` seconds. With `control` "joint": rates of
     the joints, 1 being the joint's greatest speed, to which motors servo them, the arm's weight
-    being held. With "torque": torques, 1 being the motor's greatest; weight is not held, and a
-    motor does not push its joint beyond its greatest speed. Nothing keeps the limit of the hand's
+    being held. With "torque": torques, 1 being the motor's greatest; weight is not held. A
+    motor pushes its joint up to its greatest speed only. Nothing keeps the limit of the hand's
     speed that a situation may have: that is for planners.
 
     **Observation**, ``Box(-10, 10, (65 + 20 slots,))``, 145 numbers by default, is that of
@@ -58,7 +44,7 @@ class CatchArmPhysics(OneArmInSpace):
     episode, the horizon truncates it. A catch is one of physics, not one that is verified in
     continuous time.
 
-    **Reward** and **info** are those of `CatchArm3D`: the sum of ``info["reward_terms"]`` (catch,
+    **Reward** and **info** are as in `CatchArm3D`: the sum of ``info["reward_terms"]`` (catch,
     touch, haste, guide); `time`, `hand`, `outcome` and at the end `is_success`.
 
     **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts
@@ -88,29 +74,4 @@ class CatchArmPhysics(OneArmInSpace):
         Without MuJoCo.
     """
 
-    plant: PhysicalArms
-
-    def __init__(
-        self,
-        situations: Source | PhysicalPool = IN_SPACE,
-        render_mode: str | None = None,
-        *,
-        pool: int = POOL,
-        pool_seed: int = 0,
-        body: ArmBody | str | Path | None = None,
-        settings: PhysicalSettings | Mapping[str, Any] | None = None,
-    ) -> None:
-        known_mode(render_mode)
-        chosen, made = made_of(PhysicalSettings, settings), situations
-        if not isinstance(made, PhysicalPool):
-            made = physical_pool_of(made, pool, pool_seed, body)
-        self._body = body
-        super().__init__(PhysicalArms(made, 1, chosen), render_mode)
-
-    @property
-    def trajectory(self) -> SpatialTrajectory:
-        """The arm's way so far, linear between steps of the physics."""
-        return self.plant.plants[0].movement
-
-    def _pool_of(self, situation: Situation[SpatialArm]) -> PhysicalPool:
-        return PhysicalPool.of([situation], self._body)
+    arena = ARENAS["CatchArmPhysics-v0"]

@@ -1,59 +1,135 @@
-"""One arm as a Gymnasium environment, one situation an episode: in the plane and in space."""
+"""One arm as a Gymnasium environment, one situation an episode: the same class for all arenas."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from gcm_learn.arms import rotation_of
+from gcm_learn.envs.frames import Placing, placing_of
+from gcm_learn.envs.viewer import Viewer
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution import CAUGHT, COLLIDED, LATE, OUTCOMES, RUNNING, Batch
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.execution import (
+    CAUGHT,
+    COLLIDED,
+    LATE,
+    OUTCOMES,
+    RUNNING,
+    AnyBody,
+    Arena,
+    ArenaSettings,
+    Batch,
+    Pool,
+    Source,
+    pool_for,
+    pool_of,
+    settings_of,
+)
 from gcm_learn.situation import Situation
 
 POOL = 256  # situations that an environment draws from a family, by default
-IN_SPACE = "static-clutter-space"  # where they are drawn in space, by default
+
+
+def plant_for(
+    arena: Arena,
+    count: int,
+    situations: Source | Pool | None,
+    settings: ArenaSettings,
+    *,
+    pool: int,
+    pool_seed: int,
+    body: AnyBody,
+    threads: int = 1,
+) -> Batch:
+    """Return so many arms of an arena, from the arguments of environments."""
+    made = situations if situations is not None else arena.family
+    if not isinstance(made, Pool):
+        made = pool_of(made, pool, pool_seed, settings, body)
+    return arena.plant(made, count, settings, threads)
 
 
 def box(plant: Batch) -> spaces.Box:
-    """The space of observations."""
+    """Return the space of observations."""
     return spaces.Box(-plant.bounds, plant.bounds, dtype=np.float32)
 
 
 def commands(plant: Batch) -> spaces.Box:
-    """The space of actions of one arm."""
+    """Return the space of actions of one arm."""
     return spaces.Box(-1.0, 1.0, (plant.commands,), np.float32)
 
 
 class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
-    """What all arenas of one arm have in common.
+    """One arm of an arena; the subclasses say which, and describe it.
 
     Parameters
     ----------
-    plant : Batch
-        Of one arm.
+    situations : str, Path, Family, Situation, sequence of Situation or Pool, optional
+        By default those of the arena's family.
     render_mode : {"rgb_array", "human"}, optional
+    pool : int
+        Number of situations that are drawn or read.
+    pool_seed : int
+        Of the draws.
+    body : ArmBody, str or Path, optional
+        Of arms with mass.
+    settings : ArenaSettings or mapping, optional
+        Fields of the arena's settings, and of `Weights` under "weights".
+    control : str, optional
+    fan, embedding : bool, optional
+        These three settings for short, in arenas that have them.
     """
 
+    arena: ClassVar[Arena]
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
 
-    def __init__(self, plant: Any, render_mode: str | None) -> None:
-        self.plant, self.pool, self.settings = plant, plant.pool, plant.settings
-        self.render_mode = render_mode
-        self.observation_space, self.action_space = box(plant), commands(plant)
+    def __init__(
+        self,
+        situations: Source | Pool | None = None,
+        render_mode: str | None = None,
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        body: AnyBody = None,
+        settings: ArenaSettings | Mapping[str, Any] | None = None,
+        control: str | None = None,
+        fan: bool | None = None,
+        embedding: bool | None = None,
+    ) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")
+        chosen = settings_of(
+            self.arena.settings, settings, control=control, fan=fan, embedding=embedding
+        )
+        self.plant: Any = plant_for(
+            self.arena, 1, situations, chosen, pool=pool, pool_seed=pool_seed, body=body
+        )
+        self.pool, self.settings, self.render_mode = self.plant.pool, chosen, render_mode
+        self.observation_space, self.action_space = box(self.plant), commands(self.plant)
+        self._body = body
         self._path: list[tuple[float, ...]] = []
-        self._viewer: Any = None
-        self._actions = np.zeros((1, plant.commands))
+        self._viewer: Viewer | None = None
+        self._actions = np.zeros((1, self.plant.commands))
         self._everyone = np.zeros(1, dtype=np.int64)
         self._places = np.zeros(1, dtype=np.int64)
+        self._placings: dict[int, Placing] = {}  # of the pool's situations
+
+    @property
+    def frame(self) -> Any:
+        """Frame in which the present situation was drawn."""
+        return self.plant.pool.frames[int(self.plant.state.place[0])]
+
+    @property
+    def trajectory(self) -> Any:
+        """Trajectory of the arm until now, in the coordinates of the situation."""
+        path = np.array(self._path)
+        return self.plant.way(0, path[:, 0], path[:, 1:])
 
     @property
     def situation(self) -> Any:
-        """The present one, in the coordinates of the arm; see the subclasses."""
+        """Present situation; of planar arms in its canonical form."""
         return self.plant.pool.situations[int(self.plant.state.place[0])]
 
     def reset(
@@ -69,7 +145,8 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         if situation is not None:
             if not isinstance(situation, Situation):
                 raise ArenaError(f"options.situation: must be a situation (got {situation!r})")
-            self.plant.pool, index = self._pool_of(situation).prepared(self.settings), 0
+            given = pool_for(self.settings, [situation], self._body)
+            self.plant.pool, index = self.settings.prepared(given), 0
         elif index is None:
             index = int(self.np_random.integers(len(self.pool)))
         elif not 0 <= index < len(self.pool):
@@ -77,7 +154,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         self._places[0] = index
         self.plant.put(self._everyone, self._places)
         self._path = [self._where()]
-        self._begin(int(index))
+        self._placing = self._placing_of(int(index))
         if self.render_mode == "human":
             self.render()
         return self.plant.observations[0].copy(), self._info(RUNNING)
@@ -100,43 +177,33 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         ended = outcome in (CAUGHT, COLLIDED)
         return observation, sum(terms), ended, outcome == LATE, info
 
-    @abstractmethod
-    def _pool_of(self, situation: Any) -> Any:
-        """A pool of one situation."""
-
-    @abstractmethod
     def _where(self) -> tuple[float, ...]:
-        """Time, and what the path is made of."""
+        """Return the time, and the posture."""
+        state = self.plant.state
+        return (state.time.item(0), *state.posture[0].tolist())
 
-    @abstractmethod
-    def _in_world(self) -> np.ndarray:
-        """The hand in the situation's own coordinates."""
-
-    @abstractmethod
-    def _new_viewer(self, window: bool) -> Any:
-        """What draws."""
-
-    @abstractmethod
-    def _drawn(self, viewer: Any) -> np.ndarray | None:
-        """A picture of the moment."""
-
-    def _begin(self, index: int) -> None:
-        """A new episode has begun."""
+    def _placing_of(self, index: int) -> Placing:
+        """Return the way from the arm's coordinates to the world's; keep it for the pool's."""
+        if self.plant.pool is not self.pool:
+            return placing_of(self.situation, self.frame)
+        if index not in self._placings:
+            self._placings[index] = placing_of(self.situation, self.frame)
+        return self._placings[index]
 
     def _info(self, outcome: int) -> dict[str, Any]:
         return {
             "time": self._path[-1][0],
-            "hand": self._in_world(),
+            "hand": self._placing(self.plant.state.hand[0]),
             "outcome": OUTCOMES[outcome],
         }
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """A picture (480, 480, 3) uint8 of the moment, or a window that shows it."""
+        """Return a picture (480, 480, 3) uint8 of the moment, or show it in a window."""
         if self.render_mode is None:
             return None
         if self._viewer is None:
-            self._viewer = self._new_viewer(self.render_mode == "human")
-        return self._drawn(self._viewer)
+            self._viewer = Viewer(self.arena.kind, window=self.render_mode == "human")
+        return self._viewer.show(self.situation, self.trajectory)
 
     def close(self) -> None:
         """Close the window."""
@@ -145,45 +212,5 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
             self._viewer = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the window."""
+        """Return everything but the window."""
         return {**self.__dict__, "_viewer": None}
-
-
-class OneArmInSpace(OneArm):
-    """What `CatchArm3D` and `CatchArmPhysics` have in common."""
-
-    def __init__(self, plant: Any, render_mode: str | None) -> None:
-        super().__init__(plant, render_mode)
-        self._turn, self._origin = np.eye(3), np.zeros(3)
-
-    @property
-    @abstractmethod
-    def trajectory(self) -> SpatialTrajectory:
-        """The arm's way so far."""
-
-    def _begin(self, index: int) -> None:
-        base = self.situation.arm.base
-        self._turn, self._origin = rotation_of(base.rotation), np.asarray(base.origin)
-
-    def _where(self) -> tuple[float, ...]:
-        state = self.plant.state
-        return (state.time.item(0), *state.posture[0].tolist())
-
-    def _in_world(self) -> np.ndarray:
-        hand: np.ndarray = self._turn @ self.plant.hand[0] + self._origin
-        return hand
-
-    def _new_viewer(self, window: bool) -> Any:
-        from gcm_learn.envs.viewer_in_space import ViewerInSpace
-
-        return ViewerInSpace(window)
-
-    def _drawn(self, viewer: Any) -> np.ndarray | None:
-        picture: np.ndarray | None = viewer.show(self.situation, self.trajectory)
-        return picture
-
-
-def known_mode(render_mode: str | None) -> None:
-    """Refuse a way of rendering that there is not."""
-    if render_mode is not None and render_mode not in OneArm.metadata["render_modes"]:
-        raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")

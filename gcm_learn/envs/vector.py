@@ -3,53 +3,77 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from gcm_learn.envs.one_arm import IN_SPACE, POOL, box, commands
+from gcm_learn.envs.one_arm import POOL, box, commands, plant_for
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
+    ARENAS,
     CAUGHT,
     LATE,
     OUTCOMES,
     RUNNING,
     TERMS,
-    KinematicPlant,
-    PhysicalArms,
-    PhysicalPool,
-    PhysicalSettings,
+    AnyBody,
+    Arena,
+    ArenaSettings,
     Pool,
-    Settings,
     Source,
-    SpatialPlant,
-    SpatialPool,
-    SpatialSettings,
-    made_of,
-    physical_pool_of,
-    pool_of,
     settings_of,
-    spatial_pool_of,
 )
-from gcm_learn.situation import ArmBody
 
 
 class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """What all arenas of many arms have in common.
+    """Many arms of an arena; the subclasses say which, and describe it.
 
     Parameters
     ----------
-    plant : Batch
+    num_envs : int
+        Number of arms.
+    threads : int
+        Threads that share the arms among them.
+    situations, pool, pool_seed, body, settings, control, fan, embedding
+        As `OneArm` has them.
+    render_mode : None
+        Many arms are not drawn.
     """
 
+    arena: ClassVar[Arena]
     metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": AutoresetMode.SAME_STEP}
 
-    def __init__(self, plant: Any) -> None:
-        self.num_envs, self.render_mode = plant.count, None
-        self.plant, self.pool, self.settings = plant, plant.pool, plant.settings
+    def __init__(
+        self,
+        num_envs: int = 1,
+        situations: Source | Pool | None = None,
+        *,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        body: AnyBody = None,
+        settings: ArenaSettings | Mapping[str, Any] | None = None,
+        control: str | None = None,
+        fan: bool | None = None,
+        embedding: bool | None = None,
+        threads: int = 1,
+        render_mode: str | None = None,
+    ) -> None:
+        for name, value in {"num_envs": num_envs, "threads": threads}.items():
+            if value < 1:
+                raise ArenaError(f"{name}: must be at least 1 (got {value})")
+        if render_mode is not None:
+            raise ArenaError("render_mode: many arms are not drawn; make one of them")
+        chosen = settings_of(
+            self.arena.settings, settings, control=control, fan=fan, embedding=embedding
+        )
+        plant: Any = plant_for(
+            self.arena, num_envs, situations, chosen,
+            pool=pool, pool_seed=pool_seed, body=body, threads=threads,
+        )  # fmt: skip
+        self.plant, self.pool, self.settings = plant, plant.pool, chosen
+        self.num_envs, self.render_mode = num_envs, None
         self.single_observation_space, self.single_action_space = box(plant), commands(plant)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -106,33 +130,16 @@ class CatchArms(ManyArms):
     """Many `CatchArm`s in compiled code, step by step equal to single ones.
 
     ``gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=64,
-    vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards and ends are
-    those of `CatchArm`, and so are the arguments; `threads` of them share the arms, which pays from
-    some hundred arms on.
+    vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards,
+    ends and arguments are as in `CatchArm`. Several `threads` share the arms, which pays from some
+    hundred arms on.
 
     An arm whose episode ends begins another one within the same step (`AutoresetMode.SAME_STEP`):
-    the observation is the new episode's first, the old one's last is in ``info["final_obs"]``, and
-    ``info["final_info"]`` holds `time`, `outcome` and `is_success` of those that ended.
+    the observation is the new episode's first. The old episode's last one is in
+    ``info["final_obs"]``, and ``info["final_info"]`` holds its `time`, `outcome` and `is_success`.
     """
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        situations: Source | Pool = "random-planar",
-        *,
-        pool: int = POOL,
-        pool_seed: int = 0,
-        settings: Settings | Mapping[str, Any] | None = None,
-        control: str | None = None,
-        fan: bool | None = None,
-        embedding: bool | None = None,
-        threads: int = 1,
-        render_mode: str | None = None,
-    ) -> None:
-        _check(num_envs, threads, render_mode)
-        chosen = settings_of(settings, control, fan, embedding)
-        made = situations if isinstance(situations, Pool) else pool_of(situations, pool, pool_seed)
-        super().__init__(KinematicPlant(made, num_envs, chosen, threads))
+    arena = ARENAS["CatchArm-v0"]
 
 
 class CatchArms3D(ManyArms):
@@ -142,57 +149,17 @@ class CatchArms3D(ManyArms):
     vectorization_mode="vector_entry_point")`` makes it.
     """
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        situations: Source | SpatialPool = IN_SPACE,
-        *,
-        pool: int = POOL,
-        pool_seed: int = 0,
-        settings: SpatialSettings | Mapping[str, Any] | None = None,
-        threads: int = 1,
-        render_mode: str | None = None,
-    ) -> None:
-        _check(num_envs, threads, render_mode)
-        chosen, made = made_of(SpatialSettings, settings), situations
-        if not isinstance(made, SpatialPool):
-            made = spatial_pool_of(made, pool, pool_seed, chosen.dt)
-        super().__init__(SpatialPlant(made, num_envs, chosen, threads))
+    arena = ARENAS["CatchArm3D-v0"]
 
 
 class CatchArmsPhysics(ManyArms):
-    """Many `CatchArmPhysics` one after the other, told in compiled code; else as `CatchArms`.
+    """Many `CatchArmPhysics`, stepped one after the other and observed in compiled code.
 
     ``gymnasium.make_vec("gcm_learn:CatchArmPhysics-v0", num_envs=16,
     vectorization_mode="vector_entry_point")`` makes it.
     """
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        situations: Source | PhysicalPool = IN_SPACE,
-        *,
-        pool: int = POOL,
-        pool_seed: int = 0,
-        body: ArmBody | str | Path | None = None,
-        settings: PhysicalSettings | Mapping[str, Any] | None = None,
-        render_mode: str | None = None,
-    ) -> None:
-        _check(num_envs, 1, render_mode)
-        chosen, made = made_of(PhysicalSettings, settings), situations
-        if not isinstance(made, PhysicalPool):
-            made = physical_pool_of(made, pool, pool_seed, body)
-        super().__init__(PhysicalArms(made, num_envs, chosen))
-
-
-def _check(num_envs: int, threads: int, render_mode: str | None) -> None:
-    """Refuse what a batch cannot do."""
-    if num_envs < 1:
-        raise ArenaError(f"num_envs: must be at least 1 (got {num_envs})")
-    if threads < 1:
-        raise ArenaError(f"threads: must be at least 1 (got {threads})")
-    if render_mode is not None:
-        raise ArenaError("render_mode: many arms are not drawn; make one of them")
+    arena = ARENAS["CatchArmPhysics-v0"]
 
 
 def _generator(seed: int) -> tuple[np.random.Generator, int]:

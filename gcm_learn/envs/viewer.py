@@ -1,69 +1,112 @@
-"""Pictures of the arena: as arrays, or in a window."""
+"""Pictures of an arena: as arrays, or in a window."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Protocol
 
 import numpy as np
 
-from gcm_learn.arms import elbow_position
-from gcm_learn.rendering import ARM, INK, PATH, body_colour
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm, elbow_position
+from gcm_learn.motion import SpatialTrajectory, Trajectory
+from gcm_learn.rendering import ARM, INK, PATH, Spectator, body_colour
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
 
 SIZE_INCHES, DPI = 4.8, 100
+PIXELS = round(SIZE_INCHES * DPI)  # of a side
+
+
+class Artist(Protocol):
+    """Painter of one kind of arm."""
+
+    def picture(self, situation: Any, way: Any) -> np.ndarray:
+        """Return the picture (480, 480, 3) uint8 of the end of a trajectory."""
 
 
 class Viewer:
-    """Draws the arm's plane with matplotlib."""
+    """Pictures of moments, in a window if one is wanted.
 
-    def __init__(self, window: bool) -> None:
-        from matplotlib.figure import Figure
+    Parameters
+    ----------
+    kind : Kind
+        Of the arm.
+    window : bool
+    """
 
-        self._window = window
+    def __init__(self, kind: Kind, *, window: bool) -> None:
+        self._artist = _ARTISTS.of(kind)()
+        self._shown: Any = None
         if window:
             import matplotlib.pyplot as plt
 
-            self._figure: Any = plt.figure(figsize=(SIZE_INCHES, SIZE_INCHES), dpi=DPI)
-        else:
-            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            figure = plt.figure(figsize=(SIZE_INCHES, SIZE_INCHES), dpi=DPI)
+            axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+            axes.set_axis_off()
+            self._shown = axes.imshow(np.full((PIXELS, PIXELS, 3), 255, np.uint8))
 
-            self._figure = Figure(figsize=(SIZE_INCHES, SIZE_INCHES), dpi=DPI)
-            FigureCanvasAgg(self._figure)
-        self._axes = self._figure.add_axes((0.0, 0.0, 1.0, 1.0))
-
-    def show(self, situation: Situation, time: float, path: np.ndarray) -> np.ndarray | None:
-        """Draw a moment: a picture (480, 480, 3) uint8, or None in a window.
+    def show(self, situation: Any, way: Any) -> np.ndarray | None:
+        """Return the picture of the end of a trajectory, or None if it is shown in the window.
 
         Parameters
         ----------
         situation : Situation
-            In its canonical form.
-        time : float
-            [s]
-        path : (n, 2) ndarray
-            Where the hand has been; it is at the last.
+            As the arena has it.
+        way : Trajectory or SpatialTrajectory
+            In its coordinates.
         """
+        picture = self._artist.picture(situation, way)
+        if self._shown is None:
+            return picture
+        import matplotlib.pyplot as plt
+
+        self._shown.set_data(picture)
+        self._shown.figure.canvas.draw_idle()
+        plt.pause(1e-3)
+        return None
+
+    def close(self) -> None:
+        """Close the window."""
+        if self._shown is not None:
+            import matplotlib.pyplot as plt
+
+            plt.close(self._shown.figure)
+
+
+class _PlaneArtist:
+    """Painter of an arm's plane."""
+
+    def __init__(self) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(SIZE_INCHES, SIZE_INCHES), dpi=DPI)
+        self._canvas = FigureCanvasAgg(figure)
+        self._axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+
+    def picture(self, situation: Situation, way: Trajectory) -> np.ndarray:
+        """As `Artist` says."""
         from matplotlib.patches import Circle
 
-        ax, arm = self._axes, situation.arm
+        ax, arm, time, path = self._axes, situation.arm, float(way.time[-1]), way.hand
         ax.clear()
         ax.set_axis_off()
         limit = 1.15 * arm.reach
         ax.set_xlim(-limit, limit)
         ax.set_ylim(-limit, limit)
         ax.add_patch(Circle((0, 0), arm.reach, fill=False, ls="--", ec="#a0aec0"))
-        self._bodies(situation, time)
+        self._add_bodies(situation, time)
         hand = path[-1]
         elbow = elbow_position(hand, arm.upper_arm, arm.elbow)
         ax.plot(path[:, 0], path[:, 1], color=PATH, lw=1.2)
         ax.plot(*np.array([(0.0, 0.0), elbow, hand]).T, color=ARM, lw=4, solid_capstyle="round")
         ax.add_patch(Circle(tuple(hand), max(arm.grasp, 0.02), color=ARM))
         ax.text(-0.98 * limit, 0.95 * limit, f"{time:.2f} s", va="top", color=INK)
-        return self._picture()
+        self._canvas.draw()
+        return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
-    def _bodies(self, situation: Situation, time: float) -> None:
-        """The bodies, or their cuts with the plane."""
+    def _add_bodies(self, situation: Situation, time: float) -> None:
+        """Add the bodies, or their cuts with the plane."""
         from matplotlib.patches import Polygon
 
         for index, body in enumerate(situation.bodies):
@@ -71,20 +114,21 @@ class Viewer:
             if corners is not None:
                 self._axes.add_patch(Polygon(corners, closed=True, color=body_colour(body), lw=0))
 
-    def _picture(self) -> np.ndarray | None:
-        canvas = self._figure.canvas
-        if self._window:
-            import matplotlib.pyplot as plt
 
-            canvas.draw_idle()
-            plt.pause(1e-3)
-            return None
-        canvas.draw()
-        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+class _SpaceArtist:
+    """Painter with the package's own renderer, which needs no graphics card."""
 
-    def close(self) -> None:
-        """Close the window."""
-        if self._window:
-            import matplotlib.pyplot as plt
+    def __init__(self) -> None:
+        self._seen: tuple[Any, Any] = (None, None)
 
-            plt.close(self._figure)
+    def picture(self, situation: Situation[SpatialArm], way: SpatialTrajectory) -> np.ndarray:
+        """As `Artist` says."""
+        seen, spectator = self._seen
+        if seen is not situation:
+            spectator = Spectator(situation)
+            self._seen = (situation, spectator)
+        picture: np.ndarray = spectator.picture(way, PIXELS)
+        return picture
+
+
+_ARTISTS: ByKind[Callable[[], Artist]] = ByKind({PLANAR: _PlaneArtist, SPATIAL: _SpaceArtist})

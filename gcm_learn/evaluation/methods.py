@@ -1,4 +1,4 @@
-"""Who takes part: planners by name, actors that act as they go, actors that are tried out first."""
+"""Methods: planners by name, actors that act as they go, actors that are tried out first."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from typing import Protocol
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, Kind, SpatialArm
+from gcm_learn.arms import ByKind, Kind
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.execution import OUTCOMES, Pool, SpatialPool, way_of
+from gcm_learn.execution import ARENAS, OUTCOMES, pool_for, way_of
 from gcm_learn.motion import SpatialTrajectory, Trajectory
 from gcm_learn.planners import Planner, get_planner, plan_with, planner_names, takes
 from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
-from gcm_learn.situation import AnySituation, Situation, canonical, planar, spatial
+from gcm_learn.situation import AnySituation
 
 CLOCKED = ("st-rrt-star",)  # plan for a given time, in a process of their own
 
 
 @dataclass(frozen=True)
 class Result:
-    """What came of one situation."""
+    """Result for one situation."""
 
     outcome: str
     """caught, declined (nothing was done), touched, late or start_blocked."""
     latency: float
     """Thinking before the hand moves [ms of processor time]; of actors, that of one step."""
     trajectory: Trajectory | SpatialTrajectory | None
-    """What the arm did, in the situation's own coordinates; None if it did nothing."""
+    """Movement of the arm in the situation's own coordinates, or None."""
     clearance: float | None = None
     """[forearm lengths, or the unit of a spatial arm]"""
 
@@ -38,7 +38,7 @@ class Method(Protocol):
 
     @property
     def name(self) -> str:
-        """Under which it was asked for."""
+        """Name under which it was requested."""
 
     def takes(self, kind: Kind) -> bool:
         """Return whether it takes arms of a kind."""
@@ -78,28 +78,24 @@ class ActorMethod:
 
     def takes(self, kind: Kind) -> bool:
         """Return whether the actor moves arms of a kind."""
-        return kind == (SPATIAL if self.actor.in_space else PLANAR)
+        return kind is self.actor.kind
 
     def run(self, situation: AnySituation) -> Result:
         """Play an episode."""
-        if self.actor.in_space:
-            return self._in_space(spatial(situation, f"policy {self.name!r}"))
-        situation = planar(situation, f"policy {self.name!r}")
-        turned, frame = canonical(situation)
         since = clock.process_time()
-        episodes = self.actor.play(Pool.of([turned]), np.zeros(1, np.int64))
+        table = ByKind({self.actor.kind: self.actor.settings}, who=f"policy {self.name!r}")
+        pool = pool_for(table.of(situation), [situation])
+        episodes = self.actor.play(pool, np.zeros(1, np.int64))
         latency = 1e3 * (clock.process_time() - since) / max(int(episodes.steps[0]), 1)
-        time, hand = episodes.path(0)
-        arm = situation.arm
-        path = Trajectory.of_hand(time, frame.original(hand), arm.upper_arm, arm.elbow)
+        time, posture = episodes.path(0)
+        path = way_of(situation.arm, time, pool.frames[0].original(posture))
         return Result(OUTCOMES[int(episodes.outcomes[0])], latency, path)
 
-    def _in_space(self, situation: Situation[SpatialArm]) -> Result:
-        since = clock.process_time()
-        episodes = self.actor.play(SpatialPool.of([situation]), np.zeros(1, np.int64))
-        latency = 1e3 * (clock.process_time() - since) / max(int(episodes.steps[0]), 1)
-        path = way_of(situation.arm, *episodes.path(0))
-        return Result(OUTCOMES[int(episodes.outcomes[0])], latency, path)
+
+def _actors() -> list[str]:
+    """Return the names of all trained actors."""
+    kinds = dict.fromkeys(arena.kind for arena in ARENAS.values())
+    return [name for kind in kinds for name in actor_names(kind)]
 
 
 def get_method(name: str) -> Method:
@@ -117,7 +113,7 @@ def get_method(name: str) -> Method:
         With the known names.
     """
     bare, _, tries = name.partition("@")
-    if bare in (*actor_names(), *actor_names(space=True)):
+    if bare in _actors():
         actor = shipped_actor(bare)
         if not tries:
             return ActorMethod(name, actor)
@@ -127,7 +123,7 @@ def get_method(name: str) -> Method:
     try:
         return PlannerMethod(name, get_planner(name))
     except UnknownNameError as error:
-        actors = ", ".join([*actor_names(), *actor_names(space=True)]) or "none"
+        actors = ", ".join(_actors()) or "none"
         known = ", ".join(planner_names())
         raise UnknownNameError(
             f"policy: {name!r} is not one of the planners ({known}), those with a memory, or the "

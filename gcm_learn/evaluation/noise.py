@@ -1,7 +1,7 @@
-"""Perception that is not exact: where bodies are and how fast, observed every 50 ms.
+"""Inexact perception for planar arms: places and velocities of bodies, observed every 50 ms.
 
-An observation tells the bodies' true places and velocities, each with an error of its own; laws and
-shapes an agent knows. The world goes on as it is, and judges what the hand does. An agent may plan
+An observation has the bodies' true places and velocities, each with an error of its own. An agent
+knows laws of motion and shapes. The world goes on as it is, and judges the hand. An agent may plan
 once, or again at each observation, and by the last one alone or by all of them.
 """
 
@@ -17,11 +17,11 @@ from gcm_learn import seeding
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.execution import (
     OUTCOMES,
-    KinematicPlant,
     Moment,
-    Pool,
     Settings,
     into_frame,
+    plant_of,
+    pool_for,
     run_episode,
 )
 from gcm_learn.motion import Trajectory
@@ -45,7 +45,7 @@ class Noise:
     """By how many of these deviations agents think the limb thicker than it is."""
 
     def seen(self, situation: Situation, rng: np.random.Generator) -> Situation:
-        """What is perceived of a situation."""
+        """Return a situation as it is perceived."""
         fast = FASTER * self.place * situation.arm.max_hand_speed
         bodies = tuple(
             replace(body, motion=_perturbed(_tracked(body), self.place, fast, rng))
@@ -54,7 +54,7 @@ class Noise:
         return replace(situation, bodies=bodies)
 
     def careful(self, situation: Situation, share: float = 1.0) -> Situation:
-        """The same with a thicker limb; errors are a share of those of one observation."""
+        """Return a situation with a thicker limb, for a share of one observation's errors."""
         thicker = situation.arm.thickness + self.caution * self.place * share
         return replace(situation, arm=replace(situation.arm, thickness=thicker))
 
@@ -85,11 +85,11 @@ def _perturbed(motion: Tracked, place: float, fast: float, rng: np.random.Genera
 
 
 class _Memory:
-    """All observations as one, each weighted by how well it tells the present (Kalman, 1960).
+    """All observations as one, each weighted by its variance at present (Kalman, 1960).
 
-    Place and velocity along one axis are as inexact as along any other, so one matrix of variances
-    does for all bodies that move, in units of those of an observation. Of bodies that rest only
-    the place is unknown, and the mean of what was seen is the best.
+    Places and velocities are equally inexact along all axes. So one matrix of variances serves all
+    moving bodies, in units of an observation's variances. Of bodies that rest only the place is
+    unknown, and the mean of all observations is the best estimate.
     """
 
     def __init__(self, speed: float) -> None:
@@ -104,7 +104,7 @@ class _Memory:
         return float(np.sqrt(self._spread[0, 0]))
 
     def joined(self, seen: Situation, t: float) -> Situation:
-        """What is known at t, from what is seen then and was before."""
+        """Return the situation that is known at t, from this observation and all earlier ones."""
         self._count += 1
         if self._known is None:
             self._known, self._since = seen, t
@@ -124,7 +124,7 @@ class _Memory:
 
 
 def _blend(old: Tracked, new: Tracked, gain: np.ndarray, mean: np.ndarray) -> Tracked:
-    """What was expected, moved towards what is seen."""
+    """Return the expected motion, moved towards the observed one."""
     if isinstance(old, Pendulum) or isinstance(new, Pendulum):
         assert isinstance(old, Pendulum) and isinstance(new, Pendulum)
         off = gain @ np.array([new.angle - old.angle, new.rate - old.rate])
@@ -141,12 +141,12 @@ def _blend(old: Tracked, new: Tracked, gain: np.ndarray, mean: np.ndarray) -> Tr
 
 @dataclass(frozen=True)
 class Habit:
-    """What an agent does with its observations."""
+    """Use of observations by an agent."""
 
     replan: bool = False
-    """Whether it plans at every observation, or at the first one only."""
+    """If true, it plans at every observation, else at the first one only."""
     remember: bool = False
-    """Whether an observation is joined with those before."""
+    """If true, an observation is joined with earlier ones."""
 
 
 class _Agent:
@@ -182,9 +182,9 @@ class _Agent:
                 return
 
     def _kept(self, situation: Situation, t: float) -> Trajectory | None:
-        """What is left of the present plan, if it catches by what is known now.
+        """Return the rest of the present plan, if it still catches in the known situation.
 
-        Who gives up a good plan for every new one that is no earlier gets nowhere.
+        An agent that always changes to new plans, even to later catches, never arrives.
         """
         at = t - self._since
         if self._plan is None or at >= self._plan.duration - 1e-9:
@@ -202,7 +202,7 @@ class _Agent:
         return None
 
     def velocity(self, t: float, hand: np.ndarray) -> np.ndarray:
-        """Velocity (2,) that keeps to the plan for a step; rest where there is none, or no more."""
+        """Return the velocity (2,) along the plan for a step; rest without a plan, or after it."""
         if self._plan is None:
             return np.zeros(2)
         at = t - self._since
@@ -251,7 +251,8 @@ def under_noise(
         caught, touched or late.
     """
     agents = [_Agent(planner, entry, noise, habit, seed) for entry in entries]
-    pool = Pool.of([entry.situation for entry in entries])
-    plant = KinematicPlant(pool, len(entries), Settings(dt=STEP, slots=0))
+    settings = Settings(dt=STEP, slots=0)
+    pool = pool_for(settings, [entry.situation for entry in entries])
+    plant = plant_of(pool, len(entries), settings)
     episodes = run_episode(_Agents(agents, pool.speed), plant, np.arange(len(entries)))
     return [OUTCOMES[o] for o in episodes.outcomes]

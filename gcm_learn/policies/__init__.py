@@ -1,4 +1,4 @@
-"""What acts: learned policies, their training, and planners that try them out.
+"""Learned policies, their training, and planners that try them out.
 
 >>> from gcm_learn.policies import shipped_actor
 >>> shipped_actor("clone").play(pool, np.arange(len(pool))).outcomes  # doctest: +SKIP
@@ -30,7 +30,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """`train`, when it is first asked for: it needs torch."""
+    """Load `train` when it is first used: it needs torch."""
     if name != "train":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from gcm_learn.policies.training import train

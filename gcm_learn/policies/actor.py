@@ -9,31 +9,33 @@ from typing import Any, Literal
 
 import numpy as np
 
+from gcm_learn.arms import SPATIAL, ByKind, Kind
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import (
-    AnyPool,
-    AnySettings,
+    ARENAS,
+    ArenaSettings,
     Commanding,
     Episodes,
     Moment,
-    PhysicalSettings,
-    Settings,
-    SpatialSettings,
-    made_of,
+    Pool,
+    arena_of,
     plant_of,
     run_episode,
+    settings_of,
 )
 from gcm_learn.policies.directions import chosen, moved
 from gcm_learn.storage import whole_file
 
 FORMAT = "gcm-learn/actor@1"
 FILE = "actor.npz"
-FILES: dict[type[AnySettings], str] = {
-    Settings: FILE,
-    SpatialSettings: "actor3d.npz",
-    PhysicalSettings: "actor-physics.npz",
+FILES = {
+    "CatchArm-v0": FILE,
+    "CatchArm3D-v0": "actor3d.npz",
+    "CatchArmPhysics-v0": "actor-physics.npz",
 }
-"""By what is chosen about the arms that a policy moves."""
+"""By the arena in which a policy acts."""
+MINDS = ByKind({SPATIAL: Commanding}, who="the closed loop")
+"""Agents of the closed loop that act as a policy does."""
 CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
 
 
@@ -48,19 +50,19 @@ class Actor:
     deviation: np.ndarray
     """Of observations (width,)."""
     head: Literal["choice", "velocity"]
-    """Whether the last layer scores choices, or is a velocity; see `directions`."""
+    """Meaning of the last layer: scores of choices, or a velocity; see `directions`."""
     activation: Literal["relu", "tanh"]
     squash: bool
-    """Whether the velocity is the tanh of the last layer."""
+    """If true, the velocity is the tanh of the last layer."""
     spread: np.ndarray
     """Logarithm of the deviations of sampled actions (2,), in space (4,); of no use to choices."""
-    settings: AnySettings
+    settings: ArenaSettings
     """Of the arms with which it was trained."""
 
     @property
-    def in_space(self) -> bool:
-        """Whether it moves arms in space."""
-        return isinstance(self.settings, SpatialSettings)
+    def kind(self) -> Kind:
+        """Kind of the arms that it moves."""
+        return self.settings.kind
 
     def scores(self, observations: np.ndarray) -> np.ndarray:
         """Last layer (n, out) for observations (n, width)."""
@@ -84,7 +86,7 @@ class Actor:
         return moved(self.settings, observations, aimed)
 
     def play(
-        self, pool: AnyPool, places: np.ndarray, rng: np.random.Generator | None = None
+        self, pool: Pool, places: np.ndarray, rng: np.random.Generator | None = None
     ) -> Episodes:
         """Play one episode in each of some situations (n,) of a pool.
 
@@ -98,14 +100,15 @@ class Actor:
 
         Raises
         ------
+        ArmKindError
+            If the closed loop does not take its kind of arm.
         PolicyError
-            If it moves arms in the plane, or tells motors their torques.
+            If its actions are torques of motors.
         """
-        if not isinstance(self.settings, SpatialSettings):
-            raise PolicyError("moves arms in the plane; the closed loop is of arms in space")
-        if isinstance(self.settings, PhysicalSettings) and self.settings.control == "torque":
-            raise PolicyError("tells motors their torques; the closed loop leads joints")
-        return Commanding(self.act, self.settings)
+        made = MINDS.of(self.kind)
+        if self.settings.pushed:
+            raise PolicyError("commands torques of motors; the closed loop leads joints")
+        return made(self.act, self.settings)
 
     def save(self, folder: Path) -> Path:
         """Write it into a folder as arrays; returns the file."""
@@ -134,18 +137,18 @@ class Actor:
         Raises
         ------
         PolicyError
-            One line, if there is none.
+            If the folder has no trained policy.
         """
-        there = [kind for kind, name in FILES.items() if (folder / name).exists()]
+        there = [arena for arena, name in FILES.items() if (folder / name).exists()]
         if not there:
             raise PolicyError(f"{folder / FILE}: there is no trained policy")
-        kind, path = there[0], folder / FILES[there[0]]
+        arena, path = ARENAS[there[0]], folder / FILES[there[0]]
         with np.load(path, allow_pickle=False) as file:
             header = json.loads(str(file["header"]))
             if header.get("format") != FORMAT:
                 raise PolicyError(f"{path}: is not {FORMAT} but {header.get('format')!r}")
             count = sum(name.startswith("w") for name in file.files)
-            settings = made_of(kind, header["settings"])
+            settings = settings_of(arena.settings, header["settings"])
             _check_encoder(path, settings, header.get("encoder", ""))
             return cls(
                 layers=tuple((file[f"w{k}"], file[f"b{k}"]) for k in range(count)),
@@ -159,9 +162,9 @@ class Actor:
             )
 
 
-def file_of(settings: AnySettings) -> str:
+def file_of(settings: ArenaSettings) -> str:
     """Name of the file of a policy that moves such arms."""
-    return FILES[type(settings)]
+    return FILES[arena_of(settings).name]
 
 
 @dataclass(frozen=True)
@@ -176,15 +179,15 @@ class _Acting:
         return self.actor.act(moment.observations, self.rng)
 
 
-def _check_encoder(path: Path, settings: AnySettings, key: str) -> None:
+def _check_encoder(path: Path, settings: ArenaSettings, key: str) -> None:
     """Refuse an actor that has learned from another encoder's embeddings."""
     if _encoder_key(settings) and key != _encoder_key(settings):
         raise PolicyError(f"{path}: was trained with another encoder than that of the models")
 
 
-def _encoder_key(settings: AnySettings) -> str:
-    """Of the encoder whose embeddings are told; empty if there is none."""
-    if not (isinstance(settings, Settings) and settings.embedding):
+def _encoder_key(settings: ArenaSettings) -> str:
+    """Return the key of the encoder whose embeddings are observed, or an empty string."""
+    if not getattr(settings, "embedding", False):
         return ""
     from gcm_learn.execution import encoder
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gcm_learn.execution import CAUGHT, COLLIDED, AnyPool
+from gcm_learn.execution import CAUGHT, COLLIDED, Pool
 from gcm_learn.policies.actor import Actor, file_of
 from gcm_learn.policies.plan import Share, TrainingPlan
 from gcm_learn.storage import content_hash, write_whole
@@ -16,7 +16,7 @@ from gcm_learn.storage import content_hash, write_whole
 CARD = "card.md"
 
 
-def score(actor: Actor, pool: AnyPool, groups: Sequence[str]) -> dict[str, float]:
+def score(actor: Actor, pool: Pool, groups: Sequence[str]) -> dict[str, float]:
     """Shares of catches and touches, over all situations and by group."""
     episodes = actor.play(pool, np.arange(len(pool)))
     caught, touched = episodes.outcomes == CAUGHT, episodes.outcomes == COLLIDED
@@ -62,7 +62,7 @@ def write_card(
     lines += [
         "",
         "The validation situations chose the checkpoint, so these figures flatter a little. Known",
-        "limits: bodies are told exactly; at most four obstacles are told; steps of 0.02 s.",
+        "limits: exact observations of bodies, of at most four obstacles; steps of 0.02 s.",
     ]
     path = folder / CARD
     write_whole(path, "\n".join(lines) + "\n")

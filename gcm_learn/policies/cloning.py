@@ -10,10 +10,10 @@ import numpy as np
 import torch
 from torch import nn
 
-from gcm_learn.execution import AnySettings, SpatialSettings
+from gcm_learn.execution import ArenaSettings
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.demonstrations import Demonstrations
-from gcm_learn.policies.directions import choices_in, choices_of, said
+from gcm_learn.policies.directions import choices_in, choices_of, is_bounded, said
 from gcm_learn.seeding import rng
 
 LEAST_DEVIATION = 1e-3  # numbers that hardly vary are not blown up
@@ -38,7 +38,7 @@ class Cloning:
 
 def clone(
     demonstrations: Demonstrations,
-    settings: AnySettings,
+    settings: ArenaSettings,
     how: Cloning,
     seed: int,
     report: Report | None = None,
@@ -65,7 +65,7 @@ def clone(
     held = order[: max(int(how.held_out * len(told)), 1)]
     rest = order[len(held) :]
     torch.manual_seed(seed)
-    bounded = not isinstance(settings, SpatialSettings)  # PPO, which begins as it, has no tanh
+    bounded = is_bounded(settings)
     network = perceptron(
         told.shape[1], how.layers, choices_in(settings) if choices else done.shape[1]
     )

@@ -10,14 +10,11 @@ import numpy as np
 
 from gcm_learn.execution import (
     CAUGHT,
-    Agent,
-    AnyPool,
-    AnySettings,
+    ArenaSettings,
     Episodes,
-    Follower,
-    FollowerInSpace,
     Pool,
     Steps,
+    follower_of,
     plant_of,
     run_episode,
 )
@@ -25,7 +22,7 @@ from gcm_learn.execution import (
 
 @dataclass(frozen=True)
 class Demonstrations:
-    """What was told and what was done."""
+    """Observations, and the actions of demonstrators."""
 
     observations: np.ndarray
     """(m, width) float32."""
@@ -42,7 +39,7 @@ class Demonstrations:
         return cls(*map(np.concatenate, columns))
 
 
-def act_out(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> Demonstrations:
+def act_out(pool: Pool, plans: Sequence[Any], settings: ArenaSettings) -> Demonstrations:
     """Follow plans step by step.
 
     Parameters
@@ -50,7 +47,7 @@ def act_out(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> Demon
     pool : Pool
     plans : sequence of Trajectory or SpatialTrajectory
         One for each situation of the pool, in its coordinates.
-    settings : Settings or SpatialSettings
+    settings : ArenaSettings
 
     Returns
     -------
@@ -63,20 +60,17 @@ def act_out(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> Demon
     return Demonstrations(steps.told[good], steps.actions[good], caught)
 
 
-def transitions(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> Steps:
+def transitions(pool: Pool, plans: Sequence[Any], settings: ArenaSettings) -> Steps:
     """All steps of following plans, one after the other, for learners with a replay buffer.
 
-    What fails because steps cut corners is told, too: it comes with its reward.
+    Failures because steps cut corners are included: they come with their rewards.
     """
     return _followed(pool, plans, settings)[1]
 
 
-def _followed(pool: AnyPool, plans: Sequence[Any], settings: AnySettings) -> tuple[Episodes, Steps]:
+def _followed(pool: Pool, plans: Sequence[Any], settings: ArenaSettings) -> tuple[Episodes, Steps]:
     """Follow plans: what came of it, and all steps joined."""
     plant, steps = plant_of(pool, len(pool), settings), list[Steps]()
-    if isinstance(pool, Pool):
-        agent: Agent = Follower(plans, pool.speed, settings.dt)
-    else:
-        agent = FollowerInSpace(plans, settings.dt)
+    agent = follower_of(plans, pool, settings.dt)
     episodes = run_episode(agent, plant, np.arange(len(pool)), steps.append)
     return episodes, Steps(*map(np.concatenate, zip(*steps, strict=True)))

@@ -1,6 +1,6 @@
-"""What a training run is: a hyperparameter file in the form of rl_zoo3, checked.
+"""Plan of a training run: a hyperparameter file in the form of rl_zoo3, checked.
 
-One entry, named after the environment. What rl_zoo3 knows means what it means there; ours are
+It has one entry, named after the environment. Fields of rl_zoo3 keep their meaning; ours are
 `algo` (rl_zoo3 takes it from the file's name), `actions`, `situations`, `validation`, `settings`,
 `demonstrations`, `start` and `seed`.
 """
@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind
 from gcm_learn.errors import (
     FileFormatError,
     GcmError,
@@ -20,16 +21,15 @@ from gcm_learn.errors import (
     PolicyError,
     UnknownNameError,
 )
-from gcm_learn.execution import AnySettings, PhysicalSettings, Settings, SpatialSettings, made_of
+from gcm_learn.execution import ARENAS, ArenaSettings, Settings, arena_of, settings_of
 from gcm_learn.planners import get_planner
 from gcm_learn.policies.directions import choices_in
 
-ENVIRONMENTS: dict[str, type[AnySettings]] = {
-    "CatchArm-v0": Settings,
-    "CatchArm3D-v0": SpatialSettings,
-    "CatchArmPhysics-v0": PhysicalSettings,
-}
 ALGORITHMS = ("clone", "ppo", "sac", "tqc")
+_DEFAULTS: ByKind[tuple[dict[str, Any], str]] = ByKind(
+    {PLANAR: ({"fan": True}, "choice"), SPATIAL: ({}, "velocity")}
+)
+"""Settings and actions of a plan that says nothing of them."""
 
 
 @dataclass(frozen=True)
@@ -70,15 +70,15 @@ class TrainingPlan:
     n_envs: int = 64
     """Arms at once."""
     normalize: bool = True
-    """Whether observations are scaled by their running mean and deviation."""
+    """If true, observations are scaled by their running mean and deviation."""
     actions: Literal["choice", "velocity"] = "choice"
     """Both as seen from the straight way to the target; see `directions`. In space
     choices need a fan."""
     seed: int = 0
-    settings: AnySettings = field(default_factory=lambda: Settings(fan=True))
+    settings: ArenaSettings = field(default_factory=lambda: Settings(fan=True))
     """Of the arena."""
     demonstrations: bool = False
-    """Whether the replay buffer begins with catches that are acted out (sac, tqc)."""
+    """If true, the replay buffer begins with catches that are acted out (sac, tqc)."""
     start: str = ""
     """Folder of a trained policy whose network is the start, e.g. a clone."""
     evaluate_every: int = 250_000
@@ -87,18 +87,17 @@ class TrainingPlan:
     """Of the algorithm, as Stable-Baselines3 or `Cloning` name them."""
 
     @property
-    def in_space(self) -> bool:
-        """Whether arms are spatial."""
-        return isinstance(self.settings, SpatialSettings)
+    def kind(self) -> Kind:
+        """Kind of the arms."""
+        return self.settings.kind
 
     def __post_init__(self) -> None:
         if self.algo not in ALGORITHMS:
             raise PolicyError(f"algo: {self.algo!r} is not one of {', '.join(ALGORITHMS)}")
         if self.actions not in ("choice", "velocity"):
             raise PolicyError(f"actions: {self.actions!r} is not one of choice, velocity")
-        if isinstance(self.settings, PhysicalSettings):
-            if self.algo == "clone" or self.demonstrations:
-                raise PolicyError("algo: there are no demonstrations of arms with mass")
+        if not arena_of(self.settings).followed and (self.algo == "clone" or self.demonstrations):
+            raise PolicyError("algo: there are no demonstrations of arms with mass")
         if self.actions == "choice" and not choices_in(self.settings):
             raise PolicyError("actions: choices in space need a fan and rates of joints as actions")
         if self.algo in ("sac", "tqc") and self.actions == "choice":
@@ -139,9 +138,9 @@ def read_plan(path: Path) -> TrainingPlan:
         mark = getattr(error, "problem_mark", None)
         line = 1 if mark is None else mark.line + 1
         raise FileFormatError(f"{path}:{line}: not valid YAML") from None
-    named = [name for name in ENVIRONMENTS if isinstance(content, Mapping) and name in content]
+    named = [name for name in ARENAS if isinstance(content, Mapping) and name in content]
     if len(named) != 1:
-        raise FileFormatError(f"{path}:1: must hold an entry {' or '.join(ENVIRONMENTS)}")
+        raise FileFormatError(f"{path}:1: must hold an entry {' or '.join(ARENAS)}")
     try:
         return plan_of(content[named[0]], named[0])
     except (GcmError, TypeError, ValueError) as error:
@@ -160,11 +159,10 @@ def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> Train
     for name in ("n_timesteps", "n_envs", "seed", "evaluate_every"):
         if name in given:
             given[name] = int(float(given[name]))
-    kind = ENVIRONMENTS[environment]
-    if "settings" in given or issubclass(kind, SpatialSettings):
-        given["settings"] = made_of(kind, given.get("settings"))
-    if issubclass(kind, SpatialSettings):
-        given.setdefault("actions", "velocity")
+    arena = ARENAS[environment]
+    settings, actions = _DEFAULTS.of(arena.kind)
+    given["settings"] = settings_of(arena.settings, given.get("settings", settings))
+    given.setdefault("actions", actions)
     rest = {k: v if k == "net_arch" else _number(v) for k, v in values.items()}  # "64" is a list
     return TrainingPlan(**given, hyperparameters=rest)
 

@@ -3,41 +3,37 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 
 from gcm_learn import artifacts, seeding
-from gcm_learn.arms import PLANAR, SPATIAL, Kind, SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, Kind
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import CAUGHT, AnyPool, Pool, SpatialPool, SpatialSettings, way_of
-from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory, refine
-from gcm_learn.planners import AnyPlan, Attempt, Plan, Problem, SpatialProblem, checked
-from gcm_learn.policies.actor import FILE, FILES, Actor
-from gcm_learn.situation import (
-    AnySituation,
-    Situation,
-    canonical,
-    planar,
-    situation_to_json,
-    spatial,
-)
+from gcm_learn.execution import ARENAS, CAUGHT, Pool, pool_for, way_of
+from gcm_learn.motion import Failure, Trajectory, refine
+from gcm_learn.planners import Attempt, Problem, SpatialProblem, checked
+from gcm_learn.policies.actor import FILES, Actor
+from gcm_learn.situation import AnySituation, situation_to_json
 from gcm_learn.storage import content_number
 
 TRIES = 20  # as many as paths are checked by planners that recall
 
 
-def actor_names(space: bool = False) -> list[str]:
-    """Folders of the models that hold an actor for arms in the plane, or in space."""
-    return list(artifacts.models(FILES[SpatialSettings] if space else FILE))
+_FILES = ByKind({a.kind: FILES[a.name] for a in ARENAS.values() if a.followed}, who="no policy")
+
+
+def actor_names(kind: Kind = PLANAR) -> list[str]:
+    """Return the folders of the models that hold an actor for a kind of arm."""
+    return list(artifacts.models(_FILES.of(kind)))
 
 
 def actor_folder(name: str) -> Path:
-    """The folder of a trained actor; raises PolicyError if there is none."""
-    folder = artifacts.model(name, FILE) or artifacts.model(name, FILES[SpatialSettings])
+    """Return the folder of a trained actor; raise PolicyError if it is missing."""
+    folder = next(filter(None, (artifacts.model(name, file) for file in _FILES.entries())), None)
     if folder is None:
         make = f"gcm-learn train-policy CONFIG --out {artifacts.own('models') / name}"
         raise PolicyError(artifacts.missing("models", f"trained policy {name!r}", make))
@@ -45,7 +41,7 @@ def actor_folder(name: str) -> Path:
 
 
 def shipped_actor(name: str) -> Actor:
-    """The actor in a folder of the models; raises PolicyError if there is none."""
+    """Return the actor in a folder of the models; raise PolicyError if it is missing."""
     return Actor.load(actor_folder(name))
 
 
@@ -60,48 +56,30 @@ class ActorPlanner:
 
     def takes(self, kind: Kind) -> bool:
         """Return whether the actor moves arms of a kind."""
-        return kind == (SPATIAL if self.actor.in_space else PLANAR)
+        return kind is self.actor.kind
 
-    @overload
-    def plan(self, situation: Situation) -> Plan: ...
-    @overload
-    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
-    def plan(self, situation: AnySituation) -> AnyPlan:
+    def plan(self, situation: AnySituation) -> Any:
         """Answer a situation with an arm of the actor's kind."""
-        who = f"policy {self.name!r}"
-        if self.actor.in_space:
-            return self._in_space(spatial(situation, who))
-        return self._in_plane(planar(situation, who))
-
-    def _in_plane(self, situation: Situation) -> Plan:
-        problem = Problem(situation, self.name)
-        answer = problem.early_answer()
+        begun: ByKind[_Kind] = ByKind({self.actor.kind: _KINDS.of(self.actor.kind)})
+        begun.who = f"policy {self.name!r}"
+        kind = begun.of(situation)
+        problem = kind.problem(situation, self.name)
+        answer = problem.early_answer(**kind.promises)
         if answer is not None:
             return answer
-        turned, frame = canonical(situation)
-        settings: Any = self.actor.settings
-        for time, hand in self._caught(Pool.of([turned]).prepared(settings), turned):
-            plan = self._verified(problem, time, frame.original(hand))
-            if plan is not None:
-                return plan
-        return problem.answer(Failure.NO_VALID_ROLLOUT.with_numbers(count=self.tries))
-
-    def _in_space(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]:
-        problem = SpatialProblem(situation, self.name)
-        answer = problem.early_answer(keeps_acceleration=True)
-        if answer is not None:
-            return answer
-        for time, posture in self._caught(SpatialPool.of([situation]), situation):
-            way = way_of(situation.arm, time, posture)
-            for index, body in enumerate(situation.bodies):
-                if body.role == "target":
-                    plan, _ = checked(problem, Attempt(way, index))
-                    if plan is not None:
-                        return plan
+        settings = self.actor.settings
+        pool = settings.prepared(pool_for(settings, [situation]))
+        targets = [i for i, body in enumerate(situation.bodies) if body.role == "target"]
+        for time, posture in self._caught(pool, pool.situations[0]):
+            way = kind.way(situation.arm, time, pool.frames[0].original(posture))
+            for index in targets:
+                plan, _ = checked(problem, Attempt(way, index))
+                if plan is not None:
+                    return plan
         return problem.answer(Failure.NO_VALID_ROLLOUT.with_numbers(count=self.tries))
 
     def _caught(
-        self, pool: AnyPool, situation: AnySituation
+        self, pool: Pool, situation: AnySituation
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield the paths that catch in a pool's only situation, the earliest catch first."""
         found = [self.actor.play(pool, np.zeros(1, np.int64))]
@@ -117,21 +95,34 @@ class ActorPlanner:
         for _, episodes, arm in sorted(paths, key=lambda found: found[0]):
             yield episodes.path(int(arm))
 
-    def _verified(self, problem: Problem, time: np.ndarray, hand: np.ndarray) -> Plan | None:
-        """The path as a plan, if it holds with any target."""
-        arm = problem.situation.arm
-        hand[0] = arm.hand
-        time, hand = refine(arm, time, hand)
-        path = Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
-        for index, body in enumerate(problem.situation.bodies):
-            if body.role == "target":
-                plan, _ = checked(problem, Attempt(path, index))
-                if plan is not None:
-                    return plan
-        return None
+
+def _refined_way(arm: Arm, time: np.ndarray, hand: np.ndarray) -> Trajectory:
+    """Return the trajectory of a hand that begins exactly at its place, with more samples."""
+    hand[0] = arm.hand
+    time, hand = refine(arm, time, hand)
+    return Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Parts of an actor's planning that differ by kind of arm."""
+
+    problem: Callable[[Any, str], Any]
+    promises: dict[str, bool]
+    """Limits that the arena keeps, of which the problem should know."""
+    way: Callable[[Any, np.ndarray, np.ndarray], Any]
+    """Trajectory of an arm from times and postures."""
+
+
+_KINDS = ByKind(
+    {
+        PLANAR: _Kind(Problem, {}, _refined_way),
+        SPATIAL: _Kind(SpatialProblem, {"keeps_acceleration": True}, way_of),
+    }
+)
 
 
 def _number(situation: AnySituation) -> int:
-    """A number that follows from the situation alone."""
+    """Return a number that follows from the situation alone."""
     text = json.dumps(situation_to_json(situation), sort_keys=True)
     return content_number(text.encode(), 6)

@@ -13,8 +13,9 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind
 from gcm_learn.errors import MissingExtraError, PolicyError
-from gcm_learn.execution import RUNNING, AnyPool, AnySettings, Steps
+from gcm_learn.execution import RUNNING, ArenaSettings, Pool, Steps
 from gcm_learn.policies.actor import CLIP, Actor
 from gcm_learn.policies.cloning import layers_of
 from gcm_learn.policies.directions import said
@@ -26,7 +27,8 @@ MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.pkl", "buffer.pkl"
 _SEEN = 1e12  # observations, after which new ones hardly move the statistics
 _EPSILON = 1e-8  # of VecNormalize
 _NETWORK = "256,256"
-_LEAN = 2.0  # logit by which a learner in space first prefers the choice that goes straight
+_LEAN = ByKind({PLANAR: 0.0, SPATIAL: 2.0})
+"""Logit by which a learner first prefers the choice that goes straight."""
 
 
 def algorithm(name: str) -> type[BaseAlgorithm]:
@@ -40,7 +42,7 @@ def algorithm(name: str) -> type[BaseAlgorithm]:
     return {"ppo": PPO, "sac": SAC}[name]
 
 
-def make(plan: TrainingPlan, pool: AnyPool, logs: Path) -> BaseAlgorithm:
+def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
     """A learner at its beginning."""
     env = normalised(plan, pool)
     wanted = dict(plan.hyperparameters)
@@ -63,13 +65,13 @@ def make(plan: TrainingPlan, pool: AnyPool, logs: Path) -> BaseAlgorithm:
         raise PolicyError(str(error).replace("\n", " ")) from None
     if plan.start:
         begin_as(model, Actor.load(Path(plan.start)))
-    elif plan.in_space and plan.actions == "choice":
+    elif plan.actions == "choice":
         with torch.no_grad():
-            model.policy.action_net.bias[0] = _LEAN  # type: ignore[operator,union-attr]
+            model.policy.action_net.bias[0] += _LEAN.of(plan.kind)  # type: ignore[operator,union-attr]
     return model
 
 
-def normalised(plan: TrainingPlan, pool: AnyPool) -> VecNormalize:
+def normalised(plan: TrainingPlan, pool: Pool) -> VecNormalize:
     """The batched arena; observations are scaled by running statistics if the plan says so."""
     env = ArenaVecEnv(pool, plan.n_envs, plan.settings, plan.seed, choices=plan.actions == "choice")
     gamma = float(plan.hyperparameters.get("gamma", 0.99))
@@ -107,13 +109,13 @@ def begin_as(model: BaseAlgorithm, actor: Actor) -> None:
 
 
 def acting(model: BaseAlgorithm) -> tuple[nn.Module, ...]:
-    """The parts of the network that lead from what is told to the action."""
+    """Return the parts of the network that lead from observations to actions."""
     if isinstance(model, PPO):
         return model.policy.mlp_extractor.policy_net, model.policy.action_net
     return model.policy.actor.latent_pi, model.policy.actor.mu
 
 
-def show(model: BaseAlgorithm, moves: Steps, settings: AnySettings) -> None:
+def show(model: BaseAlgorithm, moves: Steps, settings: ArenaSettings) -> None:
     """Put steps of demonstrations into the replay buffer of a learner that has one."""
     env, buffer = model.get_env(), model.replay_buffer  # type: ignore[attr-defined]
     assert isinstance(env, VecNormalize)
@@ -136,7 +138,7 @@ def actor_of(model: BaseAlgorithm, plan: TrainingPlan) -> Actor:
     mean, deviation = np.zeros(width), np.ones(width)
     if plan.normalize:
         mean, deviation = env.obs_rms.mean.copy(), np.sqrt(env.obs_rms.var + _EPSILON)
-    choice, spread = plan.actions == "choice", np.zeros(4 if plan.in_space else 2)
+    choice, spread = plan.actions == "choice", np.zeros(plan.settings.commands)
     if isinstance(model, PPO) and not choice:
         spread = model.policy.log_std.detach().numpy().astype(float)
     layers = [layers_of(part) for part in acting(model)]
@@ -160,7 +162,7 @@ def keep(model: BaseAlgorithm, folder: Path) -> None:
             model.save_replay_buffer(place)
 
 
-def go_on(plan: TrainingPlan, pool: AnyPool, folder: Path) -> BaseAlgorithm:
+def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
     """The learner that was kept in a folder."""
     fresh = normalised(plan, pool)
     env = VecNormalize.load(str(folder / STATISTICS), fresh.venv)

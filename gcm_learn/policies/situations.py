@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import (
-    AnyPool,
-    AnySettings,
+    ArenaSettings,
+    Pool,
     Settings,
-    SpatialSettings,
+    placed,
     pool_for,
-    situations_for,
+    situations_of,
 )
 from gcm_learn.planners import AnyPlan, get_planner
 from gcm_learn.policies.plan import Share
-from gcm_learn.situation import canonical, planar
 
 PLANNER = "layered"  # what it catches can be caught; of records its catches are shown
 Told = Callable[[str], object]
@@ -26,19 +26,19 @@ Told = Callable[[str], object]
 
 @dataclass(frozen=True)
 class Lot:
-    """Situations, what is known of them, and catches where they were asked for."""
+    """Situations with their groups, and with catches if these are wanted."""
 
     situations: list[Any]
     """In their canonical form; in space as they are."""
     groups: list[str]
     """Stratum, or the source where it is not known."""
     paths: list[Any]
-    """Of the planner's catch, in canonical coordinates; None if there is none."""
-    settings: AnySettings
+    """Of the planner's catch, in the arena's coordinates, or None."""
+    settings: ArenaSettings
     """Of the arms."""
 
     @property
-    def pool(self) -> AnyPool:
+    def pool(self) -> Pool:
         """Packed for the arena."""
         return pool_for(self.settings, self.situations)
 
@@ -55,7 +55,7 @@ class Lot:
 
 def gather(
     shares: Sequence[Share],
-    settings: AnySettings = Settings(),  # noqa: B008 -- frozen
+    settings: ArenaSettings = Settings(),  # noqa: B008 -- frozen
     *,
     plans: bool,
     tell: Told | None = None,
@@ -65,7 +65,7 @@ def gather(
     Parameters
     ----------
     shares : sequence of Share
-    settings : AnySettings
+    settings : ArenaSettings
         Of the arms.
     plans : bool
         Whether catches are wanted: those of a dataset's records, or planned now.
@@ -74,10 +74,8 @@ def gather(
     """
     lot = Lot([], [], [], settings)
     for share in shares:
-        if Path(share.source).is_dir() and not isinstance(settings, SpatialSettings):
-            part = _records(share, settings)
-        else:
-            part = _drawn(share, plans, settings)
+        read = _READERS.of(settings.kind) if Path(share.source).is_dir() else _drawn
+        part = read(share, plans, settings)
         if not part.situations:
             raise PolicyError(f"situations: nothing of {share.source!r} fits")
         for mine, more in zip(_lists(lot), _lists(part), strict=True):
@@ -91,7 +89,7 @@ def _lists(lot: Lot) -> tuple[list, list, list]:
     return lot.situations, lot.groups, lot.paths
 
 
-def _records(share: Share, settings: AnySettings) -> Lot:
+def _records(share: Share, plans: bool, settings: ArenaSettings) -> Lot:
     """Records of a dataset."""
     from gcm_learn import dataset  # needs pyarrow
 
@@ -110,15 +108,14 @@ def _records(share: Share, settings: AnySettings) -> Lot:
     return lot
 
 
-def _drawn(share: Share, plans: bool, settings: AnySettings) -> Lot:
+def _drawn(share: Share, plans: bool, settings: ArenaSettings) -> Lot:
     """Situations of a family or file, in canonical form; planned for if need be."""
     lot = Lot([], [], [], settings)
     names = [PLANNER if share.reachable else "", share.caught_by]
     judges = {name: get_planner(name) for name in names if name}
     shows = get_planner(share.shown_by)
-    space = isinstance(settings, SpatialSettings)
-    for drawn in situations_for(settings, share.source, share.count, share.seed):
-        situation: Any = drawn if space else canonical(planar(drawn, "training"))[0]
+    for drawn in situations_of(share.source, share.count, share.seed, settings):
+        situation: Any = placed(drawn)[0]
         made = {name: judge.plan(situation) for name, judge in judges.items()}
         if not all(plan.caught for plan in made.values()):
             continue
@@ -133,3 +130,9 @@ def _drawn(share: Share, plans: bool, settings: AnySettings) -> Lot:
 
 def _path(plan: AnyPlan | None) -> Any:
     return plan.trajectory if plan is not None and plan.caught else None
+
+
+_READERS: ByKind[Callable[[Share, bool, ArenaSettings], Lot]] = ByKind(
+    {PLANAR: _records, SPATIAL: _drawn}
+)
+"""Readers of datasets' folders: plans of records count only for planar arms."""

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import AnyPool
+from gcm_learn.execution import Pool
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.card import score, write_card
 from gcm_learn.policies.cloning import Cloning, clone
@@ -85,7 +85,7 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
 def _claim(run: Run) -> None:
     """Write the plan, or refuse a folder in which another one is under way.
 
-    One that has logged nothing has learned nothing, and is written over.
+    One without a log has learned nothing yet, and is written over.
     """
     text = json.dumps(plan_to_json(run.plan), indent=1) + "\n"
     path = run.folder / CONFIG
@@ -116,11 +116,11 @@ def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
 class _Judge:
     """Scores actors on the validation situations and keeps the best."""
 
-    def __init__(self, run: Run, pool: Any, groups: list[str]) -> None:
+    def __init__(self, run: Run, pool: Pool, groups: list[str]) -> None:
         # Maps are for learning only: without them an actor is judged, kept and used.
         weights = replace(run.plan.settings.weights, guide=0.0)
         self.plain = replace(run.plan.settings, weights=weights)
-        self.run, self.pool, self.groups = run, pool.prepared(self.plain), groups
+        self.run, self.pool, self.groups = run, self.plain.prepared(pool), groups
         self.best, self.scores = 0, dict[str, float]()
         self.sizes = {g: groups.count(g) for g in sorted(set(groups))}
         path = run.folder / STATE
@@ -171,7 +171,7 @@ def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
     judge.see(made, 0, {})
 
 
-def _parts(shown: Lot) -> Iterator[tuple[AnyPool, list[Any]]]:
+def _parts(shown: Lot) -> Iterator[tuple[Pool, list[Any]]]:
     """Situations and their catches, some at a time."""
     for first in range(0, len(shown.situations), _PART):
         rows = slice(first, first + _PART)
@@ -184,11 +184,10 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     from gcm_learn.policies import reinforcement as rl
 
     plan, folder = run.plan, run.folder
-    if plan.settings.weights.guide != 0.0 and not plan.in_space:
-        run.tell(f"making maps of {len(lot.situations)} situations")
-    settings: Any = plan.settings
-    whole: Any = lot.pool
-    pool = whole.prepared(settings)
+    settings = plan.settings
+    if settings.weights.guide != 0.0:
+        run.tell(f"preparing the guide of {len(lot.situations)} situations")
+    pool = settings.prepared(lot.pool)
     if (folder / rl.MODEL).exists():
         model = rl.go_on(plan, pool, folder)
         run.tell(f"going on after {model.num_timesteps} steps")

@@ -15,8 +15,8 @@ from gcm_learn.execution import (
     CAUGHT,
     OUTCOMES,
     RUNNING,
-    AnyPool,
-    AnySettings,
+    ArenaSettings,
+    Pool,
     plant_of,
 )
 from gcm_learn.policies.directions import choices_in, chosen, moved
@@ -26,15 +26,15 @@ from gcm_learn.seeding import rng
 class ArenaVecEnv(VecEnv):
     """Arms that begin a new episode in the step that ends one.
 
-    The horizon ends an episode for good (no ``TimeLimit.truncated``): the time left is told, and
-    nothing can be gained afterwards.
+    The horizon ends an episode for good (no ``TimeLimit.truncated``): the time left is observed,
+    and no reward comes afterwards.
 
     Parameters
     ----------
-    pool : Pool or SpatialPool
+    pool : Pool
     count : int
         Number of arms.
-    settings : Settings or SpatialSettings
+    settings : ArenaSettings
     seed : int
         Of the order in which situations come.
     choices : bool
@@ -44,7 +44,7 @@ class ArenaVecEnv(VecEnv):
     render_mode = None
 
     def __init__(
-        self, pool: AnyPool, count: int, settings: AnySettings, seed: int, *, choices: bool
+        self, pool: Pool, count: int, settings: ArenaSettings, seed: int, *, choices: bool
     ) -> None:
         self.plant: Any = plant_of(pool, count, settings)
         self._commands = partial(chosen if choices else moved, settings)

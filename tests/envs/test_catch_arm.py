@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from gcm_learn import planners
-from gcm_learn.errors import ArenaError
 from gcm_learn.motion.clearance import clearance
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.rules import rules_of
@@ -23,7 +21,7 @@ from tests.transforms import mirrored, turned
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs.catch_arm import CatchArm  # noqa: E402
-from gcm_learn.execution.observation import ARM  # noqa: E402
+from gcm_learn.execution.arena.kernels.hands.observation import ARM  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -148,7 +146,7 @@ def test_the_guide_adds_up_to_the_first_potential(scenes, rng):
             factor, over = 0.97 * factor, ended or late
         again = CatchArm(scenes[:6], settings=settings)
         again.reset(options={"index": index})
-        from gcm_learn.execution.stepping import time_to_go
+        from gcm_learn.execution.arena.kernels.hands.stepping import time_to_go
 
         first = time_to_go(env.pool.world, index, env.situation.arm.hand[0], 0.0)
         assert total == pytest.approx(2.0 * first, abs=1e-9)
@@ -156,7 +154,7 @@ def test_the_guide_adds_up_to_the_first_potential(scenes, rng):
 
 def test_time_to_go_leads_to_the_target_in_an_empty_world():
     """Without obstacles it is the way to the contact at the hand's speed."""
-    from gcm_learn.execution.guidance import field_of
+    from gcm_learn.execution.arena.guidance import field_of
     from gcm_learn.families import paper_scene
 
     scene = paper_scene("fig4")
@@ -174,14 +172,6 @@ def test_time_to_go_leads_to_the_target_in_an_empty_world():
     assert np.median(np.abs(field[known] / away[known] - 1.0)) < 0.1
 
 
-def test_gymnasium_and_stable_baselines_accept_it(scenes):
-    from gymnasium.utils.env_checker import check_env
-
-    check_env(CatchArm(scenes, render_mode="rgb_array"))
-    check = pytest.importorskip("stable_baselines3.common.env_checker")
-    check.check_env(CatchArm(scenes, fan=True))
-
-
 @pytest.mark.parametrize("first", ["gcm_learn", "gymnasium"])
 def test_it_is_registered_whoever_comes_first(first):
     import subprocess
@@ -191,55 +181,3 @@ def test_it_is_registered_whoever_comes_first(first):
     code = f"import {first}, {second}, gymnasium as g; print(g.spec('CatchArm-v0').entry_point)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "gcm_learn.envs.catch_arm:CatchArm"
-
-
-def test_seeds_and_pickles_give_the_same_episode(scenes):
-    env = CatchArm(scenes)
-    copy = pickle.loads(pickle.dumps(env))
-    first, info = env.reset(seed=3)
-    second, _ = copy.reset(seed=3)
-    np.testing.assert_array_equal(first, second)
-    assert info["outcome"] == "running"
-    halfway = pickle.loads(pickle.dumps(env))
-    np.testing.assert_array_equal(env.step([0.3, 0.4])[0], halfway.step([0.3, 0.4])[0])
-    others = [env.reset(seed=k)[0] for k in range(8)]
-    assert len({o.tobytes() for o in others}) > 3
-
-
-def test_pictures_show_the_moment(scenes):
-    env = CatchArm(scenes, render_mode="rgb_array")
-    env.reset(seed=0)
-    first = env.render()
-    for _ in range(5):
-        env.step([1.0, 0.5])
-    second = env.render()
-    assert first.shape == (480, 480, 3) and first.dtype == np.uint8
-    assert 100 < (first != second).any(axis=2).sum() < 100_000
-    env.close()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"situations": "nowhere"}, "situations: 'nowhere' is no file, folder or family"),
-        ({"control": "mind"}, "control: 'mind' is not one of hand, joint"),
-        ({"settings": {"dt": 0.0}}, "dt: must be from 0.0001 to 1 s (got 0.0)"),
-        ({"settings": {"speed": 1}}, "settings: 'speed' is not a known field"),
-        ({"settings": {"weights": {"joy": 1}}}, "settings.weights: 'joy'"),
-        ({"render_mode": "ascii"}, "render_mode: 'ascii'"),
-    ],
-)
-def test_bad_arguments_are_refused_in_one_line(arguments, message):
-    with pytest.raises(ArenaError) as caught:
-        CatchArm(**{"pool": 2, **arguments})
-    assert message in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_a_situation_can_be_given(scenes):
-    env = CatchArm(scenes[:2])
-    _, info = env.reset(options={"situation": scenes[7]})
-    np.testing.assert_allclose(info["hand"], scenes[7].arm.hand, atol=1e-12)
-    with pytest.raises(ArenaError, match=r"options.situation: must be a situation"):
-        env.reset(options={"situation": 3})
-    with pytest.raises(ArenaError, match=r"options: 'speed' is not one of"):
-        env.reset(options={"speed": 3})

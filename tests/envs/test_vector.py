@@ -7,8 +7,6 @@ import pickle
 import numpy as np
 import pytest
 
-from gcm_learn.errors import ArenaError
-
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs.catch_arm import CatchArm  # noqa: E402
 from gcm_learn.envs.vector import CatchArms  # noqa: E402
@@ -97,15 +95,6 @@ def test_same_seed_same_episodes(scenes):
         path = [arms.step(np.full((4, 2), 0.4))[0] for _ in range(80)]
         seen.append(np.array(path))
     np.testing.assert_array_equal(*seen)
-
-
-def test_bad_arguments(scenes):
-    with pytest.raises(ArenaError, match="num_envs: must be at least 1"):
-        CatchArms(0, scenes)
-    with pytest.raises(ArenaError, match="threads: must be at least 1"):
-        CatchArms(2, scenes, threads=0)
-    with pytest.raises(ArenaError, match=r"options.index: must be 2 numbers"):
-        CatchArms(2, scenes).reset(options={"index": [0, 10_000]})
 
 
 def test_threads_change_nothing(scenes, rng):

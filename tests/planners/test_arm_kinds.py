@@ -10,7 +10,7 @@ from gcm_learn import build_map, get_planner, solve
 from gcm_learn.arms import kinds
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
-from gcm_learn.execution import Pool, pool_of
+from gcm_learn.execution import Settings, pool_for, pool_of
 from gcm_learn.planners.plan import takes
 from gcm_learn.situation import situation_from_json
 from tests.extras import planner_params
@@ -33,7 +33,9 @@ def test_every_planner_of_the_plane_refuses(name):
 
 
 @pytest.mark.parametrize(
-    "refuses", [lambda s: build_map(s, wait=True), lambda s: Pool.of([s])], ids=["waits", "pool"]
+    "refuses",
+    [lambda s: build_map(s, wait=True), lambda s: pool_for(Settings(), [s])],
+    ids=["waits", "pool"],
 )
 def test_maps_and_the_arena_refuse(refuses):
     with pytest.raises(ArmKindError, match="does not take spatial arms"):

@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import families, planners
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, Pool, Settings
-from gcm_learn.execution.fan import RAYS
+from gcm_learn.execution.arena.kernels.hands.fan import RAYS
 from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
 from gcm_learn.policies.actor import Actor

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import families, solve
+from gcm_learn.arms import SPATIAL
 from gcm_learn.errors import ArmKindError, FileFormatError, PolicyError
 from gcm_learn.execution import (
     AIM,
@@ -21,12 +22,11 @@ from gcm_learn.execution import (
     PhysicalArms,
     PhysicalSettings,
     Settings,
-    SpatialPool,
     SpatialSettings,
-    physical_pool_of,
     plant_of,
+    pool_for,
+    pool_of,
     run_closed_loop,
-    spatial_pool_of,
 )
 from gcm_learn.policies import Actor, ActorPlanner, plan_of, read_plan, shipped_actor
 from gcm_learn.policies.actor import file_of
@@ -72,7 +72,7 @@ def leaning_actor(ray=0):
 def fanned(count=6):
     """Return what some arms in space are told at their start, with the fan, and the settings."""
     settings = SpatialSettings(fan=True)
-    plant = plant_of(spatial_pool_of(FAMILY, count, 0, 0.02), count, settings)
+    plant = plant_of(pool_of(FAMILY, count, 0, SpatialSettings()), count, settings)
     plant.put(np.arange(count), np.arange(count))
     return settings, plant.observations.copy()
 
@@ -82,7 +82,7 @@ def test_shipped_configurations_are_plans():
     assert len(found) > 1
     for path in found:
         plan = read_plan(path)
-        assert plan.in_space and (plan.actions == "velocity" or choices_in(plan.settings))
+        assert plan.kind is SPATIAL and (plan.actions == "velocity" or choices_in(plan.settings))
 
 
 def test_the_first_choice_goes_straight():
@@ -91,7 +91,7 @@ def test_the_first_choice_goes_straight():
     np.testing.assert_array_equal(
         chosen(settings, told, np.zeros(len(told), np.int64)), told[:, AIM : AIM + 4]
     )
-    pool = spatial_pool_of(FAMILY, 20, 0, 0.02)
+    pool = pool_of(FAMILY, 20, 0, SpatialSettings())
     straight, choosing = (
         a.play(pool, np.arange(20)) for a in (straight_actor(145), leaning_actor())
     )
@@ -164,12 +164,12 @@ def test_actions_are_differences_from_the_straight_way():
 
 
 def test_an_actor_is_kept_and_acts(tmp_path):
-    pool = spatial_pool_of(FAMILY, 30, 0, 0.02)
+    pool = pool_of(FAMILY, 30, 0, SpatialSettings())
     actor = straight_actor(145)
     actor.save(tmp_path)
     assert (tmp_path / file_of(actor.settings)).exists()
     back = Actor.load(tmp_path)
-    assert back.in_space and back.settings == actor.settings
+    assert back.kind is SPATIAL and back.settings == actor.settings
     first, second = (a.play(pool, np.arange(len(pool))) for a in (actor, back))
     np.testing.assert_array_equal(first.posture, second.posture)
     assert (first.outcomes == CAUGHT).any()
@@ -206,7 +206,7 @@ def test_learners_run_and_go_on(tmp_path, algo, environment, settings):
     scores = train(plan, tmp_path / "made", lambda text: None)
     assert 0.0 <= scores["caught"] <= 1.0
     actor = Actor.load(tmp_path / "made")
-    assert actor.in_space and actor.settings.weights.guide == 0.0
+    assert actor.kind is SPATIAL and actor.settings.weights.guide == 0.0
     assert type(actor.settings) is type(plan.settings)
     assert file_of(actor.settings) in (tmp_path / "made" / "card.md").read_text("utf-8")
     more = plan_of(given | {"n_timesteps": 384}, environment)
@@ -220,7 +220,7 @@ def test_policies_of_torques_differ_from_the_torques_that_go_straight():
     from gcm_learn.policies.vec_env import ArenaVecEnv
 
     settings = PhysicalSettings(control="torque")
-    pool = physical_pool_of("crossing-swarm-space", 3, 0)
+    pool = pool_of("crossing-swarm-space", 3, 0, settings)
     env, arms = ArenaVecEnv(pool, 3, settings, 0, choices=False), PhysicalArms(pool, 3, settings)
     told = env.reset()
     places = env.plant.state.place.copy()
@@ -242,12 +242,12 @@ def test_clones_learn_the_difference_from_the_straight_way(tmp_path):
     losses = [float(line.split("loss ")[1].split()[0]) for line in said if "loss" in line]
     assert losses[-1] < 0.5 * losses[0]
     assert any("catches" in line for line in said) and not any("maps" in line for line in said)
-    assert Actor.load(tmp_path).in_space
+    assert Actor.load(tmp_path).kind is SPATIAL
 
 
 def test_an_actor_plans_where_it_catches(tmp_path):
     """What it would do is tried out and verified; arms in the plane are refused."""
-    pool = spatial_pool_of(FAMILY, 30, 0, 0.02)
+    pool = pool_of(FAMILY, 30, 0, SpatialSettings())
     actor = straight_actor(145)
     caught = actor.play(pool, np.arange(len(pool))).outcomes == CAUGHT
     planner = ActorPlanner(actor, "tried", tries=1)
@@ -256,7 +256,7 @@ def test_an_actor_plans_where_it_catches(tmp_path):
     more = ActorPlanner(replace(actor, spread=np.full(4, -2.0)), "tried", tries=6)
     found = [more.plan(situation).caught for situation in pool.situations[:10]]
     assert all(now or not before for now, before in zip(found, caught[:10], strict=True))
-    with pytest.raises(ArmKindError, match="takes spatial arms only"):
+    with pytest.raises(ArmKindError, match="does not take planar arms"):
         planner.plan(families.draw("random-planar", 3, 0))
 
 
@@ -291,7 +291,7 @@ def test_in_the_closed_loop_it_acts_as_in_the_arena(family, shipped):
             continue
         arm = situation.arm
         seen = later(situation, 0.04, joints=arm.joints, rates=arm.joint_rates)
-        arena = actor.play(SpatialPool.of([seen]), np.zeros(1, int))
+        arena = actor.play(pool_for(actor.settings, [seen]), np.zeros(1, int))
         assert arena.outcomes[0] == course.outcome != RUNNING
         time, posture = arena.path(0)
         rows = {round(row[0], 6): row[1:] for row in plant.rows[:-1]}
@@ -304,9 +304,9 @@ def test_in_the_closed_loop_it_acts_as_in_the_arena(family, shipped):
 def test_only_actors_that_lead_joints_of_arms_in_space_take_part_in_the_closed_loop():
     actor = straight_actor(145)
     torque = replace(actor, settings=PhysicalSettings(control="torque"))
-    with pytest.raises(PolicyError, match="tells motors their torques"):
+    with pytest.raises(PolicyError, match="commands torques of motors"):
         torque.mind()
-    with pytest.raises(PolicyError, match="moves arms in the plane"):
+    with pytest.raises(ArmKindError, match="the closed loop does not take planar arms"):
         replace(actor, settings=Settings()).mind()
     assert replace(actor, settings=PhysicalSettings()).mind().settings.width == 145
 
@@ -346,14 +346,13 @@ def test_planar_situations_are_not_trained_on_in_space(tmp_path):
     from gcm_learn.policies import train
 
     plan = plan_of(entry(situations=[{"source": "random-planar", "count": 2}]), "CatchArm3D-v0")
-    with pytest.raises(ArmKindError, match="takes spatial arms only"):
+    with pytest.raises(ArmKindError, match="does not take planar arms"):
         train(plan, tmp_path, lambda text: None)
 
 
 def test_pools_of_parts_are_the_same_situations():
-    pool = spatial_pool_of(FAMILY, 4, 0, 0.02)
+    pool = pool_of(FAMILY, 4, 0, SpatialSettings())
     part = pool.part([2, 0])
-    assert isinstance(part, SpatialPool)
     assert part.situations == (pool.situations[2], pool.situations[0])
 
 
@@ -361,7 +360,7 @@ def test_the_shipped_actor_catches_where_the_straight_command_does_not():
     """Of situations that it has not seen; it learned from them with the seeds 0 and 1."""
     actor, won, lost = shipped_actor("ppo-space"), 0, 0
     for name in ("behind-post-space", "door-space", "pendulum-space"):
-        pool = spatial_pool_of(name, 15, 2, 0.02)
+        pool = pool_of(name, 15, 2, SpatialSettings())
         places = np.arange(len(pool))
         mine, straight = (a.play(pool, places).outcomes == CAUGHT for a in (actor, leaning_actor()))
         won, lost = won + np.sum(mine & ~straight), lost + np.sum(straight & ~mine)

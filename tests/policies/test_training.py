@@ -137,7 +137,7 @@ def test_a_replay_buffer_begins_with_the_catches_it_is_shown(tmp_path):
     plan = plan_of({**small, "algo": "sac", "n_timesteps": 8, "n_envs": 4, "start":
                     str(tmp_path / "clone"), "demonstrations": True})  # fmt: skip
     shown = gather(plan.situations, plans=True).shown()
-    model = rl.make(plan, shown.pool.prepared(plan.settings), tmp_path)
+    model = rl.make(plan, plan.settings.prepared(shown.pool), tmp_path)
     actor = rl.actor_of(model, plan)
     for mine, its in zip(actor.layers, start.layers, strict=True):
         np.testing.assert_array_equal(mine[0], its[0])

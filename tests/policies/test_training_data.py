@@ -9,7 +9,7 @@ import pytest
 
 from gcm_learn import families
 from gcm_learn.evaluation import turns
-from gcm_learn.execution.sources import situations_of
+from gcm_learn.execution import situations_of
 from gcm_learn.policies.plan import Share, plan_of, read_plan
 from gcm_learn.policies.situations import gather
 

@@ -1,0 +1,148 @@
+"""Arms side by side, each in its situation: the part that all plants share."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.execution.arena.embedding import FARTHEST
+from gcm_learn.execution.arena.kernels.rewards import TERMS
+from gcm_learn.execution.arena.kernels.world import EXTREME, Told
+from gcm_learn.execution.arena.kinds import KERNELS
+from gcm_learn.execution.arena.pool import Pool
+from gcm_learn.execution.arena.settings import ArenaSettings
+
+
+class Batch(ABC):
+    """Arms that move, catch and touch; nothing of it is drawn at random.
+
+    The arrays are renewed in place at every step: copy what is to be kept. One arm is a batch of
+    one.
+
+    Parameters
+    ----------
+    pool : Pool
+    count : int
+        Number of arms.
+    settings : ArenaSettings
+    threads : int
+        Threads that share the arms among them.
+    """
+
+    def __init__(self, pool: Pool, count: int, settings: ArenaSettings, threads: int = 1) -> None:
+        self.pool, self.settings = settings.prepared(pool), settings
+        self.count, self.threads = count, threads
+        pool, self._kernels = self.pool, KERNELS.of(settings.kind)
+        width = settings.width + pool.embeddings.shape[1]
+        told = Told(np.zeros(count, np.int64), np.zeros((count, TERMS)),
+                    np.zeros((count, width), "f4"))  # fmt: skip
+        self.told = told
+        self.observations = told.observations
+        """Of the arms (count, width) float32."""
+        self.terms = told.terms
+        """Of the rewards of the last step (count, 4)."""
+        self.state = self._kernels.state(count)
+        # Plain tuples: of named ones, finding the types takes as long as a step.
+        self._arms, self._options = tuple(self.state), settings.options
+        self._told, self._world = tuple(told), tuple(pool.world)
+        marks = np.linspace(0, count, min(threads, count) + 1).astype(int).tolist()
+        self._shares = list(pairwise(marks))
+        self._crew: ThreadPoolExecutor | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return everything but the threads, and the kernels, which follow from the kind."""
+        return {**self.__dict__, "_crew": None, "_kernels": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._kernels = KERNELS.of(self.settings.kind)
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Largest sizes of the numbers of an observation (width,) float32."""
+        out = np.full(self.observations.shape[1], EXTREME, np.float32)
+        out[self.settings.width :] = FARTHEST
+        return out
+
+    @property
+    def commands(self) -> int:
+        """Numbers that command an arm."""
+        return self._kernels.commands
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time since the start of each episode (count,) [s]."""
+        return self.state.time
+
+    @property
+    def hand(self) -> np.ndarray:
+        """Hands (count, 2), in canonical coordinates of t = 0, or (count, 3) in the base's."""
+        return self.state.hand
+
+    @property
+    def posture(self) -> np.ndarray:
+        """Samples of trajectories (count, k): hands; of spatial arms joints, then their rates."""
+        return self.state.posture
+
+    @property
+    def rewards(self) -> np.ndarray:
+        """Rewards of the last step (count,)."""
+        total: np.ndarray = self.terms.sum(axis=1)
+        return total
+
+    def put(self, arms: np.ndarray, places: np.ndarray) -> None:
+        """Put arms (m,) at the start of situations (m,) of the pool, and observe."""
+        state, self._world = self.state, tuple(self.pool.world)  # the pool may be another now
+        state.place[arms], state.time[arms] = places, 0.0
+        self._begin(arms, places)
+        self.observations[arms, self.settings.width :] = self.pool.embeddings[places]
+        self._kernels.observe(self._world, self._arms, arms, self._options, self.observations)
+
+    def hold(self, arms: np.ndarray) -> None:
+        """Let arms (m,) whose episode is over stay at their places, at little cost."""
+        self.state.time[arms] = self.pool.horizons[self.state.place[arms]]
+
+    def move(self, actions: np.ndarray) -> np.ndarray:
+        """Make one step of every arm, observe, and return the outcomes (count,).
+
+        Parameters
+        ----------
+        actions : (count, commands) ndarray
+            As the environments have them.
+        """
+        if len(self._shares) == 1:
+            self._play(actions, 0, self.count)
+            return self.told.outcomes
+        if self._crew is None:
+            self._crew = ThreadPoolExecutor(len(self._shares) - 1)
+        (first, last), *others = self._shares
+        waiting = [self._crew.submit(self._play, actions, *share) for share in others]
+        self._play(actions, first, last)
+        for share in waiting:
+            share.result()
+        return self.told.outcomes
+
+    @abstractmethod
+    def way(self, e: int, time: np.ndarray, posture: np.ndarray) -> Any:
+        """Return the trajectory of arm e until now.
+
+        Parameters
+        ----------
+        e : int
+        time : (m,) ndarray
+            [s]
+        posture : (m, k) ndarray
+            Samples of `posture` at these times.
+        """
+
+    @abstractmethod
+    def _begin(self, arms: np.ndarray, places: np.ndarray) -> None:
+        """Write the postures of arms (m,) at the start of situations (m,)."""
+
+    @abstractmethod
+    def _play(self, actions: np.ndarray, first: int, last: int) -> None:
+        """Make one step of arms first to last - 1; many threads at once may be in it."""

@@ -1,0 +1,183 @@
+"""Nearest points of a limb in space and a body, and how fast they move."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.collision.solids import to_body
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import (
+    ACCELERATION,
+    AXIS,
+    BOX,
+    CAPSULE,
+    KIND,
+    PIECES,
+    POSITION,
+    SIZE,
+    SPHERE,
+    SPIN,
+    SWING,
+    VELOCITY,
+    centre_at,
+    piece_velocity,
+    swing_angle,
+)
+
+_NEARLY = 1e-6  # share of a bone to which its nearest point is found
+_MOMENT = 1e-3  # over which what swings is differentiated [s]
+
+
+@njit(_nrt=False)
+def _off_solid(rows, b, x, y, z):
+    """From the nearest point of solid b to a point, in the solid's frame; 0 from inside."""
+    kind, radius, length = rows[b, KIND], rows[b, SIZE], rows[b, SIZE + 1]
+    if kind == BOX:
+        return (
+            x - min(max(x, -radius), radius),
+            y - min(max(y, -length), length),
+            z - min(max(z, -rows[b, SIZE + 2]), rows[b, SIZE + 2]),
+        )
+    if kind == SPHERE or kind == CAPSULE:
+        dz = z if kind == SPHERE else z - min(max(z, -length), length)
+        far = np.sqrt(x * x + y * y + dz * dz)
+        out = max(far - radius, 0.0) / max(far, 1e-300)
+        return out * x, out * y, out * dz
+    side = np.sqrt(x * x + y * y)
+    out = max(side - radius, 0.0) / max(side, 1e-300)
+    return out * x, out * y, z - min(max(z, -length), length)
+
+
+@njit(_nrt=False)
+def _slope(rows, b, p, d, s):
+    """Half the derivative by s of the squared distance of p + s d to solid b."""
+    x, y, z = _off_solid(rows, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
+    return x * d[0] + y * d[1] + z * d[2]
+
+
+@njit(_nrt=False)
+def _share_of(rows, b, p, d):
+    """Return s in [0, 1] at which p + s d is nearest to solid b: the root of the slope.
+
+    By the Illinois rule, and bisection every third step, as `segment_cylinder` has it.
+    """
+    if rows[b, KIND] == SPHERE:
+        along = p[0] * d[0] + p[1] * d[1] + p[2] * d[2]
+        length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+        return min(max(-along / max(length2, 1e-300), 0.0), 1.0)
+    below, above = _slope(rows, b, p, d, 0.0), _slope(rows, b, p, d, 1.0)
+    if below >= 0.0 or above <= 0.0:
+        return 0.0 if below >= 0.0 else 1.0
+    low, high, turn = 0.0, 1.0, 0
+    while high - low > _NEARLY:
+        turn += 1
+        s = 0.5 * (low + high)
+        if turn % 3:
+            s = low - below * (high - low) / (above - below)
+        slope = _slope(rows, b, p, d, s)
+        if slope == 0.0 or s <= low or s >= high:
+            return s
+        if slope < 0.0:
+            low, below, above = s, slope, 0.5 * above
+        else:
+            high, above, below = s, slope, 0.5 * below
+    return 0.5 * (low + high)
+
+
+@njit(_nrt=False)
+def nearest_on_bone(bodies, b, poses, p, q):
+    """Return the point of the bone from p to q nearest to body b at its pose, and the way there.
+
+    The squared distance is convex along the bone.
+
+    Returns
+    -------
+    share : float
+        Of the bone, from p.
+    x, y, z : float
+        From that point to the nearest one of the body; 0 where they meet.
+    """
+    rows = bodies.rows
+    if rows[b, KIND] == SPHERE:  # which has no turn
+        p = (p[0] - poses[b, 0], p[1] - poses[b, 1], p[2] - poses[b, 2])
+        q = (q[0] - poses[b, 0], q[1] - poses[b, 1], q[2] - poses[b, 2])
+    else:
+        p, q = to_body(poses, b, p[0], p[1], p[2]), to_body(poses, b, q[0], q[1], q[2])
+    d = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
+    s = _share_of(rows, b, p, d)
+    x, y, z = _off_solid(rows, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
+    if rows[b, KIND] == SPHERE:
+        return s, -x, -y, -z
+    return (
+        s,
+        -(poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z),
+        -(poses[b, 6] * x + poses[b, 7] * y + poses[b, 8] * z),
+        -(poses[b, 9] * x + poses[b, 10] * y + poses[b, 11] * z),
+    )
+
+
+@njit(_nrt=False)
+def point_velocity(bodies, b, t, poses, x, y, z):
+    """Velocity (3) at t [s] of the point of body b that is at (x, y, z), the body at its pose."""
+    rows = bodies.rows
+    if rows[b, PIECES] > 0.0:
+        return piece_velocity(bodies, b, t, x, y, z)
+    if rows[b, SWING] >= 0.0:
+        turn = swing_angle(bodies, b, t + _MOMENT) - swing_angle(bodies, b, t)
+        rate = turn / _MOMENT
+        wx, wy, wz = rate * rows[b, AXIS], rate * rows[b, AXIS + 1], rate * rows[b, AXIS + 2]
+        x, y, z = x - rows[b, POSITION], y - rows[b, POSITION + 1], z - rows[b, POSITION + 2]
+        return wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
+    wx, wy, wz = rows[b, SPIN], rows[b, SPIN + 1], rows[b, SPIN + 2]
+    x, y, z = x - poses[b, 0], y - poses[b, 1], z - poses[b, 2]
+    return (
+        rows[b, VELOCITY] + rows[b, ACCELERATION] * t + wy * z - wz * y,
+        rows[b, VELOCITY + 1] + rows[b, ACCELERATION + 1] * t + wz * x - wx * z,
+        rows[b, VELOCITY + 2] + rows[b, ACCELERATION + 2] * t + wx * y - wy * x,
+    )
+
+
+@njit(_nrt=False)
+def centre_motion(bodies, b, t, poses):
+    """Velocity (3) and acceleration (3) of body b's centre at t [s]; its pose is overwritten."""
+    rows = bodies.rows
+    if rows[b, SWING] < 0.0:
+        ax, ay, az = rows[b, ACCELERATION], rows[b, ACCELERATION + 1], rows[b, ACCELERATION + 2]
+        return (
+            rows[b, VELOCITY] + ax * t, rows[b, VELOCITY + 1] + ay * t,
+            rows[b, VELOCITY + 2] + az * t, ax, ay, az,
+        )  # fmt: skip
+    h = _MOMENT
+    centre_at(bodies, b, t, poses)
+    x0, y0, z0 = poses[b, 0], poses[b, 1], poses[b, 2]
+    centre_at(bodies, b, t + h, poses)
+    x1, y1, z1 = poses[b, 0], poses[b, 1], poses[b, 2]
+    centre_at(bodies, b, t + 2.0 * h, poses)
+    x2, y2, z2 = poses[b, 0], poses[b, 1], poses[b, 2]
+    return (
+        (x1 - x0) / h, (y1 - y0) / h, (z1 - z0) / h,
+        (x2 - 2.0 * x1 + x0) / h**2, (y2 - 2.0 * y1 + y0) / h**2, (z2 - 2.0 * z1 + z0) / h**2,
+    )  # fmt: skip
+
+
+@njit(_nrt=False)
+def limb_velocity(joints, rates, elbow, x, y, z, on_forearm):
+    """Velocity (3) of the point (x, y, z) of a limb whose joints (4,) turn at `rates` (4,).
+
+    Parameters
+    ----------
+    elbow : tuple of 3 floats
+    on_forearm : bool
+        Whether the point is on the forearm, else it is on the upper arm.
+    """
+    c1, s1, c2, s2 = np.cos(joints[0]), np.sin(joints[0]), np.cos(joints[1]), np.sin(joints[1])
+    wx, wy, wz = rates[1] * s1, rates[0], rates[1] * c1
+    vx, vy, vz = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
+    if not on_forearm:
+        return vx, vy, vz
+    c3, s3 = np.cos(joints[2]), np.sin(joints[2])
+    x, y, z = x - elbow[0], y - elbow[1], z - elbow[2]
+    wx = rates[2] * c1 * c2 + rates[3] * (c1 * s2 * s3 + s1 * c3)
+    wy = rates[2] * s2 - rates[3] * c2 * s3
+    wz = -rates[2] * s1 * c2 + rates[3] * (c1 * c3 - s1 * s2 * s3)
+    return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x

@@ -1,0 +1,64 @@
+"""Steps and observations of many spatial arms."""
+
+from __future__ import annotations
+
+from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.compiled import njit
+from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
+from gcm_learn.execution.arena.kernels.joints.observation import observe
+from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in, views_for
+from gcm_learn.execution.arena.kernels.joints.stepping import step
+from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
+from gcm_learn.execution.arena.kernels.world import RUNNING, Options, State, Told, World
+
+
+@njit(nogil=True)
+def observe_all(world, state, chosen, options, out):
+    """Write the observations of the arms `chosen` (k,) into their rows of `out`, and the hands."""
+    worlds, states, how = World(*world), State(*state), Options(*options)
+    room = views_for(worlds, states, 0, states.place.size)
+    for k in range(chosen.size):
+        e = chosen[k]
+        view = view_in(worlds, states.place[e], room)
+        observe(view, states.time[e], states.posture, e, how, out[e])
+        _, _, _, x, y, z = limb_at(view.scene.limb, view.joints[0])
+        states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = x, y, z
+
+
+@njit(nogil=True)
+def play(world, state, actions, options, told, first, last):
+    """Make a step of arms first to last - 1, and observe."""
+    worlds, states, how, out = World(*world), State(*state), Options(*options), Told(*told)
+    room = views_for(worlds, states, first, last)
+    for e in range(first, last):
+        view = step(worlds, states, e, actions, how, out, room)
+        row = out.observations[e]
+        observe(view, states.time[e], states.posture, e, how, row)
+
+
+@njit(nogil=True)
+def ways_to_go(world, state, out):
+    """Write the guide's potential of every arm."""
+    worlds, states = World(*world), State(*state)
+    room = views_for(worlds, states, 0, states.place.size)
+    for e in range(states.place.size):
+        view = view_in(worlds, states.place[e], room)
+        out[e] = way_to_go(view, states.time[e], states.posture, e)
+
+
+@njit(nogil=True)
+def settle(world, state, options, told, since, before):
+    """Pay every arm for a step that another plant made since `since` [s], and observe."""
+    worlds, states, how, out = World(*world), State(*state), Options(*options), Told(*told)
+    room = views_for(worlds, states, 0, states.place.size)
+    for e in range(states.place.size):
+        s, time = states.place[e], states.time[e]
+        view, outcome, after = view_in(worlds, s, room), out.outcomes[e], 0.0
+        if how.weights[GUIDE] != 0.0 and outcome == RUNNING:
+            after = way_to_go(view, time, states.posture, e)
+        share = (time - since[e]) / worlds.limits[s, HORIZON]
+        pay(out, e, outcome, share, how.weights, before[e] - how.discount * after)
+        row = out.observations[e]
+        observe(view, time, states.posture, e, how, row)
+        _, _, _, x, y, z = limb_at(view.scene.limb, view.joints[0])
+        states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = x, y, z

@@ -1,0 +1,300 @@
+"""One step of a spatial arm: end of the joints, catch or collision on the way, reward.
+
+The functions that verify plans (`first_meeting`, `least_on`) find catches and collisions within a
+step, on the same curve. It is a straight line in the joints, or the cubic from rates to rates under
+limits of acceleration.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.arms.curves import hermite, line, on_curve
+from gcm_learn.arms.spatial_limb import hand_rate, limb_at
+from gcm_learn.collision.postures import least_on
+from gcm_learn.compiled import njit
+from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
+from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in
+from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.motion.interception_in_space import first_meeting
+from gcm_learn.motion.verification_in_space import NOTHING, hand_too_fast, piece_fault
+from gcm_learn.scene import Scene
+
+_HAIR = 2e-9  # share of the joints' speeds that is not used, against rounding
+_SOFTER = 1e-6  # the same of accelerations, which short pieces tell with few digits
+_TRIES = 12  # halvings of how much of a wish the hand's speed allows
+_SHORTEST = 1e-3  # share of a step that is no step of its own before the horizon
+_ANY = 1e300  # resolution of distance: whether the limb touches is exact whatever it is
+_CURVATURE = 0.2  # how far a parabola rises above three of its points, and a half for what is none
+_SLOWER = 1e-4  # share of the hand's speed that is not used, so that its check is quick
+
+
+@njit(_nrt=False, forceinline=True)
+def braking(rate, most):
+    """Way in steps' time until a joint rests that brakes by at most `most` in each step.
+
+    Rates change evenly within steps, so the last one, which takes what is left, counts in full.
+    """
+    whole = int(abs(rate) / most)
+    rest = abs(rate) - whole * most
+    return 0.5 * rest + whole * rest + 0.5 * whole * whole * most
+
+
+@njit(_nrt=False, forceinline=True)
+def _fastest_towards(room, most):
+    """Greatest rate after a step of which the joint can rest `room` steps' rate farther on.
+
+    `room` has what the rate before the step takes of it off; the inverse of half a rate and its
+    `braking`.
+    """
+    if room <= 0.0:
+        return room
+    whole = int(0.5 * (np.sqrt(1.0 + 8.0 * room / most) - 1.0))
+    return whole * most + (room - 0.5 * most * whole * (whole + 1.0)) / (whole + 1.0)
+
+
+@njit(_nrt=False)
+def wish(scene, posture, e, command, span, out):
+    """Write into `out` (4,) the rates nearest to a command (4,) that keep the joints' limits.
+
+    Under limits of acceleration these are the rates after the step, and leave the joint the way to
+    stop before its range ends. Otherwise rates hold during the step and end at the range.
+    """
+    limb, limits = scene.limb, scene.limits
+    for j in range(4):
+        q, v = posture[e, j], posture[e, 4 + j]
+        top = limits.joint_speed[j] * (1.0 - _HAIR)
+        rate = min(max(command[e, j], -1.0), 1.0) * top
+        most = limits.joint_acceleration[j] * span * (1.0 - _SOFTER)
+        if most < np.inf:
+            rate = min(rate, _fastest_towards((limb.high[j] - q) / span - 0.5 * v, most))
+            rate = max(rate, -_fastest_towards((q - limb.low[j]) / span + 0.5 * v, most))
+            out[j] = min(max(rate, v - most), v + most)
+        else:
+            out[j] = (min(max(q + rate * span, limb.low[j]), limb.high[j]) - q) / span
+
+
+@njit(_nrt=False)
+def lay(scene, posture, e, rates, span, end, curve):
+    """Write a step that ends with `rates` (4,): its end into `end` (4,), its curve (4, 4)."""
+    limb, q, v = scene.limb, posture[e, :4], posture[e, 4:]
+    free = scene.limits.joint_acceleration[0] == np.inf
+    for j in range(4):
+        mean = rates[j] if free else 0.5 * (v[j] + rates[j])
+        end[j] = min(max(q[j] + mean * span, limb.low[j]), limb.high[j])
+    if free:
+        line(q, end, curve)
+    else:
+        hermite(q, v, end, rates, span, curve)
+
+
+@njit(_nrt=False)
+def stays_slow(scene, speed, end, rates, span, curve, work):
+    """Return whether the hand keeps its speed on a step, and while the joints brake after it.
+
+    Parameters
+    ----------
+    end, rates : (4,) ndarray
+        After the step.
+    work : (4,) ndarray
+        Overwritten.
+    """
+    limb, limits = scene.limb, scene.limits
+    if hand_too_fast(limb, curve, speed * span, work):
+        return False
+    if limits.joint_acceleration[0] == np.inf:
+        return True
+    # Braking all at once, rates only fall, and the hand gets no farther out than this.
+    _, _, _, x, y, z = limb_at(limb, end)
+    bend = 0.0
+    for j in range(2, 4):
+        bend += span * braking(rates[j], limits.joint_acceleration[j] * span * (1.0 - _SOFTER))
+    far = min(np.sqrt(x * x + y * y + z * z) + bend * limb.length, limb.rho + limb.length)
+    turning = np.hypot(rates[0], rates[1]) * far + np.hypot(rates[2], rates[3]) * limb.length
+    return turning <= speed
+
+
+@njit(_nrt=False)
+def _slowed(scene, speed, span, rates, curve, work):
+    """Scale rates (4,) that hold during a step so that the hand keeps its speed."""
+    limb = scene.limb
+    before, middle = hand_rate(limb, curve, 0.0, work), hand_rate(limb, curve, 0.5, work)
+    after = hand_rate(limb, curve, 1.0, work)
+    top = max(before, middle, after) + _CURVATURE * abs(before - 2.0 * middle + after)
+    share = min(speed * span * (1.0 - _SLOWER) / top, 1.0) if top > 0.0 else 1.0
+    for j in range(4):
+        rates[j] *= share
+
+
+@njit(_nrt=False)
+def reach_out(scene, speed, posture, e, command, span, end, room):
+    """Work out where the joints of an arm get in `span` [s] within the limits.
+
+    Parameters
+    ----------
+    speed : float
+        That the hand keeps [lengths/s].
+    posture : (arms, 8) ndarray
+        Row `e` is that of the arm.
+    command : (arms, 4) ndarray
+        Likewise, in greatest joint speeds.
+    end : (4,) ndarray
+        Gets the joints.
+    room : View
+        Its first rates get those after the step, its desk the curve.
+    """
+    rates, wanted, rest, curve = room.rates[0], room.rates[1], room.rates[2], room.desk.curve
+    wish(scene, posture, e, command, span, rates)
+    lay(scene, posture, e, rates, span, end, curve)
+    if speed == np.inf or stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+        return
+    free = scene.limits.joint_acceleration[0] == np.inf
+    if free:
+        _slowed(scene, speed, span, rates, curve, room.desk.joints)
+        lay(scene, posture, e, rates, span, end, curve)
+        if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+            return
+    for j in range(4):
+        wanted[j] = rates[j]
+        most = scene.limits.joint_acceleration[j] * span * (1.0 - _SOFTER)
+        v = posture[e, 4 + j]
+        rest[j] = 0.0 if free else min(max(0.0, v - most), v + most)
+    low, high = 0.0, 1.0
+    for _ in range(_TRIES):
+        share = 0.5 * (low + high)
+        for j in range(4):
+            rates[j] = rest[j] + share * (wanted[j] - rest[j])
+        lay(scene, posture, e, rates, span, end, curve)
+        if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+            low = share
+        else:
+            high = share
+    for j in range(4):
+        rates[j] = rest[j] + low * (wanted[j] - rest[j])
+    lay(scene, posture, e, rates, span, end, curve)
+
+
+@njit
+def advance(view, state, e, command, dt):
+    """Move arm e on by a step and judge it.
+
+    Parameters
+    ----------
+    view : View
+    command : (arms, 4) ndarray
+
+    Returns
+    -------
+    int
+        RUNNING, CAUGHT, COLLIDED or LATE; the state is that at the end of the step, or at the
+        catch or collision.
+    """
+    scene, rules, desk = view.scene, view.rules, view.desk
+    horizon, since = scene.limits.horizon, state.time[e]
+    if since >= horizon:  # it is held
+        return LATE
+    until = since + dt
+    if until > horizon - _SHORTEST * dt:
+        until = horizon
+    over = until >= horizon
+    end, rates = view.joints[0], view.rates[0]
+    reach_out(scene, rules.speed, state.posture, e, command, until - since, end, view)
+    outcome = RUNNING
+    met, _ = first_meeting(
+        scene, desk.curve, since, until, rules.catch, rules.instant, desk.poses
+    )  # fmt: skip
+    if met >= 0.0:
+        outcome = CAUGHT
+        _cut(scene, state, e, met - since, until - since, view)
+        until = met
+    distance, when = least_on(scene, since, until, rules.touch, _ANY, _ANY, desk)
+    if distance <= rules.touch:
+        outcome = COLLIDED
+        _cut(scene, state, e, when - since, until - since, view)
+        until = when
+    if outcome == RUNNING and over:
+        outcome = LATE
+    for j in range(4):
+        state.posture[e, j], state.posture[e, 4 + j] = end[j], rates[j]
+    state.time[e] = until
+    _, _, _, state.hand[e, 0], state.hand[e, 1], state.hand[e, 2] = limb_at(scene.limb, end)
+    return outcome
+
+
+@njit(_nrt=False)
+def _cut(scene, state, e, took, span, view):
+    """End the step in the view's curve after `took` of `span` [s]: its end, rates and curve."""
+    curve, end, rates = view.desk.curve, view.joints[0], view.rates[0]
+    s = took / span if span > 0.0 else 0.0
+    on_curve(curve, s, end)
+    if scene.limits.joint_acceleration[0] == np.inf:
+        line(state.posture[e, :4], end, curve)
+        return
+    for j in range(4):
+        rates[j] = curve[j, 1] + s * (2.0 * curve[j, 2] + s * 3.0 * curve[j, 3])
+        rates[j] /= span
+    hermite(state.posture[e, :4], state.posture[e, 4:], end, rates, took, curve)
+
+
+@njit
+def step(world, state, e, commands, options, told, room):
+    """One step of arm e, and its pay.
+
+    Parameters
+    ----------
+    commands : (arms, 4) ndarray
+        In greatest joint speeds.
+    options : Options
+    told : Told
+        Row e of outcomes and terms is written.
+    room : View
+        Of any situation.
+
+    Returns
+    -------
+    View
+        Of the arm's situation, in that room.
+    """
+    s, since = state.place[e], state.time[e]
+    view = view_in(world, s, room)
+    guided = options.weights[GUIDE] != 0.0
+    before = way_to_go(view, since, state.posture, e) if guided else 0.0
+    outcome = advance(view, state, e, commands, options.dt)
+    after = 0.0
+    if guided and outcome == RUNNING:
+        after = way_to_go(view, state.time[e], state.posture, e)
+    share = (state.time[e] - since) / world.limits[s, HORIZON]
+    pay(told, e, outcome, share, options.weights, before - options.discount * after)
+    return view
+
+
+def can_stop(scene: Scene, speed: float, dt: float) -> bool:
+    """Return whether an arm keeps its limits if it brakes from t = 0 on.
+
+    Parameters
+    ----------
+    scene : Scene
+    speed : float
+        That the hand keeps [lengths/s].
+    dt : float
+        A step [s].
+    """
+    return bool(_can_stop(scene, speed, dt)) if scene.limb.rates.any() else True
+
+
+@njit
+def _can_stop(scene, speed, dt):
+    limb, limits = scene.limb, scene.limits
+    posture, curve, end, work = np.empty((1, 8)), np.zeros((4, 4)), np.empty(4), np.empty(4)
+    posture[0, :4], posture[0, 4:] = limb.start, limb.rates
+    rates, none, longest = np.empty(4), np.zeros((1, 4)), 0.0
+    for j in range(4):
+        longest = max(longest, abs(limb.rates[j]) / limits.joint_acceleration[j])
+    for _ in range(int(longest / dt) + 2):
+        wish(scene, posture, 0, none, dt, rates)
+        lay(scene, posture, 0, rates, dt, end, curve)
+        if piece_fault(scene, curve, dt, work) != NOTHING:
+            return False
+        posture[0, :4], posture[0, 4:] = end, rates
+    return np.abs(rates).max() == 0.0

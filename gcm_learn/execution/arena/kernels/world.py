@@ -1,0 +1,133 @@
+"""Situations packed side by side, and the state of the arms in them: the same for every kind."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+from gcm_learn.motion.rules import Rules
+from gcm_learn.recall import own_axis
+from gcm_learn.scene import LIMB, PART, Scene
+from gcm_learn.scene.bodies import COLUMNS, FIRST, LAST, SWING, Bodies
+
+HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # meanings of an action
+RUNNING, CAUGHT, COLLIDED, LATE = range(4)  # states of an episode
+EXTREME = 10.0  # largest number of an observation
+
+# Columns that a world adds to a body's row.
+LONG = COLUMNS  # 3: the longest axis in the body's own frame, see `own_axis`
+ROW_COLUMNS = COLUMNS + 3
+
+
+class World(NamedTuple):
+    """Many situations in the frames of their arms, one after the other."""
+
+    rows: np.ndarray  # (m, ROW_COLUMNS): all bodies
+    vertices: np.ndarray  # (v, 2): of all bodies
+    angles: np.ndarray  # (p, g, 2): of all pendulums, the shorter tables filled up
+    angle_steps: np.ndarray  # (s,): resolution of these tables [s]
+    first: np.ndarray  # (s + 1,) int64: rows of situation k are first[k]:first[k + 1]
+    obstacles: np.ndarray  # (o,) int64: rows of their situation that the limb must not touch
+    begin: np.ndarray  # (s + 1,) int64: those of situation k are begin[k]:begin[k + 1]
+    limbs: np.ndarray  # (s, k): fields of the limb, one after the other
+    limits: np.ndarray  # (s, k): fields of the limits likewise
+    rules: np.ndarray  # (s, 4): fields of `Rules`
+    pace: np.ndarray  # (s,): fastest that a hand can be [lengths/s]
+    fields: np.ndarray  # (s or 0, n, n) float32: time to go as share of the horizon, see `guidance`
+
+
+class State(NamedTuple):
+    """State of many arms, each in a situation of the world."""
+
+    place: np.ndarray  # (e,) int64: situation
+    posture: np.ndarray  # (e, k): the hand itself; of spatial arms joints [rad], rates [rad/s]
+    hand: np.ndarray  # (e, 2 or 3), in the frame of t = 0 or of the base [lengths]
+    time: np.ndarray  # (e,) [s]
+
+
+class Options(NamedTuple):
+    """Settings in the form of kernels, see `settings`."""
+
+    dt: float
+    weights: np.ndarray  # (4,)
+    discount: float
+    slots: int
+    fan: bool
+    control: int = JOINT_VELOCITY
+    joint_rate: float = 0.0
+
+
+class Told(NamedTuple):
+    """Results of a step, a row for each arm."""
+
+    outcomes: np.ndarray  # (e,) int64: RUNNING, CAUGHT, COLLIDED or LATE
+    terms: np.ndarray  # (e, 4): of the reward
+    observations: np.ndarray  # (e, width) float32
+
+
+@njit
+def bodies_in(world, s):
+    """Return the bodies of situation s."""
+    rows = world.rows[world.first[s] : world.first[s + 1]]
+    return Bodies(rows, world.vertices, world.angles, world.angle_steps[s])
+
+
+@njit(_nrt=False)
+def rules_in(world, s):
+    """Return the rules of movements in situation s."""
+    a = world.rules
+    return Rules(a[s, 0], a[s, 1], a[s, 2], a[s, 3])
+
+
+def world_of(scenes: Sequence[Scene], rules: Sequence[Rules], pace: Sequence[float]) -> World:
+    """Pack scenes of one kind of arm side by side.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+    rules : sequence of Rules
+    pace : sequence of float
+        Fastest that each hand can be [lengths/s].
+    """
+    which = [np.flatnonzero(scene.bodies.rows[:, PART] == LIMB) for scene in scenes]
+    return World(
+        **_side_by_side([scene.bodies for scene in scenes]),
+        obstacles=np.concatenate(which).astype(np.int64),
+        begin=np.cumsum([0, *map(len, which)]),
+        limbs=np.array([np.hstack(scene.limb) for scene in scenes], dtype=float),
+        limits=np.array([np.hstack(scene.limits) for scene in scenes], dtype=float),
+        rules=np.array(rules, dtype=float),
+        pace=np.array(pace, dtype=float),
+        fields=np.zeros((0, 2, 2), dtype=np.float32),
+    )
+
+
+def _side_by_side(packed: Sequence[Bodies]) -> dict[str, np.ndarray]:
+    """Return the bodies of many situations as fields of `World`.
+
+    Indices into vertices and tables are shifted accordingly.
+    """
+    longest = max(b.angles.shape[1] for b in packed)
+    angles = np.zeros((sum(len(b.angles) for b in packed), longest, 2))
+    rows, first = [], [0]
+    corners, swings = 0, 0
+    for bodies in packed:
+        row = np.zeros((len(bodies.rows), ROW_COLUMNS))
+        row[:, :LONG] = bodies.rows
+        row[:, LONG:] = [own_axis(bodies, b) for b in range(len(row))]
+        row[:, [FIRST, LAST]] += corners
+        row[row[:, SWING] >= 0.0, SWING] += swings
+        angles[swings : swings + len(bodies.angles), : bodies.angles.shape[1]] = bodies.angles
+        rows.append(row)
+        corners, swings = corners + len(bodies.vertices), swings + len(bodies.angles)
+        first.append(first[-1] + len(row))
+    return {
+        "rows": np.vstack(rows),
+        "vertices": np.vstack([bodies.vertices for bodies in packed]),
+        "angles": angles,
+        "angle_steps": np.array([float(bodies.angle_step) for bodies in packed]),
+        "first": np.array(first),
+    }

@@ -1,0 +1,133 @@
+"""Situations in which episodes begin, packed for kernels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.arms import ByKind, Kind, kind_of
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution.arena.kernels.joints.stepping import can_stop
+from gcm_learn.execution.arena.kernels.world import World, world_of
+from gcm_learn.execution.arena.kinds import KERNELS
+from gcm_learn.motion import Rules, opening
+from gcm_learn.scene import Scene, pack
+from gcm_learn.situation import AnySituation, ArmBody
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Situations with one kind of arm in which episodes begin."""
+
+    situations: tuple[Any, ...]
+    """Planar arms in their canonical form: the hand on the positive x axis, the elbow on the
+    right; spatial arms as they were given."""
+    frames: tuple[Any, ...]
+    """Frames in which they were drawn; their method `original` leads there."""
+    world: World
+    embeddings: np.ndarray
+    """Of the situations (s, dim) float32; dim is 0 if settings have none."""
+    bodies: tuple[ArmBody, ...] = ()
+    """Of the arms, if they have mass."""
+
+    def __len__(self) -> int:
+        return len(self.situations)
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of the arms."""
+        return kind_of(self.situations[0])
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Greatest speeds of the hands (s,) [lengths/s]."""
+        return self.world.pace
+
+    @property
+    def horizons(self) -> np.ndarray:
+        """Horizons of the situations (s,) [s]."""
+        return self.world.limits[:, KERNELS.of(self.kind).horizon]
+
+    @property
+    def starts(self) -> np.ndarray:
+        """Postures of the arms at t = 0 (s, k), see `State`."""
+        return self.world.limbs[:, KERNELS.of(self.kind).start]
+
+    @classmethod
+    def of(cls, situations: Sequence[AnySituation], kind: Kind | None = None) -> Pool:
+        """Pack situations; each must begin with a limb that touches nothing.
+
+        Parameters
+        ----------
+        situations : sequence of Situation
+        kind : Kind, optional
+            Kind of all arms; by default that of the first one.
+
+        Raises
+        ------
+        ArenaError
+            With the name of the first that does not.
+        ArmKindError
+            With the name of the first arm of another kind.
+        """
+        if not situations:
+            raise ArenaError("situations: there is none")
+        kernels = KERNELS.of(kind or situations[0])
+        of_one_kind(situations, kind or kind_of(situations[0]))
+        turned, frames = zip(*map(kernels.placed, situations), strict=True)
+        scenes = [pack(situation) for situation in turned]
+        rules = [_rules_of(scene, s.name) for scene, s in zip(scenes, turned, strict=True)]
+        pace = [kernels.pace(scene) for scene in scenes]
+        world = world_of([kernels.bounded(scene) for scene in scenes], rules, pace)
+        return cls(turned, frames, world, np.zeros((len(turned), 0), np.float32))
+
+    def guided(self, fields: np.ndarray) -> Pool:
+        """Return the same situations with times to go (s, n, n); see `guidance.fields_of`."""
+        return replace(self, world=self.world._replace(fields=fields.astype(np.float32)))
+
+    def part(self, chosen: Sequence[int] | np.ndarray) -> Pool:
+        """Return some of the situations, packed anew; everything that is known comes with them."""
+        rows = [int(i) for i in chosen]
+        made = Pool.of([self.situations[i] for i in rows])
+        if len(self.world.fields):
+            made = made.guided(self.world.fields[rows])
+        frames = tuple(self.frames[i] for i in rows)
+        bodies = tuple(self.bodies[i] for i in rows) if self.bodies else ()
+        return replace(made, frames=frames, embeddings=self.embeddings[rows], bodies=bodies)
+
+
+def placed(situation: AnySituation) -> tuple[AnySituation, Any]:
+    """Return a situation in the form of its arena, and the frame in which it was drawn."""
+    return KERNELS.of(situation).placed(situation)
+
+
+def of_one_kind(situations: Sequence[AnySituation], kind: Kind, who: str = "the arena") -> None:
+    """Refuse situations with arms of another kind.
+
+    Raises
+    ------
+    ArmKindError
+        With the name of the first one.
+    """
+    table = ByKind({kind: True}, who=who)
+    for situation in situations:
+        table.of(situation)
+
+
+def stops(situation: AnySituation, dt: float) -> bool:
+    """Return whether an arm keeps its limits if it brakes from t = 0 on, in steps of `dt` [s]."""
+    if not any(getattr(situation.arm, "joint_rates", None) or ()):
+        return True
+    scene = pack(situation)
+    return can_stop(scene, opening(scene).rules.speed, dt)
+
+
+def _rules_of(scene: Scene, name: str) -> Rules:
+    """Return the rules of a scene; refuse one in which the limb touches something at t = 0."""
+    opened = opening(scene)
+    if opened.clearance <= 0.0:
+        raise ArenaError(f"situation {name!r}: the limb touches an obstacle at t = 0")
+    return opened.rules

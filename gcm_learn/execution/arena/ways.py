@@ -1,0 +1,32 @@
+"""Trajectories of arms from the samples of their plants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.arms import JOINTS, PLANAR, SPATIAL, Arm, ByKind, SpatialArm
+from gcm_learn.motion import SpatialTrajectory, Trajectory
+
+
+def way_of(arm: Any, time: np.ndarray, posture: np.ndarray) -> Any:
+    """Return the trajectory of an arm from the times (m,) and the postures (m, k) of its plant."""
+    return _WAYS.of(arm)(arm, time, posture)
+
+
+def _way_of_hand(arm: Arm, time: np.ndarray, posture: np.ndarray) -> Trajectory:
+    return Trajectory.of_hand(time, posture, arm.upper_arm, arm.elbow)
+
+
+def _way_of_joints(arm: SpatialArm, time: np.ndarray, posture: np.ndarray) -> SpatialTrajectory:
+    new = np.append(True, np.diff(time) > 0.0)  # a catch at t = 0 takes no time
+    joints, rates = posture[new, :JOINTS], posture[new, JOINTS:]
+    limited = arm.max_joint_acceleration is not None
+    return SpatialTrajectory(arm, time[new], joints, rates if limited else None)
+
+
+_WAYS: ByKind[Callable[[Any, np.ndarray, np.ndarray], Any]] = ByKind(
+    {PLANAR: _way_of_hand, SPATIAL: _way_of_joints}, who="the arena"
+)

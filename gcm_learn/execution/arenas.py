@@ -1,0 +1,160 @@
+"""The table of arenas: pool, settings and plant of each registered environment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from gcm_learn.arms import Kind
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution.arena.batch import Batch
+from gcm_learn.execution.arena.plant import KinematicPlant
+from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
+from gcm_learn.execution.arena.settings import ArenaSettings, Settings, SpatialSettings
+from gcm_learn.execution.body.arms import PhysicalArms
+from gcm_learn.execution.body.pool import pool_with_bodies
+from gcm_learn.execution.body.settings import PhysicalSettings
+from gcm_learn.execution.sources import Source, found_in, named
+from gcm_learn.families import SpatialFamily
+from gcm_learn.motion import start_clearance
+from gcm_learn.scene import pack
+from gcm_learn.situation import AnySituation, ArmBody, Situation
+
+AnyBody = ArmBody | str | Path | None
+
+
+@dataclass(frozen=True)
+class Arena:
+    """An environment: everything that differs between the registered ones."""
+
+    name: str
+    """Under which Gymnasium knows it."""
+    settings: type[ArenaSettings]
+    family: str
+    """Family from which situations are drawn by default."""
+    plant: Callable[..., Batch]
+    """Class of the arms."""
+    packed: Callable[[Sequence[AnySituation], Kind, AnyBody], Pool]
+    """Pool of situations: (situations, kind, body)."""
+    eligible: Callable[[Source], Source] = lambda source: source
+    """Restriction of a source to arms that can take part."""
+    begins: Callable[[AnySituation, float], bool] = lambda situation, dt: True
+    """Return whether an episode with steps of `dt` [s] can begin with a free limb."""
+    followed: bool = True
+    """True if arms follow plans step by step, so that catches can be demonstrated."""
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of the arms."""
+        return self.settings.kind
+
+
+def _without_bodies(situations: Sequence[AnySituation], kind: Kind, body: AnyBody) -> Pool:
+    if body is not None:
+        raise ArenaError("body: arms of this arena have no mass")
+    return Pool.of(situations, kind)
+
+
+def _with_bodies(situations: Sequence[Any], kind: Kind, body: AnyBody) -> Pool:
+    return pool_with_bodies(situations, body)
+
+
+def _of_arms_with_bodies(source: Source) -> Source:
+    """Restrict a family to arms for which there is a body."""
+    family = named(source)
+    if not isinstance(family, SpatialFamily):
+        return source
+    human, nao = family.arm.human, family.arm.nao
+    if human + nao <= 0.0:
+        return family
+    share = human / (human + nao)
+    return replace(family, arm=replace(family.arm, human=share, nao=1.0 - share))
+
+
+ARENAS = {
+    arena.name: arena
+    for arena in (
+        Arena("CatchArm-v0", Settings, "random-planar", KinematicPlant, _without_bodies),
+        Arena(
+            "CatchArm3D-v0", SpatialSettings, "static-clutter-space", KinematicPlant,
+            _without_bodies, begins=stops,
+        ),
+        Arena(
+            "CatchArmPhysics-v0", PhysicalSettings, "static-clutter-space", PhysicalArms,
+            _with_bodies, eligible=_of_arms_with_bodies, followed=False,
+        ),
+    )
+}  # fmt: skip
+"""By the name of the environment."""
+_BY_SETTINGS = {arena.settings: arena for arena in ARENAS.values()}
+
+
+def arena_of(settings: ArenaSettings) -> Arena:
+    """Return the arena that has settings of this class."""
+    return _BY_SETTINGS[type(settings)]
+
+
+def plant_of(pool: Pool, count: int, settings: ArenaSettings, threads: int = 1) -> Any:
+    """Return so many arms of the settings' arena, in the situations of a pool of their kind."""
+    return arena_of(settings).plant(pool, count, settings, threads)
+
+
+def pool_for(
+    settings: ArenaSettings, situations: Sequence[AnySituation], body: AnyBody = None
+) -> Pool:
+    """Pack situations for arms of the settings' arena; `body` as `body_for` has it."""
+    return arena_of(settings).packed(situations, settings.kind, body)
+
+
+def situations_of(
+    source: Source,
+    count: int,
+    seed: int,
+    settings: ArenaSettings = Settings(),  # noqa: B008 -- frozen
+) -> Sequence[AnySituation]:
+    """Return situations to begin episodes in; of families only with arms that can take part.
+
+    Parameters
+    ----------
+    source : str, Path, Family, Situation or sequence of Situation
+        As `sources.found_in` has it.
+    count : int
+    seed : int
+        Of the draws.
+    settings : ArenaSettings
+        Of the arms.
+
+    Raises
+    ------
+    ArenaError
+        If the source is none of these, or holds nothing.
+    ArmKindError
+        If an arm is of another kind than the settings'.
+    """
+    found = found_in(arena_of(settings).eligible(source), count, seed)
+    of_one_kind(found, settings.kind)
+    return found
+
+
+def pool_of(
+    source: Source,
+    count: int,
+    seed: int,
+    settings: ArenaSettings = Settings(),  # noqa: B008 -- frozen
+    body: AnyBody = None,
+) -> Pool:
+    """Return a pool of situations; of several only those in which an episode can begin.
+
+    Parameters
+    ----------
+    source, count, seed, settings
+        As `situations_of` has them.
+    body : ArmBody, str or Path, optional
+        As `body_for` has it.
+    """
+    found, begins = situations_of(source, count, seed, settings), arena_of(settings).begins
+    if not isinstance(source, Situation):
+        found = [s for s in found if start_clearance(pack(s)) > 0.0 and begins(s, settings.dt)]
+    return pool_for(settings, found, body)

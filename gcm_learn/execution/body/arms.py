@@ -1,0 +1,124 @@
+"""Arms with mass side by side, with the observations and rewards of kinematic spatial arms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.arms import JOINTS
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution.arena.batch import Batch
+from gcm_learn.execution.arena.kernels.joints.observation import AIM
+from gcm_learn.execution.arena.kernels.joints.playing import settle, ways_to_go
+from gcm_learn.execution.arena.kernels.world import EXTREME, LATE, RUNNING
+from gcm_learn.execution.arena.pool import Pool
+from gcm_learn.execution.body.model import STEP
+from gcm_learn.execution.body.plant import PhysicalPlant
+from gcm_learn.execution.body.settings import PhysicalSettings
+from gcm_learn.motion import SpatialTrajectory
+
+KEPT = 256
+"""Plants that wait for their situations to come again, at most; about a megabyte each."""
+
+
+class PhysicalArms(Batch):
+    """Arms in MuJoCo, each a `PhysicalPlant`.
+
+    Parameters
+    ----------
+    pool : Pool
+        With bodies.
+    count : int
+    settings : PhysicalSettings
+    threads : int
+        Must be 1.
+    """
+
+    settings: PhysicalSettings
+
+    def __init__(
+        self, pool: Pool, count: int, settings: PhysicalSettings, threads: int = 1
+    ) -> None:
+        if threads != 1:
+            raise ArenaError("threads: arms with mass move one after the other")
+        super().__init__(pool, count, settings)
+        self.plants: dict[int, PhysicalPlant] = {}
+        """Of the arms that were put into a situation."""
+        self._idle: dict[int, PhysicalPlant] = {}  # by their situations, the oldest first
+        self._before = np.zeros(count)
+        self._steps = round(settings.dt / STEP)
+
+    def put(self, arms: np.ndarray, places: np.ndarray) -> None:
+        """As `Batch` says."""
+        super().put(arms, places)
+        self._tell_torques(arms.tolist())
+
+    def way(self, e: int, time: np.ndarray, posture: np.ndarray) -> SpatialTrajectory:
+        """As `Batch` says; linear between steps of the physics."""
+        return self.plants[e].movement
+
+    def _begin(self, arms: np.ndarray, places: np.ndarray) -> None:
+        posture = self.state.posture
+        for e, s in zip(arms.tolist(), np.asarray(places).tolist(), strict=True):
+            plant = self._take(e, s)
+            posture[e, :JOINTS], posture[e, JOINTS:] = plant.joints, plant.rates
+
+    def _take(self, e: int, s: int) -> PhysicalPlant:
+        """Return the plant of situation s for arm e, whose old one is kept for another arm."""
+        situation, old = self.pool.situations[s], self.plants.pop(e, None)
+        if old is not None:
+            self._idle[id(old.situation)] = old
+            if len(self._idle) > KEPT:
+                self._idle.pop(next(iter(self._idle)))
+        plant = self._idle.pop(id(situation), None)
+        if plant is None:
+            plant = PhysicalPlant(situation, self.pool.bodies[s])
+        else:
+            plant.begin()
+        self.plants[e] = plant
+        return plant
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return everything but the threads and the plants that wait."""
+        return {**super().__getstate__(), "_idle": {}}
+
+    def _play(self, actions: np.ndarray, first: int, last: int) -> None:
+        since, wanted = self.state.time.copy(), np.clip(actions, -1.0, 1.0)
+        if self.settings.weights.guide != 0.0:
+            ways_to_go(self._world, self._arms, self._before)
+        for e in range(first, last):
+            self.told.outcomes[e] = self._step(e, wanted[e])
+        settle(self._world, self._arms, self._options, self._told, since, self._before)
+        self._tell_torques(range(first, last))
+
+    def _step(self, e: int, command: np.ndarray) -> int:
+        """Move arm e on by a step: the outcome; the state is that at a catch or a touch."""
+        plant, state = self.plants[e], self.state
+        horizon = plant.situation.horizon
+        if state.time[e] >= horizon:  # it is held
+            return LATE
+        if plant.outcome == RUNNING:
+            until = (plant.steps + self._steps) * STEP
+            if self.settings.pushed:
+                plant.push(command * plant.strongest, until)
+            else:
+                plant.turn(command * plant.fastest, until)
+        last = plant.ended
+        state.posture[e, :JOINTS] = plant.joints_log[last]
+        state.posture[e, JOINTS:] = plant.rates_log[last]
+        state.time[e] = horizon if plant.outcome == LATE else min(last * STEP, horizon)
+        return plant.outcome
+
+    def _tell_torques(self, arms: Iterable[int]) -> None:
+        """Write what motors have to know into the ends of observations, if they are pushed."""
+        if not self.settings.pushed:
+            return
+        for e in arms:
+            plant, row = self.plants[e], self.observations[e]
+            joints, rates = np.split(self.state.posture[e], 2)
+            holding = plant.motors.holding(joints)
+            servo = plant.motors.kd * (row[AIM : AIM + JOINTS] * plant.fastest - rates)
+            row[-2 * JOINTS : -JOINTS] = np.clip(holding / plant.strongest, -EXTREME, EXTREME)
+            row[-JOINTS:] = np.clip((holding + servo) / plant.strongest, -1.0, 1.0)

@@ -1,0 +1,93 @@
+"""Commands of motors that follow a plan.
+
+Torque = feed-forward + kp (wanted angle - angle) + kd (wanted rate - rate), cut at the motor's
+limit.  MuJoCo evaluates it within each step; what is handed over is the part that does not depend
+on the state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, get_args
+
+import numpy as np
+
+from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.errors import PhysicsError
+from gcm_learn.execution.body.model import rested
+from gcm_learn.execution.body.motors import Dynamics, load_of
+from gcm_learn.situation import ArmBody
+
+Feedforward = Literal["computed-torque", "gravity"]
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Which torques follow a plan.
+
+    Parameters
+    ----------
+    feedforward : {"computed-torque", "gravity"}
+        Torques that the plan itself needs by the arm's inverse dynamics, or only what holds the
+        arm's weight where the plan has it.
+    bandwidth : float
+        Of the feedback, which is critically damped; above zero [rad/s].
+    """
+
+    feedforward: Feedforward = "computed-torque"
+    bandwidth: float = 60.0
+
+    def __post_init__(self) -> None:
+        if self.feedforward not in get_args(Feedforward):
+            known = ", ".join(get_args(Feedforward))
+            raise PhysicsError(f"feedforward: {self.feedforward!r} is not one of {known}")
+        if not 0.0 < self.bandwidth <= 500.0:
+            raise PhysicsError(
+                f"bandwidth: must be above 0 and at most 500 rad/s (got {self.bandwidth!r})"
+            )
+
+
+class Following:
+    """A controller made for an arm and its body.
+
+    Parameters
+    ----------
+    controller : Controller
+    arm : SpatialArm
+    body : ArmBody
+    """
+
+    def __init__(self, controller: Controller, arm: SpatialArm, body: ArmBody) -> None:
+        self._dynamics = Dynamics(arm, body)
+        self._computed = controller.feedforward == "computed-torque"
+        self.inertia = np.median(np.einsum("njj->nj", load_of(arm, body).inertia), axis=0)
+        """That joints feel alone (4,) [kg m^2]"""
+        self.kp = controller.bandwidth**2 * self.inertia
+        """(4,) [N m/rad]"""
+        self.kd = 2.0 * controller.bandwidth * self.inertia
+        """(4,) [N m s]"""
+
+    def holding(self, joints: np.ndarray) -> np.ndarray:
+        """Torques (4,) that hold the arm's weight at joints (4,) [N m]."""
+        still = np.zeros((1, JOINTS))
+        return self._dynamics.torques(joints[None], still, still)[0]
+
+    def commands(self, joints: np.ndarray, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Return commands of the motors (n, 4) [N m], from wanted angles, rates, accelerations."""
+        if not self._computed:
+            still = np.zeros_like(rates)
+            torques = self._dynamics.torques(joints, still, still)
+        else:
+            torques = self._dynamics.torques(joints, rates, forces)
+        return torques + self.kp * joints + self.kd * rates
+
+
+def following(controller: Controller, arm: SpatialArm, body: ArmBody) -> Following:
+    """A controller made for an arm, wherever that begins; kept for the next one like it."""
+    return _kept(controller, *rested(arm, body))
+
+
+@lru_cache(maxsize=64)
+def _kept(controller: Controller, arm: SpatialArm, body: ArmBody) -> Following:
+    return Following(controller, arm, body)

@@ -1,0 +1,288 @@
+"""Plans carried out by an arm with mass, and what came of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.arms import SpatialArm, forward_in_space
+from gcm_learn.errors import PhysicsError
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
+from gcm_learn.execution.body.bodies import body_for
+from gcm_learn.execution.body.control import Controller
+from gcm_learn.execution.body.model import STEP
+from gcm_learn.execution.body.motors import with_motor_limits
+from gcm_learn.execution.body.plant import Contact, PhysicalPlant
+from gcm_learn.execution.loop.closed_loop import Loop, Mind, run_closed_loop
+from gcm_learn.execution.loop.exact import ExactPlant
+from gcm_learn.execution.loop.following import begun
+from gcm_learn.motion import SpatialTrajectory, braked
+from gcm_learn.planners import Plan
+from gcm_learn.situation import ArmBody, Situation
+
+FORMAT = "gcm-learn/execution@1"
+STAYS = 0.2
+"""Time for which a caught target has to remain within grasp to have stayed [s]."""
+
+STATUS = {CAUGHT: "caught", COLLIDED: "collided"}
+"""By outcome; all others are late."""
+AT_REST = 0.05
+"""Joints that are slower than this rest [rad/s]."""
+
+
+@dataclass(frozen=True)
+class Execution:
+    """Result of a plan in physics; lengths in metres."""
+
+    name: str
+    """Of the situation."""
+    planner: str
+    status: str
+    """"caught", "collided" or "late"; "no plan" where there was none to follow, "failed" where
+    physics could not."""
+    message: str = ""
+    """Why there was no plan, or what failed."""
+    body: str = ""
+    """Name of the body."""
+    limits: tuple[float, ...] | None = None
+    """Of accelerations, where they came from the motors [rad/s^2]."""
+    planned: float | None = None
+    """When the plan catches [s]."""
+    catch_time: float | None = None
+    """When the hand first was within grasp of a target [s]."""
+    catch_body: str | None = None
+    contact: Contact | None = None
+    """Of limb and obstacle before the catch."""
+    error: tuple[float, float, float] | None = None
+    """How far the hand was from where the plan has it until the catch: median, largest, and at
+    the end [m]."""
+    torque: float | None = None
+    """Largest share of a motor's torque until the catch."""
+    stays: bool | None = None
+    """Whether the target was within grasp for another `STAYS` seconds, with no fingers to hold
+    it."""
+    braked: float | None = None
+    """Time from the catch until the arm rested [s]."""
+    braked_into: Contact | None = None
+    """Contact of the limb after the catch."""
+    plan: SpatialTrajectory | None = None
+    """Trajectory that was followed: the plan, and braking after it."""
+    plant: PhysicalPlant | None = None
+    """With its logs."""
+
+    @property
+    def movement(self) -> SpatialTrajectory:
+        """Return the movement until the catch or the end; linear between steps.
+
+        Raises
+        ------
+        PhysicsError
+            If there was no plan to follow.
+        """
+        if self.plant is None and self.plan is not None:
+            return self.plan
+        if self.plant is None:
+            raise PhysicsError(f"{self.name!r}: nothing was executed ({self.status})")
+        plant = self.plant
+        steps = np.arange(_ended(plant) + 1)
+        arm = plant.situation.arm
+        return SpatialTrajectory(arm, steps * STEP, plant.joints_log[steps].copy())
+
+    @property
+    def caught(self) -> bool:
+        """Return whether the target was caught before any contact."""
+        return self.status == "caught"
+
+
+def execute(
+    plan: Plan[SpatialTrajectory],
+    situation: Situation[SpatialArm],
+    body: ArmBody | str | Path | None = None,
+    controller: Controller | None = None,
+    *,
+    believed: ArmBody | None = None,
+    kinematic: bool = False,
+) -> Execution:
+    """Carry out a plan with an arm that has mass and motors.
+
+    After the plan's end the arm brakes.
+
+    Parameters
+    ----------
+    plan : Plan
+    situation : Situation
+        The world as it is, whatever the plan was made for.
+    body : ArmBody, str or Path, optional
+        See `body_for`.
+    controller : Controller, optional
+    believed : ArmBody, optional
+        What the controller takes the body for, if not for what it is.
+    kinematic : bool
+        Whether the arm does at once what it is told, and has no mass; no body is asked for then.
+
+    Raises
+    ------
+    PhysicsError
+        If the body does not fit, or the physics fails.
+    """
+    if kinematic:
+        return _exactly(plan, situation)
+    chosen = body_for(situation.arm, body)
+    if plan.trajectory is None:
+        why = plan.message
+        return Execution(situation.name, plan.planner, "no plan", message=why, body=chosen.name)
+    plant = PhysicalPlant(situation, chosen, controller or Controller(), believed=believed)
+    limits = with_motor_limits(situation, chosen).arm.max_joint_acceleration
+    whole = braked(plan.trajectory, np.array(limits))
+    plant.follow(whole, situation.horizon)
+    ended = _ended(plant)
+    if plant.catch_time is not None:
+        plant.follow(whole, plant.catch_time + STAYS + whole.duration - plan.trajectory.duration)
+    return _report(plan, whole, plant, ended)
+
+
+def execute_seen(
+    mind: Mind,
+    situation: Situation[SpatialArm],
+    loop: Loop,
+    seed: int,
+    *,
+    name: str = "",
+    body: ArmBody | str | Path | None = None,
+    controller: Controller | None = None,
+    kinematic: bool = False,
+) -> Execution:
+    """Let an agent act that sees the world inexactly, and goes on thinking while the arm moves.
+
+    Parameters
+    ----------
+    mind : Mind
+    situation : Situation
+        The world as it is.
+    loop : Loop
+    seed : int
+        Of the errors of perception.
+    name : str
+        Of the agent.
+    body, controller
+        As for `execute`.
+    kinematic : bool
+        Whether the arm does at once what it is told, and has no mass.
+
+    Raises
+    ------
+    PhysicsError
+        If the body does not fit, or the physics fails.
+    """
+    if kinematic:
+        exact = ExactPlant(situation)
+        course = run_closed_loop(mind, exact, situation, loop, seed)
+        return Execution(
+            situation.name, name, STATUS.get(course.outcome, "late"), catch_time=exact.catch_time
+        )
+    chosen = body_for(situation.arm, body)
+    plant = PhysicalPlant(situation, chosen, controller or Controller())
+    run_closed_loop(mind, plant, situation, loop, seed)
+    return _seen(plant, name, _ended(plant))
+
+
+def _exactly(plan: Plan[SpatialTrajectory], situation: Situation[SpatialArm]) -> Execution:
+    if plan.trajectory is None:
+        return Execution(situation.name, plan.planner, "no plan", message=plan.message)
+    exact = ExactPlant(situation)
+    exact.follow(begun(situation.arm, plan.trajectory, 0.0), situation.horizon)
+    return Execution(
+        situation.name, plan.planner, STATUS.get(exact.outcome, "late"),
+        planned=plan.catch_time, catch_time=exact.catch_time, plan=plan.trajectory,
+    )  # fmt: skip
+
+
+def _ended(plant: PhysicalPlant) -> int:
+    """The step of the catch, the last one if there was none."""
+    return plant.steps if plant.catch_time is None else round(plant.catch_time / STEP)
+
+
+def _seen(plant: PhysicalPlant, planner: str, ended: int) -> Execution:
+    """Return the measures of any movement."""
+    torque = np.array([motor.torque for motor in plant.body.joints])
+    used = np.abs(plant.torques_log[: max(ended, 1)]) / torque
+    return Execution(
+        plant.situation.name,
+        planner,
+        STATUS.get(plant.outcome, "late"),
+        body=plant.body.name,
+        catch_time=plant.catch_time,
+        catch_body=plant.catch_body,
+        contact=plant.contact,
+        torque=float(used.max()),
+        plant=plant,
+    )
+
+
+def _report(
+    plan: Plan[SpatialTrajectory], whole: SpatialTrajectory, plant: PhysicalPlant, ended: int
+) -> Execution:
+    """Return the measures of a movement that followed a plan."""
+    out = replace(
+        _seen(plant, plan.planner, ended),
+        planned=plan.catch_time,
+        error=_errors(whole, plant, np.arange(ended + 1)),
+        plan=whole,
+    )
+    if plant.catch_time is None:
+        return out
+    return replace(
+        out,
+        stays=plant.holds(ended, ended + round(STAYS / STEP)),
+        braked=_rested(plant, ended),
+        braked_into=plant.later_contact,
+    )
+
+
+def _errors(
+    plan: SpatialTrajectory, plant: PhysicalPlant, steps: np.ndarray
+) -> tuple[float, float, float]:
+    there = forward_in_space(plan.arm, plant.joints_log[steps])[1]
+    wanted = forward_in_space(plan.arm, plan.states_at(steps * STEP)[0])[1]
+    off = np.linalg.norm(there - wanted, axis=1) * plant.body.metres
+    return float(np.median(off)), float(off.max()), float(off[-1])
+
+
+def _rested(plant: PhysicalPlant, since: int) -> float | None:
+    """Return the time after a step from which the arm rests [s]."""
+    moving = np.abs(plant.rates_log[since : plant.steps + 1]).max(axis=1) > AT_REST
+    if moving[-1]:
+        return None
+    return float(np.flatnonzero(moving)[-1] + 1) * STEP if moving.any() else 0.0
+
+
+def execution_to_json(done: Execution) -> dict[str, Any]:
+    """The report in the format ``gcm-learn/execution@1``; what does not apply is null."""
+    error = done.error or (None, None, None)
+    return {
+        "format": FORMAT,
+        "name": done.name,
+        "planner": done.planner,
+        "status": done.status,
+        "message": done.message,
+        "body": done.body,
+        "limits": None if done.limits is None else list(done.limits),
+        "planned_catch_time": done.planned,
+        "catch_time": done.catch_time,
+        "catch_body": done.catch_body,
+        "contact": _contact(done.contact),
+        "error_median": error[0],
+        "error_max": error[1],
+        "error_at_end": error[2],
+        "torque": done.torque,
+        "stays": done.stays,
+        "braked": done.braked,
+        "braked_into": _contact(done.braked_into),
+    }
+
+
+def _contact(contact: Contact | None) -> dict[str, Any] | None:
+    return None if contact is None else {"name": contact.name, "time": contact.time}

@@ -1,0 +1,128 @@
+"""Capabilities of motors: the inertias that they feel, the accelerations that they give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from gcm_learn import seeding
+from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.errors import PhysicsError
+from gcm_learn.execution.body.model import compiled, model_xml, mujoco, rested
+from gcm_learn.situation import ArmBody, Situation
+
+SAMPLES = 400
+"""Postures at which motors are asked."""
+SHARE = 0.8
+"""Of the torque that a plan may use; the rest is for feedback."""
+QUANTILE = 0.1
+"""Share of postures and rates at which the limits ask for more than that."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """Load of an arm's motors, over its postures."""
+
+    inertia: np.ndarray
+    """(n, 4, 4): mass matrices [kg m^2]."""
+    bias: np.ndarray
+    """(n, 4): torques against gravity, damping and what rotation adds [N m]."""
+    gravity: np.ndarray
+    """(n, 4): against gravity alone [N m]."""
+
+
+class Dynamics:
+    """Inverse dynamics of an arm alone, without limits and contacts.
+
+    Parameters
+    ----------
+    arm : SpatialArm
+    body : ArmBody
+    """
+
+    def __init__(self, arm: SpatialArm, body: ArmBody) -> None:
+        self._model = compiled(model_xml(arm, body))
+        self._data = mujoco().MjData(self._model)
+
+    def torques(self, joints: np.ndarray, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Torques (n, 4) [N m] that give accelerations.
+
+        Parameters
+        ----------
+        joints, rates, forces : (n, 4) ndarray
+            Angles, rates and accelerations.
+        """
+        model, data, inverse = self._model, self._data, mujoco().mj_inverse
+        qpos, qvel, qacc, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
+        out = np.empty(np.shape(joints))
+        for at, moving, asked, row in zip(joints, rates, forces, out, strict=True):
+            qpos[:], qvel[:], qacc[:] = at, moving, asked
+            inverse(model, data)
+            row[:] = force
+        return out
+
+    def inertia(self, joints: np.ndarray) -> np.ndarray:
+        """Mass matrix (4, 4) at joints (4,) [kg m^2]."""
+        rest = np.zeros((JOINTS, JOINTS))
+        here = np.broadcast_to(joints, rest.shape)
+        weight = self.torques(here[:1], rest[:1], rest[:1])
+        return self.torques(here, rest, np.eye(JOINTS)) - weight
+
+
+def load_of(arm: SpatialArm, body: ArmBody) -> Load:
+    """Return the load of the motors at postures and rates spread over the arm's ranges."""
+    rng = seeding.rng(0, SAMPLES)
+    low, high = np.array(arm.joint_range).T
+    joints = rng.uniform(low, high, (SAMPLES, JOINTS))
+    top = np.array(arm.max_joint_speed)
+    rates = rng.uniform(-top, top, (SAMPLES, JOINTS))
+    dynamics, still = Dynamics(arm, body), np.zeros((SAMPLES, JOINTS))
+    return Load(
+        np.array([dynamics.inertia(q) for q in joints]),
+        dynamics.torques(joints, rates, still),
+        dynamics.torques(joints, still, still),
+    )
+
+
+def motor_accelerations(arm: SpatialArm, body: ArmBody) -> np.ndarray:
+    """Limits of the joints' accelerations (4,) that come from the motors [rad/s^2].
+
+    Each joint gets the same share of the acceleration that its motor gives to its own inertia. It
+    is the largest share with which motors need at most `SHARE` of their torques, gravity included,
+    at nine tenths of postures and rates, whatever joints accelerate.
+
+    Raises
+    ------
+    PhysicsError
+        If a motor cannot hold the arm.
+    """
+    return np.array(_limits(*rested(arm, body)))
+
+
+@lru_cache(maxsize=64)
+def _limits(arm: SpatialArm, body: ArmBody) -> tuple[float, ...]:
+    load, torque = load_of(arm, body), np.array([motor.torque for motor in body.joints])
+    alone = torque / np.median(np.einsum("njj->nj", load.inertia), axis=0)
+    asked = np.abs(load.inertia) @ alone
+    share = ((SHARE * torque - np.abs(load.bias)) / asked).min(axis=1)
+    least = float(np.quantile(share, QUANTILE))
+    if least <= 0.0:
+        weak = int(np.argmax((np.abs(load.gravity) / torque).max(axis=0)))
+        need = float(np.abs(load.gravity[:, weak]).max())
+        raise PhysicsError(
+            f"body {body.name!r}: joints[{weak}].torque of {torque[weak]:g} N m leaves nothing to "
+            f"accelerate with (the arm's weight asks for up to {need:.3g} N m)"
+        )
+    return tuple((least * alone).tolist())
+
+
+def with_motor_limits(situation: Situation[SpatialArm], body: ArmBody) -> Situation[SpatialArm]:
+    """The situation under the limits of acceleration that it has, or else the motors'."""
+    arm = situation.arm
+    if arm.max_joint_acceleration is not None:
+        return situation
+    most: Any = tuple(motor_accelerations(arm, body).tolist())
+    return replace(situation, arm=replace(arm, max_joint_acceleration=most))

@@ -1,0 +1,335 @@
+"""An arm with mass in a situation: a plant of MuJoCo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcm_learn.arms import JOINTS, SpatialArm, SpatialLimb, forward_in_space
+from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.collision.solids import room_in_pose
+from gcm_learn.compiled import njit
+from gcm_learn.errors import PhysicsError
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.execution.body.control import Controller, following
+from gcm_learn.execution.body.laws import laws
+from gcm_learn.execution.body.model import STEP, model_of, mujoco
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion.interception_in_space import met_at
+from gcm_learn.scene import Bodies, Scene, pack
+from gcm_learn.scene import JointLimits as JointLimits
+from gcm_learn.situation import ArmBody, Situation
+
+AFTER = 0.5
+"""Time for which the world goes on after the horizon [s]."""
+HAND_GEOM, ARM_GEOMS = 2, 3  # in the order in which the model has them; bodies come next
+CHUNK = 15
+"""Steps after which it is asked whether the episode is over."""
+BLOCK = 4 * CHUNK
+"""Steps for which a plan's torques are found at once: after a catch they are not needed."""
+BRINK = 0.5
+"""Share of what a joint lacks to its greatest speed that a pushing motor may add in a step."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The first contact of limb and obstacle."""
+
+    name: str
+    """Of the obstacle."""
+    time: float
+    """[s]"""
+
+
+class PhysicalPlant:
+    """One arm in one situation, at rest or moving as `arm.joint_rates` says.
+
+    Until a hand touches them, targets are exactly where their motion laws have them; obstacles
+    always are.  Caught: the hand is within grasp of a target by the horizon; collided: a limb
+    touched an obstacle before.
+
+    Parameters
+    ----------
+    situation : Situation
+    body : ArmBody
+    controller : Controller
+    believed : ArmBody, optional
+        What the controller takes the body for, if not for what it is.
+
+    Raises
+    ------
+    MissingExtraError
+    PhysicsError
+    """
+
+    def __init__(
+        self,
+        situation: Situation[SpatialArm],
+        body: ArmBody,
+        controller: Controller = Controller(),  # noqa: B008 -- frozen
+        *,
+        believed: ArmBody | None = None,
+    ) -> None:
+        misfit = body.misfit(situation.arm)
+        if misfit:
+            raise PhysicsError(f"body {body.name!r}: does not fit: {misfit}")
+        self.situation, self.body = situation, body
+        self.fastest = np.array(situation.arm.max_joint_speed)
+        """Of the joints (4,) [rad/s]."""
+        self.strongest = np.array([motor.torque for motor in body.joints])
+        """Torques of the motors (4,) [N m]."""
+        self.motors = following(controller, situation.arm, believed or body)
+        self._model = model_of(situation.arm, body, situation.bodies)
+        self._data = mujoco().MjData(self._model)
+        count = round((situation.horizon + AFTER) / STEP) + 1
+        times = np.arange(count) * STEP
+        self._scene = pack(replace(situation, horizon=float(times[-1])))
+        self._laws = laws(self._scene, times, body.metres)
+        self._parts = tuple(map(tuple, self._scene))  # of named ones, finding the types takes long
+        self._poses = np.zeros((len(situation.bodies), 12))
+        self.joints_log = np.empty((count, JOINTS))
+        """Joints at every step until now (`steps` + 1 rows are filled) [rad]."""
+        self.rates_log = np.empty((count, JOINTS))
+        self.torques_log = np.empty((count, JOINTS))
+        """Torques during every step [N m]."""
+        self.targets_log = np.empty((count, self._laws.targets.shape[1]))
+        """Of every target position [m] and quaternion, in the frame of the base."""
+        self._states = np.empty((CHUNK, self._model.nq))  # after every step of a chunk
+        self._speeds = np.empty((CHUNK, self._model.nv))
+        self.begin()
+
+    def begin(self) -> None:
+        """Go back to t = 0; the logs are overwritten from then on."""
+        mujoco().mj_resetData(self._model, self._data)
+        self.steps = 0
+        """How many have been made."""
+        self.outcome = RUNNING
+        self.catch_time: float | None = None
+        self.catch_body: str | None = None
+        self.contact: Contact | None = None
+        """Before the catch."""
+        self.later_contact: Contact | None = None
+        """After it."""
+        self._free = False  # whether targets go their own way
+        arm, data = self.situation.arm, self._data
+        data.qpos[:JOINTS] = arm.joints
+        data.qvel[:JOINTS] = arm.joint_rates or (0.0,) * JOINTS
+        data.qpos[JOINTS:], data.qvel[JOINTS:] = self._laws.targets[0], self._laws.moves[0]
+        self.joints_log[0], self.rates_log[0] = data.qpos[:JOINTS], data.qvel[:JOINTS]
+        self.targets_log[0] = self._laws.targets[0]
+        self._judge(0, None)
+
+    @property
+    def time(self) -> float:
+        """Since the start [s]."""
+        return self.steps * STEP
+
+    @property
+    def joints(self) -> np.ndarray:
+        """(4,) [rad]"""
+        return self.joints_log[self.steps].copy()
+
+    @property
+    def rates(self) -> np.ndarray:
+        """(4,) [rad/s]"""
+        return self.rates_log[self.steps].copy()
+
+    @property
+    def hand(self) -> np.ndarray:
+        """(3,) in the world, in the arm's unit."""
+        return forward_in_space(self.situation.arm, self.joints)[1]
+
+    @property
+    def ended(self) -> int:
+        """The step of the catch or of the contact, the last one if there was neither."""
+        if self.catch_time is not None:
+            return round(self.catch_time / STEP)
+        return self.steps if self.contact is None else round(self.contact.time / STEP)
+
+    @property
+    def movement(self) -> SpatialTrajectory:
+        """Movement of the arm until it `ended`; linear between steps."""
+        steps = np.arange(self.ended + 1)
+        return SpatialTrajectory(self.situation.arm, steps * STEP, self.joints_log[steps].copy())
+
+    def follow(self, plan: SpatialTrajectory, until: float) -> None:
+        """Follow a plan, whose times are this plant's, until a time [s] or until it is over."""
+        times = np.arange(self.steps, self._steps_until(until) + 1) * STEP
+        if times.size < 2:
+            return
+        joints, rates, forces = plan.states_at(times)
+        self._gains(self.motors.kp, self.motors.kd)
+        going = self.outcome == RUNNING
+        for k in range(0, times.size - 1, BLOCK):
+            now = slice(k, min(k + BLOCK, times.size - 1))
+            wanted = self.motors.commands(joints[now], rates[now], forces[now])
+            # damping acts on the rate at the end of a step, everything else on the state before it
+            wanted += self.motors.kd * (rates[now.start + 1 : now.stop + 1] - rates[now])
+            self._advance(wanted)
+            if going and self.outcome != RUNNING:
+                return
+
+    def push(self, torques: np.ndarray, until: float) -> None:
+        """Apply torques (4,) [N m], cut at the motors' limits.
+
+        A motor never pushes a joint beyond its `max_joint_speed`: near it the torque outward falls
+        to none. Gravity, other joints and what was before may still be faster.
+        """
+        self._gains(np.zeros(JOINTS), np.zeros(JOINTS))
+        given = np.tile(torques, (self._steps_until(until) - self.steps, 1))
+        self._advance(given, pushed=True)
+
+    def turn(self, rates: np.ndarray, until: float) -> None:
+        """Servo the joints to rates (4,) [rad/s], the arm's weight being held."""
+        rates = np.clip(rates, -self.fastest, self.fastest)
+        torques = self.motors.holding(self.joints) + self.motors.kd * rates
+        self._gains(np.zeros(JOINTS), self.motors.kd)
+        self._advance(np.tile(torques, (self._steps_until(until) - self.steps, 1)))
+
+    def holds(self, first: int, last: int) -> bool:
+        """Return whether a caught target is within grasp at all steps from `first` to `last`."""
+        from scipy.spatial.transform import Rotation
+
+        names = [body.name for body in self.situation.bodies if body.role == "target"]
+        if self.catch_body is None or last > self.steps:
+            return False
+        at = 7 * names.index(self.catch_body)
+        rows = self.targets_log[first : last + 1, at : at + 7]
+        poses = np.empty((len(rows), 12))
+        poses[:, :3] = rows[:, :3] / self.body.metres
+        turns = Rotation.from_quat(np.roll(rows[:, 3:], -1, axis=1)).as_matrix()
+        poses[:, 3:] = turns.reshape(-1, 9)
+        b = [body.name for body in self.situation.bodies].index(self.catch_body)
+        return bool(_within(self._scene, b, self.joints_log[first : last + 1], poses))
+
+    def _steps_until(self, until: float) -> int:
+        return min(round(until / STEP), len(self.joints_log) - 1)
+
+    def _gains(self, kp: np.ndarray, kd: np.ndarray) -> None:
+        self._model.actuator_biasprm[:, 1], self._model.actuator_biasprm[:, 2] = -kp, -kd
+
+    def _advance(self, commands: np.ndarray, pushed: bool = False) -> None:
+        """Steps with commands (n, 4), until the episode is over; beyond it all of them."""
+        library = mujoco()
+        library.set_mju_user_warning(_quiet)  # what goes wrong becomes an error
+        try:
+            self._make(commands, pushed)
+        finally:
+            library.set_mju_user_warning(None)
+
+    def _make(self, commands: np.ndarray, pushed: bool) -> None:
+        going = self.outcome == RUNNING
+        for k in range(0, len(commands), CHUNK):
+            before = self.steps
+            touched = self._run(commands[k : k + CHUNK], pushed)
+            if going:
+                self._judge(before + 1, touched)
+                if self.outcome != RUNNING:
+                    return
+            elif touched is not None:
+                self._note_late(touched)
+
+    def _run(self, commands: np.ndarray, pushed: bool) -> tuple[int, int] | None:
+        """Steps of the physics; the first obstacle that the limb touches, and at which step."""
+        model, data, step = self._model, self._data, mujoco().mj_step
+        first, last = self.steps, self.steps + len(commands)
+        inside, after = slice(first, last), slice(first + 1, last + 1)
+        qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
+        places, turns, at, moving = data.mocap_pos, data.mocap_quat, qpos[JOINTS:], qvel[JOINTS:]
+        found, law, held = (
+            None,
+            [table[inside] for table in self._laws],
+            first if self._free else last,
+        )
+        rows = zip(
+            commands, *law, self.torques_log[inside], self._states, self._speeds, strict=False
+        )
+        top, slope = self.fastest, BRINK * self.motors.inertia / STEP
+        for k, (command, place, turn, target, move, torque, state, speed) in enumerate(rows, first):
+            if pushed:
+                _spare(command, qvel, top, slope)
+            ctrl[:], places[:], turns[:] = command, place, turn
+            if not self._free:
+                at[:], moving[:] = target, move
+            step(model, data)
+            torque[:], state[:], speed[:] = force, qpos, qvel
+            if data.ncon:
+                limb, hand = self._contacts()
+                if hand and not self._free:
+                    self._free, held = True, k
+                if found is None and limb >= 0:
+                    found = limb, k
+        self.steps, n = last, last - first
+        self.joints_log[after] = self._states[:n, :JOINTS]
+        self.rates_log[after] = self._speeds[:n, :JOINTS]
+        self.targets_log[after] = self._states[:n, JOINTS:]
+        self.targets_log[first + 1 : held + 1] = self._laws.targets[first + 1 : held + 1]
+        if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
+            raise PhysicsError(f"physics: some numbers are not finite at t = {self.time:.3f} s")
+        return found
+
+    def _contacts(self) -> tuple[int, bool]:
+        """The obstacle that the limb touches (-1: none), and whether the hand touches a target."""
+        limb, hand = -1, False
+        for first, second in self._data.contact.geom.tolist():
+            if min(first, second) == HAND_GEOM:
+                hand = True
+            else:
+                limb = max(first, second) - ARM_GEOMS
+        return limb, hand
+
+    def _judge(self, first: int, touched: tuple[int, int] | None) -> None:
+        """See whether the episode is over, after the steps from `first` on."""
+        bodies, step = self.situation.bodies, -1 if touched is None else touched[1]
+        last = min(self.steps, round(self.situation.horizon / STEP))
+        k, b = _first_met(self._parts, self.joints_log, first, last, STEP, self._poses)
+        if touched is not None and not 0 <= k < step:
+            self.outcome = COLLIDED
+            self.contact = Contact(bodies[touched[0]].name, step * STEP)
+            return
+        if k >= 0:
+            self.outcome, self.catch_time, self.catch_body = CAUGHT, k * STEP, bodies[b].name
+        elif last < self.steps or self.time >= self.situation.horizon:
+            self.outcome = LATE
+        if touched is not None:
+            self._note_late(touched)
+
+    def _note_late(self, touched: tuple[int, int]) -> None:
+        if self.later_contact is None:
+            self.later_contact = Contact(self.situation.bodies[touched[0]].name, touched[1] * STEP)
+
+
+@njit
+def _spare(torques, rates, top, slope):
+    """Cut torques (4,) that would push joints beyond their greatest speeds (4,)."""
+    for j in range(torques.size):
+        high, low = slope[j] * (top[j] - rates[j]), -slope[j] * (top[j] + rates[j])
+        torques[j] = min(max(torques[j], min(low, 0.0)), max(high, 0.0))
+
+
+def _quiet(message: str) -> None:
+    """Ignore a warning, which would be printed and logged."""
+
+
+@njit
+def _first_met(parts, joints, first, last, step, poses):
+    """First step from `first` to `last` with a target within grasp, and which; -1 if none."""
+    scene = Scene(Bodies(*parts[0]), SpatialLimb(*parts[1]), JointLimits(*parts[2]))
+    for k in range(first, last + 1):
+        b = met_at(scene, joints[k], k * step, scene.limits.grasp, poses)
+        if b >= 0:
+            return k, b
+    return -1, -1
+
+
+@njit
+def _within(scene, b, joints, poses):
+    """Return whether the hand grasps body b at all joints (n, 4) and poses of it (n, 12)."""
+    room = np.zeros((b + 1, 12))
+    for k in range(joints.shape[0]):
+        room[b] = poses[k]
+        _, _, _, x, y, z = limb_at(scene.limb, joints[k])
+        if room_in_pose(scene.bodies, b, x, y, z, room) > scene.limits.grasp:
+            return False
+    return True

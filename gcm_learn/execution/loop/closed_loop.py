@@ -1,0 +1,195 @@
+"""The closed loop in space: an agent perceives, thinks while the world goes on, and an arm follows.
+
+Every period the world is looked at, and what is believed is renewed.  An agent that thinks for k
+periods, or a part of the last one, has its plan k periods later.  It knows how long it will think:
+the plan is for the world as it is believed to be then, from where the arm will be.  Meanwhile the
+arm follows what it followed; after the end of that it brakes to rest.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+from gcm_learn.arms import SpatialArm
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution.arena.kernels.world import RUNNING
+from gcm_learn.execution.loop.belief import ACCELERATION, Belief
+from gcm_learn.execution.loop.following import LedPlant, at_first, begun, led, rest_of
+from gcm_learn.execution.loop.perception import Perception
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.situation import Situation
+
+TRIES = 4  # at a plan, each of which allows for the time that the last one took
+_HAIR = 1e-9  # of a period, against rounding
+
+
+class Occasion(NamedTuple):
+    """When an agent may think."""
+
+    believed: Situation[SpatialArm]
+    """The world from now on, with the arm as it is led now."""
+    left: SpatialTrajectory
+    """Rest of the trajectory that is followed, on a clock of its own; it ends at rest."""
+    thoughts: int
+    """How often the agent thought before."""
+
+
+class Mind(Protocol):
+    """Whatever thinks."""
+
+    def wants(self, occasion: Occasion) -> bool:
+        """Return whether it thinks now."""
+
+    def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
+        """A movement from t = 0 of what is believed on; None to go on as before."""
+
+
+class Thought(NamedTuple):
+    """A plan that was thought of."""
+
+    begun: float
+    """[s]"""
+    took: float
+    """[s]"""
+    found: bool
+
+
+@dataclass(frozen=True)
+class Loop:
+    """How an episode goes."""
+
+    perception: Perception
+    looks: int = 10
+    """After how many looks an agent begins to think.  Two would do if they were exact; inexact ones
+    tell accelerations late."""
+    thinking: float | None = None
+    """Time that every thought takes [s]; by default its processor time."""
+    acceleration: float = ACCELERATION
+    """Of `Belief`."""
+
+    def __post_init__(self) -> None:
+        if isinstance(self.looks, bool) or not isinstance(self.looks, int) or self.looks < 1:
+            raise ArenaError(f"looks: must be an integer from 1 on (got {self.looks!r})")
+        if self.thinking is not None and not 0.0 <= self.thinking < math.inf:
+            raise ArenaError(f"thinking: must be from 0 on (got {self.thinking!r})")
+
+
+@dataclass(frozen=True)
+class Course:
+    """Result of an episode."""
+
+    outcome: int
+    """CAUGHT, COLLIDED or LATE of `world`."""
+    time: float
+    """When it ended [s]."""
+    thoughts: tuple[Thought, ...]
+
+
+@dataclass
+class _Pending:
+    """A thought that is under way."""
+
+    due: int
+    """Look from which on its plan is followed."""
+    plan: SpatialTrajectory | None
+
+
+class _Episode:
+    """An episode under way."""
+
+    def __init__(
+        self, mind: Mind, plant: LedPlant, situation: Situation[SpatialArm], loop: Loop
+    ) -> None:
+        self.mind, self.plant, self.loop, self.arm = mind, plant, loop, situation.arm
+        self.belief = Belief(situation, loop.perception, loop.acceleration)
+        self.horizon, self.period = situation.horizon, loop.perception.period
+        self.followed = at_first(self.arm)
+        self.thoughts: list[Thought] = []
+        self.pending: _Pending | None = None
+
+    def think(self, look: int) -> None:
+        """Take up the plan that is due, and think of another if the agent wants."""
+        self._take_up(look)
+        if self.pending is None and self.belief.looks >= self.loop.looks:
+            now, since = look * self.period, clock.process_time()
+            left = rest_of(self.followed, now)
+            if self.mind.wants(Occasion(self._believed(now), left, len(self.thoughts))):
+                self._plan(look, clock.process_time() - since)
+                self._take_up(look)  # where thinking takes no time
+
+    def _take_up(self, look: int) -> None:
+        if self.pending is not None and self.pending.due <= look:
+            if self.pending.plan is not None:
+                self.followed = self.pending.plan
+            self.pending = None
+
+    def _plan(self, look: int, spent: float) -> None:
+        """Think, having spent some time [s] on whether to."""
+        ahead = self._periods(self.loop.thinking if self.loop.thinking is not None else spent)
+        plan, took = None, 0.0
+        for _ in range(TRIES):
+            start = (look + ahead) * self.period
+            if start >= self.horizon:
+                plan = None
+                break
+            since = clock.process_time()
+            plan = self.mind.plan(self._believed(start))
+            took = spent + clock.process_time() - since
+            if self.loop.thinking is not None:
+                took = self.loop.thinking
+            needed = self._periods(took)
+            if plan is None or needed <= ahead:
+                ahead = max(ahead, needed)
+                break
+            plan, ahead = None, needed
+        self.thoughts.append(Thought(look * self.period, took, plan is not None))
+        if plan is not None:
+            plan = begun(self.arm, plan, start)
+        self.pending = _Pending(look + ahead, plan)
+
+    def _periods(self, span: float) -> int:
+        """Return the number of periods in a time [s], rounded up."""
+        return math.ceil(span / self.period - _HAIR)
+
+    def _believed(self, t: float) -> Situation[SpatialArm]:
+        """The world from t on as it is believed to be, the arm where it is led to then."""
+        return self.belief.situation(t, led(self.arm, self.followed, t))
+
+
+def run_closed_loop(
+    mind: Mind,
+    plant: LedPlant,
+    situation: Situation[SpatialArm],
+    loop: Loop,
+    seed: int,
+    *index: int,
+) -> Course:
+    """Let an agent act until the episode is over.
+
+    Parameters
+    ----------
+    mind : Mind
+    plant : LedPlant
+        At t = 0 of the situation.
+    situation : Situation
+        The world as it is; the agent knows of it only what it perceives.
+    loop : Loop
+    seed : int
+    *index : int
+        Of the errors of perception.
+    """
+    episode = _Episode(mind, plant, situation, loop)
+    period, look = loop.perception.period, 0
+    while plant.outcome == RUNNING:
+        percept = loop.perception.told(situation, look, seed, *index)
+        if percept is not None:
+            episode.belief.join(percept)
+        if look * period < situation.horizon:
+            episode.think(look)
+        look += 1
+        plant.follow(episode.followed, look * period)
+    ended = plant.time if plant.catch_time is None else plant.catch_time
+    return Course(plant.outcome, ended, tuple(episode.thoughts))

@@ -1,0 +1,89 @@
+"""Trajectories of spatial arms that are followed, and what follows them.
+
+Trajectories are on the world's clock here: the first sample is the beginning.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.motion import SpatialTrajectory, braked
+
+
+class LedPlant(Protocol):
+    """An arm in its world, which is led along trajectories."""
+
+    @property
+    def time(self) -> float:
+        """Since the start [s]."""
+
+    @property
+    def joints(self) -> np.ndarray:
+        """(4,) [rad]"""
+
+    @property
+    def rates(self) -> np.ndarray:
+        """(4,) [rad/s]"""
+
+    @property
+    def hand(self) -> np.ndarray:
+        """(3,), in the world."""
+
+    @property
+    def outcome(self) -> int:
+        """RUNNING, CAUGHT, COLLIDED or LATE of `world`."""
+
+    @property
+    def catch_time(self) -> float | None:
+        """[s]"""
+
+    def follow(self, trajectory: SpatialTrajectory, until: float, /) -> None:
+        """Let the world go on until a time [s], or until the episode is over."""
+
+
+def begun(arm: SpatialArm, plan: SpatialTrajectory, since: float) -> SpatialTrajectory:
+    """A plan that begins at a time [s]; after its end the arm brakes to rest."""
+    clocked = replace(plan, arm=arm, time=plan.time + since)
+    if arm.max_joint_acceleration is None:
+        return clocked
+    return braked(clocked, np.array(arm.max_joint_acceleration))
+
+
+def at_first(arm: SpatialArm) -> SpatialTrajectory:
+    """Return the trajectory of an arm without a plan: it rests, or comes to rest."""
+    rates = None if arm.joint_rates is None else np.array([arm.joint_rates])
+    return begun(arm, SpatialTrajectory(arm, np.zeros(1), np.array([arm.joints]), rates), 0.0)
+
+
+def led(arm: SpatialArm, trajectory: SpatialTrajectory, t: float) -> SpatialArm:
+    """The arm as it stands and moves at a time [s] of a trajectory.
+
+    Rounding beyond its limits is cut off.  Without limits of acceleration it may rest
+    at any time, so its rates do not count.
+    """
+    joints, rates, _ = trajectory.states_at(np.array([t]))
+    low, high = np.array(arm.joint_range).T
+    there: Any = tuple(np.clip(joints[0], low, high).tolist())
+    if arm.max_joint_acceleration is None:
+        return replace(arm, joints=there)
+    most = np.array(arm.max_joint_speed)
+    moving: Any = tuple(np.clip(rates[0], -most, most).tolist())
+    return replace(arm, joints=there, joint_rates=moving)
+
+
+def rest_of(trajectory: SpatialTrajectory, now: float) -> SpatialTrajectory:
+    """Return the rest of a trajectory from now on [s], on a clock that begins now."""
+    joints, rates, _ = trajectory.states_at(np.array([now]))
+    after, moving = trajectory.time > now, None
+    if trajectory.rates is not None:
+        moving = np.vstack([rates.reshape(1, JOINTS), trajectory.rates[after]])
+    return SpatialTrajectory(
+        trajectory.arm,
+        np.append(0.0, trajectory.time[after] - now),
+        np.vstack([joints, trajectory.joints[after]]),
+        moving,
+    )

@@ -1,0 +1,89 @@
+"""Agents of the closed loop: planners that think once, always or when they must, and commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from gcm_learn.arms import SpatialArm
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution.arena.kernels.world import CAUGHT
+from gcm_learn.execution.arena.settings import ArenaSettings, SpatialSettings
+from gcm_learn.execution.arena.ways import way_of
+from gcm_learn.execution.loop.closed_loop import Occasion
+from gcm_learn.execution.loop.exact import ExactPlant
+from gcm_learn.execution.loop.one_step import OneStep
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.situation import Situation
+
+HABITS = ("once", "always", "broken")
+
+
+class SpatialPlanner(Protocol):
+    """A planner of arms in space."""
+
+    def plan(self, situation: Situation[SpatialArm]) -> Any:
+        """Answer a situation; the answer's `trajectory` may be None."""
+
+
+@dataclass(frozen=True)
+class Planning:
+    """An agent that follows what a planner finds."""
+
+    planner: SpatialPlanner
+    habit: Literal["once", "always", "broken"] = "broken"
+    """When it thinks: once; whenever it is done with the last thought; or when what is followed
+    does not catch any more, in the world as it is believed to be."""
+
+    def __post_init__(self) -> None:
+        if self.habit not in HABITS:
+            raise ArenaError(f"habit: must be one of {', '.join(HABITS)} (got {self.habit!r})")
+
+    def wants(self, occasion: Occasion) -> bool:
+        """Return whether it thinks now."""
+        if self.habit == "once":
+            return occasion.thoughts == 0
+        return self.habit == "always" or not holds(occasion)
+
+    def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
+        """The planner's movement."""
+        found: SpatialTrajectory | None = self.planner.plan(believed).trajectory
+        return found
+
+
+def holds(occasion: Occasion) -> bool:
+    """Return whether the trajectory that is followed catches in the believed world.
+
+    It is judged as an episode is: the limb at every instant until a catch. The
+    arm's own limits do not change with the world.
+    """
+    believed = ExactPlant(occasion.believed)
+    believed.follow(occasion.left, occasion.believed.horizon)
+    return believed.outcome == CAUGHT
+
+
+@dataclass(frozen=True)
+class Commanding:
+    """An agent that commands rates of joints in every period: a learned policy.
+
+    Its observation is that of the arena in the believed world, and its commands are cut to the
+    arm's limits as there.
+    """
+
+    policy: Callable[[np.ndarray], np.ndarray]
+    """Commands (1, 4) under observations (1, width), in greatest joint speeds."""
+    settings: ArenaSettings = field(default_factory=SpatialSettings)
+    """Of its observations; a command holds for a step."""
+
+    def wants(self, occasion: Occasion) -> bool:
+        """It always does."""
+        return True
+
+    def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
+        """The movement of the next step; after it the arm would come to rest."""
+        step = OneStep(believed, self.settings)
+        posture = np.stack([step.posture, step.after(self.policy(step.told)[0])])
+        return way_of(believed.arm, np.array([0.0, self.settings.dt]), posture)

@@ -1,0 +1,324 @@
+"""The promises of all arenas: rewards, Gymnasium's rules, batches equal to single arms."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+
+import numpy as np
+import pytest
+
+from gcm_learn import families
+from gcm_learn.arms import PLANAR, SPATIAL
+from gcm_learn.errors import ArenaError, ArmKindError, MissingExtraError, PhysicsError
+from gcm_learn.execution import PhysicalSettings, Settings, SpatialSettings, pool_for, pool_of
+
+gymnasium = pytest.importorskip("gymnasium")
+from gcm_learn import envs  # noqa: E402
+
+NAMES = ("CatchArm", "CatchArm3D", "CatchArmPhysics")
+MANY = {"CatchArm": "CatchArms", "CatchArm3D": "CatchArms3D", "CatchArmPhysics": "CatchArmsPhysics"}
+SETTINGS = dict(zip(NAMES, (Settings, SpatialSettings, PhysicalSettings), strict=True))
+WIDTH = {"CatchArm": 107, "CatchArm3D": 145, "CatchArmPhysics": 145}
+TORQUE = {"control": "torque"}
+GUIDE = {"weights": {"guide": 2.0}, "discount": 0.97}
+
+
+@pytest.fixture(scope="module")
+def with_bodies():
+    """Return situations of arms that have a body."""
+    return pool_of("crossing-swarm-space", 8, 0, PhysicalSettings())
+
+
+@pytest.fixture(scope="module")
+def pools(scenes, arms, with_bodies):
+    """Return a pool for each arena."""
+    return {
+        "CatchArm": pool_for(Settings(), scenes),
+        "CatchArm3D": pool_for(SpatialSettings(), arms),
+        "CatchArmPhysics": with_bodies,
+    }
+
+
+@pytest.fixture(params=NAMES)
+def name(request):
+    """Return the name of an environment."""
+    return request.param
+
+
+@pytest.fixture
+def pool(name, pools):
+    """Return its pool."""
+    return pools[name]
+
+
+def one(name, pool, **options):
+    """Return an environment with one arm."""
+    return getattr(envs, name)(pool, **options)
+
+
+def many(name, count, pool, **options):
+    """Return an environment with many arms."""
+    return getattr(envs, MANY[name])(count, pool, **options)
+
+
+def played(env, index, act):
+    """Play an episode; the rewards, their terms, and the last info."""
+    observation, info = env.reset(options={"index": index})
+    rewards, terms = [], []
+    for _ in range(1000):
+        observation, reward, ended, late, info = env.step(act(observation))
+        assert env.observation_space.contains(observation)
+        rewards.append(reward)
+        terms.append(info["reward_terms"])
+        if ended or late:
+            return rewards, terms, info
+    raise AssertionError("the horizon did not end the episode")
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"), [*((name, {}) for name in NAMES), ("CatchArmPhysics", TORQUE)]
+)
+def test_an_episode_ends_with_what_it_is_rewarded_for(name, pool, settings):
+    env, outcomes = one(name, pool, settings=settings), set()
+    at = env.settings.straight
+    for index in range(len(pool)):
+        rewards, terms, info = played(env, index, lambda o: o[at : at + env.settings.commands])
+        way = env.trajectory
+        outcomes.add(info["outcome"])
+        assert info["is_success"] == (info["outcome"] == "caught")
+        assert sum(t["catch"] for t in terms) == float(info["is_success"])
+        assert sum(t["touch"] for t in terms) == -float(info["outcome"] == "touched")
+        haste = sum(t["haste"] for t in terms)
+        assert haste == pytest.approx(-0.1 * info["time"] / env.situation.horizon, abs=1e-9)
+        assert sum(rewards) == pytest.approx(sum(sum(t.values()) for t in terms))
+        hand = env.frame.original(way.hand_at(way.duration))
+        assert info["hand"] == pytest.approx(hand, abs=1e-9)
+        if info["outcome"] != "late":
+            assert way.duration == pytest.approx(info["time"])
+    assert {"caught", "touched"} <= outcomes
+
+
+def test_the_guide_adds_up_to_the_first_potential(name, pool):
+    """Potential-based: whatever the arm does, the discounted sum is the potential of the start."""
+    env = one(name, pool.part(range(4)), settings=GUIDE)
+    rng, totals = np.random.default_rng(0), []
+    for index in [0, 1, 2, 3] * 2:
+        env.reset(options={"index": index})
+        total, factor, over = 0.0, 1.0, False
+        while not over:
+            _, _, ended, late, info = env.step(rng.uniform(-1, 1, env.settings.commands))
+            total += factor * info["reward_terms"]["guide"]
+            factor, over = 0.97 * factor, ended or late
+        totals.append(total)
+    np.testing.assert_allclose(totals[:4], totals[4:], atol=1e-9)
+    assert 0.01 < min(totals) <= max(totals) <= 2.0
+
+
+CHOICES = [*((name, {}) for name in NAMES), ("CatchArm", {"fan": True}),
+           ("CatchArm", {"control": "joint"}), ("CatchArmPhysics", TORQUE)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "settings"), CHOICES)
+def test_gymnasium_and_stable_baselines_accept_it(name, pool, settings):
+    from gymnasium.utils.env_checker import check_env
+
+    check_env(one(name, pool, render_mode="rgb_array", settings=settings))
+    check = pytest.importorskip("stable_baselines3.common.env_checker")
+    check.check_env(one(name, pool, settings=settings))
+
+
+def test_make_knows_it(name, pool):
+    made = gymnasium.make(f"gcm_learn:{name}-v0", situations=pool)
+    assert made.reset(seed=0)[0].shape == (WIDTH[name],)
+    arms = gymnasium.make_vec(
+        f"gcm_learn:{name}-v0", num_envs=3, vectorization_mode="vector_entry_point",
+        situations=pool,
+    )  # fmt: skip
+    assert type(arms.unwrapped) is getattr(envs, MANY[name])
+    assert arms.reset(seed=1)[0].shape == (3, WIDTH[name])
+
+
+def test_batches_are_single_ones(name, pool):
+    n, settings = len(pool), {"weights": {"guide": 1.0}, "slots": 2}
+    arms, alone = many(name, n, pool, settings=settings), one(name, pool, settings=settings)
+    first, _ = arms.reset(options={"index": np.arange(n)})
+    rng, steps = np.random.default_rng(3), []
+    actions = rng.uniform(-1, 1, (12, n, alone.settings.commands))
+    for action in actions:
+        steps.append(arms.step(action))
+    for e in range(n):
+        np.testing.assert_array_equal(alone.reset(options={"index": e})[0], first[e])
+        for k, (seen, rewards, ended, late, info) in enumerate(steps):
+            own = alone.step(actions[k, e])
+            assert (rewards[e], ended[e], late[e]) == own[1:4]
+            terms = {term: values[e] for term, values in info["reward_terms"].items()}
+            assert terms == own[4]["reward_terms"]
+            over = ended[e] or late[e]
+            np.testing.assert_array_equal(info["final_obs"][e] if over else seen[e], own[0])
+            if over:
+                final = info["final_info"]
+                assert info["_final_obs"][e] and final["index"][e] == e
+                assert final["outcome"][e] == own[4]["outcome"]
+                assert final["time"][e] == own[4]["time"]
+                break
+
+
+def test_seeds_and_pickles_give_the_same_episode(name, pool):
+    env = one(name, pool)
+    copy = pickle.loads(pickle.dumps(env))
+    action = np.array([0.3, -0.4, 0.2, 0.1])[: env.settings.commands]
+    np.testing.assert_array_equal(env.reset(seed=3)[0], copy.reset(seed=3)[0])
+    np.testing.assert_array_equal(env.step(action)[0], copy.step(action)[0])
+    halfway = pickle.loads(pickle.dumps(env))
+    np.testing.assert_array_equal(env.step(action)[0], halfway.step(action)[0])
+    others = [env.reset(seed=k)[0] for k in range(8)]
+    assert len({o.tobytes() for o in others}) > 3
+
+
+def test_pictures_show_the_moment(name, pool):
+    env = one(name, pool, render_mode="rgb_array")
+    env.reset(seed=0)
+    first = env.render()
+    for _ in range(4):
+        env.step(np.array([1.0, 0.5, -0.5, 1.0])[: env.settings.commands])
+    second = env.render()
+    assert first.shape == (480, 480, 3) and first.dtype == np.uint8
+    assert 100 < (first != second).any(axis=2).sum() < 150_000
+    env.close()
+
+
+def test_a_situation_can_be_given(name, pool):
+    env = one(name, pool.part([0, 1]))
+    observation, _ = env.reset(options={"situation": pool.situations[3]})
+    np.testing.assert_array_equal(observation, one(name, pool).reset(options={"index": 3})[0])
+    for options, message in (
+        ({"situation": 3}, "options.situation: must be a situation"),
+        ({"speed": 3}, "options: 'speed' is not one of"),
+        ({"index": 2}, "options.index: must be from 0 to 1"),
+    ):
+        with pytest.raises(ArenaError, match=message):
+            env.reset(options=options)
+
+
+def test_gymnasium_s_own_vectors_hold_it(name, pool):
+    arms = gymnasium.make_vec(
+        f"gcm_learn:{name}-v0", num_envs=2, vectorization_mode="sync", situations=pool
+    )
+    first = arms.reset(seed=5)[0]
+    action = np.full((2, SETTINGS[name]().commands), 0.2, np.float32)
+    seen, *_ = arms.step(action)
+    arms.close()
+    for e in range(2):
+        own = one(name, pool)
+        np.testing.assert_array_equal(own.reset(seed=5 + e)[0], first[e])
+        np.testing.assert_array_equal(own.step(action[e])[0], seen[e])
+
+
+REFUSALS = [
+    ("CatchArm", {"control": "mind"}, "control: 'mind' is not one of hand, joint"),
+    ("CatchArm", {"settings": {"speed": 1}}, "settings: 'speed' is not a known field"),
+    ("CatchArm", {"body": "human"}, "body: arms of this arena have no mass"),
+    ("CatchArm3D", {"control": "hand"}, "settings: 'control' is not a known field"),
+    ("CatchArm3D", {"settings": 3}, "settings: must be SpatialSettings (got int)"),
+    ("CatchArm3D", {"body": "human"}, "body: arms of this arena have no mass"),
+    ("CatchArmPhysics", {"control": "hand"}, "control: 'hand' is not one of joint, torque"),
+    ("CatchArmPhysics", {"settings": {"dt": 0.005}}, "dt: must be whole steps of physics"),
+    *((name, arguments, message) for name in NAMES for arguments, message in (
+        ({"situations": "nowhere"}, "situations: 'nowhere' is no file, folder or family"),
+        ({"settings": {"dt": 0.0}}, "dt: must be from 0.0001 to 1 s (got 0.0)"),
+        ({"settings": {"weights": {"joy": 1}}}, "settings.weights: 'joy'"),
+        ({"render_mode": "ascii"}, "render_mode: 'ascii'"),
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "arguments", "message"), REFUSALS)
+def test_bad_arguments_are_refused_in_one_line(name, arguments, message):
+    with pytest.raises(ArenaError) as caught:
+        getattr(envs, name)(**{"pool": 2, **arguments})
+    assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+BATCH_REFUSALS = [
+    ({"num_envs": 0}, "num_envs: must be at least 1 (got 0)"),
+    ({"threads": 0}, "threads: must be at least 1 (got 0)"),
+    ({"render_mode": "human"}, "render_mode: many arms are not drawn"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BATCH_REFUSALS)
+def test_bad_batches_are_refused(name, pool, arguments, message):
+    with pytest.raises(ArenaError) as caught:
+        getattr(envs, MANY[name])(**{"num_envs": 2, "situations": pool, **arguments})
+    assert message in str(caught.value)
+
+
+def test_bad_indices_are_refused(name, pool):
+    with pytest.raises(ArenaError, match=r"options.index: must be 2 numbers"):
+        many(name, 2, pool).reset(options={"index": [0, 10_000]})
+
+
+def test_arms_with_mass_have_one_thread(with_bodies):
+    with pytest.raises(ArenaError, match="threads: arms with mass move one after the other"):
+        many("CatchArmPhysics", 2, with_bodies, threads=2)
+
+
+def test_arms_of_the_other_kind_are_refused_in_one_line(name, pool, pools):
+    kind = SETTINGS[name].kind
+    other = {PLANAR: "CatchArm3D", SPATIAL: "CatchArm"}[kind]
+    family, situation = SETTINGS[other].kind.name, pools[other].situations[0]
+    source = {"planar": "random-planar", "spatial": "static-clutter-space"}[family]
+    for refused in (
+        lambda: getattr(envs, name)(source, pool=2),
+        lambda: many(name, 2, [situation]),
+        lambda: one(name, pools[other]),
+        lambda: one(name, pool).reset(options={"situation": situation}),
+    ):
+        with pytest.raises(ArmKindError, match=f"does not take {family} arms") as caught:
+            refused()
+        assert "\n" not in str(caught.value)
+
+
+def test_arms_without_a_body_are_refused_in_one_line(with_bodies, arms):
+    drawn = [families.draw("static-clutter-space", 1, k) for k in range(40)]
+    mixed = next(s for s in drawn if s.arm.upper_arm[0] not in (1.0, 0.105))
+    for refused in (
+        lambda: envs.CatchArmPhysics([mixed]),
+        lambda: envs.CatchArmPhysics(with_bodies).reset(options={"situation": mixed}),
+    ):
+        with pytest.raises(PhysicsError, match="none that is shipped fits the arm") as caught:
+            refused()
+        assert "\n" not in str(caught.value) and mixed.name in str(caught.value)
+    with pytest.raises(ArenaError, match="the arms of the pool have no bodies"):
+        envs.CatchArmPhysics(pool_for(SpatialSettings(), arms))
+
+
+def test_the_body_may_be_chosen(with_bodies):
+    pairs = zip(with_bodies.situations, with_bodies.bodies, strict=True)
+    humans = [s for s, b in pairs if b.name == "human"]
+    env = envs.CatchArmPhysics(humans, body="human")
+    assert {body.name for body in env.pool.bodies} == {"human"}
+    with pytest.raises(PhysicsError, match="body nao: does not fit"):
+        envs.CatchArmPhysics(humans, body="nao")
+
+
+def test_without_mujoco_the_extra_is_named(monkeypatch, with_bodies):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(MissingExtraError, match="sim") as caught:
+        envs.CatchArmPhysics(with_bodies).reset(seed=0)
+    assert "\n" not in str(caught.value)
+
+
+def test_mass_is_all_that_sets_the_arenas_of_spatial_arms_apart(with_bodies):
+    """The same first observation, and nearly the same way for a slow command."""
+    physical = envs.CatchArmPhysics(with_bodies)
+    kinematic = envs.CatchArm3D(list(with_bodies.situations))
+    for index in range(4):
+        told = [env.reset(options={"index": index})[0] for env in (physical, kinematic)]
+        np.testing.assert_array_equal(told[0], told[1])
+        for _ in range(3):
+            for env in (physical, kinematic):
+                env.step(np.full(4, 0.05))
+        apart = physical.plant.posture[0, :4] - kinematic.plant.posture[0, :4]
+        assert 0.0 < np.abs(apart).max() < 0.02

@@ -1,0 +1,71 @@
+"""A tube is measured on what was done, and a plan in a tube keeps it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn.errors import ArmKindError, PhysicsError
+from gcm_learn.execution import body_for, execute, measured_tube, with_motor_limits
+from gcm_learn.execution.body.model import STEP
+from gcm_learn.families import paper_scene
+from gcm_learn.planners import InTube, Tube, get_planner, plan_to_json
+from gcm_learn.situation import situation_to_json
+from tests.referee_in_space import judge
+
+NAO = paper_scene("fig8-space")
+LAYERED = get_planner("layered")
+
+
+@pytest.fixture(scope="module")
+def limited():
+    return with_motor_limits(NAO, body_for(NAO.arm))
+
+
+def test_a_plan_in_a_tube_keeps_its_width_and_meets_deeper(limited):
+    tube = Tube(still=0.001, per_speed=0.002)
+    bare, roomy = LAYERED.plan(limited), InTube(LAYERED, tube).plan(limited)
+    assert bare.caught and roomy.caught
+    fastest = np.linalg.norm(np.diff(roomy.trajectory.hand_at(np.arange(0, roomy.catch_time, STEP)),
+                                     axis=0), axis=1).max() / STEP  # fmt: skip
+    assert roomy.clearance >= min(tube.at(fastest), 0.0009)
+    assert bare.clearance < roomy.clearance
+    told = judge(situation_to_json(limited), plan_to_json(roomy, limited))
+    assert told.complaints == []
+    smaller = replace(limited, arm=replace(limited.arm, grasp=limited.arm.grasp - tube.at(0.0)))
+    assert judge(situation_to_json(smaller), plan_to_json(roomy, smaller)).complaints == []
+
+
+def test_no_room_is_no_plan(limited):
+    plan = InTube(LAYERED, Tube(still=0.2)).plan(limited)
+    assert plan.status == "unreachable"
+    assert plan.message
+
+
+def test_planar_arms_have_no_tube():
+    with pytest.raises(ArmKindError, match="tube"):
+        InTube(LAYERED, Tube()).plan(paper_scene("fig4"))
+
+
+@pytest.mark.parametrize("given", [{"still": -1.0}, {"per_speed": float("nan")}])
+def test_a_tube_checks_itself(given):
+    with pytest.raises(ValueError, match=next(iter(given))):
+        Tube(**given)
+
+
+def test_a_tube_holds_what_it_was_measured_on(limited):
+    plan = LAYERED.plan(limited)
+    done = execute(plan, limited)
+    tube = measured_tube([done], quantile=1.0)
+    steps = np.arange(round(done.catch_time / STEP) + 1)
+    off = np.linalg.norm(done.movement.hand - plan.trajectory.hand_at(steps * STEP), axis=1)
+    fast = np.linalg.norm(np.gradient(plan.trajectory.hand_at(steps * STEP), STEP, axis=0), axis=1)
+    assert (off[:-1] <= 1.3 * (tube.still + tube.per_speed * fast[:-1]) + 1e-5).all()
+    assert 0.0 < tube.still < 0.01
+
+
+def test_nothing_done_is_no_tube():
+    with pytest.raises(PhysicsError, match="nothing was executed"):
+        measured_tube([])

@@ -1,0 +1,182 @@
+"""The kinematic arm in space: it is where it should be, and what happens to it is found in time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import families
+from gcm_learn.arms import SpatialArm, forward_in_space
+from gcm_learn.execution import CAUGHT, COLLIDED, LATE, RUNNING, ExactPlant
+from gcm_learn.execution.loop.following import at_first, begun, led, rest_of
+from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.planners import get_planner
+from gcm_learn.scene import pack, pose
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
+
+ARM = SpatialArm(
+    upper_arm=(1.0, 0.0, 0.0), forearm=(1.0, 0.0, 0.0), joints=(0.0, 0.0, 0.0, 0.0),
+    joint_range=((-2.0, 2.0),) * 4, max_joint_speed=(8.0,) * 4, grasp=0.05, thickness=0.1,
+    max_joint_acceleration=(40.0,) * 4,
+)  # fmt: skip
+FAR = SolidQuadratic((9.0, 0.0, 0.0), (0.0,) * 3, (0.0,) * 3)
+
+
+def ball(name, place, velocity=(0.0, 0.0, 0.0), role="obstacle", radius=0.2):
+    return Body(role, name, Sphere(radius), SolidQuadratic(place, velocity, (0.0, 0.0, 0.0)))
+
+
+def world(*bodies, arm=ARM, horizon=1.0):
+    target = (
+        () if any(b.role == "target" for b in bodies) else (Body("target", "t", Sphere(0.1), FAR),)
+    )
+    return Situation("world", horizon, arm, bodies + target)
+
+
+def swing(rate=2.0, until=0.5):
+    """Return a movement of the second joint, from rest, about z: a cubic."""
+    time = np.array([0.0, until])
+    joints = np.array([[0.0] * 4, [0.0, 0.5 * rate * until, 0.0, 0.0]])
+    return SpatialTrajectory(ARM, time, joints, np.array([[0.0] * 4, [0.0, rate, 0.0, 0.0]]))
+
+
+def test_it_is_where_the_trajectory_is():
+    """In steps of any length, before, on and after the samples."""
+    plan = begun(ARM, swing(), 0.13)
+    plant = ExactPlant(world())
+    for until in (0.1, 0.13, 0.2, 0.33, 0.63, 0.65, 0.9):
+        plant.follow(plan, until)
+        joints, rates, _ = plan.states_at(np.array([until]))
+        assert plant.time == until and plant.outcome == RUNNING
+        assert np.allclose(plant.joints, joints[0]) and np.allclose(plant.rates, rates[0])
+        assert np.allclose(plant.hand, forward_in_space(ARM, joints)[1][0])
+    assert plan.states_at(np.array([0.9]))[0][0, 1] == pytest.approx(0.5 + 2.0**2 / 80.0)
+
+
+def test_who_jumps_is_refused():
+    plant = ExactPlant(world())
+    plant.follow(begun(ARM, swing(), 0.0), 0.2)
+    with pytest.raises(ValueError, match=r"trajectory: is 0.* rad away from the joints at 0.2 s"):
+        plant.follow(at_first(ARM), 0.3)
+
+
+@pytest.mark.parametrize("steps", [1, 7, 50])
+def test_a_ball_that_comes_is_met_when_it_is(steps):
+    """The arm rests along x; a target flies at the hand, an obstacle at the forearm."""
+    flies = ball("target", (2.0, 1.15, 0.0), (0.0, -2.0, 0.0), "target", 0.1)
+    hits = ball("stone", (1.5, 1.5, 0.0), (0.0, -3.0, 0.0))
+    for bodies, outcome, when in (
+        ((flies,), CAUGHT, 0.5),
+        ((hits,), COLLIDED, 0.4),
+        ((flies, hits), COLLIDED, 0.4),
+        ((flies, ball("stone", (1.5, 1.5, 0.0), (0.0, -2.0, 0.0))), CAUGHT, 0.5),
+        ((ball("stone", (1.5, 1.5, 0.0), (0.0, -1.0, 0.0)),), LATE, 1.0),
+    ):
+        plant = ExactPlant(world(*bodies))
+        for k in range(steps):
+            plant.follow(at_first(ARM), (k + 1) / steps)
+        assert plant.outcome == outcome
+        assert plant.time == pytest.approx(when, abs=2e-3)
+        assert plant.catch_time == (plant.time if outcome == CAUGHT else None)
+
+
+def test_a_moving_arm_touches_when_it_does():
+    """Against a bisection over a fine grid of the limb's distances."""
+    post = ball("post", (1.2, 0.75, 0.0))
+    plan = begun(ARM, swing(4.0), 0.0)
+    fine = np.linspace(0.0, 0.5, 20001)
+    elbow, hand = (plan.elbow_at(fine), plan.hand_at(fine))
+    place = np.array(post.motion.position)
+    along = hand / np.linalg.norm(hand, axis=1)[:, None]  # both bones lie in line
+    s = np.clip(along @ place, 0.0, 2.0)
+    away = np.linalg.norm(place - s[:, None] * along, axis=1) - 0.2 - 0.1
+    assert np.allclose(elbow * 2.0, hand)
+    first = fine[np.flatnonzero(away <= 0.0)[0]]
+    plant = ExactPlant(world(post))
+    plant.follow(plan, 1.0)
+    assert plant.outcome == COLLIDED and plant.time == pytest.approx(first, abs=1e-4)
+    assert 0.05 < first < 0.45
+
+
+def test_a_hand_that_moves_meets_on_a_curve():
+    """It passes a target in the middle of one cubic piece, which ends elsewhere."""
+    plan = begun(ARM, swing(4.0), 0.0)
+    place = plan.hand_at(0.3)
+    target = ball("target", tuple(place.tolist()), role="target", radius=0.02)
+    plant = ExactPlant(world(target))
+    plant.follow(plan, 1.0)
+    fine = np.linspace(0.0, 0.3, 30001)
+    away = np.linalg.norm(plan.hand_at(fine) - place, axis=1) - 0.02 - 0.05
+    assert plant.outcome == CAUGHT
+    assert plant.catch_time == pytest.approx(fine[np.flatnonzero(away <= 0.0)[0]], abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["falling-space", "crate-space", "pendulum-space"])
+@pytest.mark.parametrize("ramp", [0.0, 0.1])
+def test_what_is_planned_happens(name, ramp):
+    """A verified catch is caught when it says, or before; however long the steps are."""
+    family = families.get_family(name)
+    family = replace(family, arm=replace(family.arm, ramp=(ramp, ramp)))
+    seen = 0
+    for k in range(4):
+        situation = families.draw(family, 1400, k)
+        plan = get_planner("layered").plan(situation)
+        if not plan.caught:
+            continue
+        seen += 1
+        for step in (situation.horizon, 0.02):
+            plant = ExactPlant(situation)
+            while plant.outcome == RUNNING:
+                plant.follow(begun(situation.arm, plan.trajectory, 0.0), plant.time + step)
+            assert plant.outcome == CAUGHT
+            assert plant.catch_time <= plan.catch_time + 1e-9
+    assert seen > 0
+
+
+def test_what_is_left_is_the_same_movement():
+    plan = begun(ARM, swing(), 0.2)
+    left = rest_of(plan, 0.45)
+    times = np.linspace(0.0, 0.5, 40)
+    for one, other in zip(left.states_at(times), plan.states_at(times + 0.45), strict=True):
+        assert np.allclose(one[1:], other[1:], atol=1e-8)
+    arm = led(ARM, plan, 0.45)
+    assert np.allclose(arm.joints, left.joints[0]) and np.allclose(arm.joint_rates, left.rates[0])
+    assert rest_of(plan, 2.0).time.size == 1
+
+
+def test_an_arm_without_limits_stops_at_once():
+    """Its trajectories are linear, and after the end it rests."""
+    arm = replace(ARM, max_joint_acceleration=None, joint_rates=None)
+    linear = SpatialTrajectory(
+        arm, np.array([0.0, 0.5]), np.array([[0.0] * 4, [0.0, 1.0, 0.0, 0.0]])
+    )
+    plan, plant = begun(arm, linear, 0.1), ExactPlant(world(arm=arm))
+    for until, angle in ((0.1, 0.0), (0.2, 0.2), (0.6, 1.0), (0.9, 1.0)):
+        plant.follow(plan, until)
+        assert plant.joints[1] == pytest.approx(angle)
+        assert led(arm, plan, until).joint_rates is None
+
+
+def test_an_arm_that_moves_at_first_comes_to_rest():
+    arm = replace(ARM, joint_rates=(0.0, 4.0, 0.0, -2.0))
+    plant = ExactPlant(world(arm=arm))
+    plant.follow(at_first(arm), 0.5)
+    assert not plant.rates.any()
+    assert np.allclose(plant.joints, [0.0, 0.2, 0.0, -0.05])
+
+
+def test_the_place_of_bodies_is_that_of_the_scene():
+    """The world of a plant is the situation's own: a turned base changes nothing."""
+    turned = replace(
+        ARM, base=replace(ARM.base, origin=(1.0, 2.0, 3.0), rotation=(0.0, 0.0, 0.0, 1.0))
+    )
+    target = ball("target", (-1.0, 2.0, 3.0 + 0.35), (0.0, 0.0, -1.0), "target", 0.1)
+    situation = world(target, arm=turned)
+    assert pose(situation, 0, 0.0)[0] == pytest.approx((2.0, 0.0, 0.35))
+    plant = ExactPlant(situation)
+    assert plant.hand == pytest.approx((-1.0, 2.0, 3.0))
+    plant.follow(at_first(turned), 1.0)
+    assert plant.catch_time == pytest.approx(0.2, abs=1e-3)
+    assert pack(situation).limits.horizon == 1.0
