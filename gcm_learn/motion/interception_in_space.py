@@ -130,14 +130,30 @@ def met_at(scene, q, t, catch, poses):
     return -1
 
 
+@by_limb
+def turn_wait(limits, scene, where, b, t, rate, poses):
+    """Time [s] before the hand can have the approach of target b; 0 if it has it at t.
+
+    The joints' rates are at most `rate` (n,).
+    """
+
+
+@njit(_nrt=False, forceinline=True)
+def _no_wait(limits, scene, where, b, t, rate, poses):
+    return 0.0
+
+
 @njit(_nrt=False)
-def _turn_wait(scene, where, b, t, turning, poses):
-    """Time [s] before the hand can have the approach of target b; 0 if it has it at t."""
-    excess = approach_excess(scene.limits, scene, where, b, t, poses)
+def _wait(limits, scene, where, b, t, rate, poses):
+    excess = _excess(limits, scene, where, b, t, poses)
     if excess <= ANGLE:
         return 0.0
-    fast = turning + top_spin(scene.bodies, b)
+    fast = axis_bound(scene.limb, rate) + top_spin(scene.bodies, b)
     return excess / fast if fast > 0.0 else 1e300
+
+
+give(turn_wait, None, _no_wait)
+give(turn_wait, AimedLimits, _wait)
 
 
 @njit
@@ -158,17 +174,17 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
     for j in range(dof(limb)):
         most = abs(curve[j, 1]) + 2.0 * abs(curve[j, 2]) + 3.0 * abs(curve[j, 3])
         rate[j] = most / span if span > 0.0 else 0.0
-    speed, turning = hand_bound(limb, rate), axis_bound(limb, rate)
+    speed, joints = hand_bound(limb, rate), np.zeros(dof(limb))
     while True:
         s = (t - since) / span if span > 0.0 else 1.0
-        on_curve(curve, s, rate)
-        where = place(limb, rate)
+        on_curve(curve, s, joints)
+        where = place(limb, joints)
         x, y, z = hand_of(limb, where)
         step = 1e300
         for b in range(scene.bodies.rows.shape[0]):
             if scene.bodies.rows[b, PART] == HAND:
                 room = target_room(scene, b, x, y, z, t, poses) - catch
-                wait = _turn_wait(scene, where, b, t, turning, poses)
+                wait = turn_wait(scene.limits, scene, where, b, t, rate, poses)
                 if room <= 0.0 and wait <= 0.0:
                     return t, b
                 if room > 0.0:
