@@ -40,7 +40,6 @@ BOTH_WAYS = {
     "gcm_learn.planners.baselines",
     "gcm_learn.planners.oracle",
     "gcm_learn.planners.space",
-    "gcm_learn.recall.space",
 }
 """Sub-folders that import files of their parent and are imported by them."""
 MOST_PARAMETERS, MANY_PARAMETERS = 12, 8  # of a compiled function: none over, few over

@@ -77,13 +77,13 @@ def spatial_frame(base: Base | None, angle: float | None, mirrored: bool) -> Spa
 
 
 def planar_word(situation: Situation) -> str:
-    """Return the part of a situation's structure that tells its arm."""
+    """Return the word for the arm in a situation's structure."""
     joints = "" if situation.arm.max_joint_speed is None else "+joints"
     return f"{'solid' if situation.is_solid else 'planar'}{joints}"
 
 
 def spatial_word(situation: Situation[SpatialArm]) -> str:
-    """Return the part of a situation's structure that tells its arm."""
+    """Return the word for the arm in a situation's structure."""
     arm = situation.arm
     hand = "" if arm.max_hand_speed is None else "+hand"
     return f"space{hand}{'' if arm.max_joint_acceleration is None else '+acceleration'}"

@@ -55,7 +55,7 @@ class OracleLabel:
 
     @property
     def decided(self) -> bool:
-        """Whether a catch was found or ruled out."""
+        """True if a catch was found or ruled out."""
         return math.isinf(self.lower) or not math.isinf(self.upper)
 
 
@@ -112,7 +112,7 @@ class Case(ABC):
 
     @property
     def blocked(self) -> bool:
-        """Whether the limb touches an obstacle at t = 0."""
+        """True if the limb touches an obstacle at t = 0."""
         return self._early is not None and self._early.status == "start_blocked"
 
     def verdict(self, wanted: str | None = None) -> Verdict:

@@ -33,9 +33,9 @@ def export_minari(
 ) -> MinariDataset:
     """Write the catches of a planner as Minari episodes, in canonical coordinates.
 
-    An observation is a vector of `ARM` + `BODIES` * `PER_BODY` numbers (targets first, what is left
-    is 0), an action the hand's velocity during a step as a share of its limit; the reward is 1 at
-    the catch and 0 before. The last step is as long as is left.
+    An observation is a vector of `ARM` + `BODIES` * `PER_BODY` numbers, targets first, the rest 0.
+    An action is the hand's velocity during a step as a share of its limit. The reward is 1 at the
+    catch and 0 before. The last step is as long as is left.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Item k of a dataset, from nothing but the specification and k."""
+"""Item k of a dataset, from the specification and k alone."""
 
 from __future__ import annotations
 

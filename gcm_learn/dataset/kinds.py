@@ -24,7 +24,7 @@ class RecordKind:
     plan: pa.StructType
     """Columns of a plan."""
     base: Types
-    """Columns of the arm's base, none if it has none."""
+    """Columns of the arm's base, empty without a base."""
     path_cells: Callable[[Any], dict[str, Any]]
     """Cells of a plan's path."""
     path: Callable[[Any, Mapping[str, Any]], Any]
@@ -42,11 +42,11 @@ class RecordKind:
     case: type[Case]
     """A situation with the answers of planners to it."""
     maps: bool
-    """Whether records may have maps."""
+    """True if records may have maps."""
     efforts: bool
-    """Whether the effort of a search may be limited."""
+    """True if the effort of a search may be limited."""
     episodes: bool
-    """Whether catches are exported as episodes."""
+    """True if catches are exported as episodes."""
 
 
 RECORDS = ByKind(

@@ -1,7 +1,8 @@
 """A situation as numbers: for twins, distances and neighbours in the space of raw parameters.
 
-All numbers are lengths (velocities times the horizon, accelerations times half its square, angles
-and turns times the body's radius), so that one unit of distance means about the same everywhere.
+All numbers are lengths, so that one unit of distance means about the same everywhere. Velocities
+count times the horizon, accelerations times half its square, angles and turns times the body's
+radius.
 """
 
 from __future__ import annotations
@@ -92,7 +93,7 @@ def _kind(body: Body) -> str:
 
 
 def _motion_numbers(body: Body, horizon: float) -> list[float]:
-    """Where it is, how far it gets, how it turns."""
+    """Return place, ways and turns of a body."""
     motion, radius = body.motion, body.shape.bounding_radius
     if isinstance(motion, Pendulum):
         swing = [motion.angle, motion.rate * horizon, motion.damping * horizon]
@@ -126,7 +127,7 @@ def _shape_numbers(body: Body) -> list[float]:
 
 
 def quantities_of(situation: AnySituation, top_speed: float) -> dict[str, float]:
-    """What range splits ask about; lengths in forearms.
+    """Return the numbers that range splits compare; lengths in forearms.
 
     Parameters
     ----------

@@ -73,7 +73,7 @@ class Part(Generic[Value]):
     def __set_name__(self, owner: type, name: str) -> None:
         self.name, kind = name, self._types
         self.fixed: Types = {name: kind} if isinstance(kind, pa.DataType) else {}
-        """Those that do not depend on the specification."""
+        """Types that do not depend on the specification."""
         if isinstance(kind, Mapping):
             self.fixed = kind
 
@@ -94,7 +94,7 @@ class Part(Generic[Value]):
     def __get__(self, record: Record, owner: type) -> Value: ...
 
     def __get__(self, record: Record | None, owner: type) -> Any:
-        """The value of a record, made of its cells when it is asked for the first time."""
+        """Return the value of a record, made of its cells at first use."""
         if record is None:
             return self
         if self.name not in record.values:
@@ -147,7 +147,7 @@ class Record:
     oracle = Part[OracleLabel | None](
         _ORACLE, lambda _, label: astuple(label), lambda _, *cells: OracleLabel(*cells)
     )
-    """The oracle's label, None if it was not asked."""
+    """The oracle's label, None without an audit."""
     quantities = Part[dict[str, float]](
         dict.fromkeys(QUANTITIES, NUMBER),
         lambda _, quantities: [quantities[name] for name in QUANTITIES],
@@ -173,7 +173,7 @@ class Record:
     """How many of them were not wanted, by stratum; also "blocked" (the limb touches an obstacle at
     t = 0) and "other" (not the wanted stratum, and not looked into any further)."""
     error = Part[str | None](WORD)
-    """Why there is no record: then it has nothing but index, attempts and rejected."""
+    """Reason of a failure; the record then has index, attempts and rejected only."""
     situation = Part[Any](
         WORD,
         _situation_cell,
@@ -193,7 +193,7 @@ class Record:
         ),
         label=False,
     )
-    """The cognitive map, None if the record has none."""
+    """The cognitive map, or None."""
     plans = Part[dict[str, Plan[Any]]](
         lambda spec: dict.fromkeys(map(plan_column, spec.planners), RECORDS.of(spec.kind).plan),
         lambda record, plans: [plan_cell(record.spec.kind, plan) for plan in plans.values()],
@@ -237,7 +237,7 @@ class Record:
 
     @property
     def counts(self) -> np.ndarray | None:
-        """Arrivals (n, n) uint16 in steps of `quantum` seconds; 65535 where there is none."""
+        """Arrivals (n, n) uint16 in steps of `quantum` seconds; 65535 without arrival."""
         cell = self.row.get("arrival")
         return None if cell is None else np.frombuffer(cell, "<u2").reshape(self.n, self.n)
 

@@ -53,7 +53,7 @@ class DamagedShardError(DatasetError):
 
 @dataclass(frozen=True)
 class ShardInfo:
-    """What is known of a shard without reading its records."""
+    """Summary of a shard that is kept beside its records."""
 
     shard: int
     rows: int
@@ -189,7 +189,7 @@ def read_columns(
 
 
 def header_of(folder: Folder, name: str) -> dict[str, Any]:
-    """What a shard's file says of itself.
+    """Return the header of a shard's file.
 
     Raises
     ------
@@ -213,5 +213,5 @@ def header_of(folder: Folder, name: str) -> dict[str, Any]:
 
 
 def info_of(folder: Folder, name: str) -> ShardInfo:
-    """What is known of a shard that is there."""
+    """Return the summary of a shard that exists."""
     return ShardInfo(**header_of(folder, name)["info"])

@@ -1,4 +1,4 @@
-"""What a dataset is made from: a small file of which every record is a pure function.
+"""Specifications of datasets: small files of which every record is a pure function.
 
 Files, TOML or JSON, are read strictly: wrong ones are refused in one line.
 """
@@ -76,7 +76,7 @@ class DatasetSpec:
     count: int
     families: tuple[FamilyShare, ...]
     planners: tuple[str, ...] = ("gcm", "layered")
-    """Whose plans a record holds; in space those of planners that take spatial arms."""
+    """Planners whose plans a record holds; each has to take the kind of arm."""
     rungs: int = 9
     """Of the ladder of ever more careful maps that front planners climb, `layered` after a search:
     2 stay on lattices of n cells, the last ones have twice as many. Also how hard the labels'

@@ -24,8 +24,8 @@ Result = TypeVar("Result")
 def warm_up(spec: DatasetSpec) -> None:
     """Load, and compile where need be, all code that the items of a specification run.
 
-    Where none of this machine's kind has compiled before, one process after another does so:
-    numba's cache on disk is not made for many that compile at once.
+    The first processes of a kind of machine compile one after another: numba's cache on disk is not
+    made for many that compile at once.
     """
     folder = compiled.folder()
     try:

@@ -2,8 +2,8 @@
 
 Retrieved paths are repaired rather than replayed in Lightning and Thunder (Berenson, Abbeel and
 Goldberg, ICRA 2012; Coleman, Sucan, Moll, Okada and Correll, ICRA 2015). Here a path gets new ends
-without search, as dynamic movement primitives do, because that has to cost less than planning anew;
-what it breaks is found by the verification that every plan goes through.
+without search, as dynamic movement primitives do, because that has to cost less than planning anew.
+The verification that every plan goes through finds its faults.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ DEFAULT = Adaptation()
 
 
 def query_of(problem: Problem) -> HandQuery:
-    """What adaptations must know of a situation; once for all memories."""
+    """Return a situation as adaptations of hand paths need it; once for all memories."""
     scene, rules, arm = problem.scene, problem.rules, problem.situation.arm
     x, y = arm.hand
     horizon = problem.situation.horizon

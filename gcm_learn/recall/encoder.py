@@ -46,7 +46,7 @@ class EncoderConfig:
     width: int = 256
     """Units of a hidden layer; each tower has two."""
     memory: Literal["trace", "map", "both"] = "trace"
-    """What a memory is embedded by: its path, its situation's map, or the sum of both."""
+    """Source of a memory's embedding: its path, its situation's map, or the sum of both."""
     listwise: float = 0.3
     """Weight of the listwise loss, which asks that a valid memory comes first."""
     contrast: float = 0.1
@@ -89,12 +89,12 @@ class EncoderConfig:
 
     @property
     def uses_maps(self) -> bool:
-        """Whether memories are embedded by maps."""
+        """True if memories are embedded by maps."""
         return self.memory != "trace"
 
     @property
     def uses_traces(self) -> bool:
-        """Whether memories are embedded by their paths."""
+        """True if memories are embedded by their paths."""
         return self.memory != "map"
 
 
@@ -309,7 +309,7 @@ def load_encoder(folder: str | os.PathLike[str]) -> Encoder:
     Raises
     ------
     EncoderError
-        In one line: there is none, or it is damaged.
+        In one line: the encoder is missing or damaged.
     """
     place = Path(folder)
     load = _safetensors().load

@@ -47,7 +47,7 @@ def _quick_check(query, work, count, margin, most):
 
 @njit
 def _again(query, body, style, work, since):
-    """Meet the target anew and keep the path; the instant, -1 if there is none, and samples."""
+    """Meet the target anew and keep the path; return the instant or -1, and its samples."""
     t = meet(query, body, style, work, since)
     return t, keep(work, t, body) if t >= 0.0 else 0
 

@@ -128,7 +128,7 @@ class Coverage:
     covers, and no planning is needed to know; -1: none does, and all catches are remembered."""
 
     def covers(self, recalled: Plan, planned: Plan | None) -> bool:
-        """Whether a recalled catch makes the planned one superfluous."""
+        """Return whether a recalled catch makes the planned one superfluous."""
         if not recalled.caught or recalled.catch_time is None:
             return False
         if planned is None or planned.catch_time is None:
@@ -145,9 +145,9 @@ class Step:
     size: int
     """Memories."""
     recalled: bool
-    """Whether this situation was caught from memory, before anything was learned from it."""
+    """True if this situation was caught from memory, before anything was learned from it."""
     caught: bool
-    """Whether it was caught at all."""
+    """True if it was caught at all."""
 
 
 def grow(
@@ -240,7 +240,7 @@ def _booked(memory: Memory, situation: Situation, valid: int, fresh: bool, how: 
 
 
 def _catching(memory: Memory, problem: Any, which: np.ndarray, how: Adaptation) -> np.ndarray:
-    """Whether memories (m,) catch in the situation of a problem."""
+    """Return whether memories (m,) catch in the situation of a problem."""
     tries = MEMORIES.of(memory.kind).tries(problem, how)
     times = tries.catch_times(memory.knots, memory.goals, which)
     return np.asarray(times >= 0.0)

@@ -1,10 +1,10 @@
-"""Egocentric clearance features: what a situation looks like to its arm.
+"""Clearance features of a planar arm, on a polar lattice of hands about the shoulder.
 
-Everything is known at t = 0. Hands are taken on a polar lattice about the shoulder, which begins in
-the direction of the hand and runs to the side on which canonical arms turn; at instants that are
-told by how far the hand can have come, the clearance of the limb, with its hand there, to the body
-is asked for. What shape a body has and how it moves is no longer seen, only what it forbids. Bodies
-stay apart: a path is valid if it is so against each of them.
+Everything is known at t = 0. The lattice begins in the direction of the hand and runs to the side
+on which canonical arms turn. Its instants are given by the way that the hand can have come. At
+each, the clearance of the limb, with its hand there, to each body is computed. Shapes and motions
+of bodies are not seen, only what they forbid. Bodies stay apart: a path is valid if it is so
+against each.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ CONTEXT = TRACK * len(LENGTHS) + SCALARS
 
 
 def clearance_features(situation: Situation, scene: Scene | None = None) -> Features:
-    """What a situation in any frame looks like.
+    """Return the clearance features of a situation in any frame.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Kernels of remembered hand paths: load, move, time and check them.
 
-A remembered path lies in polar coordinates about the shoulder, in the frame in which the hand
-starts in direction 0 and the elbow is on the right: `KNOTS` rows (angle, share of the ring, time,
-earliest). What a kernel writes is in the arm-plane coordinates of the situation that it is given.
+A remembered path lies in polar coordinates about the shoulder, in a frame of its own: the hand
+starts in direction 0 and the elbow is on the right. It has `KNOTS` rows (angle, share of the ring,
+time, earliest). Kernels write in the arm-plane coordinates of the situation.
 """
 
 from __future__ import annotations
@@ -194,8 +194,8 @@ def _highest(query):
 def _move_end(query, style, work, end):
     """Write the path that starts at the hand and whose end is moved, in the situation's frame.
 
-    The path of the memory is moved by the difference of the two hands at its start and by that of
-    the two targets at its end, in between by as much of each as is left of the path.
+    The start moves by the difference of the two hands, the end by that of the two targets. In
+    between the path moves by as much of each as is left of it.
     """
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     low, high = _lowest(query), _highest(query)
@@ -251,7 +251,7 @@ def _pace(query, work):
 
 @njit(_nrt=False)
 def _away(query, b, poses, t):
-    """How long target b surely stays out of reach, of the ring or of a straight hand [s]."""
+    """Return for how long target b stays out of reach of ring and straight hand [s]."""
     size = query.scene.bodies.rows[b, REACH] + query.rules.catch
     x, y = poses[b, 0], poses[b, 1]
     top = query.scene.bodies.rows[b, TOP_SPEED]
@@ -370,7 +370,7 @@ def check(query, work, count, body):
 
 @njit
 def failures(_query, most):
-    """Return room for notes of so many paths."""
+    """Return an array for notes of `most` paths."""
     return np.empty((most, KNOTS + 1, 3))
 
 

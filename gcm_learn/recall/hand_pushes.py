@@ -25,7 +25,7 @@ _RINGS = (0.03, 0.985)  # shares of the ring between which a push may end
 
 
 class HandTouch(NamedTuple):
-    """Where a path touches."""
+    """Places and times at which a path touches."""
 
     places: np.ndarray  # (n, 3): share of the path, radius and direction of the hand
     instants: np.ndarray  # (n,) int64: of the table
@@ -159,7 +159,7 @@ def pushed(query, work, touch, wide, side):
 
 @njit(_nrt=False)
 def _push(query, touch, wide, turn_before, rise_before):
-    """Find the lowest bump that frees the limb by CLEARANCE, or the one that frees it the most.
+    """Find the lowest bump that frees the limb by CLEARANCE, or else by most.
 
     Returns
     -------

@@ -72,7 +72,7 @@ class Index(Protocol):
 
 
 class _Numbers:
-    """What indexes share that are a few arrays of numbers: key and file."""
+    """Key and file of indexes that are a few arrays of numbers."""
 
     name: ClassVar[str]
 
@@ -304,7 +304,7 @@ class PcaIndex(_Numbers):
         return replace(self, weights=weights.astype(np.float32))
 
     def _inputs(self, features: np.ndarray) -> np.ndarray:
-        """What the regression is linear in (n, COUNT + COSINES + 1)."""
+        """Return the inputs (n, HAND_COUNT + COSINES + 1) of the regression."""
         scaled = self.scale(features)
         cosines = np.cos(scaled @ self.waves + self.phases) * np.sqrt(2.0 / len(self.phases))
         return np.hstack([scaled, cosines, np.ones((len(scaled), 1), dtype=np.float32)])
@@ -326,14 +326,14 @@ class PcaIndex(_Numbers):
         return len(self.components) + 1
 
     def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
-        """Where the map of a situation probably lies."""
+        """Return the likely place of a situation's map."""
         inputs = self._inputs(raw_features(situation, scene)[None])
         return nearest_query((inputs @ self.weights)[0])
 
     def embed_memories(
         self, situations: Sequence[Any], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
-        """Where the maps of memories lie."""
+        """Return the places of the maps of memories."""
         rows = [self.components @ (map_picture(s) - self.centre) for s in situations]
         return nearest_rows(np.array(rows).reshape(-1, len(self.components)))
 

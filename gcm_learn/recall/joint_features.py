@@ -1,9 +1,9 @@
-"""What a situation looks like to a spatial arm: how little room each body leaves it.
+"""Clearance features of a spatial arm, at postures about a straight movement and all over.
 
-Everything is known at t = 0.  Postures are taken round the straight way in the joints from the
-start to where the target may be met, and all over the joints' ranges; at some instants the
-clearance of the limb, in each of them, to the body is asked for.  What shape a body has and how it
-moves is no longer seen, only what it forbids; how many there are does not matter.
+Everything is known at t = 0. A straight movement in the joints leads from the start to the target.
+Postures lie about it, and all over the joints' ranges. At some instants the clearance of the limb,
+in each posture, to each body is computed. Shapes and motions of bodies are not seen, only what they
+forbid, and their number does not matter.
 """
 
 from __future__ import annotations
@@ -58,11 +58,11 @@ BESIDE[:, 1:] = 2.0 * BESIDE[:, 1:] - 1.0
 AGAIN = np.concatenate(
     [np.tile(np.arange(t.size) > 0, n) for t, n in ((TIMES, POSTURES), (LATER, ROUND))]
 )
-"""Whether the posture of a cell is that of the cell before, at another instant."""
+"""True for a cell with the posture of the cell before, at another instant."""
 
 
 def posture_features(situation: Situation[SpatialArm], scene: Scene | None = None) -> Features:
-    """What a situation in any frame looks like.
+    """Return the clearance features of a situation in any frame.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Kernels of remembered joint movements: load, move, time and check them.
 
 A remembered movement is `KNOTS` rows (four joints of a left arm, time, earliest).  Its start is
-moved to the joints at t = 0, its end to a posture that catches the target at the time at which the
-movement can be over, in between it is moved by as much of each as is left of it.
+moved to the joints at t = 0, its end to a posture that catches the target just in time.  In between
+it is moved by as much of each as is left of it.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def load(query, paths, m, style, work):
 
 @njit(_nrt=False)
 def _soonest_end(study, work):
-    """When a movement to the end can be over, if nothing but the joints' speeds limits it [s]."""
+    """Return when a movement to the end can be over by the joints' speeds alone [s]."""
     base, share, end, rate = work.base, work.share, work.end, study.scene.limits.joint_speed
     t = 0.0
     for k in range(1, KNOTS):
@@ -164,7 +164,7 @@ def _paced(study, work):
 
 @njit(_nrt=False)
 def _away(study, b, fast, t):
-    """How long target b surely stays out of reach, of the arm or of a straight hand [s]."""
+    """Return for how long target b stays out of reach of arm and straight hand [s]."""
     limb, top, poses = study.scene.limb, study.scene.bodies.rows[b, TOP_SPEED], study.desk.poses
     _, _, _, x, y, z = limb_at(limb, limb.start)
     ring = target_room(study.scene, b, 0.0, 0.0, 0.0, t, poses)
@@ -282,7 +282,7 @@ def first_touch(study, time, joints):
 
 @njit
 def failures(_query, most):
-    """Return room for notes of so many movements."""
+    """Return an array for notes of `most` movements."""
     return np.empty((most, KNOTS, 5))
 
 

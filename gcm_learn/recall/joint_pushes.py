@@ -37,7 +37,7 @@ _SIDES = _directions()
 
 
 class JointTouch(NamedTuple):
-    """Where a movement touches."""
+    """Postures and times at which a movement touches."""
 
     share: np.ndarray  # (n,): of the movement that lies behind it
     time: np.ndarray  # (n,) [s]

@@ -55,7 +55,7 @@ class MemoryKind:
     path_features: Callable[[np.ndarray, np.ndarray], np.ndarray]
     """Features of memories' knots and goals."""
     maps: bool
-    """Whether situations have cognitive maps."""
+    """True if situations have cognitive maps."""
     problem: Callable[[Any, str], Any]
     """A situation on its way to a plan, and by which planner."""
     straight: Callable[[Any], AnyPlan]

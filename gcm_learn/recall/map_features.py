@@ -1,9 +1,8 @@
 """Features of the cognitive map of a memory's situation.
 
-Of a map, three fields are given on a polar lattice that begins in the direction of the hand: when
-the front arrived, whether it did, and where it was stopped for good (the effective obstacles). A
-cell without an arrival has a 0 in the first two fields. The interception follows: direction, share
-of the ring and time.
+Of a map, three fields are given on a polar lattice that begins in the direction of the hand. They
+are the front's arrival, a mark of arrival, and the effective obstacles. A cell without an arrival
+has a 0 in the first two fields. The interception follows: direction, share of the ring and time.
 """
 
 from __future__ import annotations
@@ -57,7 +56,7 @@ def _cells(centres: np.ndarray, near: float, far: float) -> tuple[np.ndarray, np
 def map_picture(situation: Situation) -> np.ndarray:
     """Map of a situation in its canonical frame, as numbers (2 CELLS CELLS,) float32.
 
-    Arrival as a share of the horizon, 1 where there is none, and the effective obstacles.
+    Arrival as a share of the horizon, or 1 without arrival, and the effective obstacles.
     """
     turned, _ = canonical(situation)
     made = build_map(turned, MarchingParams(n=CELLS))

@@ -1,10 +1,10 @@
 """Kernels of joint movements under limits of acceleration: they keep their times, if they can.
 
 A movement ends when the memory did, or at the nearest time at which a target can be met within the
-limits; its other times are stretched with it.  Where a piece would be too fast for the joints or
-the hand, its neighbours give it time.  The arm follows step by step: each step aims, with one
-constant acceleration, at a later place of the movement.  The error at the end is added to all of
-it, and it is followed again.
+limits.  Its other times are stretched with it.  Pieces that are too fast for the joints or the hand
+get time from their neighbours.  The arm follows step by step: each step aims, with one constant
+acceleration, at a later place of the movement.  The error at the end is added to all of it, and it
+is followed again.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def _adapted(study, b, until, work):
 
 @njit(_nrt=False)
 def _is_free(study, track):
-    """Whether the limb touches nothing on the track."""
+    """Return whether the limb is free on the track."""
     for k in range(STEPS):
         _piece(track, k, study.desk.curve)
         best, _ = least_on(
@@ -211,7 +211,7 @@ def write_best(work):
 
 @njit
 def failures(_query, most):
-    """Return room for notes of movements, which need none."""
+    """Return an array for notes, which such movements leave empty."""
     return np.empty((most, 1, 1))
 
 

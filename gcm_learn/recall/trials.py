@@ -164,8 +164,8 @@ def first_valid(query, paths, offer, styles, budget, work):
     """Try memories, the most promising first, until one is valid.
 
     Each failure says something about the situation: memories in the same direction lose by it, so
-    that the next one tried is another kind of path. Where near paths are not passed over, the
-    order is that of the offer.
+    that the next one tried is another kind of path. Without novelty the order is that of the
+    offer.
 
     Parameters
     ----------

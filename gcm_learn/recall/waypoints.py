@@ -35,8 +35,8 @@ class Waypoints(NamedTuple):
 
     Knots of a planar arm are hands: direction and share of the ring; so is its goal. Directions are
     measured from that of the hand at t = 0, counter-clockwise if the elbow is on the right, else
-    clockwise. A share of the ring is 0 at its inner rim and 1 at its outer one: how far the arm is
-    stretched, so that a path means the same to arms of other proportions.
+    clockwise. A share of the ring is 0 at its inner rim and 1 at its outer one, so that a path
+    means the same to arms of other proportions.
 
     Knots of a spatial arm are joints of a left arm [rad]. Its goal is the target's centre, and the
     hand from there, in the frame of the left arm's base [reaches].
@@ -58,9 +58,9 @@ class Waypoints(NamedTuple):
 def knot_times(time, places, count, close):
     """Times (count,) at which a path, linear in between, stays as near to itself as it can.
 
-    Beginning with its ends, the sample that is farthest from where the path would be at its time is
-    added, until none is farther than `close` (Ramer, Douglas and Peucker's rule with synchronous
-    distances, so that waits are corners, too). Knots that are left over halve the longest pieces.
+    Beginning with its ends, the sample that is farthest from the path at its time is added, until
+    all are as near as `close`. This is the rule of Ramer, Douglas and Peucker with synchronous
+    distances, so that waits are corners, too. Knots that are left over halve the longest pieces.
     """
     out, here, there = np.empty(count), np.empty(places.shape[1]), np.empty(places.shape[1])
     out[0], out[1] = time[0], time[-1]
