@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -478,15 +479,10 @@ def _between(p, q, s):
 def _pendulum(motion, t):
     """Classical Runge-Kutta steps, and one from the last step before an instant to it."""
     pull, damping = motion["gravity"] / motion["length"], motion.get("damping", 0.0)
-    fastest = max(math.sqrt(pull), abs(motion["rate"]), damping, 1e-3)
-    count = int(t.max(initial=0.0) * fastest / SWING) + 1
-    step = max(t.max(initial=0.0), 1e-9) / count
-    grid = np.empty((count + 1, 2))
-    grid[0] = motion["angle"], motion["rate"]
-    for k in range(count):
-        grid[k + 1] = _swung(grid[k], step, pull, damping)
-    k = np.clip((t / step).astype(int), 0, count)
-    angle = _swung(grid[k].T, t - k * step, pull, damping)[0]
+    until = math.ceil(1.0 + t.max(initial=0.0))
+    step, grid = _swing(motion["angle"], motion["rate"], pull, damping, until)
+    k = np.clip((t / step).astype(int), 0, len(grid) - 1)
+    angle = _swung(*grid[k].T, t - k * step, pull, damping, np.sin)[0]
     axis = np.array(motion["axis"], dtype=float)
     axis = axis / np.linalg.norm(axis)
     down = np.array(motion["down"], dtype=float)
@@ -497,18 +493,26 @@ def _pendulum(motion, t):
     return np.array(motion["pivot"], dtype=float) + hang * along, turn
 
 
-def _swung(state, h, pull, damping):
+@lru_cache(maxsize=64)
+def _swing(angle, rate, pull, damping, until):
+    """Step, and angles and rates (k, 2) of a pendulum at equal steps until a time."""
+    step = SWING / max(math.sqrt(pull), abs(rate), damping, 1e-3)
+    grid = [(angle, rate)]
+    for _ in range(math.ceil(until / step)):
+        grid.append(_swung(*grid[-1], step, pull, damping, math.sin))
+    return step, np.array(grid)
+
+
+def _swung(x, v, h, pull, damping, sin):
     """Angle and rate after a step h of the classical Runge-Kutta rule."""
-
-    def rate(x):
-        return np.array([x[1], -pull * np.sin(x[0]) - damping * x[1]])
-
-    state = np.asarray(state, dtype=float)
-    a = rate(state)
-    b = rate(state + 0.5 * h * a)
-    c = rate(state + 0.5 * h * b)
-    d = rate(state + h * c)
-    return state + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    a = -pull * sin(x) - damping * v
+    v2 = v + 0.5 * h * a
+    b = -pull * sin(x + 0.5 * h * v) - damping * v2
+    v3 = v + 0.5 * h * b
+    c = -pull * sin(x + 0.5 * h * v2) - damping * v3
+    v4 = v + h * c
+    d = -pull * sin(x + h * v3) - damping * v4
+    return x + h / 6.0 * (v + 2.0 * (v2 + v3) + v4), v + h / 6.0 * (a + 2.0 * (b + c) + d)
 
 
 POSES = {
