@@ -44,6 +44,18 @@ def test_the_same_question_has_the_same_answer(name, planner):
         assert answers[0] == answers[1]
 
 
+@pytest.mark.parametrize("planner", PLANNERS)
+def test_one_catch_is_not_all(planner):
+    """Planners that catch one target keep the promise of "most", and do not make that of "all"."""
+    situation = drawn("slide", 0)
+    other = situation["bodies"][0] | {"name": "other", "shape": {"kind": "sphere", "radius": 0.01}}
+    situation["bodies"].append(other)
+    for catch, status in (("most", "caught"), ("all", "unreachable")):
+        answer = answered(situation | {"catch": catch}, planner)
+        assert answer["status"] == status
+        assert judge(situation | {"catch": catch}, answer).complaints == []
+
+
 @pytest.mark.parametrize("name", SETS)
 def test_what_is_drawn_is_read_and_written_unchanged(name):
     for k in range(COUNT):
