@@ -1,10 +1,9 @@
 """Compiled kernels and where their code is kept: numba's `njit`, cached by content.
 
-Numba renews a cached function when its own file changes, but not when a function that it calls does
-(the callee is compiled into the caller), and it keeps code beside the sources, where an installed
-package must not write.  Here code lies in the user's cache folder, under the hash of a module's
-source and of all modules of this package that it imports: a change renews what depends on it and
-nothing else, and checkouts of the same sources share their code.
+Numba renews a cached function when its own file changes, but not when a function that it calls
+does.  It keeps code beside the sources, where an installed package must not write.  Here code lies
+in the user's cache folder, under the hash of a module's source and of all modules of this package
+that it imports.  A change renews what depends on it, and equal sources share their code.
 """
 
 from __future__ import annotations
@@ -47,13 +46,28 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     if function is None:
         return lambda later: njit(later, **options)
     made = numba.njit(**options)(function)
-    if not config.DISABLE_JIT and not is_edited(function.__module__):
+    module = function.__module__
+    if not config.DISABLE_JIT and _is_ours(module) and not is_edited(module):
         made._cache = _Cache(function)
     return made
 
 
+def _is_ours(module: str) -> bool:
+    """Return whether a module is of this package, so that its sources are hashed."""
+    return module.partition(".")[0] == "gcm_learn"
+
+
+def _all_ours(given: Any) -> bool:
+    """Return whether all named tuples among types of arguments, and within them, are ours."""
+    made = getattr(given, "instance_class", None)
+    if made is not None and not _is_ours(made.__module__):
+        return False
+    inside = getattr(given, "types", given if isinstance(given, tuple) else ())
+    return all(_all_ours(part) for part in inside)
+
+
 def folder() -> Path:
-    """Where compiled code is kept: ``NUMBA_CACHE_DIR`` if that is set, else the user's cache."""
+    """Return the folder of compiled code: ``NUMBA_CACHE_DIR`` if set, else the user's cache."""
     return Path(config.CACHE_DIR) if config.CACHE_DIR else storage.user_cache("kernels")
 
 
@@ -68,7 +82,7 @@ def source_hash(module: str) -> str:
 
 @cache
 def is_edited(module: str) -> bool:
-    """Whether sources that a module's code depends on have changed while this process ran.
+    """Return whether sources of a module's code have changed while this process ran.
 
     It may have read them before the change. Then the hash is not that of what it compiles, and code
     kept under it would break other processes: so such code is neither kept nor looked for.
@@ -113,7 +127,7 @@ def _path_of(module: str) -> Path | None:
 
 @cache
 def _imports_of(path: Path) -> list[str]:
-    """Modules of the package that a file imports; names that are no modules do no harm."""
+    """Return modules of the package that a file imports, among other names."""
     found = []
     for parent, names, whole in _IMPORT.findall(path.read_text(encoding="utf-8")):
         found.append(whole or parent)
@@ -122,7 +136,7 @@ def _imports_of(path: Path) -> list[str]:
 
 
 class _Locator:
-    """Tells numba where the code of a function lies."""
+    """Folder of a function's code, as numba asks for it."""
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         self._py_file = py_file
@@ -144,11 +158,11 @@ class _Locator:
         return str(self._folder)
 
     def get_source_stamp(self) -> str:
-        """What code is stale without."""
+        """Return the stamp that stored code must have."""
         return self._stamp
 
     def get_disambiguator(self) -> str:
-        """Tells functions of one name apart."""
+        """Return a text that differs between functions of one name."""
         return str(self._line)
 
 
@@ -175,7 +189,11 @@ class _CacheFile(IndexDataCacheFile):
 
 
 class _Cache(FunctionCache):
-    """Numba's cache of a function, in our place, and no reason to fail if that cannot be used."""
+    """Numba's cache of a function, in our place, and no reason to fail if that cannot be used.
+
+    Code for limbs of other modules is compiled anew in each process.  The hash lacks the sources of
+    these modules, and other processes may be unable to import them.
+    """
 
     _impl_class = _CacheImpl
 
@@ -186,13 +204,19 @@ class _Cache(FunctionCache):
         )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The code of a signature; None if there is none yet, and it is compiled now."""
-        code = super().load_overload(sig, target_context)
+        """Return the code of a signature; None where it has to be compiled."""
+        code = super().load_overload(sig, target_context) if _all_ours(_arguments(sig)) else None
         while code is None and on_compile:
             on_compile.pop()()
         return code
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the code of a signature; where the folder cannot be written to it is not kept."""
-        with contextlib.suppress(OSError):
-            super().save_overload(sig, data)
+        if _all_ours(_arguments(sig)):
+            with contextlib.suppress(OSError):
+                super().save_overload(sig, data)
+
+
+def _arguments(sig: Any) -> tuple[Any, ...]:
+    """Return the types of a signature's arguments."""
+    return tuple(getattr(sig, "args", sig))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import textwrap
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numba
 import pytest
@@ -33,8 +35,15 @@ def test_a_folder_that_cannot_be_is_said_by_saving_itself(tmp_path):
     assert compiled.LOCK not in str(error.value) and (tmp_path / "file").is_file()
 
 
-def test_who_listens_is_told_once_that_code_is_compiled(tmp_path, monkeypatch):
+@pytest.fixture
+def ours(tmp_path, monkeypatch):
+    """A function of the package, and the folder in which code is kept."""
     monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(doubled, "__module__", "gcm_learn.wave.doubled")
+    return doubled, tmp_path
+
+
+def test_who_listens_is_told_once_that_code_is_compiled(ours, monkeypatch):
     told = []
     for x, expected in ((2, ["first"]), (3, ["first"]), (0.5, ["first", "third"])):
         monkeypatch.setattr(compiled, "on_compile", [])
@@ -105,7 +114,81 @@ def test_code_of_sources_that_change_meanwhile_is_not_kept(package, monkeypatch,
     assert "".join(n for n in "abcd" if compiled.is_edited(f"gcm_learn.wave.{n}")) == edited
 
 
-def test_edited_functions_are_compiled_and_leave_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+def test_edited_functions_are_compiled_and_leave_nothing(ours, monkeypatch):
     monkeypatch.setattr(compiled, "is_edited", lambda module: True)
-    assert compiled.njit(doubled)(2) == 4 and not list(tmp_path.iterdir())
+    assert compiled.njit(doubled)(2) == 4 and not list(ours[1].iterdir())
+
+
+class Theirs(NamedTuple):
+    """A limb of a module outside of the package."""
+
+    length: float
+
+
+class Around(NamedTuple):
+    """What holds it."""
+
+    inner: tuple[int, Theirs]
+
+
+class Ours(NamedTuple):
+    length: float
+
+
+Ours.__module__ = "gcm_learn.arms.ours"
+
+
+def repeated(limb):
+    return limb
+
+
+@pytest.mark.parametrize(
+    ("limb", "kept"),
+    [
+        (Ours(1.0), True),
+        ((1, Ours(1.0)), True),
+        (Theirs(1.0), False),
+        (Around((1, Theirs(1.0))), False),
+        ((1, (2, Theirs(1.0))), False),
+    ],
+)
+def test_code_for_limbs_of_other_modules_is_not_kept(ours, limb, kept):
+    function, folder = ours
+    repeated.__module__ = function.__module__
+    assert compiled.njit(repeated)(limb) == limb
+    assert bool(list(folder.rglob("*.nbc"))) == kept
+
+
+def test_code_of_other_modules_is_not_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    assert compiled.njit(lambda x: x + 1)(2) == 3 and not list(tmp_path.iterdir())
+
+
+SEAM = "gcm_learn.arms.limbs"
+BEHIND = ("arms/chain_limb.py", "arms/spatial_limb.py", "arms/curves.py")
+
+
+def _kernels_at_the_seam():
+    """Modules of the package that import the seam and compile something."""
+    for path in sorted(compiled.PACKAGE.rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        if f"from {SEAM} import" in text and "@njit" in text:
+            yield ".".join(("gcm_learn", *path.relative_to(compiled.PACKAGE).with_suffix("").parts))
+
+
+@pytest.mark.parametrize("changed", BEHIND)
+def test_a_change_behind_the_seam_renews_all_kernels_before_it(tmp_path, monkeypatch, changed):
+    modules = list(_kernels_at_the_seam())
+    assert "gcm_learn.collision.postures" in modules and len(modules) > 5
+    before = {name: compiled.source_hash(name) for name in (*modules, "gcm_learn.seeding")}
+    package = tmp_path / "gcm_learn"
+    shutil.copytree(
+        compiled.PACKAGE, package, ignore=shutil.ignore_patterns("*.json", "__pycache__")
+    )
+    with open(package / changed, "a") as stream:
+        stream.write("\nMORE = 2\n")
+    monkeypatch.setattr(compiled, "PACKAGE", package)
+    _forget()
+    same = [name for name, stamp in before.items() if compiled.source_hash(name) == stamp]
+    _forget()
+    assert same == ["gcm_learn.seeding"]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms.kinds import kind_of
-from gcm_learn.arms.limbs import axis_of, hand_of, link, link_count, place
+from gcm_learn.arms.limbs import axis_of, hand_of, jacobian, link, link_count, place
 from gcm_learn.arms.rotations import rotation_of
 from gcm_learn.compiled import njit
 
@@ -29,6 +29,11 @@ def _trace(limb, joints, links, radii, hands):
 @njit
 def _links_of(limb):
     return link_count(limb)
+
+
+@njit(_nrt=False)
+def _differentiate(limb, q, out):
+    jacobian(limb, q, out)
 
 
 def _traced(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -74,3 +79,11 @@ def hands_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """
     _, _, hands = _traced(arm, joints)
     return _in_world(arm, hands[:, :3]), hands[:, 3:] @ rotation_of(arm.base.rotation).T
+
+
+def hand_speed(arm: Any, joints: ArrayLike, rates: ArrayLike) -> float:
+    """Return the speed of the hand of an arm at joints (n,) that move with rates (n,)."""
+    q = np.array(joints, dtype=float)
+    columns = np.zeros((3, q.size))
+    _differentiate(kind_of(arm).pack(arm, ()), q, columns)
+    return float(np.linalg.norm(columns @ np.array(rates, dtype=float)))

@@ -61,7 +61,7 @@ def compare(
 
 
 def check_arms(name: str, entries: Sequence[Entry]) -> None:
-    """Refuse a method that there is not, or that does not take the arms of all situations.
+    """Refuse unknown methods, and methods that do not take all of the arms.
 
     Raises
     ------
@@ -88,15 +88,23 @@ def warmed(name: str, kind: Kind = PLANAR) -> Method:
     """Return a method that has answered a few times, so that nothing is left to compile or load."""
     from gcm_learn.families import draw
 
-    made = get_method(name)
-    for k in range(3):
-        made.run(draw(CONTESTS.of(kind).example, 3, k))
+    made, example = get_method(name), CONTESTS.of(kind).example
+    if example is not None:
+        for k in range(3):
+            made.run(draw(example, 3, k))
     return made
 
 
 def _answers(name: str, entries: Sequence[tuple[Entry, bool]]) -> Rows:
     """A method's rows for some situations, and whether its thinking is charged there."""
-    return [row_of(warmed(name, kind_of(e.situation)), e, charge) for e, charge in entries]
+    kinds = [kind_of(entry.situation) for entry, _ in entries]
+    for kind in dict.fromkeys(kinds):
+        if CONTESTS.of(kind).example is None:
+            warmed(name, kind).run(entries[kinds.index(kind)][0].situation)
+    return [
+        row_of(warmed(name, kind), e, charge)
+        for kind, (e, charge) in zip(kinds, entries, strict=True)
+    ]
 
 
 def row_of(made: Method, entry: Entry, charge: bool) -> dict[str, Any]:

@@ -15,8 +15,8 @@ from gcm_learn.evaluation.resting import hand_resting, joints_resting
 class ContestKind:
     """Contests between methods on situations with one kind of arm."""
 
-    example: str
-    """Family of the situations that methods answer beforehand."""
+    example: str | None
+    """Family of the situations that methods answer beforehand; None for the first one itself."""
     movement: Callable[..., dict[str, Any]]
     """Numbers of an answer's path, of situation, result and path."""
     resting: Callable[[Any, float], str]
@@ -28,5 +28,5 @@ CONTESTS = ByKind(
         PLANAR: ContestKind("crossing-swarm", hand_movement, hand_resting),
         SPATIAL: ContestKind("crossing-swarm-space", joint_movement, joints_resting),
     },
-    who="contest",
+    default=ContestKind(None, joint_movement, joints_resting),
 )

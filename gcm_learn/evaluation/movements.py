@@ -1,4 +1,4 @@
-"""Numbers of the hand's path, for planar and for spatial arms; lengths in forearms."""
+"""Numbers of the hand's path, for each kind of arm; lengths in forearms."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import SIDE, SpatialArm, elbow_of
+from gcm_learn.arms import SIDE, SPATIAL, ByKind, elbow_of, kind_of
 from gcm_learn.collision import segment_distance
 from gcm_learn.evaluation.methods import Result
 from gcm_learn.motion import PARTS, SpatialTrajectory, Trajectory, clearance, joint_turns
 from gcm_learn.scene import LIMB, PART, pack, poses_at
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation, Situation
 
 NAMES = ("end", "length", "clearance", "peak_hand", "peak_shoulder", "peak_elbow", "part")
 _POINTS = 101  # of each part of the limb, or of a path, among which an extreme one is found
@@ -38,25 +38,33 @@ def hand_movement(situation: Situation, result: Result, path: Trajectory) -> dic
     return out
 
 
-def joint_movement(
-    situation: Situation[SpatialArm], result: Result, path: SpatialTrajectory
-) -> dict[str, Any]:
-    """Return the numbers of a spatial arm's path.
+_UNIT: ByKind[Callable[[Any], float]] = ByKind(
+    {SPATIAL: lambda arm: float(np.linalg.norm(arm.forearm))},
+    default=lambda arm: float(kind_of(arm).pack(arm, ()).length),
+)
+"""Length that counts as 1 in tables, in the unit of the arm."""
 
-    Joints 1 and 2 are the shoulder's, 3 and 4 the elbow's.
+
+def joint_movement(
+    situation: AnySituation, result: Result, path: SpatialTrajectory
+) -> dict[str, Any]:
+    """Return the numbers of the path of an arm that moves in its joints.
+
+    The first half of the joints counts as the shoulder's, the others as the elbow's.
     """
-    unit, gap = float(np.linalg.norm(path.arm.forearm)), result.clearance
+    unit, gap = _UNIT.of(path.arm)(path.arm), result.clearance
     time = np.linspace(0.0, path.duration, _POINTS)
     span = max(path.duration / (_POINTS - 1), 1e-12)
     speeds = np.linalg.norm(np.diff(path.hand_at(time), axis=0), axis=1) / span
     rates = np.abs(np.diff(path.joints_at(time), axis=0)).max(axis=0) / span
+    half = (len(rates) + 1) // 2
     return {
         "end": path.duration,
         "length": path.length / unit,
         "clearance": None if gap is None else gap / unit,
         "peak_hand": float(speeds.max()) / unit,
-        "peak_shoulder": float(rates[:2].max()),
-        "peak_elbow": float(rates[2:].max()),
+        "peak_shoulder": float(rates[:half].max()),
+        "peak_elbow": float(rates[half:].max(initial=0.0)),
     }
 
 

@@ -33,6 +33,7 @@ class Failure(Enum):
     JOINT_RANGE = "a joint would have to leave its range"
     JOINT_ACCELERATION = "a joint would have to exceed max_joint_acceleration"
     ACCELERATION_UNTAKEN = "accelerations are limited, which this planner cannot keep"
+    SEVERAL_UNTAKEN = "all of {count} targets have to be caught, and this planner catches one"
     ASTRAY = "joints that are linear between samples lead the hand astray"
     MISSED = "the hand misses the target"
     NO_TARGET_MET = "no target is met in time"

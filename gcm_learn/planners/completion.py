@@ -62,11 +62,11 @@ class Task(Generic[Movement]):
 
     @property
     def over(self) -> bool:
-        """Whether the deadline has come."""
+        """Return whether the deadline has come."""
         return self.deadline is not None and self.deadline.over
 
     def slices(self, size: int, whole: int) -> int:
-        """How much of some work is done before the deadline is looked at: all if there is none."""
+        """Return the share of some work before the next check of the deadline: all without one."""
         return whole if self.deadline is None else min(size, whole)
 
     @property
@@ -85,7 +85,7 @@ class Task(Generic[Movement]):
 
     @property
     def rules(self) -> Rules:
-        """What movements keep so that they are surely verified."""
+        """Limits less a margin, with which movements are surely verified."""
         return self._opening.rules
 
     @property
@@ -111,9 +111,12 @@ class Task(Generic[Movement]):
         )
 
     def early_answer(self) -> Plan[Movement] | None:
-        """What can be said without planning: blocked at the start, or hopeless."""
+        """Return the answer that needs no planning: blocked at the start, or hopeless."""
         if self.start_clearance <= 0.0:
             return self.answer(Failure.START_BLOCKED)
+        count = len(self.situation.targets)
+        if self.situation.catch == "all" and count > 1:
+            return self.answer(Failure.SEVERAL_UNTAKEN.with_numbers(count=count))
         if not self._opening.hopeful:
             return self.answer(Failure.OUT_OF_REACH)
         return None
@@ -171,16 +174,16 @@ class SpatialProblem(Task[SpatialTrajectory]):
 
     @property
     def accelerates(self) -> bool:
-        """Whether the joints' accelerations are limited."""
+        """Return whether the joints' accelerations are limited."""
         return self.situation.arm.max_joint_acceleration is not None
 
     def early_answer(self, keeps_acceleration: bool = False) -> Plan[SpatialTrajectory] | None:
-        """What can be said without planning.
+        """Return the answer that needs no planning.
 
         Parameters
         ----------
         keeps_acceleration : bool
-            Whether who asks can keep limits of acceleration; else there is no plan under these.
+            Planners that do not keep limits of acceleration have no plan under them.
         """
         early = super().early_answer()
         if early is None and self.accelerates and not keeps_acceleration:
@@ -189,7 +192,7 @@ class SpatialProblem(Task[SpatialTrajectory]):
 
 
 def until(situation: Situation, bound: float | None) -> Situation:
-    """The situation in which only catches until a bound count [s]; None is no bound."""
+    """Return the situation in which only catches until a bound count [s]."""
     if bound is None or bound >= situation.horizon:
         return situation
     if not bound > 0.0:
@@ -281,8 +284,8 @@ def path_through(
 def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt | None:
     """Time a path through hand-space by the front's arrival and end it on a target.
 
-    The movement ends where the hand first comes within grasp of a target; if it does not along the
-    path, it goes on straight from the path's end to the earliest interception.
+    The movement ends where the hand first comes within grasp of a target.  Without a
+    catch along the path, it goes on straight from the path's end to the earliest interception.
 
     Parameters
     ----------
@@ -318,7 +321,7 @@ def go_on(
     hand: np.ndarray,
     ending: tuple[np.ndarray, np.ndarray, int] | None,
 ) -> Attempt | None:
-    """A timed path with what `straight_catch` found from its end on; None if that is nothing."""
+    """A timed path and from its end on what `straight_catch` found, if anything."""
     if ending is None:
         return None
     time = np.concatenate([time, ending[0][1:]])

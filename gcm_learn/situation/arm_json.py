@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, Base, ByKind, Chain, Kind, SpatialArm
+from gcm_learn.arms import CHAIN, PLANAR, Arm, Base, ByKind, Chain, Kind
 from gcm_learn.situation.arm_files import arm_to_json, model_from
 from gcm_learn.situation.formats import Format
 from gcm_learn.situation.json_records import (
@@ -40,12 +40,13 @@ class Reading:
         return normalised_units(obj) if self.format.normalises else obj
 
 
-ArmReader = Callable[[object, str, Reading], Any]
+ArmReader = Callable[[type[Any], object, str, Reading], Any]
 
 
 def arm_from(obj: object, path: str, reading: Reading) -> Any:
     """Return the arm of a situation."""
-    return _READ.of(_kind_in(obj, path, reading.format.kinds))(obj, path, reading)
+    kind = _kind_in(obj, path, reading.format.kinds)
+    return _READ.of(kind)(kind.arm, obj, path, reading)
 
 
 def arm_members(arm: Any) -> dict[str, Any]:
@@ -61,18 +62,18 @@ def _kind_in(obj: object, path: str, known: tuple[Kind, ...]) -> Kind:
     return next(kind for kind in known if kind.name == name)
 
 
-def _planar(obj: object, path: str, reading: Reading) -> Arm:
-    return record_from(Arm, obj, path)
+def _planar(arm: type[Arm], obj: object, path: str, reading: Reading) -> Arm:
+    return record_from(arm, obj, path)
 
 
-def _spatial(obj: object, path: str, reading: Reading) -> SpatialArm:
-    return made_from(SpatialArm, _based(SpatialArm, obj, path, reading), path)
+def _on_base(arm: type[Any], obj: object, path: str, reading: Reading) -> Any:
+    return made_from(arm, _based(arm, obj, path, reading), path)
 
 
-def _chain(obj: object, path: str, reading: Reading) -> Chain:
-    values = _based(Chain, obj, path, reading)
+def _chain(arm: type[Chain], obj: object, path: str, reading: Reading) -> Chain:
+    values = _based(arm, obj, path, reading)
     values["model"] = model_from(values["model"], f"{path}.model", reading.folder)
-    return made_from(Chain, values, path)
+    return made_from(arm, values, path)
 
 
 def _based(record: type, obj: object, path: str, reading: Reading) -> dict[str, Any]:
@@ -86,14 +87,14 @@ def _based(record: type, obj: object, path: str, reading: Reading) -> dict[str, 
 
 
 def _chain_members(arm: Chain) -> dict[str, Any]:
-    return {"kind": arm.kind, **members_of(arm), "model": arm_to_json(arm.model)}
+    return {**_members(arm), "model": arm_to_json(arm.model)}
 
 
-def _spatial_members(arm: SpatialArm) -> dict[str, Any]:
+def _members(arm: Any) -> dict[str, Any]:
     return {"kind": arm.kind, **members_of(arm)}
 
 
-_READ: ByKind[ArmReader] = ByKind({PLANAR: _planar, SPATIAL: _spatial, CHAIN: _chain})
+_READ: ByKind[ArmReader] = ByKind({PLANAR: _planar, CHAIN: _chain}, default=_on_base)
 _WRITE: ByKind[Callable[[Any], dict[str, Any]]] = ByKind(
-    {PLANAR: members_of, SPATIAL: _spatial_members, CHAIN: _chain_members}
+    {PLANAR: members_of, CHAIN: _chain_members}, default=_members
 )

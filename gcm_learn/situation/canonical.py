@@ -1,6 +1,6 @@
 """One frame for situations that differ only by how they are turned or mirrored.
 
-Nothing in the world of the arm prefers a direction: a situation turned about the shoulder, or
+The world of the arm prefers no direction.  A situation that is turned about the shoulder, or
 mirrored with the elbow's side, has the same solutions, turned or mirrored.  The canonical form has
 the hand on the positive x axis and the elbow on the right.
 """
@@ -15,7 +15,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Chain, SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Chain, SpatialArm
 from gcm_learn.situation.body import Body
 from gcm_learn.situation.frames import plane_frame
 from gcm_learn.situation.laws import carried
@@ -147,5 +147,5 @@ def _solid_mover(plane: Plane, frame: Frame) -> Callable[[Body], Body]:
 
 
 _FORM: ByKind[Any] = ByKind(
-    {PLANAR: _canonical_in_plane, SPATIAL: canonical_in_space, CHAIN: canonical_on_base}
+    {PLANAR: _canonical_in_plane, SPATIAL: canonical_in_space}, default=canonical_on_base
 )

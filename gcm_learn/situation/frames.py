@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, rotation_of
+from gcm_learn.arms import PLANAR, ByKind, rotation_of
 from gcm_learn.situation.situation import AnySituation, Plane
 
 _IDENTITY = np.eye(3)
@@ -41,4 +41,4 @@ def _arm_plane(situation: AnySituation) -> tuple[np.ndarray, np.ndarray]:
     return plane_frame(situation.plane)
 
 
-_FRAME = ByKind({PLANAR: _arm_plane, SPATIAL: _base_frame, CHAIN: _base_frame})
+_FRAME = ByKind({PLANAR: _arm_plane}, default=_base_frame)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
-
-from gcm_learn.arms import CHAIN, SPATIAL, ByKind, kind_of
+from gcm_learn.arms import CHAIN, ByKind
 from gcm_learn.arms.chain import unknown_obstacle
-from gcm_learn.arms.chain_limb import jacobian
-from gcm_learn.arms.spatial_limb import hand_jacobian
+from gcm_learn.arms.kinematics import hand_speed
 from gcm_learn.errors import SituationError
 from gcm_learn.situation.body import Body
 
@@ -19,10 +16,8 @@ SLACK = 1e-6
 CHECKED = ("gcm-learn/situation@3",)
 """Formats in which the hand's speed at t = 0 is checked."""
 
-Derivative = Callable[[Any, np.ndarray, np.ndarray], None]
-_RATES: ByKind[tuple[Derivative, str]] = ByKind(
-    {SPATIAL: (hand_jacobian, "joint_rates"), CHAIN: (jacobian, "rates")}
-)
+_RATES = ByKind({CHAIN: "rates"}, default="joint_rates")
+"""Names of the rates at t = 0 in files."""
 
 
 def check_start(arm: Any, bodies: Iterable[Body], version: str) -> None:
@@ -40,10 +35,7 @@ def check_start(arm: Any, bodies: Iterable[Body], version: str) -> None:
             raise SituationError(f"arm.ignore[{k}]", unknown_obstacle(name))
     rates: tuple[float, ...] = getattr(arm, "joint_rates", None) or ()
     if version in CHECKED and arm.max_hand_speed is not None and any(rates):
-        derivative, field = _RATES.of(arm)
-        columns = np.zeros((3, len(rates)))
-        derivative(kind_of(arm).pack(arm, ()), np.array(arm.joints), columns)
-        speed = float(np.linalg.norm(columns @ np.array(rates)))
+        speed = hand_speed(arm, arm.joints, rates)
         if speed > arm.max_hand_speed * (1.0 + SLACK):
             reason = f"move the hand at {speed:.6g} (max {arm.max_hand_speed:g})"
-            raise SituationError(f"arm.{field}", reason)
+            raise SituationError(f"arm.{_RATES.of(arm)}", reason)

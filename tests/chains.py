@@ -1,0 +1,158 @@
+"""Situations of chains, drawn from numbers alone: item k of a set is always the same."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.situation import arm_to_json, shipped_arm
+from tests.planners.test_referee_of_chains import SLIDE
+from tests.referee_of_chains import arm_of, hand_of, least_at, links_of, poses, size_of
+
+MODELS = {
+    "panda": arm_to_json(shipped_arm("panda")),
+    "planar-2": arm_to_json(shipped_arm("planar-2")),
+    "slide": SLIDE,
+}
+SETS = tuple(MODELS)
+COUNT = 15
+BLOCKED = 7  # the item of a set that is blocked at the start
+LAWS = ("quadratic", "piecewise", "sampled", "pendulum")
+TRIES = 200
+
+
+def drawn(name, k):
+    """Situation k of a set, in the format ``gcm-learn/situation@3``."""
+    rng = np.random.default_rng([SETS.index(name), k])
+    model = MODELS[name]
+    given = {"kind": "chain", "model": model, "grasp": 0.03, "base": _base(rng, k)}
+    given["posture"] = [0.0] * len(model["joints"])
+    arm = arm_of(given, {})
+    size, horizon = size_of(arm), float(rng.uniform(0.8, 1.6))
+    start = _free_posture(rng, arm, [])
+    given["posture"] = start.tolist()
+    if k % 5 == 3:
+        given["max_hand_speed"] = 0.8 * size
+    bodies = [_target(rng, arm, start, horizon, LAWS[k % 4], k % 3 == 1)]
+    ends, _ = links_of(arm, start[None])
+    if k == BLOCKED:
+        bodies.append(_body(rng, "wall", 0.05 * size, _law(rng, "quadratic", ends[-1, 1, 0], 0.0)))
+    if k % 4 == 2:  # a table in the first link, which stands on it
+        first = int(np.argmin([link["joint"] for link in model["links"]]))
+        given["ignore"] = [[first, "table"]]
+        bodies.append(
+            _body(rng, "table", 0.04 * size, _law(rng, "quadratic", ends[first, 0, 0], 0.0))
+        )
+        bodies[-1]["shape"] = {"kind": "box", "half_extents": [0.04 * size] * 3}
+    for i in range(int(rng.integers(2, 7))):
+        bodies.append(_obstacle(rng, arm, start, bodies, f"body {i}", given.get("ignore", [])))
+    situation = {"format": "gcm-learn/situation@3", "name": f"{name}-{k}", "horizon": horizon}
+    return situation | {"arm": given, "bodies": bodies}
+
+
+def _base(rng, k):
+    if k % 2:
+        return {}
+    turn = rng.normal(size=4)
+    return {
+        "origin": rng.uniform(-1.0, 1.0, 3).tolist(),
+        "rotation": (turn / np.linalg.norm(turn)).tolist(),
+    }
+
+
+def _free_posture(rng, arm, bodies):
+    """A posture in which no pair of links overlaps, nor a link any of the bodies."""
+    for _ in range(TRIES):
+        posture = rng.uniform(arm["low"], arm["high"])
+        if min(least_at({"bodies": bodies}, arm, np.zeros(1), posture[None])) > 0.01:
+            return posture
+    raise ValueError("no free posture")
+
+
+def _target(rng, arm, start, horizon, law, approached):
+    """A small body whose way leads past the hand of a posture that the arm can reach in time."""
+    when = float(rng.uniform(0.4, 0.8)) * horizon
+    way = rng.uniform(-0.6, 0.6, len(start)) * when * arm["speed"]
+    goal = np.clip(start + way, arm["low"], arm["high"])
+    hand, axis = hand_of(arm, goal[None])
+    made = _body(rng, "target", 0.02 * size_of(arm), _law(rng, law, hand[0], when))
+    made["role"] = "target"
+    if approached:
+        _, turn = poses(made, np.array([when]))
+        made["approach"] = {"axis": (turn[0].T @ axis[0]).tolist(), "within": 0.5}
+    return made
+
+
+def _obstacle(rng, arm, start, bodies, name, ignored):
+    """A body that is free of the arm at t = 0."""
+    size = size_of(arm)
+    for _ in range(TRIES):
+        centre = arm["origin"] + rng.uniform(-1.0, 1.0, 3) * size
+        law = _law(rng, LAWS[int(rng.integers(4))], centre, float(rng.uniform(0.0, 1.0)))
+        made = _body(rng, name, float(rng.uniform(0.03, 0.12)) * size, law)
+        if least_at({"bodies": [made]}, arm, np.zeros(1), start[None])[0] > 0.01:
+            return made
+    raise ValueError("no room for an obstacle")
+
+
+def _body(rng, name, size, motion):
+    kind = ("sphere", "box", "capsule", "cylinder")[int(rng.integers(4))]
+    if kind == "sphere":
+        shape = {"radius": size}
+    elif kind == "box":
+        shape = {"half_extents": (size * rng.uniform(0.3, 1.0, 3)).tolist()}
+    else:
+        shape = {"radius": 0.5 * size, "half_length": float(rng.uniform(0.3, 1.0)) * size}
+    return {"role": "obstacle", "name": name, "shape": {"kind": kind} | shape, "motion": motion}
+
+
+def _unit(rng, count):
+    given = rng.normal(size=count)
+    return (given / np.linalg.norm(given)).tolist()
+
+
+def _law(rng, law, place, when):
+    """A motion that is at a place at a time."""
+    velocity = rng.uniform(-0.7, 0.7, 3)
+    turning = {"orientation": _unit(rng, 4), "spin": rng.uniform(-3.0, 3.0, 3).tolist()}
+    if law == "quadratic":
+        fall = np.array([0.0, 0.0, -1.0])
+        first = place - when * velocity + 0.5 * when**2 * fall
+        begin = (velocity - when * fall).tolist()
+        made = {"position": first.tolist(), "velocity": begin, "acceleration": fall.tolist()}
+        return {"kind": law} | made | turning
+    if law == "piecewise":
+        calm = {"acceleration": [0.0] * 3, "orientation": turning["orientation"]}
+        half = max(0.5 * when, 0.05)
+        after = rng.uniform(-0.7, 0.7, 3)
+        middle = place - (when - half) * after
+        before = {"start": 0.0, "position": (middle - half * velocity).tolist()}
+        pieces = [before | {"velocity": velocity.tolist()} | calm]
+        pieces.append(
+            {"start": half, "position": middle.tolist(), "velocity": after.tolist()} | calm
+        )
+        return {"kind": law, "pieces": pieces}
+    if law == "sampled":
+        times = sorted({0.0, 0.3, when, when + 0.4})
+        places = [(place + rng.uniform(-0.3, 0.3, 3) * (t != when)).tolist() for t in times]
+        return {
+            "kind": law,
+            "times": times,
+            "positions": places,
+            "orientations": _turning(rng, times),
+        }
+    axis = np.array(_unit(rng, 3))
+    down = np.cross(axis, _unit(rng, 3))
+    swing = {"kind": law, "pivot": [0.0] * 3, "axis": axis.tolist(), "length": 0.8, "gravity": 9.8}
+    swing |= {"down": (down / np.linalg.norm(down)).tolist(), "angle": 0.5, "rate": 1.0}
+    centre, _ = poses({"motion": swing}, np.array([when]))
+    return swing | {"pivot": (place - centre[0]).tolist()}
+
+
+def _turning(rng, times):
+    """Orientations that turn on by little."""
+    q, made = np.array(_unit(rng, 4)), []
+    for _ in times:
+        q = q + 0.3 * rng.normal(size=4)
+        q /= np.linalg.norm(q)
+        made.append(q.tolist())
+    return made
