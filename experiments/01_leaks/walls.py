@@ -125,7 +125,7 @@ def draw(
     per_radian = breadth(lattice, direction)
     rate = speed * lattice.spacing / per_radian  # [rad/tau]
     half = max(0.5 * width * lattice.spacing * distance / per_radian, POINT)
-    here = float(direction[lattice.cell_of(*hand)])
+    here = float(direction[lattice.cell_of(hand)])
     out = params.start_radius / front_speed(params).fastest if params.start_radius > 0 else 0.0
     if motion == "passing":
         pair, horizon = _passing(rng, here, rate / kappa, half, out * kappa)

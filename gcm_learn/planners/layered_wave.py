@@ -9,7 +9,6 @@ import numpy as np
 
 from gcm_learn.arms import joints_of
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import Lattice
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import FrontPlanner, wave_levels
@@ -47,7 +46,6 @@ def straightened(front: Front, scene: Scene) -> Front:
     lattice.  Here states on the path are left out where the straight line is safe as well.
     """
     lattice, via = front.chart, np.array(front.via)
-    assert isinstance(lattice, Lattice), "the wave runs over lattices only"
     n = lattice.n
     reached = Reached(
         front.cells,

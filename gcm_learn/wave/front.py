@@ -168,6 +168,56 @@ def first_arrivals(
     )
 
 
+def all_arrivals(
+    chart: Chart,
+    nodes: np.ndarray,
+    via: np.ndarray,
+    arrival: np.ndarray,
+    end: np.ndarray,
+    refused: np.ndarray,
+    met: tuple[int, int, float],
+) -> Front:
+    """Make the front of a hand that may wait, of m states.
+
+    Parameters
+    ----------
+    nodes, via, arrival, end : (m,) ndarray
+        As in `Front`.
+    refused : (nodes,) ndarray of bool
+        Nodes in which an obstacle was when a front came.
+    met : (int, int, float)
+        State and body (-1 if none) and time [s] of the first contact.
+    """
+    state, body, time = met
+    contacts = np.zeros(refused.size, dtype=np.bool_)
+    if state >= 0:
+        contacts[nodes[state]] = True
+    return Front(
+        chart=chart,
+        waits=True,
+        nodes=nodes,
+        via=via,
+        arrival=arrival,
+        end=end,
+        refused=refused.reshape(chart.shape),
+        met=contacts.reshape(chart.shape),
+        met_state=state,
+        met_body=body,
+        met_time=time,
+        steps=len(nodes),
+    )
+
+
+def ranks(order: np.ndarray, count: int) -> np.ndarray:
+    """Places (count + 1,) of some of `count` states in an order (k,); -1 for others.
+
+    The last entry is that of the state -1, which is none.
+    """
+    rank = np.full(count + 1, -1)
+    rank[order] = np.arange(len(order))
+    return rank
+
+
 @lru_cache(maxsize=16)
 def _all_nodes(count: int) -> np.ndarray:
     """Indices (count,) of all nodes; shared, read-only."""

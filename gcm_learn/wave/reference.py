@@ -16,7 +16,7 @@ from gcm_learn.wave.excitation import FELT
 from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.inhibition import SADDLE, TICK
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
-from gcm_learn.wave.limits import fastest
+from gcm_learn.wave.limits import fastest_in_plane
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
 from gcm_learn.wave.solver import front_speed
 from gcm_learn.wave.stepping import CORNERS, EDGES, Cell, Stepped, couplings
@@ -135,7 +135,9 @@ class _Waiting(Stepped):
 
     def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
         super().__init__(scene, lattice, params)
-        self.clock = free_clock(params) * (lattice.spacing / fastest(scene))  # [s] at every TICK
+        self.clock = free_clock(params) * (
+            lattice.spacing / fastest_in_plane(scene)
+        )  # [s] at every TICK
         self.slowness = 1.0 / front_speed(params).fastest
         self.seen = 0.0  # until when bodies have been looked at [s]
         self.met = (scene.limits.horizon, -1, -1)  # when [s], state, body

@@ -42,7 +42,7 @@ _workspace = threading.local()
 
 
 def kappa_in_space(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> float:
-    """Seconds per unit of mental time, such that a free front does not outrun the hand.
+    """Run `wave.kappa_of` for cells in space.
 
     Fronts come late while they are small.  So this holds for the whole way from the hand to what is
     half a lattice away: the front is late before, and may be early by a tenth beyond.
@@ -128,30 +128,14 @@ def propagate_in_space(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run the wave of Eq. 10 from the hand until contact, the end of hand-space or the horizon.
+    """Run `wave.propagate` over cells in space, of one posture each.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of a spatial arm.
-    lattice : SpaceLattice
-    params : WaveParams
-        The discrete Laplacian has 7 points, whatever they say of the plane's.
-    ignore : float
-        Contacts before this time do not count [s].
-    widening : (n^3,) ndarray, optional
-        Margin of every cell beyond that of the parameters, in the same unit.
-
-    Returns
-    -------
-    Front
-        Of one sheet.
+    The discrete Laplacian has 7 points, whatever the parameters say of the plane's.
     """
     if lattice.postures != 1:
         raise LatticeError(f"a wave in space needs one posture in a cell, not {lattice.postures}")
     n, kappa = lattice.n, kappa_in_space(scene, lattice, params)
-    terms = terms_of(scene, lattice, params, kappa, ignore)
-    terms = terms._replace(speed=quickest(scene, lattice))
+    terms = terms_of(scene, lattice, params, kappa, ignore, quickest(scene, lattice))
     ground = _ground(scene, lattice, params)
     radius = max(params.start_radius, START_BALL)
     ball, away = _start_ball(scene, lattice, 2.0 * radius + kernels.SPREAD)

@@ -27,7 +27,7 @@ from gcm_learn.scene import (
 )
 from gcm_learn.wave.limits import contact_distance, gaps
 from gcm_learn.wave.params import REST, WaveParams
-from gcm_learn.wave.solver import front_speed, kappa_of, rates_of, start_disc
+from gcm_learn.wave.solver import front_speed, kappa_in_plane, rates_of, start_disc
 
 FINENESS = 0.05  # from one instant of a search to the next, a body moves this many cells at most
 EDGES = ((0, 1), (0, -1), (1, 0), (-1, 0))
@@ -111,7 +111,7 @@ class Stepped:
     def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
         n, shape = params.n, lattice.shape
         self.scene, self.lattice, self.params = scene, lattice, params
-        self.kappa = kappa_of(scene, lattice, params)
+        self.kappa = kappa_in_plane(scene, lattice, params)
         self.tau, self.steps = 0.0, 0
         self.inside, self.limb = hand_space(lattice).inside.reshape(n, n), _limbs(lattice)
         stride = hand_space(lattice).stride

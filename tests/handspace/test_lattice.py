@@ -28,8 +28,8 @@ def test_every_centre_lies_in_its_own_cell(rho):
     lattice = Lattice(33, rho)
     for iy in range(33):
         for ix in range(33):
-            assert lattice.cell_of(lattice.centres[ix], lattice.centres[iy]) == (iy, ix)
-    assert lattice.cell_of(-99.0, 99.0) == (32, 0)
+            assert lattice.cell_of(lattice.centres[[ix, iy]]) == (iy, ix)
+    assert lattice.cell_of((-99.0, 99.0)) == (32, 0)
 
 
 @pytest.mark.parametrize("n", [SMALLEST_LATTICE - 1, LARGEST_LATTICE + 1])
