@@ -77,7 +77,7 @@ class SpaceLattice(Chart):
     Arrays over it are indexed ``[iz, iy, ix]``, and ``[iz, iy, ix, k]`` with several postures.
 
     The module `postures` has the rule by which a hand has its postures. `inside` and `joints` find
-    the postures of all nodes; fronts find the postures of the nodes that they reach.
+    the postures of all nodes. Fronts find the postures of the nodes that they reach.
     """
 
     kind: ClassVar[Kind] = SPATIAL

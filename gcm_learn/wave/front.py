@@ -1,4 +1,4 @@
-"""What a front left behind: the same record for all engines, with waits or without."""
+"""Record of a front, the same for all engines, with waits or without."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Front:
     met: np.ndarray
     """(...) bool: where a target was met."""
     met_state: int
-    """State in which a target is met first, -1 if none."""
+    """State of the first contact, -1 without one."""
     met_body: int
     """Index of that target, -1 if none."""
     met_time: float
@@ -50,7 +50,7 @@ class Front:
 
     @property
     def first(self) -> np.ndarray:
-        """First arrival (...) at every node [s], negative where there is none."""
+        """First arrival (...) at every node [s], negative where the front never came."""
         if not self.waits:
             return self.arrival.reshape(self.chart.shape)
         out = np.full(self.refused.size, np.inf)
@@ -58,9 +58,10 @@ class Front:
         return np.where(np.isfinite(out), out, -1.0).reshape(self.chart.shape)
 
     def sheets(self) -> tuple[np.ndarray, np.ndarray]:
-        """Arrivals (s, ...) in the first, second, ... interval of every node that was reached [s].
+        """Arrivals (s, ...) in the first, second, ... interval of every reached node [s].
 
-        And where (s, ...) there is none, or a front that cannot wait was refused.
+        The second array (s, ...) marks nodes without an arrival, and refusals of a front that
+        cannot wait.
         """
         if not self.waits:
             first = self.first
@@ -88,7 +89,7 @@ class Front:
         return out.reshape(-1, *self.chart.shape)
 
     def chain(self) -> list[int]:
-        """States on the path from the hand to where the target is met."""
+        """Return the states on the path from the hand to the first contact."""
         assert self.via is not None, "its map is to be descended instead"
         chain, state = [], self.met_state
         while state >= 0:
@@ -105,9 +106,9 @@ class Front:
         Returns
         -------
         order : (k,) ndarray
-            The states that are the first in their interval, node by node in order of arrival.
+            First states of their intervals, node by node in order of arrival.
         sheet : (k,) ndarray
-            How many intervals of their node come before.
+            Number of intervals of their node before theirs.
         """
         node, arrival = self.nodes, self.arrival
         order = np.lexsort((arrival, node))

@@ -122,7 +122,7 @@ def march_layers(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """March over nodes and safe intervals until a target is met; the hand may wait.
+    """March over nodes and safe intervals until a contact; the hand may wait.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def propagate_layers(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run the wave of Eq. 10 until a target is met or the horizon; the hand may wait.
+    """Run the wave of Eq. 10 until a contact or the horizon; the hand may wait.
 
     A cell is excited as long as the hand can be there: obstacles inhibit it while they are there.
 

@@ -8,7 +8,7 @@ from gcm_learn.arms import joints_of
 from gcm_learn.collision import Postures, postures_of
 from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.scene import Scene
-from gcm_learn.wave.kernels import Terms
+from gcm_learn.wave.kernels import Run, Terms
 from gcm_learn.wave.params import MarchingParams, WaveParams
 
 
@@ -87,11 +87,33 @@ def terms_of(
     )
 
 
+def run_of(params: WaveParams, quiet: float, slowness: float) -> Run:
+    """Bind the numbers by which a wave is run.
+
+    Parameters
+    ----------
+    quiet : float
+        Change of a potential below which a block of cells counts as settled [1/tau].
+    slowness : float
+        Inverse speed of the fastest front [tau per cell].
+    """
+    return Run(
+        held=params.frozen == "held",
+        diffusion=params.diffusion,
+        epsilon=params.epsilon,
+        quiet=quiet,
+        step=params.step,
+        lag=2 * max(1, int(0.6 / params.step + 1e-9)) * params.step,
+        slowness=slowness,
+        threshold=params.threshold,
+    )
+
+
 def turns_of(scene: Scene, lattice: Lattice) -> tuple[np.ndarray, float]:
     """Joint angles in every cell, then the hand's (n * n + 1, 2), and a shoulder's full turn.
 
-    As times that it takes to turn so far, in crossings of a cell at the fastest speed; no rows
-    if the joints are not limited.
+    They count as times of turning, in crossings of a cell at the fastest speed.  Joints without
+    limits have no rows.
     """
     limits, limb = scene.limits, scene.limb
     unit = np.array([limits.shoulder, limits.elbow]) * lattice.spacing / fastest_in_plane(scene)

@@ -14,7 +14,7 @@ from gcm_learn.handspace import Lattice, cell_joints, hand_space
 from gcm_learn.scene import Limits, Scene, no_bodies
 from gcm_learn.wave import kernels, stencil
 from gcm_learn.wave.front import Front, first_arrivals
-from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, terms_of
+from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, run_of, terms_of
 from gcm_learn.wave.params import REST, WaveParams
 
 QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
@@ -114,7 +114,7 @@ def start_disc(scene: Scene, lattice: Lattice, params: WaveParams) -> tuple[np.n
 def ground_of(
     scene: Scene, lattice: Lattice, params: WaveParams, buffer: np.ndarray, slowness: float
 ) -> kernels.Ground:
-    """The lattice at rest in a buffer; `slowness` is the fastest front's [tau per cell]."""
+    """Bind the lattice at rest in a buffer; `slowness` is the fastest front's [tau per cell]."""
     n, shape = lattice.n, stencil.layout(lattice.n)
     ground = kernels.Ground(
         B=buffer,
@@ -124,15 +124,8 @@ def ground_of(
         rate=rates_of(scene, lattice),
         active=np.ones((n + 2, shape.blocks), dtype=np.bool_),
         points=params.laplacian,
-        held=params.frozen == "held",
-        diffusion=params.diffusion,
-        epsilon=params.epsilon,
-        quiet=QUIET,
-        step=params.step,
-        lag=2 * max(1, int(0.6 / params.step + 1e-9)) * params.step,
         start=params.start_radius * slowness,
-        slowness=slowness,
-        threshold=params.threshold,
+        run=run_of(params, QUIET, slowness),
     )
     rest = REST if params.start == "rest" else (0.0, 0.0)
     kernels.prepare(ground, hand_space(lattice).inside, *rest)
@@ -142,7 +135,7 @@ def ground_of(
 def rates_of(scene: Scene, lattice: Lattice) -> np.ndarray:
     """Rate (n * n,) of every cell's dynamics: q of Eq. 10 as a share of full speed.
 
-    A wave's speed does not depend on direction.  Where joints limit the hand, the front is as fast
+    A wave's speed does not depend on direction.  If joints limit the hand, the front is as fast
     as the hand is on average over directions; the plan's timing then keeps the limits exactly.
     """
     limits = scene.limits

@@ -45,7 +45,7 @@ class FrontInSpace:
     trials: int = 3
     """Interceptions that are tried on each of them."""
     wait: bool = False
-    """Whether the hand may wait: maps then have sheets."""
+    """The hand may wait: maps then have sheets."""
 
     takes = staticmethod(spatial_only)
 
@@ -136,7 +136,7 @@ def followed(
 def lay(study: Study, joints: np.ndarray, times: np.ndarray, waits: bool, way: Way) -> bool:
     """Write the way through joints (m, 4), wanted at times (m,), as soon as limits allow.
 
-    Where there is time left the limb waits before the move, or moves more slowly without `waits`.
+    If time is left, the limb waits before the move, or moves more slowly without `waits`.
     Returns whether it comes before the horizon.
     """
     limits, now = study.scene.limits, 0.0
