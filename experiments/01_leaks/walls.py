@@ -1,13 +1,13 @@
 """Moving walls in hand-space, and how to see that a front has leaked through one.
 
 A point-like body at the distance s from the shoulder is touched when the point of the limb at that
-distance lies in its direction.  So with phi(y) for the direction of that point at hand position y,
-the body is the line phi(y) = theta in hand-space, which runs from the outer to the inner rim of the
-ring: a wall without holes, whatever its thickness.  For s < rho it is the upper arm that is touched
-(the wall is half a circle); for rho < s < 1 - rho it is the forearm.
+distance lies in its direction.  Let phi(y) be the direction of that point at hand position y.  Then
+the body is the line phi(y) = theta in hand-space, from the outer to the inner rim of the ring: a
+wall without holes, whatever its thickness.  For s < rho it touches the upper arm, and the wall is
+half a circle.  For rho < s < 1 - rho it touches the forearm.
 
 Two such bodies enclose the hand in a wedge.  A front that respects them reaches every cell while
-the cell is in the wedge; a cell that is reached and not frozen while it is outside shows a leak.
+the cell is in the wedge.  A cell that is reached and not frozen while it is outside shows a leak.
 The criterion needs neither distances nor tolerances.
 """
 
@@ -81,7 +81,7 @@ def limb_direction(lattice: Lattice, distance: float) -> np.ndarray:
 
 
 def breadth(lattice: Lattice, direction: np.ndarray) -> float:
-    """How far walls move for a radian of turn, where they move most [forearm lengths]."""
+    """Largest way of the walls for a radian of turn [forearm lengths]."""
     slope = np.zeros_like(direction)
     for axis in (0, 1):
         step = np.angle(np.exp(1j * (np.roll(direction, -1, axis) - np.roll(direction, 1, axis))))
@@ -125,7 +125,7 @@ def draw(
     per_radian = breadth(lattice, direction)
     rate = speed * lattice.spacing / per_radian  # [rad/tau]
     half = max(0.5 * width * lattice.spacing * distance / per_radian, POINT)
-    here = float(direction[lattice.cell_of(*hand)])
+    here = float(direction[lattice.cell_of(hand)])
     out = params.start_radius / front_speed(params).fastest if params.start_radius > 0 else 0.0
     if motion == "passing":
         pair, horizon = _passing(rng, here, rate / kappa, half, out * kappa)
@@ -149,8 +149,8 @@ def _angles(
 ) -> tuple[float, float, float]:
     """Angles between hand and walls, and a horizon [tau], for a rate [rad/tau].
 
-    Approaching walls are to meet the front when it has some size, if there is room for that: they
-    start far off, but leave a sector on the far side in which a leak is seen.
+    Approaching walls should meet the front when it has some size.  They start far off, but leave a
+    sector on the far side in which a leak is seen.
     """
     near = rng.uniform(clear, clear + 0.7, size=2)
     meet = rng.uniform(20.0, 90.0) * rate

@@ -179,7 +179,7 @@ def wave_in_space_against_stencil() -> str:
     scene, steps = pack(situation), round(TAU / EXPLORE.step)
     horizon = TAU * kappa_of(scene, lattice, EXPLORE)
     scene = scene._replace(limits=scene.limits._replace(horizon=horizon))
-    B, s = stencil_in_space.room(), stencil_in_space
+    B, s = stencil_in_space.room_in_space(), stencil_in_space
     B[:] = 0.0
     for k, value in ((2, -2 / 7), (3, 0.2), (4, 6.0)):
         s.field(B, k, 80)[:] = value

@@ -1,10 +1,11 @@
 """Hand-space: its charts, and what obstacles are in it."""
 
+from gcm_learn.handspace.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.handspace.extended import extended_obstacle, upper_arm_image
 from gcm_learn.handspace.joints import JointLattice, joint_lattice
+from gcm_learn.handspace.kinds import chart_of, lattice_of
 from gcm_learn.handspace.lattice import (
     LARGEST_LATTICE,
-    SMALLEST_LATTICE,
     START_RADIUS,
     Lattice,
     cell_joints,
@@ -15,9 +16,7 @@ from gcm_learn.handspace.room import room_in_space
 from gcm_learn.handspace.space import (
     LARGEST_IN_SPACE,
     MOST_POSTURES,
-    Chart,
     SpaceLattice,
-    chart_of,
     ring_leap,
     space_of,
 )
@@ -37,6 +36,7 @@ __all__ = [
     "extended_obstacle",
     "hand_space",
     "joint_lattice",
+    "lattice_of",
     "occupied_cells",
     "ring_leap",
     "room_in_space",

@@ -4,26 +4,30 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import PLANAR, Kind
 from gcm_learn.arms.planar_limb import SIDE, elbow_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
+from gcm_learn.handspace.chart import SMALLEST_LATTICE, Chart
 
-SMALLEST_LATTICE, LARGEST_LATTICE = 16, 320
+LARGEST_LATTICE = 320
 START_RADIUS = 2.0  # cells this near to the hand are reached straight from it
 
 
 @dataclass(frozen=True)
-class Lattice:
+class Lattice(Chart):
     """A square lattice of n x n cells over the disc of radius upper_arm + 1 (Eq. 10's Lambda).
 
     Arrays over it are indexed ``[iy, ix]``, so ``imshow(a, origin="lower", extent=lattice.extent)``
     draws them in place.
     """
 
+    kind: ClassVar[Kind] = PLANAR
+    half_diagonal: ClassVar[float] = 0.71
     n: int = 80
     """Cells along a side; 80 in the paper."""
     upper_arm: float = 1.0
@@ -40,27 +44,19 @@ class Lattice:
             raise LatticeError(f"elbow must be 'right' or 'left', got {self.elbow!r}")
 
     @property
-    def spacing(self) -> float:
-        """Side h of a cell [forearm lengths]."""
-        return 2.0 * (self.upper_arm + 1.0) / self.n
+    def reach(self) -> float:
+        """Radius of the disc [forearm lengths]."""
+        return self.upper_arm + 1.0
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
         """Left, right, bottom, top edge, as matplotlib's ``extent``."""
-        reach = self.upper_arm + 1.0
-        return (-reach, reach, -reach, reach)
+        return (-self.reach, self.reach, -self.reach, self.reach)
 
     @cached_property
     def centres(self) -> np.ndarray:
         """Coordinates (n,) of the cells' centres along an axis."""
-        return (np.arange(self.n) + 0.5) * self.spacing - (self.upper_arm + 1.0)
-
-    def cell_of(self, x: float, y: float) -> tuple[int, int]:
-        """Index (iy, ix) of the cell that holds a point, clipped to the lattice."""
-        reach, h = self.upper_arm + 1.0, self.spacing
-        ix = min(max(int((x + reach) / h), 0), self.n - 1)
-        iy = min(max(int((y + reach) / h), 0), self.n - 1)
-        return iy, ix
+        return (np.arange(self.n) + 0.5) * self.spacing - self.reach
 
     @property
     def shape(self) -> tuple[int, int]:

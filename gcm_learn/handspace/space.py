@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple, TypeAlias
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, Arm, SpatialArm, rotation_of
+from gcm_learn.arms import JOINTS, SPATIAL, Kind, SpatialArm, rotation_of
 from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, spatial_limb_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
-from gcm_learn.handspace.lattice import SMALLEST_LATTICE, Lattice
+from gcm_learn.handspace.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.handspace.postures import Rule, leap_of, posture_of, rule_of
 from gcm_learn.scene import Scene
 
@@ -70,16 +70,18 @@ def look_at_all(nodes):
 
 
 @dataclass(frozen=True)
-class SpaceLattice:
+class SpaceLattice(Chart):
     """A lattice of n x n x n cells over the ball of hand positions, and K postures in each.
 
     The frame is that of the arm's base: the shoulder in the middle, lengths in the arm's unit.
     Arrays over it are indexed ``[iz, iy, ix]``, and ``[iz, iy, ix, k]`` with several postures.
 
     The module `postures` has the rule by which a hand has its postures. `inside` and `joints` find
-    the postures of all nodes; fronts find the postures of the nodes that they reach.
+    the postures of all nodes. Fronts find the postures of the nodes that they reach.
     """
 
+    kind: ClassVar[Kind] = SPATIAL
+    half_diagonal: ClassVar[float] = 0.87
     arm: SpatialArm
     n: int = 80
     """Cells along a side."""
@@ -101,19 +103,9 @@ class SpaceLattice:
         return (self.n,) * 3 + ((self.postures,) if self.postures > 1 else ())
 
     @property
-    def size(self) -> int:
-        """Number of nodes."""
-        return self.n**3 * self.postures
-
-    @property
     def reach(self) -> float:
         """Radius of the ball, half a side of the lattice."""
         return self.arm.reach
-
-    @property
-    def spacing(self) -> float:
-        """Side of a cell."""
-        return 2.0 * self.reach / self.n
 
     @property
     def centres(self) -> np.ndarray:
@@ -172,13 +164,6 @@ class SpaceLattice:
                 row[:] = NOWHERE
         return out
 
-    def cell_of(self, hand: np.ndarray) -> tuple[int, int, int]:
-        """Index (iz, iy, ix) of the cell that holds a point (3,), clipped to the lattice."""
-        x, y, z = (
-            min(max(int((c + self.reach) / self.spacing), 0), self.n - 1) for c in np.asarray(hand)
-        )
-        return z, y, x
-
     def in_world(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 3) of the lattice's frame, in the world."""
         base = self.arm.base
@@ -217,13 +202,3 @@ def ring_leap(postures: int) -> float:
 def space_of(arm: SpatialArm, n: int, postures: int = 1) -> SpaceLattice:
     """The lattice of an arm's hand-space; the last two lattices keep their postures."""
     return SpaceLattice(arm, n, postures)
-
-
-Chart: TypeAlias = Lattice | SpaceLattice
-
-
-def chart_of(arm: Arm | SpatialArm, n: int) -> Chart:
-    """The chart of an arm's hand-space, n cells along a side: what fronts run over by default."""
-    if isinstance(arm, SpatialArm):
-        return space_of(arm, n)
-    return Lattice(n, arm.upper_arm, arm.elbow)

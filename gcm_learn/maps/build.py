@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from gcm_learn.arms import Arm
-from gcm_learn.handspace import Chart, Lattice, SpaceLattice, chart_of
+from gcm_learn.handspace import Chart, chart_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
+from gcm_learn.maps.kinds import MAPS
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import AnySituation, planar
+from gcm_learn.situation import AnySituation
 from gcm_learn.wave import (
     Front,
     MarchingParams,
     WaveParams,
+    engine_of,
     kappa_of,
-    march,
-    march_layers,
-    propagate,
-    propagate_layers,
 )
 
 
@@ -57,11 +52,10 @@ def build_map(
         Whether the target was met is its `interception`.
     """
     params = WaveParams() if params is None else params
-    if isinstance(params, WaveParams) and wait:
-        situation = planar(situation, "a wave that may wait")
+    engine = engine_of(situation, params, wait)
     scene = pack(situation) if scene is None else scene
-    chart = chart_of(situation.arm, params.n) if chart is None else chart  # type: ignore[arg-type]
-    front = explore(scene, chart, params, wait=wait, ignore=ignore, widening=widening)
+    chart = chart_of(situation, params.n) if chart is None else chart
+    front = engine(scene, chart, params, ignore=ignore, widening=widening)
     return map_of(situation, scene, front, params)
 
 
@@ -77,14 +71,14 @@ def explore(
     """Let a front spread over a chart; the arguments mean the same as in `build_map`.
 
     The wave runs in the plane, and in space over lattices of one posture, without waits.
+
+    Raises
+    ------
+    ArmKindError
+        If there is no such engine for charts of this kind.
     """
-    if isinstance(params, MarchingParams):
-        marching = march_layers if wait else march
-        return marching(scene, chart, params, ignore=ignore, widening=widening)
-    if not isinstance(chart, Lattice if wait else Lattice | SpaceLattice):
-        raise TypeError(f"the wave needs a Lattice, got {type(chart).__name__}")
-    wave: Any = propagate_layers if wait else propagate
-    return wave(scene, chart, params, ignore=ignore, widening=widening)
+    engine = engine_of(chart.kind, params, wait)
+    return engine(scene, chart, params, ignore=ignore, widening=widening)
 
 
 def map_of(
@@ -105,11 +99,12 @@ def map_of(
             time=front.met_time,
             body=situation.bodies[front.met_body].name,
         )
-    way = None if isinstance(front.chart, Lattice) else front.came_from()
+    kind = MAPS.of(front.chart.kind)
+    way = kind.via(front)
     timed = params if isinstance(params, WaveParams) and not front.waits else WaveParams()
     return CognitiveMap(
         chart=front.chart,
-        hand=_hand(front.chart, situation),
+        hand=kind.hand(situation.arm, front.chart),
         arrival=np.ma.MaskedArray(sheets[0], mask=masked[0]),
         effective_obstacles=front.refused,
         effective_target=front.met,
@@ -119,11 +114,3 @@ def map_of(
         later=np.ma.MaskedArray(sheets[1:], mask=masked[1:]) if len(sheets) > 1 else None,
         via=way[0] if way is not None and len(way) == 1 else way,
     )
-
-
-def _hand(chart: Chart, situation: AnySituation) -> tuple[float, ...]:
-    """Return the hand at t = 0, in the chart's frame."""
-    if isinstance(situation.arm, Arm):
-        return situation.arm.hand
-    assert isinstance(chart, SpaceLattice)
-    return chart.hand

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import Base, SpatialArm
 from gcm_learn.errors import FileFormatError
-from gcm_learn.handspace import Chart, Lattice, SpaceLattice
+from gcm_learn.handspace import Chart, Lattice, lattice_of
+from gcm_learn.maps.kinds import chart_from, header_of
 from gcm_learn.storage import whole_file
-
-FORMAT, SPATIAL_FORMAT = "gcm-learn/map@1", "gcm-learn/map@2"
 
 
 @dataclass(frozen=True)
@@ -70,10 +68,8 @@ class CognitiveMap:
 
     @property
     def lattice(self) -> Lattice:
-        """The chart of a map of the plane."""
-        if not isinstance(self.chart, Lattice):
-            raise TypeError(f"this map is over a {type(self.chart).__name__}, not over a Lattice")
-        return self.chart
+        """Chart of a map of the plane; another is refused by an ArmKindError."""
+        return lattice_of(self.chart)
 
     @property
     def arrival_tau(self) -> np.ma.MaskedArray:
@@ -104,7 +100,7 @@ class CognitiveMap:
     def save(self, path: str | Path) -> Path:
         """Write a map over a lattice to an .npz file (whole or not at all); returns its path."""
         path = Path(path).with_suffix(".npz")
-        header = _header_of(self.chart) | {
+        header = header_of(self.chart) | {
             "hand": self.hand,
             "kappa": self.kappa,
             "engine": self.engine,
@@ -144,7 +140,7 @@ class CognitiveMap:
             )
         arrival = data["arrival"]
         return cls(
-            chart=_chart_of(header),
+            chart=chart_from(header),
             hand=tuple(header["hand"]),
             arrival=np.ma.MaskedArray(arrival, mask=arrival < 0.0),
             effective_obstacles=data["effective_obstacles"],
@@ -157,23 +153,3 @@ class CognitiveMap:
             else None,
             via=data.get("via"),
         )
-
-
-def _header_of(chart: Chart) -> dict[str, Any]:
-    """Header of a file for a lattice."""
-    if isinstance(chart, Lattice):
-        return {"format": FORMAT, "n": chart.n, "upper_arm": chart.upper_arm, "elbow": chart.elbow}
-    sizes = {"n": chart.n, "postures": chart.postures}
-    return {"format": SPATIAL_FORMAT, **sizes, "arm": asdict(chart.arm)}
-
-
-def _chart_of(header: dict[str, Any]) -> Chart:
-    """The lattice that a file speaks of."""
-    if header["format"] == FORMAT:
-        return Lattice(header["n"], header["upper_arm"], header["elbow"])
-    if header["format"] == SPATIAL_FORMAT:
-        arm = header["arm"] | {"base": Base(**header["arm"]["base"])}
-        return SpaceLattice(SpatialArm(**arm), header["n"], header["postures"])
-    raise FileFormatError(
-        f"format is {header['format']!r}, expected {FORMAT!r} or {SPATIAL_FORMAT!r}"
-    )

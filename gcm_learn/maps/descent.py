@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import Lattice, SpaceLattice
+from gcm_learn.handspace import Chart
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
 STRIDE = 0.35  # length of a step [cells]
@@ -142,14 +144,14 @@ def descend(
         When the front was there [s].
         None instead of both if there is no path.
     """
-    lattice = cognitive_map.chart
-    if not isinstance(lattice, Lattice):
-        return _over_nodes(cognitive_map, lattice, start)
+    if cognitive_map.via is not None:
+        return _over_nodes(cognitive_map, start)
+    lattice = cognitive_map.lattice
     if start is None:
         if cognitive_map.interception is None:
             return None
         start = cognitive_map.interception.position
-    h, reach = lattice.spacing, lattice.upper_arm + 1.0
+    h, reach = lattice.spacing, lattice.reach
     ends = (np.array([*start, *cognitive_map.hand]) + reach) / h - 0.5
     points = np.empty((40 * lattice.n, 3))
     count = descend_kernel(cognitive_map.arrival.filled(-1.0), *ends, points)
@@ -162,9 +164,10 @@ def descend(
 
 
 def _over_nodes(
-    cognitive_map: CognitiveMap, chart: SpaceLattice, start: tuple[float, ...] | None
+    cognitive_map: CognitiveMap, start: tuple[float, ...] | None
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Run `descend` in space, from the interception or from the earliest node at `start`."""
+    """Run `descend` from node to node; the earliest node at `start` counts."""
+    chart = cognitive_map.chart
     sheets = cognitive_map.sheets.filled(np.inf).ravel()
     state = cognitive_map.met
     if start is not None:
@@ -177,10 +180,12 @@ def _over_nodes(
     return np.array([chart.hand_at(n) for n in nodes]), sheets[states].astype(float)
 
 
-def _nearest(chart: SpaceLattice, start: tuple[float, ...]) -> np.ndarray:
+def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
     """Nodes (k,) of the cell that holds a place."""
-    cell = np.ravel_multi_index(chart.cell_of(np.array(start)), (chart.n,) * 3)
-    return int(cell) * chart.postures + np.arange(chart.postures)
+    index = chart.cell_of(start)
+    cells = (chart.n,) * len(index)
+    postures = chart.size // math.prod(cells)
+    return int(np.ravel_multi_index(index, cells)) * postures + np.arange(postures)
 
 
 def chain_to(cognitive_map: CognitiveMap, state: int) -> list[int]:

@@ -9,7 +9,6 @@ import numpy as np
 
 from gcm_learn.arms import joints_of
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import Lattice
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import FrontPlanner, wave_levels
@@ -25,8 +24,8 @@ CLOSE = 0.5  # distance of the points at which a straight piece is asked [cells]
 def layered_wave(params: WaveParams | None = None) -> FrontPlanner:
     """The paper's wave when the hand may wait; the straight line first, as in `layered`.
 
-    The Laplacian is the one of nine points: of the two that the paper may mean the one whose front
-    is less early along the diagonals (erratum 9), which costs catches when it is late elsewhere.
+    The Laplacian has nine points, because its front is less early along the diagonals than that of
+    five points (erratum 9). A front that is early there and late elsewhere costs catches.
     """
     params = WaveParams(laplacian=9) if params is None else params
     return FrontPlanner("layered-wave", wave_levels(params, _explore), direct=True)
@@ -41,13 +40,12 @@ def _explore(problem: Problem, params: WaveParams, feedback: Feedback) -> Explor
 
 
 def straightened(front: Front, scene: Scene) -> Front:
-    """The same front with fewer bends on the path to where the target is met.
+    """Return the front with fewer bends on the path to the first contact.
 
     A front of the wave knows from which neighbour it came to a cell, so its paths run along the
     lattice.  Here states on the path are left out where the straight line is safe as well.
     """
     lattice, via = front.chart, np.array(front.via)
-    assert isinstance(lattice, Lattice), "the wave runs over lattices only"
     n = lattice.n
     reached = Reached(
         front.cells,
@@ -62,7 +60,7 @@ def straightened(front: Front, scene: Scene) -> Front:
 
 
 class Reached(NamedTuple):
-    """The states of a front, and how to find those of a cell."""
+    """The states of a front, listed by cell."""
 
     cells: np.ndarray  # (m, 2): iy, ix
     arrival: np.ndarray  # [s]

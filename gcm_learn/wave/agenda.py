@@ -1,4 +1,4 @@
-"""What layered marching has yet to look at: a queue of cells by time, and what comes out of it.
+"""Agenda of layered marching: a queue of cells by time, and batches that come out of it.
 
 Entries are of two kinds: a front comes to a cell (`ARRIVE`), or a cell is free again (`REOPEN`).
 Lengths are in cells, times in crossings of a cell.
@@ -13,6 +13,7 @@ import numpy as np
 from gcm_learn.collision.intervals import NEVER, last_use, next_free
 from gcm_learn.compiled import njit
 from gcm_learn.handspace import START_RADIUS
+from gcm_learn.wave.buckets import Queue, left_in, put, take
 from gcm_learn.wave.plane import (
     BUCKETS,
     PER_CELL,
@@ -25,8 +26,7 @@ from gcm_learn.wave.plane import (
 )
 
 SETTLED, PASSING = 1, 4  # not to be entered any more; reached, but safe only for a while
-SPARE = 1 + BUCKETS  # entry of `counts` that heads the list of queue entries to be used again
-ARRIVE, REOPEN = 0, 1  # kinds of queue entries
+ARRIVE, REOPEN = 0, 1  # kinds of queue entries: an item is twice the cell and its kind
 FROM_HAND, ITSELF = -1, -2  # sources that are no earlier state
 
 # Columns of a state: cell (padded index), source and predecessor (states); arrival, end.
@@ -43,15 +43,14 @@ class Sheets(NamedTuple):
 
 
 class Agenda(NamedTuple):
-    """What is known of the cells of the padded lattice, and which of them are to be looked at."""
+    """State of the cells of the padded lattice, and a queue of cells."""
 
     status: np.ndarray
     tent: np.ndarray  # when the next front comes
     again: np.ndarray  # when a cell that was blocked is free
     source_of: np.ndarray  # of the next front
     via_of: np.ndarray
-    queue: np.ndarray  # (m, 3): cell, the next entry of its bucket, kind
-    counts: np.ndarray  # number of entries, the first entry of every bucket, the first spare one
+    queue: Queue  # cells and kinds
     turn_of: np.ndarray  # place of a cell in the batch
 
 
@@ -71,27 +70,17 @@ class Batch(NamedTuple):
 @njit(_nrt=False)
 def push(k, time, kind, bucket, agenda):
     """Put cell k into the bucket of a time, not before the one being worked on."""
-    queue, counts = agenda.queue, agenda.counts
     # One turn of the buckets is all that the queue can tell apart: later visits ask again.
     ahead = min(max(int(time * PER_CELL), bucket), bucket + BUCKETS - 1)
-    slot = 1 + (ahead & (BUCKETS - 1))
-    entry = counts[SPARE]
-    if entry >= 0:
-        counts[SPARE] = queue[entry, 1]
-    elif counts[0] < queue.shape[0]:
-        entry = counts[0]
-        counts[0] = entry + 1
-    else:
-        return
-    queue[entry, 0], queue[entry, 1], queue[entry, 2] = k, counts[slot], kind
-    counts[slot] = entry
+    if left_in(agenda.queue) > 0:
+        put(2 * k + kind, ahead & (BUCKETS - 1), agenda.queue)
 
 
 @njit(_nrt=False)
 def way_in(k, time, plane, sheets):
     """State of a neighbour in which the hand can wait to be in cell k at `time`; -1 if none.
 
-    Among those that are possible the one that was reached first: it has most room to wait.
+    It is the possible state that was reached first, in which the hand can wait longest.
     """
     n, states, spans = plane.n, sheets.states, sheets.spans
     best = -1
@@ -121,7 +110,7 @@ def keep(i, to, batch):
 
 @njit(_nrt=False)
 def keep_useful(count, ways, when, limb, terms, batch):
-    """Drop those of `count` cells from which no target can be met any more; returns the rest.
+    """Drop cells from which no target can be met any more; returns the number of others.
 
     `ways` are the targets', a target can be met at `when` [s].
     """
@@ -140,7 +129,7 @@ def keep_useful(count, ways, when, limb, terms, batch):
 
 @njit(_nrt=False)
 def keep_free(count, room, batch):
-    """Drop the blocked ones of `count` cells, and what there is no `room` for; returns the rest."""
+    """Drop blocked cells, and all beyond `room`; returns the number of others."""
     free = 0
     for i in range(count):
         if not batch.which[i] and free < room:
@@ -171,16 +160,12 @@ def pop(bucket, plane, terms, agenda, sheets, batch):
 
     Entries for later turns of the buckets go back into the queue; stale ones are dropped.
     """
-    queue, counts, tent, again = agenda.queue, agenda.counts, agenda.tent, agenda.again
+    queue, tent, again = agenda.queue, agenda.tent, agenda.again
     places, start, turn_of = batch.places, batch.start, agenda.turn_of
-    slot, count = 1 + bucket % BUCKETS, 0
-    entry = counts[slot]
-    counts[slot] = -1
-    while entry >= 0:
-        k, kind, used = queue[entry, 0], queue[entry, 2], entry
-        entry = queue[entry, 1]
-        queue[used, 1] = counts[SPARE]
-        counts[SPARE] = used
+    slot, count = bucket % BUCKETS, 0
+    while queue.heads[slot] >= 0:
+        item = take(slot, queue)
+        k, kind = item >> 1, item & 1
         due = tent[k] if kind == ARRIVE else again[k]
         if due >= NEVER or due > terms.end:
             continue
@@ -215,9 +200,9 @@ def pop(bucket, plane, terms, agenda, sheets, batch):
 
 @njit(_nrt=False)
 def put_off(count, bucket, postures, terms, agenda, batch):
-    """Make notes to look again at those of `count` cells that `which` names, when they are free.
+    """Put cells that `which` names into the queue again, for the time at which they are free.
 
-    That is after `until`; what is not free before its limit is not to be entered any more.
+    The time is after `until`; a cell that stays blocked to its limit is never entered again.
     """
     kappa = terms.kappa
     for i in range(count):

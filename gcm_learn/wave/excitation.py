@@ -1,7 +1,8 @@
 """The wave of Eq. 10 that may wait: the excited region is where the hand can be, at every moment.
 
 A state is a cell in one of its safe intervals, as in `wave.layered`; a cell that is excited again
-after an obstacle has gone is another state.  What obstacles do to cells is in `wave.inhibition`.
+after an obstacle has gone is another state.  The module `wave.inhibition` has the effects of
+obstacles on cells.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ from gcm_learn.wave.kernels import (
     every_block,
     find_runs,
     next_door,
+    rhythm,
+    when_crossed,
 )
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
@@ -53,8 +56,8 @@ ROOT2 = float(np.sqrt(2.0))
 def way_back(k, m, when, ground, book):
     """State from which the front came to a cell: where its arrivals fall off most steeply.
 
-    Among neighbours that have been waiting it is the one that was reached first, which has most
-    room to wait.  Corner neighbours count if the front can also get there through edges.
+    Among neighbours that have been waiting it is the neighbour that was reached first, in which the
+    hand can wait longest.  Corner neighbours count if the front can also get there through edges.
     """
     B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
     best, steepest = -1, -1.0
@@ -127,10 +130,10 @@ def reached(watch, watched, tau, ground, book, batch):
     that goes on rising is put back to rest: it had been charged by cells that are inhibited now.
     """
     B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
-    threshold, count = np.float32(ground.threshold), 0
+    threshold, count = np.float32(ground.run.threshold), 0
     risen = np.float32(0.5) * (threshold + UP_R)
     for w in range(watched):
-        if not crossed(B, watch[w], plane, threshold):
+        if not crossed(B, watch[w], 5 * plane, threshold):
             continue
         first = np.int64(watch[w])
         corner = (first // W - 1) * n + first % W - LEFT - first
@@ -144,9 +147,7 @@ def reached(watch, watched, tau, ground, book, batch):
                 continue
             m = corner + k
             before = max(before, book.opened[m])
-            rise = B[k] - B[k + plane]
-            back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
-            when = max(tau - min(back, ground.lag), before)
+            when = when_crossed(B, k, plane, tau, before, ground.run)
             batch.cells[count], batch.since[count], batch.when[count] = m, before, when
             batch.via[count] = way_back(k, m, when, ground, book)
             count += 1
@@ -155,7 +156,7 @@ def reached(watch, watched, tau, ground, book, batch):
 
 @njit
 def admit(count, tau, ground, world, book, batch):
-    """Inhibit those of the cells just reached that an obstacle came to; returns how many are left.
+    """Inhibit reached cells to which an obstacle came; returns the number of others.
 
     A cell must have been free since the front was next door, or since it was released.
     """
@@ -197,7 +198,7 @@ def settle(count, ground, world, book, batch, best):
         m, s = batch.cells[i], total + i
         arrival = seconds(batch.when[i], world)
         if s == 0:  # the hand is there, and has to have time to leave
-            batch.until[i] = max(batch.until[i], ground.slowness * world.kappa)
+            batch.until[i] = max(batch.until[i], ground.run.slowness * world.kappa)
         book.states[s, CELL], book.states[s, VIA] = m, batch.via[i]
         book.spans[s, ARRIVAL], book.spans[s, END] = arrival, batch.until[i]
         book.latest[m] = s
@@ -232,7 +233,7 @@ def set_out(disc, away, ground, world, book, batch):
     B, W, plane, count = ground.B, ground.W, ground.plane, 0
     since, blocked = np.zeros(1), np.zeros(1, dtype=np.bool_)
     for i in range(disc.size):
-        m, when = disc[i], away[i] * ground.slowness
+        m, when = disc[i], away[i] * ground.run.slowness
         k, via = entry_of(m, ground), -1
         if i > 0:
             before = np.float64(next_door(B, k, W, plane))
@@ -258,7 +259,7 @@ def set_out(disc, away, ground, world, book, batch):
 
 @njit
 def propagate_layers(disc, away, ground, world, book, batch):
-    """Run the wave until a target is met or the horizon; the buffer must be prepared.
+    """Run the wave until a contact or the horizon; the buffer must be prepared.
 
     Parameters
     ----------
@@ -275,9 +276,8 @@ def propagate_layers(disc, away, ground, world, book, batch):
         When [s]; the horizon if none is.
     """
     n, W, blocks = ground.n, ground.W, ground.active.shape[1]
-    d, eps = np.float32(ground.diffusion), np.float32(ground.epsilon * ground.step)
-    pairs = int(0.5 * ground.lag / ground.step + 0.5)
-    looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the runs
+    d, eps = np.float32(ground.run.diffusion), np.float32(ground.run.epsilon * ground.run.step)
+    pairs, looks = rhythm(ground.run)
     lo = np.zeros(n * blocks, dtype=np.uint64)
     hi, watch = np.zeros_like(lo), np.zeros_like(lo)
     runs, watched = every_block(ground, lo, hi, watch)
@@ -292,7 +292,7 @@ def propagate_layers(disc, away, ground, world, book, batch):
         for _ in range(pairs):
             two_steps(ground.B, lo, hi, runs, d, eps, W, ground.points)
         book.tally[LOOK] += 1
-        tau = ground.start + book.tally[LOOK] * ground.lag
+        tau = ground.start + book.tally[LOOK] * ground.run.lag
         count = reached(watch, watched, tau, ground, book, batch)
         if count > 0:
             count = admit(count, tau, ground, world, book, batch)

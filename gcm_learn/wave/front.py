@@ -1,4 +1,4 @@
-"""What a front left behind: the same record for all engines, with waits or without."""
+"""Record of a front, the same for all engines, with waits or without."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Front:
     met: np.ndarray
     """(...) bool: where a target was met."""
     met_state: int
-    """State in which a target is met first, -1 if none."""
+    """State of the first contact, -1 without one."""
     met_body: int
     """Index of that target, -1 if none."""
     met_time: float
@@ -50,7 +50,7 @@ class Front:
 
     @property
     def first(self) -> np.ndarray:
-        """First arrival (...) at every node [s], negative where there is none."""
+        """First arrival (...) at every node [s], negative where the front never came."""
         if not self.waits:
             return self.arrival.reshape(self.chart.shape)
         out = np.full(self.refused.size, np.inf)
@@ -58,9 +58,10 @@ class Front:
         return np.where(np.isfinite(out), out, -1.0).reshape(self.chart.shape)
 
     def sheets(self) -> tuple[np.ndarray, np.ndarray]:
-        """Arrivals (s, ...) in the first, second, ... interval of every node that was reached [s].
+        """Arrivals (s, ...) in the first, second, ... interval of every reached node [s].
 
-        And where (s, ...) there is none, or a front that cannot wait was refused.
+        The second array (s, ...) marks nodes without an arrival, and refusals of a front that
+        cannot wait.
         """
         if not self.waits:
             first = self.first
@@ -88,7 +89,7 @@ class Front:
         return out.reshape(-1, *self.chart.shape)
 
     def chain(self) -> list[int]:
-        """States on the path from the hand to where the target is met."""
+        """Return the states on the path from the hand to the first contact."""
         assert self.via is not None, "its map is to be descended instead"
         chain, state = [], self.met_state
         while state >= 0:
@@ -105,9 +106,9 @@ class Front:
         Returns
         -------
         order : (k,) ndarray
-            The states that are the first in their interval, node by node in order of arrival.
+            First states of their intervals, node by node in order of arrival.
         sheet : (k,) ndarray
-            How many intervals of their node come before.
+            Number of intervals of their node before theirs.
         """
         node, arrival = self.nodes, self.arrival
         order = np.lexsort((arrival, node))
@@ -166,6 +167,56 @@ def first_arrivals(
         met_time=time if node >= 0 else horizon,
         steps=steps,
     )
+
+
+def all_arrivals(
+    chart: Chart,
+    nodes: np.ndarray,
+    via: np.ndarray,
+    arrival: np.ndarray,
+    end: np.ndarray,
+    refused: np.ndarray,
+    met: tuple[int, int, float],
+) -> Front:
+    """Make the front of a hand that may wait, of m states.
+
+    Parameters
+    ----------
+    nodes, via, arrival, end : (m,) ndarray
+        As in `Front`.
+    refused : (nodes,) ndarray of bool
+        Nodes in which an obstacle was when a front came.
+    met : (int, int, float)
+        State and body (-1 if none) and time [s] of the first contact.
+    """
+    state, body, time = met
+    contacts = np.zeros(refused.size, dtype=np.bool_)
+    if state >= 0:
+        contacts[nodes[state]] = True
+    return Front(
+        chart=chart,
+        waits=True,
+        nodes=nodes,
+        via=via,
+        arrival=arrival,
+        end=end,
+        refused=refused.reshape(chart.shape),
+        met=contacts.reshape(chart.shape),
+        met_state=state,
+        met_body=body,
+        met_time=time,
+        steps=len(nodes),
+    )
+
+
+def ranks(order: np.ndarray, count: int) -> np.ndarray:
+    """Places (count + 1,) of some of `count` states in an order (k,); -1 for others.
+
+    The last entry is that of the state -1, which is none.
+    """
+    rank = np.full(count + 1, -1)
+    rank[order] = np.arange(len(order))
+    return rank
 
 
 @lru_cache(maxsize=16)

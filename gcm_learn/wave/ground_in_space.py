@@ -1,4 +1,4 @@
-"""What the wave of Eq. 10 in space is run on: a lattice's cells in a buffer, blocks, batches."""
+"""Records of the wave of Eq. 10 in space: the cells in a buffer, blocks, batches."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.space import Nodes
+from gcm_learn.wave.kernels import Run
 from gcm_learn.wave.stencil_in_space import FIELD, LEFT, SLAB, WIDTH
 
 UNASKED, GAPS, WHOLE = 0, 1, 2  # of a block: whether all of its cells have postures
@@ -18,7 +19,7 @@ DOORS = np.array([-SLAB, -WIDTH, -1, 1, WIDTH, SLAB])
 
 
 class Found(NamedTuple):
-    """What waves have found out about the cells of a lattice, and keep for the next."""
+    """Findings about the cells of a lattice, which waves keep for later waves."""
 
     nodes: Nodes
     elbows: np.ndarray  # (n^3, 3) float32
@@ -39,14 +40,7 @@ class SpaceGround(NamedTuple):
     wake: np.ndarray  # the same shape, bool: blocks that are about to be stepped; False in between
     slowest: float  # least rate of a cell
     fewest: int  # excited cells that start a wave
-    held: bool  # frozen cells are seen by their neighbours instead of being cut out
-    diffusion: float
-    epsilon: float
-    quiet: float  # change of a potential [1/tau] below which a block counts as settled
-    step: float  # [tau]
-    lag: float  # from look to look [tau]
-    slowness: float  # of the fastest front [tau per cell]
-    threshold: float
+    run: Run
 
 
 class Runs(NamedTuple):
@@ -67,7 +61,7 @@ class SpaceBatch(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """What becomes of cells."""
+    """Verdicts on cells."""
 
     state: np.ndarray  # (n^3,) uint8: FREE, FROZEN or CONTACT
     via: np.ndarray  # (n^3,) int32: cell that the front came from, -1 if from the hand
@@ -104,9 +98,9 @@ def four_joints(joints, m):
 
 @njit(_nrt=False)
 def is_step(joints, leap, m, p):
-    """Whether the rule is continuous between cells m and p, which have postures.
+    """Return whether the rule is continuous between cells m and p, which have postures.
 
-    What is called for every cell takes arrays: handing the whole ground on costs as much again.
+    The function takes arrays because handing the whole ground on costs as much again.
     """
     far = 0.0
     for j in range(4):

@@ -1,14 +1,14 @@
-"""What obstacles do to the cells of a wave that may wait: they inhibit them while they are there.
+"""Effects of obstacles on a wave that may wait: they inhibit cells while they are there.
 
 In the published wave a cell on which front and obstacle meet is frozen for ever, and a cell that
-was excited before is never asked again.  Here the excited region is at every moment the set of
-places where the hand can be: an obstacle puts a cell to rest, and cuts it off, from when it comes
-there until it has gone; then excited neighbours excite the cell once more.
+was excited before is never checked again.  Here the excited region is at every moment the set of
+places where the hand can be.  An obstacle puts a cell to rest, and cuts it off, for as long as it
+is there.  Then excited neighbours excite the cell once more.
 
-Nothing is asked of a cell at every look.  When the front arrives, conservative advancement says
-until when the cell is safe, and when that is over, when it will be free again; these dates stand
-in a calendar of looks.  Mental times [tau] where the lattice is concerned, seconds where bodies
-are.  The wave itself is in `wave.excitation`.
+No cell is checked at every look.  When the front arrives, conservative advancement finds the time
+until which the cell is safe, and after that the time at which it will be free again.  These dates
+stand in a calendar of looks.  Times are mental [tau] for the lattice and in seconds for bodies.
+The wave itself is in `wave.excitation`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ STEP_J = np.array([0, -1, 1, 0, -1, 1, -1, 1])
 
 
 class World(NamedTuple):
-    """What may be asked about the bodies; times in seconds."""
+    """The bodies and the times of their contacts; times in seconds."""
 
     postures: Postures
     clock: np.ndarray  # time at every TICK of mental time
@@ -49,7 +49,7 @@ class World(NamedTuple):
 
 
 class Book(NamedTuple):
-    """What is known of cells and states."""
+    """Cells and states that are known."""
 
     latest: np.ndarray  # (n * n,): the state a cell is excited in, -1 if none
     opened: np.ndarray  # (n * n,): since when a cell is not inhibited [tau]
@@ -98,7 +98,7 @@ def mental(t, world):
 def make_date(m, tau, ground, book):
     """Note that a cell's turn comes at the first look from `tau` on, in the future at any rate."""
     look = book.tally[LOOK]
-    ahead = np.ceil((tau - ground.start) / ground.lag)
+    ahead = np.ceil((tau - ground.start) / ground.run.lag)
     date = max(look + 1, int(min(ahead, 1e15)))
     slot = date & (SLOTS - 1)
     book.dates[m], book.following[m] = date, book.heads[slot]
@@ -111,7 +111,7 @@ def inhibit(m, t, ground, world, book):
     """Put a cell to rest for as long as an obstacle is there, from t [s] on."""
     B, W, plane = ground.B, ground.W, ground.plane
     k = entry_of(m, ground)
-    if ground.held:
+    if ground.run.held:
         B[k + 3 * plane] = 0.0
         wake(k, m, ground)  # its neighbours lose what it gave them
         B[k] = REST_R
@@ -120,11 +120,11 @@ def inhibit(m, t, ground, world, book):
     B[k + 2 * plane] = REST_Z
     B[k + 5 * plane] = UNFELT
     book.latest[m] = -1
-    look = ground.lag * world.kappa  # shorter spans of freedom are of no use
+    look = ground.run.lag * world.kappa  # shorter spans of freedom are of no use
     free = next_free(world.postures, m, t, world.end, look)
     if free < NEVER:
         # An excited neighbour needs half a crossing to excite a cell at rest, the hand a whole one.
-        make_date(m, mental(free, world) + 0.5 * ground.slowness, ground, book)
+        make_date(m, mental(free, world) + 0.5 * ground.run.slowness, ground, book)
 
 
 @njit
@@ -132,8 +132,8 @@ def release(m, tau, ground, book):
     """Undo the inhibition of a cell; it is at rest, and its neighbours may excite it."""
     B, W, plane = ground.B, ground.W, ground.plane
     k = entry_of(m, ground)
-    B[k + 3 * plane] = ground.step * ground.rate[m]
-    if not ground.held:
+    B[k + 3 * plane] = ground.run.step * ground.rate[m]
+    if not ground.run.held:
         for d in range(8):
             e = k + STEP_I[d] * W + STEP_J[d]
             B[e + 4 * plane] += live_weight(ground.points, d > 3)
@@ -170,7 +170,7 @@ def turn_page(tau, ground, world, book):
             s = book.latest[m]
             if s >= 0:
                 inhibit(m, book.spans[s, END], ground, world, book)
-                woken |= ground.held
+                woken |= ground.run.held
             else:
                 release(m, tau, ground, book)
                 woken = True
@@ -180,8 +180,8 @@ def turn_page(tau, ground, world, book):
 
 @njit
 def leap(ground, world, book):
-    """Number of looks until the next date; the horizon if there is none."""
-    soonest = int(min((mental(world.end, world) - ground.start) / ground.lag + 2.0, 1e15))
+    """Number of looks until the next date, or else until the horizon."""
+    soonest = int(min((mental(world.end, world) - ground.start) / ground.run.lag + 2.0, 1e15))
     for m in range(book.dates.size):
         if book.dates[m] >= 0:
             soonest = min(soonest, book.dates[m])
@@ -197,7 +197,7 @@ def hold_up(runs, lo, hi, ground):
     """
     B = ground.B
     arrival, rate = np.uint64(5 * ground.plane), np.uint64(3 * ground.plane)
-    lost = np.float32(min(ground.threshold, SADDLE))
+    lost = np.float32(min(ground.run.threshold, SADDLE))
     for run in range(runs):
         fallen = np.int32(0)
         for k in range(lo[run], hi[run]):

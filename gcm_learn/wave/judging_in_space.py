@@ -1,4 +1,4 @@
-"""What becomes of the cells that a front in space has reached: free, frozen, or a contact."""
+"""Verdicts on the cells that a front in space has reached: free, frozen, or a contact."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
 def way_back(B, joints, leap, n, m, k, when):
     """Cell from which the front came to cell m at place k: where its arrivals fall off most.
 
-    With its distance [cells] and the arrival there; the cell is -1 if there is none.
+    With its distance [cells] and the arrival there; the cell is -1 without such a cell.
     """
     best, steepest, hop, before = -1, 0.0, 0, 0.0
     for dz in range(-1, 2):
@@ -50,7 +50,7 @@ def way_back(B, joints, leap, n, m, k, when):
 
 @njit(_nrt=False)
 def _stride(B, elbows, n, h, m, k):
-    """How far points of the limb move when the hand goes half a step from cell m at place k."""
+    """Farthest way of a point of the limb when the hand goes half a step from cell m at place k."""
     far = 0.25 * h * h
     for d in range(6):
         p = m + (-n * n, -n, -1, 1, n, n * n)[d]
@@ -97,7 +97,7 @@ def _room(scene, place, since, now, touch, shortest, desk):
 
 @njit(_nrt=False)
 def _way(elbows, m, p, hop):
-    """How far points of the limb are at cell m from where they are at p, `hop` away, at most."""
+    """Bound of the way of a point of the limb between cells m and p, `hop` apart."""
     x, y = elbows[m, 0] - elbows[p, 0], elbows[m, 1] - elbows[p, 1]
     z = np.float64(elbows[m, 2] - elbows[p, 2])
     return max(np.sqrt(x * x + y * y + z * z), hop)
@@ -131,15 +131,15 @@ def _meeting(scene, hand, since, now, near, shortest, poses):
 def judge_cells(scene, ground, terms, batch, count, now, judged, desk):
     """Decide what becomes of the cells that the front has just reached (Eq. 11).
 
-    What surely stays clear is not asked again: the room that there was at the cell before, less
-    what limb and obstacles moved since.
+    A limb is not checked where it surely stays clear: by the clearance at the cell before, less the
+    motion of limb and obstacles since.
 
     Returns
     -------
     cell, body : int
-        The earliest contact among them, -1 if there is none.
+        The earliest contact among them, -1 without one.
     time : float
-        [s]
+        Its time [s].
     """
     contact, contact_body, first = -1, -1, -1.0
     n, kappa, elbows, B = ground.n, terms.kappa, ground.found.elbows, ground.B
@@ -184,7 +184,7 @@ def freeze(ground, batch, count, state):
         m = batch.cells[i]
         if state[m] != FREE:
             k = entry_of(m, ground.n)
-            if ground.held:
+            if ground.run.held:
                 ground.B[k + ADAPTED], ground.B[k + SHARE] = ground.B[k], np.float32(0.0)
             else:
                 insulate(ground.B, k)

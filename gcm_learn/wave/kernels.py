@@ -1,8 +1,8 @@
 """The wave of Eq. 10 on a lattice, as numba kernels.
 
-Speed comes from three choices.  (1) The stencil vectorises (see `wave.stencil`).  (2) Only blocks
-of cells near the front are stepped: ahead of it the lattice rests, behind it it is settled.
-(3) Whether a cell is occupied is asked once, when the front arrives there.
+Speed comes from three choices.  The stencil vectorises (see `wave.stencil`).  Only blocks of cells
+near the front are stepped: ahead of it the lattice rests, behind it the lattice is settled.  A cell
+is checked for obstacles once, when the front arrives there.
 """
 
 from __future__ import annotations
@@ -22,6 +22,19 @@ UP_R, UP_Z = (np.float32(v) for v in EXCITED)
 CLAMPED = np.float32(HAND_POTENTIAL)
 
 
+class Run(NamedTuple):
+    """Numbers by which a wave is run, in the plane and in space."""
+
+    held: bool  # frozen or inhibited cells are seen by their neighbours instead of being cut out
+    diffusion: float
+    epsilon: float
+    quiet: float  # change of a potential [1/tau] below which a block counts as settled
+    step: float  # [tau]
+    lag: float  # from look to look [tau]
+    slowness: float  # of the fastest front [tau per cell]
+    threshold: float
+
+
 class Ground(NamedTuple):
     """The lattice of a wave: its buffer and layout (`wave.stencil`), and how it is run."""
 
@@ -32,19 +45,12 @@ class Ground(NamedTuple):
     rate: np.ndarray  # (n * n,): of a cell's dynamics, the q of Eq. 10: 1, or less where it is slow
     active: np.ndarray  # (n + 2, blocks) bool: what is stepped
     points: int  # 5 or 9, of the Laplacian
-    held: bool  # frozen or inhibited cells are seen by their neighbours instead of being cut out
-    diffusion: float
-    epsilon: float
-    quiet: float  # change of a potential [1/tau] below which a block counts as settled
-    step: float  # [tau]
-    lag: float  # from look to look [tau]
     start: float  # time of the first state [tau]
-    slowness: float  # of the fastest front [tau per cell]
-    threshold: float
+    run: Run
 
 
 class Terms(NamedTuple):
-    """What counts on the way of a front; times in the front's own unit."""
+    """Terms on which a front spreads; times in the front's own unit."""
 
     kappa: float  # seconds per unit
     shortest: float  # resolution of searches in time [s]
@@ -69,7 +75,7 @@ class Batch(NamedTuple):
 
 @njit
 def batch_of(n):
-    """Room for all cells of an n x n lattice."""
+    """Make a batch for all cells of an n x n lattice."""
     since, when, met = np.empty(n * n), np.empty(n * n), np.empty(n * n)
     cells, body = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
     return Batch(cells, since, when, np.empty(n * n, dtype=np.bool_), body, met)
@@ -87,7 +93,7 @@ def live_weight(points, corner):
 def prepare(ground, inside, rest_r, rest_z):
     """Fill the buffer for a lattice at rest: no-flux at its border and outside the ring."""
     B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
-    rate, step, points = ground.rate, ground.step, ground.points
+    rate, step, points = ground.rate, ground.run.step, ground.points
     B[:] = 0.0
     for i in range(n):
         for j in range(n):
@@ -115,7 +121,7 @@ def excite(ground, disc, away):
     for i in range(disc.size):
         k = entry_of(disc[i], ground)
         B[k] = B[k + plane] = UP_R if i > 0 else CLAMPED
-        B[k + 5 * plane] = away[i] * ground.slowness
+        B[k + 5 * plane] = away[i] * ground.run.slowness
         if i > 0:
             B[k + 2 * plane] = UP_Z
     B[entry_of(disc[0], ground) + 3 * plane] = 0.0
@@ -160,29 +166,42 @@ def next_door(B, k, W, plane):
     return best
 
 
+@njit(_nrt=False, forceinline=True)
+def stirred(B, start, other, quiet):
+    """Return whether a potential of a block differs between its two time levels.
+
+    Parameters
+    ----------
+    other : int
+        Offset of the other time level in the buffer.
+    quiet : float32
+        Difference that does not count.
+    """
+    count, up = np.int32(0), np.uint64(other)
+    for k in range(np.uint64(start), np.uint64(start) + np.uint64(BLOCK)):
+        count += np.int32(abs(B[k] - B[k + up]) > quiet)
+    return count > 0
+
+
 @njit
 def find_runs(ground, threshold, lo, hi, watch):
     """Renew the set of active blocks; returns the numbers of runs and of watched blocks.
 
-    A block stays active while a potential in it still changes by more than `quiet` a step, and
-    wakes its neighbours in the four directions (sideways only when its edge cells change).
-    Active blocks are listed as runs lo:hi; those in which a cell may cross the threshold before
-    the next renewal, being above a tenth of it, are listed in `watch`.
+    A block stays active while a potential in it still changes by more than `quiet` a step.  It
+    wakes its neighbours in the four directions, sideways only when its edge cells change.  Active
+    blocks are listed as runs lo:hi.  Blocks with a cell above a tenth of the threshold are listed
+    in `watch`: it may cross the threshold before the next renewal.
     """
     B, W, plane, active = ground.B, ground.W, ground.plane, ground.active
-    quiet = np.float32(ground.quiet * ground.step)
+    quiet = np.float32(ground.run.quiet * ground.run.step)
     rows, blocks = active.shape
     wake = np.zeros((rows, blocks), dtype=np.bool_)
-    size, up = np.uint64(BLOCK), np.uint64(plane)
     for i in range(1, rows - 1):
         for b in range(blocks):
             if not active[i, b]:
                 continue
             start = i * W + LEFT + b * BLOCK
-            moving = np.int32(0)
-            for k in range(np.uint64(start), np.uint64(start) + size):
-                moving += np.int32(abs(B[k] - B[k + up]) > quiet)
-            if moving == 0:
+            if not stirred(B, start, plane, quiet):
                 continue
             wake[i, b] = wake[i - 1, b] = wake[i + 1, b] = True
             if b > 0 and abs(B[start] - B[start + plane]) > quiet:
@@ -205,7 +224,7 @@ def find_runs(ground, threshold, lo, hi, watch):
                 runs += 1
                 inside = True
             hi[runs - 1] = start + BLOCK
-            if crossed(B, np.uint64(start), plane, low):
+            if crossed(B, np.uint64(start), 5 * plane, low):
                 watch[watched] = start
                 watched += 1
     return runs, watched
@@ -224,13 +243,41 @@ def every_block(ground, lo, hi, watch):
 
 
 @njit(forceinline=True)
-def crossed(B, start, plane, level):
-    """Tell whether any cell of a block is above a level and has no arrival yet."""
+def crossed(B, start, arrived, level):
+    """Return whether any cell of a block is above a level and has no arrival yet.
+
+    Parameters
+    ----------
+    arrived : int
+        Offset of the plane of arrivals in the buffer.
+    """
     count = np.int32(0)
-    a = np.uint64(5 * plane)
+    a = np.uint64(arrived)
     for k in range(start, start + np.uint64(BLOCK)):
         count += np.int32((B[k] >= level) & (B[k + a] < np.float32(0.0)))
     return count > 0
+
+
+@njit(_nrt=False, forceinline=True)
+def when_crossed(B, k, other, tau, before, run):
+    """Time at which the potential at k crossed the threshold before a look at `tau` [tau].
+
+    Parameters
+    ----------
+    other : int
+        Offset of the other time level in the buffer.
+    before : float
+        Arrival next door, which comes first [tau].
+    """
+    rise = B[k] - B[k + other]
+    back = run.step * (B[k] - np.float32(run.threshold)) / rise if rise > 0.0 else 0.0
+    return max(tau - min(back, run.lag), before)
+
+
+@njit(_nrt=False)
+def rhythm(run):
+    """Pairs of Euler steps between two looks at the front, and looks between renewals of blocks."""
+    return int(0.5 * run.lag / run.step + 0.5), max(1, int(3.6 / run.lag))
 
 
 @njit
@@ -240,11 +287,11 @@ def arrivals(ground, watch, watched, tau, batch):
     The batch is filled with them, with the arrival next door and their own [tau].
     """
     B, n, W, plane = ground.B, ground.n, ground.W, ground.plane
-    threshold = np.float32(ground.threshold)
+    threshold = np.float32(ground.run.threshold)
     found, since, when = batch.cells, batch.since, batch.when
     count = 0
     for w in range(watched):
-        if not crossed(B, watch[w], plane, threshold):
+        if not crossed(B, watch[w], 5 * plane, threshold):
             continue
         first = np.int64(watch[w])
         corner = (first // W - 1) * n + first % W - LEFT - first
@@ -254,10 +301,8 @@ def arrivals(ground, watch, watched, tau, batch):
             before = np.float64(next_door(B, k, W, plane))
             if before < 0.0:
                 continue
-            rise = B[k] - B[k + plane]
-            back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
             found[count] = corner + k
-            when[count] = max(tau - min(back, ground.lag), before)
+            when[count] = when_crossed(B, k, plane, tau, before, ground.run)
             since[count] = before
             count += 1
     # Written down only now, so that no cell passes on what has not been judged yet.
@@ -270,9 +315,9 @@ def arrivals(ground, watch, watched, tau, batch):
 def judge(postures, terms, batch, count, now, state):
     """Decide what becomes of the cells that the front has just reached (Eq. 11).
 
-    A cell freezes when its limb is touched at any instant between the front's arrival next door
-    (`since`) and now: this covers the time between two looks and, with the gap, the space between
-    cells.
+    A cell freezes when its limb is touched at any instant from the front's arrival next door
+    (`since`) until now.  This covers the time between two looks and, with the gap, the space
+    between cells.
 
     Returns
     -------
@@ -308,7 +353,7 @@ def freeze(ground, batch, count, state):
         if state[m] == FREE:
             continue
         k = entry_of(m, ground)
-        if ground.held:
+        if ground.run.held:
             hold(ground.B, k, ground.plane)
         else:
             insulate(ground.B, k, ground.W, ground.plane, ground.points)
@@ -335,10 +380,9 @@ def propagate(ground, terms, postures, state):
         Euler steps made.
     """
     n, W, blocks, end = ground.n, ground.W, ground.active.shape[1], terms.end
-    d, eps = np.float32(ground.diffusion), np.float32(ground.epsilon * ground.step)
-    threshold = np.float32(ground.threshold)
-    pairs = int(0.5 * ground.lag / ground.step + 0.5)  # of Euler steps between looks at the front
-    looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the runs
+    d, eps = np.float32(ground.run.diffusion), np.float32(ground.run.epsilon * ground.run.step)
+    threshold = np.float32(ground.run.threshold)
+    pairs, looks = rhythm(ground.run)
     batch = batch_of(n)
     lo = np.zeros(n * blocks, dtype=np.uint64)
     hi, watch = np.zeros_like(lo), np.zeros_like(lo)
@@ -349,7 +393,7 @@ def propagate(ground, terms, postures, state):
         for _ in range(pairs):
             two_steps(ground.B, lo, hi, runs, d, eps, W, ground.points)
         look += 1
-        tau = ground.start + look * 2 * pairs * ground.step
+        tau = ground.start + look * 2 * pairs * ground.run.step
         count = arrivals(ground, watch, watched, tau, batch)
         if count > 0:
             now = min(tau, end)

@@ -1,7 +1,7 @@
 """The wave of Eq. 10 in space, as numba kernels.
 
-What is quick about it is what is quick in the plane (`wave.kernels`): the stencil vectorises, only
-blocks of cells near the front are stepped, and a cell is asked about once.  In space the front is a
+It is quick for the reasons that `wave.kernels` gives: the stencil vectorises, only blocks of cells
+near the front are stepped, and a cell is checked once.  In space the front is a
 shell that passes by most cells only once, and the lattice has half a million of them.  So what is
 known of a cell, its posture first of all, is found out when its block wakes: ahead of the front.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import desk_of
 from gcm_learn.compiled import njit
-from gcm_learn.handspace.postures import posture_of
+from gcm_learn.handspace.postures import posture_of, turning_time
 from gcm_learn.handspace.space import NOWHERE, is_there
 from gcm_learn.wave.ground_in_space import (
     ADAPTED,
@@ -31,7 +31,7 @@ from gcm_learn.wave.ground_in_space import (
     is_step,
 )
 from gcm_learn.wave.judging_in_space import freeze, judge_cells
-from gcm_learn.wave.kernels import CLAMPED, FREE, UP_R, UP_Z
+from gcm_learn.wave.kernels import CLAMPED, FREE, UP_R, UP_Z, crossed, rhythm, stirred, when_crossed
 from gcm_learn.wave.stencil_in_space import BLOCK, FIELD, LEFT, SLAB, WIDTH, steps
 
 ASLEEP, SEEN, AWAKE = 0, 1, 2  # what this wave knows of a block: nothing, postures, rates as well
@@ -71,19 +71,10 @@ def _see(iz, iy, b, ground):
 
 
 @njit(_nrt=False)
-def _turning(speed, q, p):
-    """Time in which joints whose speeds are `speed` (4,) turn from q to p, tuples of four [s]."""
-    return max(
-        max(abs(p[0] - q[0]) / speed[0], abs(p[1] - q[1]) / speed[1]),
-        max(abs(p[2] - q[2]) / speed[2], abs(p[3] - q[3]) / speed[3]),
-    )
-
-
-@njit(_nrt=False)
 def _rate(m, ix, iy, iz, ground):
     """Rate of a cell: the mean speed of the hand over the steps from it, as a share of the front's.
 
-    The indices begin with 1, as those of blocks do.
+    The indices begin with 1, as the indices of blocks do.
     """
     n, joints, unit = ground.n, ground.found.nodes.joints, ground.found.nodes.spacing / ground.speed
     total, count = 0.0, 0
@@ -94,20 +85,17 @@ def _rate(m, ix, iy, iz, ground):
             continue
         p = m + way * (1, n, n * n)[axis]
         if joints[p, 0] < NOWHERE and is_step(joints, ground.found.nodes.leap, m, p):
-            turning = _turning(ground.joint_speed, four_joints(joints, m), four_joints(joints, p))
+            turning = turning_time(
+                ground.joint_speed, four_joints(joints, m), four_joints(joints, p)
+            )
             total += min(unit / turning, 1.0) if turning > 0.0 else 1.0
             count += 1
     return max(total / count, ground.slowest) if count > 0 else 1.0
 
 
-@njit(_nrt=False, forceinline=True)
-def _all(q):
-    return q[0], q[1], q[2], q[3]
-
-
 @njit
 def speeds_at(rule, joint_speed, spacing, hands):
-    """Mean speed (k,) of hands (k, 3) over steps of `spacing` along the axes; -1 if there is none.
+    """Mean speed (k,) of hands (k, 3) over steps of `spacing` along the axes; -1 without a step.
 
     Steps at which the rule jumps count as if the hand stood still.
     """
@@ -121,7 +109,7 @@ def speeds_at(rule, joint_speed, spacing, hands):
             axis, way = d // 2, (2 * (d % 2) - 1) * spacing
             there = (x + way * (axis == 0), y + way * (axis == 1), z + way * (axis == 2))
             if posture_of(rule, 0, there[0], there[1], there[2], p):
-                total += spacing / max(_turning(joint_speed, _all(q), _all(p)), 1e-12)
+                total += spacing / max(turning_time(joint_speed, q, p), 1e-12)
                 count += 1
         if count > 0:
             out[k] = total / count
@@ -147,30 +135,18 @@ def _rouse(iz, iy, b, ground):
             m = first + ix
             there = ground.found.nodes.joints[m, 0] < NOWHERE
             ground.found.rates[m] = _rate(m, ix + 1, iy, iz, ground) if there else 0.0
-    e, rates, step = iz * SLAB + iy * WIDTH + LEFT + SHARE, ground.found.rates, ground.step
+    e, rates, step = iz * SLAB + iy * WIDTH + LEFT + SHARE, ground.found.rates, ground.run.step
     for ix in range((b - 1) * BLOCK, min(b * BLOCK, n)):
         ground.B[e + ix] = step * rates[first + ix]
-
-
-@njit(_nrt=False, forceinline=True)
-def _crossed(B, start, level):
-    """Whether any cell of a block is above a level and has no arrival yet."""
-    count = np.int32(0)
-    for k in range(start, start + np.uint64(BLOCK)):
-        count += np.int32((B[k] >= level) & (B[k + np.uint64(ARRIVED)] < np.float32(0.0)))
-    return count > 0
 
 
 @njit(_nrt=False)
 def _stir(ground, runs):
     """Mark the blocks in which a potential still changes, and those next to them."""
-    B, wake, quiet = ground.B, ground.wake, np.float32(ground.quiet * ground.step)
+    B, wake, quiet = ground.B, ground.wake, np.float32(ground.run.quiet * ground.run.step)
     for r in range(runs.size[0]):
         start = runs.start[r]
-        moving = np.int32(0)
-        for k in range(start, start + np.uint64(BLOCK)):
-            moving += np.int32(abs(B[k] - B[k + np.uint64(ADAPTED)]) > quiet)
-        if moving == 0:
+        if not stirred(B, start, ADAPTED, quiet):
             continue
         s = np.int64(start)
         iz, iy, b = s // SLAB, s % SLAB // WIDTH, (s % WIDTH - LEFT) // BLOCK + 1
@@ -187,7 +163,7 @@ def _stir(ground, runs):
 def _list(ground, runs):
     """List the blocks that are marked, get the new ones ready, and take the marks away."""
     n, wake, known = ground.n, ground.wake, ground.known
-    low, count, watched = np.float32(0.1 * ground.threshold), 0, 0
+    low, count, watched = np.float32(0.1 * ground.run.threshold), 0, 0
     for iz in range(1, n + 1):
         runs.slabs[iz - 1] = count
         for iy in range(1, n + 1):
@@ -200,7 +176,7 @@ def _list(ground, runs):
                 start = np.uint64(iz * SLAB + iy * WIDTH + (b - 1) * BLOCK + LEFT)
                 runs.start[count] = start
                 count += 1
-                if _crossed(ground.B, start, low):
+                if crossed(ground.B, start, ARRIVED, low):
                     runs.watch[watched] = start
                     watched += 1
     runs.slabs[n], runs.size[0], runs.size[1] = count, count, watched
@@ -210,7 +186,7 @@ def _list(ground, runs):
 def _next_door(B, joints, leap, n, m, k):
     """Arrival of the earliest neighbour of cell m at place k that passes the front on.
 
-    -1 if there is none, -2 if there are some, but the rule jumps between all of them and the cell.
+    -1 without such a neighbour; -2 if the rule jumps between the cell and all of them.
     """
     best = np.float32(-1.0)
     for d in range(6):
@@ -227,10 +203,10 @@ def _next_door(B, joints, leap, n, m, k):
 @njit(_nrt=False)
 def _arrivals(ground, runs, tau, batch):
     """Find and record the cells that crossed the threshold since the last look: how many."""
-    B, n, threshold, count = ground.B, ground.n, np.float32(ground.threshold), 0
+    B, n, threshold, count = ground.B, ground.n, np.float32(ground.run.threshold), 0
     joints, leap = ground.found.nodes.joints, ground.found.nodes.leap
     for w in range(runs.size[1]):
-        if not _crossed(B, runs.watch[w], threshold):
+        if not crossed(B, runs.watch[w], ARRIVED, threshold):
             continue
         first = np.int64(runs.watch[w])
         for k in range(first, first + BLOCK):
@@ -242,10 +218,8 @@ def _arrivals(ground, runs, tau, batch):
                 if before == -2.0:  # it was stirred by cells from which no step leads to it
                     insulate(B, k)
                 continue
-            rise = B[k] - B[k + ADAPTED]
-            back = ground.step * (B[k] - threshold) / rise if rise > 0.0 else 0.0
             batch.cells[count], batch.since[count] = m, before
-            batch.when[count] = max(tau - min(back, ground.lag), before)
+            batch.when[count] = when_crossed(B, k, ADAPTED, tau, before, ground.run)
             count += 1
     # Written down only now, so that no cell passes on what has not been judged yet.
     for i in range(count):
@@ -267,17 +241,17 @@ def _mark(ground, k):
 def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
     """Excite the cells within a radius of the hand as far as they are free, and wake those around.
 
-    The first of them that has a posture is the hand's own.  Where few cells are free, as next to
-    the ends of the joints' ranges, those beyond the radius are taken as well.
+    The first of them that has a posture is the hand's own.  If few cells are free, as next to the
+    ends of the joints' ranges, cells beyond the radius are excited as well.
 
     Returns
     -------
     cell, body : int
-        First contact, -1 if there is none.
+        First contact, -1 without one.
     time : float
-        When [s].
+        Its time [s].
     start : float
-        When the wave starts [tau]: as soon as the hand is a cell beyond the ball, because its sharp
+        Start of the wave [tau].  The hand is then a cell beyond the ball, because the ball's sharp
         edge is faster than a front at first.
     """
     n, B, home, slowness, start = ground.n, ground.B, -1, 0.0, 0.0
@@ -298,7 +272,7 @@ def _set_out(scene, ball, away, radius, ground, terms, batch, judged, desk):
                 break
             continue
         if home < 0:
-            home, slowness = m, ground.slowness * ground.step / np.float64(B[k + SHARE])
+            home, slowness = m, ground.run.slowness * ground.run.step / np.float64(B[k + SHARE])
             B[k], B[k + ADAPTED], B[k + SHARE], B[k + ARRIVED] = CLAMPED, CLAMPED, 0.0, 0.0
             judged.via[m] = -1
             continue
@@ -340,9 +314,8 @@ def propagate_in_space(scene, ball, away, radius, ground, terms, judged, runs, b
     steps : int
         Euler steps made.
     """
-    desk, d, eps = desk_of(scene), np.float32(ground.diffusion), np.float32(ground.epsilon)
-    pairs = int(0.5 * ground.lag / ground.step + 0.5)  # of Euler steps between looks at the front
-    looks = max(1, int(3.6 / ground.lag))  # looks between renewals of the list
+    desk, d, eps = desk_of(scene), np.float32(ground.run.diffusion), np.float32(ground.run.epsilon)
+    pairs, looks = rhythm(ground.run)
     contact, body, time, start = _set_out(
         scene, ball, away, radius, ground, terms, batch, judged, desk
     )
@@ -351,7 +324,7 @@ def propagate_in_space(scene, ball, away, radius, ground, terms, judged, runs, b
     while tau < terms.end and runs.size[0] > 0 and (contact < 0 or terms.explore):
         steps(ground.B, runs.start, slabs, pairs, d, eps)
         look += 1
-        tau = start + look * 2 * pairs * ground.step
+        tau = start + look * 2 * pairs * ground.run.step
         count = _arrivals(ground, runs, tau, batch)
         if count > 0:
             now = min(tau, terms.end)

@@ -1,15 +1,15 @@
 """Layered marching: earliest arrivals when the hand may wait.
 
 In every cell the time line falls into safe intervals, spans in which a limb resting there touches
-nothing.  When waiting is free, all that matters of an interval is the earliest moment at which the
-hand can be in it (safe interval path planning: Phillips and Likhachev, ICRA 2011).  So the static
+nothing.  When waiting is free, only the earliest moment at which the hand can be in an interval
+counts.  This is safe interval path planning (Phillips and Likhachev, ICRA 2011).  So the static
 picture becomes a few sheets: sheet m holds the arrivals in the m-th interval that was reached.
 
 A state is a cell with one of its intervals, in the order in which they are reached.  Fronts run on
-from states as in `wave.marching`, straight from a source.  What is new: a state that is blocked or
-ends makes a note to come back when its cell is free again (`REOPEN`); then the hand enters from any
-neighbour in which it can have waited.  Intervals are found by conservative advancement and only for
-cells that are reached.  Lengths are in cells, times in crossings of a cell.
+from states as in `wave.marching`, straight from a source.  In addition, a state that is blocked or
+ends makes a note to come back when its cell is free again (`REOPEN`).  The hand then enters from
+any neighbour in which it can have waited.  Intervals are found by conservative advancement and only
+for cells that are reached.  Lengths are in cells, times in crossings of a cell.
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ from gcm_learn.wave.agenda import (
     put_off,
     seed,
 )
+from gcm_learn.wave.buckets import queue_of
 from gcm_learn.wave.plane import (
     BEYOND,
     BUCKETS,
@@ -77,8 +78,8 @@ def waits_in(k, time, sheets):
 def bend(s, k, q, di, dj, plane, sheets):
     """When the front of state s in cell k is in the neighbour q = k + (di, dj), going round a cell.
 
-    Returns the time and the state that it goes round: this one, or beside it one that was reached
-    earlier; (NEVER, -1) if q is reached across a corner only, where nothing squeezes through.
+    Returns the time and the state that it goes round: this state, or an earlier one beside it.  If
+    q is reached across a corner only, where nothing squeezes through, they are (NEVER, -1).
     """
     n, latest, spans = plane.n, sheets.latest, sheets.spans
     W, now = n + 2, spans[s, ARRIVAL]
@@ -203,17 +204,15 @@ def agenda_of(plane):
     """Nothing reached yet."""
     n = plane.n
     size = (n + 2) * (n + 2)
-    counts = np.full(2 + BUCKETS, -1, dtype=np.int64)
-    counts[0] = 0
     none = np.full((2, size), -9, dtype=np.int32)
-    queue, turns = np.empty((20 * n * n, 3), dtype=np.int32), np.zeros(size, dtype=np.int32)
+    queue, turns = queue_of(20 * n * n, BUCKETS), np.zeros(size, dtype=np.int32)
     tent, again = np.full(size, NEVER), np.full(size, NEVER)
-    return Agenda(plane.outside.copy(), tent, again, none[0], none[1], queue, counts, turns)
+    return Agenda(plane.outside.copy(), tent, again, none[0], none[1], queue, turns)
 
 
 @njit
 def batch_of(n):
-    """Room for all cells of an n x n lattice."""
+    """Make a batch for all cells of an n x n lattice."""
     cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
     since, until, start, limits = np.empty((4, n * n))
     origins, which = np.empty((n * n, 2), dtype=np.int32), np.empty(n * n, dtype=np.bool_)
@@ -222,7 +221,7 @@ def batch_of(n):
 
 @njit
 def march_layers(plane, terms, postures, sheets, refused):
-    """March over cells and sheets until a target is met, or with `explore` to the horizon.
+    """March over cells and sheets until a contact, or with `explore` to the horizon.
 
     Parameters
     ----------
@@ -245,7 +244,7 @@ def march_layers(plane, terms, postures, sheets, refused):
     """
     kappa, end, coarse = terms.kappa, terms.end, COARSE * terms.kappa
     agenda, batch = agenda_of(plane), batch_of(plane.n)
-    counts, cells, since, until = agenda.counts, batch.cells, batch.since, batch.until
+    heads, cells, since, until = agenda.queue.heads, batch.cells, batch.since, batch.until
     ways = target_ways(postures.bodies, terms.grasp, end * kappa)
     seed(plane, agenda)
     total, met, body, when, bucket, idle = 0, -1, -1, end * kappa, 0, 0
@@ -256,7 +255,7 @@ def march_layers(plane, terms, postures, sheets, refused):
         idle += 1
         now = min((bucket + 1.0) / PER_CELL, end)
         posed = False
-        while counts[1 + bucket % BUCKETS] >= 0:
+        while heads[bucket % BUCKETS] >= 0:
             idle = 0
             count = pop(bucket, plane, terms, agenda, sheets, batch)
             if count > 0 and not posed:

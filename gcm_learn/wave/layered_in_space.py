@@ -2,10 +2,10 @@
 
 A state is a node and one of its spans (Phillips and Likhachev, ICRA 2011).  Fronts go as in
 `wave.marching_in_space`, from whose neighbours and steps they are made, and may wait for a span to
-begin.  A node's posture and spans are asked for when the front is first next to it, from then on.
+begin.  A node's posture and spans are found when the front is first next to it.
 
-A step is asked over all of its time.  Where none is free at the time of a state, the hand waits
-beside it and tries again, twice as long each time; so what opens for less than that may be missed.
+A step is checked over all of its time.  Without a free step at the time of a state, the hand waits
+beside it and tries again, twice as long each time.  So shorter openings may be missed.
 Times are in seconds.
 """
 
@@ -22,19 +22,15 @@ from gcm_learn.compiled import njit
 from gcm_learn.handspace.space import hand_of_node, is_there
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
+from gcm_learn.wave.buckets import grown, left_in, put, queue_of, take
 from gcm_learn.wave.marching_in_space import (
     BUCKETS,
-    COUNT,
-    FIRST,
-    LEFT,
     NEIGHBOURS,
     START,
     Ask,
     before,
     neighbour,
-    put,
     step,
-    take,
 )
 
 SPANS = 8  # of a node that are kept
@@ -47,7 +43,7 @@ LATEST = 1e-9  # by which a step may come late: rounding [s]
 
 
 class Table(NamedTuple):
-    """What is known of the nodes."""
+    """Nodes and the numbers of their states."""
 
     first: np.ndarray  # (nodes,) int32: the first of a node's states, UNKNOWN
     found: np.ndarray  # (nodes,) uint8: how many there are, or USELESS
@@ -56,7 +52,7 @@ class Table(NamedTuple):
 
 
 class States(NamedTuple):
-    """Nodes in their spans, as they become known; there is room for more."""
+    """Nodes in their spans, as they become known, and space for more."""
 
     span: np.ndarray  # (m, 2): begin and end [s]
     node: np.ndarray  # (m,) int32
@@ -86,7 +82,7 @@ def new_table(ask: Ask, count: int) -> Table:
 
 @njit
 def states_of(room):
-    """Room for so many states; none is known yet."""
+    """Make arrays for so many states, of which none is known yet."""
     return States(
         np.empty((room, 2)),
         np.empty(room, np.int32),
@@ -100,7 +96,7 @@ def states_of(room):
 
 @njit
 def _grown(states):
-    """The same with room for twice as many."""
+    """Return the same states in arrays for twice as many."""
     out, m = states_of(2 * states.node.size), states.size[0]
     out.span[:m], out.node[:m], out.arrival[:m] = (
         states.span[:m], states.node[:m], states.arrival[:m]
@@ -112,7 +108,7 @@ def _grown(states):
 
 @njit(_nrt=False)
 def look(ask, table, states, node, now):
-    """Ask when a node is free from `now` on; not if no target can be met from there any more."""
+    """Find the spans in which a node is free from `now` on, if it is of use for a contact."""
     terms, k = ask.terms, states.size[0]
     table.first[node], table.found[node] = k, USELESS
     if not is_there(ask.nodes, node):
@@ -133,14 +129,14 @@ def look(ask, table, states, node, now):
 
 
 @njit(_nrt=False, forceinline=True)
-def _await(s, time, pace, bucket, queue, counts):
+def _await(s, time, pace, bucket, queue):
     """Let a state wait in the bucket of a time."""
     slot = max(int(time * pace.buckets), bucket)
-    put(s, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+    put(s, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue)
 
 
 @njit(_nrt=False)
-def offer(ask, table, states, s, bound, bucket, queue, counts):
+def offer(ask, table, states, s, bound, bucket, queue):
     """Offer the front of state `s` to its neighbours, until `bound` [s]."""
     nodes, pace, now = ask.nodes, ask.pace, states.arrival[s]
     node, until = states.node[s], states.span[s, 1]
@@ -169,13 +165,13 @@ def offer(ask, table, states, s, bound, bucket, queue, counts):
                 continue
             if time < states.arrival[i] and states.tries[i] != ACCEPTED:
                 states.arrival[i], states.via[i], states.code[i] = time, s, code
-                _await(i, time, pace, bucket, queue, counts)
+                _await(i, time, pace, bucket, queue)
         table.refused[other] |= refused
 
 
 @njit(_nrt=False)
 def _step_is_free(ask, states, home, s, time, code):
-    """Whether the limb is free on the step from state `home` to state `s`, which ends at `time`."""
+    """Return whether the limb is free on the step from state `home` to `s`, ending at `time`."""
     node, other = states.node[home], states.node[s]
     took, moved, _ = step(ask.nodes, ask.pace, node, other, code)
     wide = ask.margin
@@ -189,7 +185,7 @@ def _step_is_free(ask, states, home, s, time, code):
 
 @njit(_nrt=False)
 def enter(ask, table, states, s):
-    """Whether state `s` can be entered at its time; if not, that is when to try again, or NEVER.
+    """Return whether state `s` can be entered at its time; else its time is the next try, or NEVER.
 
     First it is tried from where its front comes, then from wherever else the hand may be by then.
     """
@@ -241,7 +237,7 @@ def meeting(ask, node, since, until):
 
 
 @njit(_nrt=False)
-def _begin(ask, table, states, node, time, queue, counts):
+def _begin(ask, table, states, node, time, queue):
     """Let the front begin in a node at some time, if the limb is free there."""
     if table.first[node] == UNKNOWN:
         look(ask, table, states, node, 0.0)
@@ -251,14 +247,14 @@ def _begin(ask, table, states, node, time, queue, counts):
     for i in range(table.first[node], table.first[node] + table.found[node]):
         if states.span[i, 0] <= time <= states.span[i, 1]:
             states.arrival[i], states.via[i], states.code[i], blocked = time, -1, START, False
-            _await(i, time, ask.pace, 0, queue, counts)
+            _await(i, time, ask.pace, 0, queue)
     table.refused[node] |= blocked
 
 
 @njit(_nrt=False)
 def _go_on(ask, table, states, agenda, contact):
-    """March until all is done, or there is no room for a state's neighbours; returns which."""
-    pace, terms, (queue, counts, clock) = ask.pace, ask.terms, agenda
+    """March until the end; return False if the arrays have to grow first."""
+    pace, terms, (queue, clock) = ask.pace, ask.terms, agenda
     while clock[EMPTY] <= BUCKETS:
         bucket = clock[BUCKET]
         bound = terms.end if terms.explore else contact.when[0]
@@ -266,25 +262,23 @@ def _go_on(ask, table, states, agenda, contact):
             break
         slot = bucket % BUCKETS
         clock[EMPTY] += 1
-        while counts[FIRST + slot] >= 0:
+        while queue.heads[slot] >= 0:
             most = (NEIGHBOURS + 4) * SPANS
-            if counts[LEFT] + queue.shape[0] - counts[COUNT] < most:
+            if left_in(queue) < most or states.node.size - states.size[0] < most:
                 return False
-            if states.node.size - states.size[0] < most:
-                return False
-            clock[EMPTY], s = 0, take(slot, queue, counts)
+            clock[EMPTY], s = 0, take(slot, queue)
             time = states.arrival[s]
             bound = terms.end if terms.explore else contact.when[0]
             if states.tries[s] == ACCEPTED or time > bound:
                 continue
             if int(time * pace.buckets) > bucket or not enter(ask, table, states, s):
                 if states.arrival[s] <= bound:
-                    _await(s, states.arrival[s], pace, bucket, queue, counts)
+                    _await(s, states.arrival[s], pace, bucket, queue)
                 continue
             states.tries[s] = ACCEPTED
             _touch(ask, states, s, contact)
             bound = terms.end if terms.explore else contact.when[0]
-            offer(ask, table, states, s, bound, bucket, queue, counts)
+            offer(ask, table, states, s, bound, bucket, queue)
         clock[BUCKET] += 1
     return True
 
@@ -316,10 +310,9 @@ def march_layers(ask, start, table):
         Those that were reached have ACCEPTED instead of the number of tries.
     """
     states, contact = states_of(4096), Contact(np.full(2, -1), np.full(1, ask.terms.end))
-    queue, counts = np.empty((4096, 2), np.int32), np.full(FIRST + BUCKETS, -1, np.int64)
-    counts[COUNT], counts[LEFT], clock = 0, 0, np.zeros(2, np.int64)
+    queue, clock = queue_of(4096, BUCKETS), np.zeros(2, np.int64)
     for i in range(start[0].size):
-        _begin(ask, table, states, start[0][i], start[1][i], queue, counts)
-    while not _go_on(ask, table, states, (queue, counts, clock), contact):
-        queue, states = np.concatenate((queue, np.empty_like(queue))), _grown(states)
+        _begin(ask, table, states, start[0][i], start[1][i], queue)
+    while not _go_on(ask, table, states, (queue, clock), contact):
+        queue, states = grown(queue), _grown(states)
     return contact, states

@@ -1,13 +1,13 @@
 """Causal marching: the map of a front of constant speed, cell by cell in order of arrival.
 
-The meaning is that of the wave (a cell is accepted only if its limb is free when the front gets
-there), at the speed of a Dijkstra search.  Distances are measured in cells and times in crossings
+The meaning is that of the wave, at the speed of a Dijkstra search: a cell is accepted only if its
+limb is free when the front gets there.  Distances are measured in cells and times in crossings
 (the time the front needs for one cell) while marching.
 
 Every accepted cell remembers the *source* from which its front runs straight: the hand, or a cell
 where the front last had to bend round something frozen.  A neighbour inherits the source when the
-ray from it to the source passes between two accepted cells of that source, and its arrival is then
-the Euclidean distance: exact in free space and in the shadow of each corner.  Otherwise the front
+ray from it to the source passes between two accepted cells of that source.  Its arrival is then the
+Euclidean distance: exact in free space and in the shadow of each corner.  Otherwise the front
 bends, and the cell that passes it on becomes a source itself.  Any-angle path planning inherits
 parents in the same way (Daniel, Nash, Koenig and Felner, Theta*, JAIR 39, 2010).
 """
@@ -21,6 +21,7 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.handspace import START_RADIUS
 from gcm_learn.scene.bodies import poses_at
+from gcm_learn.wave.buckets import Queue, put, queue_of, take
 from gcm_learn.wave.kernels import FREE, batch_of, judge
 from gcm_learn.wave.plane import (
     ACCEPTED,
@@ -42,13 +43,12 @@ HALF_DIAGONAL = 0.7072  # of a cell; the hand is in a cell whose centre is this 
 
 
 class Agenda(NamedTuple):
-    """What is known of the cells of the padded lattice, and which of them are to be looked at."""
+    """State of the cells of the padded lattice, and a queue of cells."""
 
     status: np.ndarray
     tent: np.ndarray  # earliest arrival known so far
     origin: np.ndarray  # source of every cell: the index of a cell, or HAND_SOURCE
-    queue: np.ndarray  # (m, 2): cell, and the next entry of its bucket
-    counts: np.ndarray  # (1 + BUCKETS,): number of entries, then the first entry of every bucket
+    queue: Queue  # cells
     places: np.ndarray  # the cells accepted together
 
 
@@ -76,22 +76,17 @@ def away_from(source, i, j, plane):
 
 
 @njit(_nrt=False, forceinline=True)
-def put(k, time, bucket, agenda):
+def push(k, time, bucket, agenda):
     """Put cell k into the bucket of a time, not before the one being worked on."""
-    queue, counts = agenda.queue, agenda.counts
-    slot = 1 + (max(int(time * PER_CELL), bucket) & (BUCKETS - 1))
-    queue[counts[0], 0] = k
-    queue[counts[0], 1] = counts[slot]
-    counts[slot] = counts[0]
-    counts[0] += 1
+    put(k, max(int(time * PER_CELL), bucket) & (BUCKETS - 1), agenda.queue)
 
 
 @njit(_nrt=False, forceinline=True)
 def bend(k, q, di, dj, plane, agenda):
     """When the front of cell k is in its neighbour q = k + (di, dj), going round a cell.
 
-    Returns the time and the cell that it goes round: this one, or one beside it; (0, -1) if q is
-    reached across a corner only, where nothing squeezes through.
+    Returns the time and the cell that it goes round: this cell, or one beside it.  If q is reached
+    across a corner only, where nothing squeezes through, they are (0, -1).
     """
     n, tent, status = plane.n, agenda.tent, agenda.status
     W = n + 2
@@ -125,8 +120,8 @@ def expand(batch, count, state, plane, agenda, bucket):  # noqa: C901  one decis
 
     The ray from a neighbour q towards the source leaves through the edge between an axis (`major`)
     and a corner neighbour.  If both have been reached, one of them from here, q is reached straight
-    from the source; where they belong to two sources, the later arrival is taken: on the shadow
-    line of a corner both agree, and beyond it the nearer source is hidden.  Until then, and
+    from the source.  If they belong to two sources, the later arrival is taken: on the shadow line
+    of a corner both agree, and beyond it the nearer source is hidden.  Until then, and
     wherever one of them is closed, the front bends round this cell, which is then the source.
 
     Parameters
@@ -208,7 +203,7 @@ def expand(batch, count, state, plane, agenda, bucket):  # noqa: C901  one decis
                 continue
             tent[q] = time
             origin[q] = source
-            put(q, time, bucket, agenda)
+            push(q, time, bucket, agenda)
 
 
 @njit(_nrt=False)
@@ -233,20 +228,17 @@ def seed(plane, agenda):
                         away = step_time(plane, bare(k, n), n * n, 0, 0.0, away)
                     agenda.tent[k] = away
                     agenda.origin[k] = HAND_SOURCE
-                    put(k, away, 0, agenda)
+                    push(k, away, 0, agenda)
 
 
 @njit(_nrt=False, forceinline=True)
 def pop(bucket, plane, terms, agenda, batch):
     """Accept the cells waiting in a bucket; returns how many."""
-    status, tent, queue, counts = agenda.status, agenda.tent, agenda.queue, agenda.counts
-    count, n, slot = 0, plane.n, 1 + bucket % BUCKETS
+    status, tent, queue = agenda.status, agenda.tent, agenda.queue
+    count, n, slot = 0, plane.n, bucket % BUCKETS
     W = n + 2
-    entry = counts[slot]
-    counts[slot] = -1
-    while entry >= 0:
-        k = queue[entry, 0]
-        entry = queue[entry, 1]
+    while queue.heads[slot] >= 0:
+        k = take(slot, queue)
         # Entries made stale by an earlier arrival find their cell closed or accepted.
         if status[k] == UNKNOWN and tent[k] <= terms.end:
             status[k] = ACCEPTED
@@ -281,8 +273,7 @@ def agenda_of(plane):
         plane.outside.copy(),
         np.full(size, 1e300),
         np.full(size, -1, dtype=np.int32),
-        np.empty((9 * n * n, 2), dtype=np.int32),
-        np.full(1 + BUCKETS, -1, dtype=np.int64),
+        queue_of(9 * n * n, BUCKETS),
         np.empty(n * n, dtype=np.int64),
     )
 
@@ -310,8 +301,7 @@ def march(plane, terms, postures, state):
     """
     n, end = plane.n, terms.end
     agenda, batch = agenda_of(plane), batch_of(n)
-    counts, arrival = agenda.counts, np.full(n * n, -1.0)
-    counts[0] = 0
+    heads, arrival = agenda.queue.heads, np.full(n * n, -1.0)
     seed(plane, agenda)
     contact, body, time = -1, -1, -1.0
     bucket, empty, accepted = 0, 0, 0
@@ -319,7 +309,7 @@ def march(plane, terms, postures, state):
         empty += 1
         now = min((bucket + 1.0) / PER_CELL, end)
         posed = False
-        while counts[1 + bucket % BUCKETS] >= 0:
+        while heads[bucket % BUCKETS] >= 0:
             empty = 0
             count = pop(bucket, plane, terms, agenda, batch)
             if count == 0:

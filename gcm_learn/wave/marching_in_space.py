@@ -1,14 +1,14 @@
 """Marching over the cells and postures of hand-space in space: first arrivals, in order of time.
 
 A front goes from a cell to its 26 neighbours in the same posture, and to the two postures beside it
-in the same cell.  A step takes as long as the hand or the joint that has farthest to turn, so no
-speed is the same in all directions, and arrivals are the shortest ways over such steps.  A node is
-accepted if the limb is clear of obstacles at that moment, and was on the whole step there; if it is
-touched then, the node is frozen.
+in the same cell.  A step takes as long as the hand or the joint that has farthest to turn.  So the
+speed depends on the direction, and arrivals are the shortest ways over such steps.  A node is
+accepted if the limb is clear of obstacles at that moment, and was on the whole step there.  If it
+is touched then, the node is frozen.
 
-What surely stays clear is not asked again: the room that the limb had at the node before, less what
-limb and obstacles moved since.  Nodes wait in buckets no wider than the shortest step, so those of
-one bucket may come in any order.  Times are in seconds.
+A limb is not checked where it surely stays clear: by the clearance at the node before, less the
+motion of limb and obstacles since.  Nodes wait in buckets no wider than the shortest step, so nodes
+of one bucket may come in any order.  Times are in seconds.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from gcm_learn.handspace.space import THERE, Nodes, hand_of_node, is_there
 from gcm_learn.motion.interception_in_space import target_room
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
+from gcm_learn.wave.buckets import grown, left_in, put, queue_of, take
 from gcm_learn.wave.kernels import Terms
 
 OPEN, ACCEPTED, FROZEN, MET = 0, 1, 2, 3  # what became of a node
@@ -30,12 +31,11 @@ NEIGHBOURS = 26
 RING = NEIGHBOURS  # code of a step to the next posture, and to the one before it
 START = 255  # code of nodes that are reached from the arm's posture at t = 0
 BUCKETS = 1024
-COUNT, SPARE, LEFT, FIRST = 0, 1, 2, 3  # of `counts`: used, first spare entry, spare ones, heads
 NEVER, LOST = np.float32(1e30), np.float32(-1.0)
 
 
 class Pace(NamedTuple):
-    """How long steps take."""
+    """Times of steps."""
 
     slowness: np.ndarray  # (4,) float32 of the joints [s/rad]
     offsets: np.ndarray  # (26, 3): of neighbours along z, y and x [cells]
@@ -47,7 +47,7 @@ class Pace(NamedTuple):
 
 
 class Field(NamedTuple):
-    """What is known of the nodes."""
+    """Arrivals at the nodes and their state."""
 
     arrival: np.ndarray  # (nodes,) float32: earliest so far [s]
     state: np.ndarray  # (nodes,) uint8
@@ -56,7 +56,7 @@ class Field(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """What is asked of a scene, and how."""
+    """A scene, a lattice and the terms of marching over it."""
 
     scene: Scene
     nodes: Nodes
@@ -106,17 +106,17 @@ def home_of(nodes, pace, node, code):
 
 @njit(_nrt=False)
 def step(nodes, pace, node, other, code):
-    """Time of a step between two nodes, NEVER if it is none, and how far it moves the limb.
+    """Time of a step between two nodes, or NEVER, and bounds of the limb's way.
 
     Returns
     -------
     time : float32
         [s]
     moved : float
-        How far no point of the limb is from where it was before.
+        Bound of the way of all points of the limb.
     bent : float
-        How far none is from its straight way, at most: the acceleration allows no more, which is
-        at most the sum of the joints' rates squared times the reach.
+        Bound of their distance from a straight way.  It follows from the acceleration, which is at
+        most the sum of the joints' rates squared times the reach.
     """
     q = nodes.joints
     a, b = abs(q[other, 0] - q[node, 0]), abs(q[other, 1] - q[node, 1])
@@ -131,35 +131,11 @@ def step(nodes, pace, node, other, code):
     return max(time, pace.hand[code]), moved, bent
 
 
-@njit(_nrt=False, forceinline=True)
-def put(node, slot, queue, counts):
-    """Put a node into a bucket."""
-    entry = counts[SPARE]
-    if entry >= 0:
-        counts[SPARE] = queue[entry, 1]
-        counts[LEFT] -= 1
-    else:
-        entry = counts[COUNT]
-        counts[COUNT] = entry + 1
-    queue[entry, 0], queue[entry, 1] = node, counts[FIRST + slot]
-    counts[FIRST + slot] = entry
-
-
-@njit(_nrt=False, forceinline=True)
-def take(slot, queue, counts):
-    """Take a node out of a bucket that has one."""
-    entry = counts[FIRST + slot]
-    node = queue[entry, 0]
-    counts[FIRST + slot], queue[entry, 1] = queue[entry, 1], counts[SPARE]
-    counts[SPARE], counts[LEFT] = entry, counts[LEFT] + 1
-    return node
-
-
 @njit(_nrt=False)
-def offer(ask, field, node, bucket, queue, counts):
+def offer(ask, field, node, bucket, queue):
     """Offer the front of an accepted node to its neighbours.
 
-    What it does is `step`, spelled out: nearly all of the time that marching takes is spent here.
+    It spells out `step`, because nearly all of the time that marching takes is spent here.
     Nodes without a posture get an arrival that none is earlier than, and are passed over.
     """
     nodes, pace, arrival = ask.nodes, ask.pace, field.arrival
@@ -195,11 +171,11 @@ def offer(ask, field, node, bucket, queue, counts):
             slot = int(time * pace.buckets)
             arrival[other], field.via[other] = time, code
             if old == NEVER or slot != int(old * pace.buckets):
-                put(other, min(max(slot, bucket), bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+                put(other, min(max(slot, bucket), bucket + BUCKETS - 1) % BUCKETS, queue)
 
 
 @njit(_nrt=False)
-def retry(ask, field, node, bucket, queue, counts):
+def retry(ask, field, node, bucket, queue):
     """Wait for the next front that may come to a node, the last one having been held up."""
     late, nodes, pace = field.arrival[node], ask.nodes, ask.pace
     field.arrival[node] = NEVER
@@ -211,7 +187,7 @@ def retry(ask, field, node, bucket, queue, counts):
                 field.arrival[node], field.via[node] = time, code
     if field.arrival[node] < NEVER:
         slot = max(int(field.arrival[node] * pace.buckets), bucket)
-        put(node, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+        put(node, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue)
 
 
 @njit(_nrt=False, forceinline=True)
@@ -222,7 +198,7 @@ def least_between(before, after, ways):
 
 @njit(_nrt=False)
 def judge(ask, field, node):
-    """What becomes of a node to which the front has come: ACCEPTED, FROZEN, or OPEN.
+    """Return the new state of a node to which the front has come: ACCEPTED, FROZEN, or OPEN.
 
     It stays open if the limb was touched on the step there only.
     """
@@ -257,7 +233,7 @@ def judge(ask, field, node):
 
 @njit(_nrt=False)
 def target_at(ask, node, now):
-    """Target that is met at a node at some time, -1 if none."""
+    """Target in contact with the hand at a node at some time, -1 without one."""
     scene, poses, contact = ask.scene, ask.desk.poses, ask.terms.grasp
     rows = scene.bodies.rows
     if now < ask.terms.ignore:
@@ -285,14 +261,8 @@ def fastest_obstacle(scene):
     return fastest
 
 
-@njit(_nrt=False, forceinline=True)
-def left_in(queue, counts):
-    """How many nodes a queue has room for."""
-    return counts[LEFT] + queue.shape[0] - counts[COUNT]
-
-
 @njit(_nrt=False)
-def empty_bucket(ask, field, bucket, queue, counts):
+def empty_bucket(ask, field, bucket, queue):
     """Judge the nodes of a bucket until it is empty, or the queue has to grow.
 
     Returns
@@ -303,20 +273,20 @@ def empty_bucket(ask, field, bucket, queue, counts):
         When [s].
     accepted : int
     """
-    pace, end, state, slot = ask.pace, ask.terms.end, field.state, FIRST + bucket % BUCKETS
+    pace, end, state, slot = ask.pace, ask.terms.end, field.state, bucket % BUCKETS
     met, body, when, accepted = -1, -1, end, 0
-    while counts[slot] >= 0 and left_in(queue, counts) >= NEIGHBOURS + 4:
-        node = take(bucket % BUCKETS, queue, counts)
+    while queue.heads[slot] >= 0 and left_in(queue) >= NEIGHBOURS + 4:
+        node = take(slot, queue)
         now = field.arrival[node]
         if state[node] != OPEN or now > end:
             continue
         ahead = int(now * pace.buckets)
         if ahead > bucket:  # it was too far ahead for the buckets, or was held up
-            put(node, min(ahead, bucket + BUCKETS - 1) % BUCKETS, queue, counts)
+            put(node, min(ahead, bucket + BUCKETS - 1) % BUCKETS, queue)
             continue
         state[node] = judge(ask, field, node)
         if state[node] == OPEN:
-            retry(ask, field, node, bucket, queue, counts)
+            retry(ask, field, node, bucket, queue)
         if state[node] != ACCEPTED:
             continue
         accepted += 1
@@ -326,7 +296,7 @@ def empty_bucket(ask, field, bucket, queue, counts):
             if met < 0 or now < when:
                 met, body, when = node, target, float(now)
         else:
-            offer(ask, field, node, bucket, queue, counts)
+            offer(ask, field, node, bucket, queue)
     return met, body, when, accepted
 
 
@@ -351,22 +321,20 @@ def march(ask, start, field):
     accepted : int
     """
     pace, terms = ask.pace, ask.terms
-    queue = np.empty((4096, 2), dtype=np.int32)
-    counts = np.full(FIRST + BUCKETS, -1, dtype=np.int64)
-    counts[COUNT], counts[LEFT] = 0, 0
+    queue = queue_of(4096, BUCKETS)
     for i in range(start[0].size):
         field.arrival[start[0][i]], field.via[start[0][i]] = start[1][i], START
         slot = min(int(start[1][i] * pace.buckets), BUCKETS - 1)
         if is_there(ask.nodes, start[0][i]):
-            put(start[0][i], slot, queue, counts)
+            put(start[0][i], slot, queue)
     met, body, when, accepted, bucket, empty = -1, -1, terms.end, 0, 0, 0
     while empty <= BUCKETS and bucket <= terms.end * pace.buckets and (met < 0 or terms.explore):
         empty += 1
-        while counts[FIRST + bucket % BUCKETS] >= 0:
-            if left_in(queue, counts) < NEIGHBOURS + 4:
-                queue = np.concatenate((queue, np.empty_like(queue)))
+        while queue.heads[bucket % BUCKETS] >= 0:
+            if left_in(queue) < NEIGHBOURS + 4:
+                queue = grown(queue)
             empty = 0
-            node, target, now, count = empty_bucket(ask, field, bucket, queue, counts)
+            node, target, now, count = empty_bucket(ask, field, bucket, queue)
             accepted += count
             if node >= 0 and (met < 0 or now < when):
                 met, body, when = node, target, now

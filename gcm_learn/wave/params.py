@@ -11,7 +11,7 @@ REST = (0.0, -2.0 / 7.0)  # stable rest state (r, z) of Eq. 10 (erratum 8)
 HAND_POTENTIAL = 5.0  # clamped potential of the hand's neuron (Sect. 2.3.2)
 EXCITED = (3.0, 1.0 / 7.0)  # excited state (r, z) behind the front (erratum 8)
 CHESSBOARD = {5: ("8", 8.0), 7: ("12", 12.0), 9: ("16/3", 16.0 / 3.0)}
-"""Largest eigenvalue of the discrete Laplacian of so many points, as it is told and as it is."""
+"""Largest eigenvalue of the discrete Laplacian of so many points, in words and as a number."""
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,9 @@ def check_stability(params: WaveParams, points: Literal[5, 7, 9]) -> None:
     """Refuse a step in which a pattern from cell to cell grows instead of settling.
 
     Von Neumann: behind the front a deviation relaxes with 5/7 in every neuron (at r = 3 the slope
-    of Eq. 10), and by diffusion with at most d times the Laplacian's largest eigenvalue, that of a
-    chessboard.  Cells that are cut out or held only lower it.  Euler needs step times the sum to be
-    at most 2; the recovery, which is slow, grants a hundredth more.
+    of Eq. 10).  By diffusion it relaxes with at most d times the Laplacian's largest eigenvalue,
+    that of a chessboard.  Cells that are cut out or held only lower it.  Euler needs step times the
+    sum to be at most 2; the recovery, which is slow, grants a hundredth more.
 
     Parameters
     ----------
@@ -111,6 +111,6 @@ class MarchingParams:
     """Since when a cell must have been free: 1 covers the whole time since the front was next door
     (erratum 14), 0 the instant of its arrival only."""
     slack: float = 0.0
-    """How far beyond the grasp a target still makes a contact, as for the wave [cells]."""
+    """Distance beyond the grasp at which a target still makes a contact [cells]."""
     until: Literal["contact", "horizon"] = "contact"
     """Stop at the first contact with a target or explore to the horizon."""

@@ -1,9 +1,8 @@
 """Both waves once more, slow and plain: what tests hold the kernels against.
 
-The kernels are fast because they are float32, because they step only the blocks of cells near the
-front, and because they search a span of time by conservative advancement.  Each of these could go
-wrong without being seen.  Here the whole lattice is stepped (`wave.stepping`), every step is
-searched for arrivals, and there is no calendar and no block that sleeps.
+The kernels are float32, step only the blocks of cells near the front, and search a span of time by
+conservative advancement.  Each of these could go wrong without being seen.  Here the whole lattice
+is stepped (`wave.stepping`), and every step is searched for arrivals.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from gcm_learn.wave.excitation import FELT
 from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.inhibition import SADDLE, TICK
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
-from gcm_learn.wave.limits import fastest
+from gcm_learn.wave.limits import fastest_in_plane
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
 from gcm_learn.wave.solver import front_speed
 from gcm_learn.wave.stepping import CORNERS, EDGES, Cell, Stepped, couplings
@@ -67,12 +66,12 @@ class _Freezing(Stepped):
             self.q[cell], self.arrival[cell] = self.q[cell] * (i > 0), when
 
     def goes_on(self) -> bool:
-        """Whether there is anything left to do."""
+        """Return whether anything is left to do."""
         late = self.tau >= self.scene.limits.horizon / self.kappa
         return not late and (self.contact is None or self.params.until == "horizon")
 
     def passes_on(self, cell: Cell) -> bool:
-        """Whether a cell has been reached and passes the front on."""
+        """Return whether a cell has been reached and passes the front on."""
         return bool(self.live[cell] and self.arrival[cell] >= 0.0)
 
     def look(self) -> None:
@@ -135,7 +134,9 @@ class _Waiting(Stepped):
 
     def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
         super().__init__(scene, lattice, params)
-        self.clock = free_clock(params) * (lattice.spacing / fastest(scene))  # [s] at every TICK
+        self.clock = free_clock(params) * (
+            lattice.spacing / fastest_in_plane(scene)
+        )  # [s] at every TICK
         self.slowness = 1.0 / front_speed(params).fastest
         self.seen = 0.0  # until when bodies have been looked at [s]
         self.met = (scene.limits.horizon, -1, -1)  # when [s], state, body
@@ -152,12 +153,12 @@ class _Waiting(Stepped):
         self._set_out()
 
     def goes_on(self) -> bool:
-        """Whether there is anything left to do."""
+        """Return whether anything is left to do."""
         end = self.scene.limits.horizon if self.params.until == "horizon" else self.met[0]
         return self.now < end
 
     def passes_on(self, cell: Cell) -> bool:
-        """Whether a cell has been reached and passes the front on."""
+        """Return whether a cell has been reached and passes the front on."""
         return bool(self.latest[cell] >= 0)
 
     @property
@@ -283,7 +284,7 @@ class _Waiting(Stepped):
         self.q[cell] = self.rate[cell]
 
     def _way_back(self, cell: tuple[int, int], when: float) -> int:
-        """State of the neighbour to which arrivals fall off most steeply, -1 if there is none."""
+        """State of the neighbour to which arrivals fall off most steeply, -1 without one."""
         (y, x), best = cell, (-1.0, -1)
         for i, j in (*EDGES, *CORNERS):
             c = (y + i, x + j)
@@ -295,7 +296,7 @@ class _Waiting(Stepped):
         return best[1]
 
     def _passes(self, cell: Cell) -> bool:
-        """Whether a cell, maybe beyond the border, passes the front on."""
+        """Return whether a cell, maybe beyond the border, passes the front on."""
         return self.within(cell) and self.passes_on(cell)
 
     def _times(self) -> np.ndarray:
@@ -305,7 +306,7 @@ class _Waiting(Stepped):
         return np.linspace(*span, max(2, count))
 
     def _occupied(self, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """Whether an obstacle touches the limbs of cells (c, 2) at times (m,): (c, m) bool."""
+        """Mark (c, m) at which times (m,) an obstacle touches the limbs of cells (c, 2)."""
         out = np.zeros((len(cells), len(times)), dtype=bool)
         for b in self.obstacles:
             out |= self.near(b, cells, times)

@@ -1,4 +1,4 @@
-"""Front door of the wave: run Eq. 10 over the hand-space of a situation."""
+"""The wave of Eq. 10 over hand-space in the plane."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.arms import PlanarLimb
-from gcm_learn.handspace import Chart, Lattice, SpaceLattice, cell_joints, hand_space
+from gcm_learn.handspace import Lattice, cell_joints, hand_space
 from gcm_learn.scene import Limits, Scene, no_bodies
 from gcm_learn.wave import kernels, stencil
 from gcm_learn.wave.front import Front, first_arrivals
-from gcm_learn.wave.limits import fastest, hand_of, postures, terms_of
+from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, run_of, terms_of
 from gcm_learn.wave.params import REST, WaveParams
-from gcm_learn.wave.solver_in_space import kappa_in_space, propagate_in_space
 
 QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
 STATES_PER_CELL = 4  # room for sheets; most cells need one
@@ -24,46 +23,25 @@ SLOWEST_RATE = 0.02  # of a cell whose front is slow: the wave should not stop a
 _workspace = threading.local()
 
 
-def kappa_of(scene: Scene, chart: Chart, params: WaveParams) -> float:
-    """Seconds per unit of mental time, such that the front nowhere outruns the hand.
+def kappa_in_plane(scene: Scene, lattice: Lattice, params: WaveParams) -> float:
+    """Run `wave.kappa_of` for a lattice of the plane.
 
     At the paper's setting (80 cells over 4 forearm lengths, d = 0.2) and 3.4 forearm lengths a
     second this is the paper's kappa = 1/400 s.
     """
-    if isinstance(chart, SpaceLattice):
-        return kappa_in_space(scene, chart, params)
-    return front_speed(params).fastest * chart.spacing / fastest(scene)
+    return front_speed(params).fastest * lattice.spacing / fastest_in_plane(scene)
 
 
-def propagate(
+def propagate_in_plane(
     scene: Scene,
-    lattice: Lattice | SpaceLattice,
+    lattice: Lattice,
     params: WaveParams,
     *,
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run the wave of Eq. 10 from the hand until contact, the end of the ring or the horizon.
-
-    Parameters
-    ----------
-    scene : Scene
-    lattice : Lattice or SpaceLattice
-        Of ``params.n`` cells a side.
-    params : WaveParams
-    ignore : float
-        Contacts before this time do not count [s].
-    widening : (cells,) ndarray, optional
-        Margin of every cell beyond that of the parameters, in the same unit.
-
-    Returns
-    -------
-    Front
-        Of one sheet.
-    """
-    if isinstance(lattice, SpaceLattice):
-        return propagate_in_space(scene, lattice, params, ignore=ignore, widening=widening)
-    kappa = kappa_of(scene, lattice, params)
+    """Run `wave.propagate` over a lattice of the plane."""
+    kappa = kappa_in_plane(scene, lattice, params)
     return _propagate(scene, lattice, params, kappa, ignore, widening)
 
 
@@ -75,7 +53,7 @@ def _propagate(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """`propagate` with a given kappa, which the measurement of the front's speed needs."""
+    """Run the wave with a given kappa, as the measurement of the front's speed needs it."""
     n, shape = lattice.n, stencil.layout(lattice.n)
     slowness = 1.0 / front_speed(params).fastest if params.start_radius > 0.0 else 0.0
     buffers = _workspace.__dict__.setdefault("buffers", {})
@@ -84,7 +62,7 @@ def _propagate(
     buffer = buffers[n]
     ground = ground_of(scene, lattice, params, buffer, slowness)
     kernels.excite(ground, *start_disc(scene, lattice, params))
-    terms = terms_of(scene, lattice, params, kappa, ignore)
+    terms = terms_of(scene, lattice, params, kappa, ignore, fastest_in_plane(scene))
     around = postures(scene, lattice, params.margin, widening)
     state = np.zeros(n * n, dtype=np.uint8)
     cell, body, time, steps = kernels.propagate(ground, terms, around, state)
@@ -108,12 +86,12 @@ def hand_cell(lattice: Lattice, hand: tuple[float, float]) -> tuple[int, int]:
 
     A clamped neuron outside the ring has too few neighbours to start a wave.
     """
-    iy, ix = lattice.cell_of(*hand)
-    space = hand_space(lattice)
-    if space.inside[iy * lattice.n + ix]:
+    iy, ix = lattice.cell_of(hand)
+    cells = hand_space(lattice)
+    if cells.inside[iy * lattice.n + ix]:
         return iy, ix
-    away = np.linalg.norm(space.limb[:, :2] - hand, axis=1)
-    nearest = int(np.argmin(np.where(space.inside, away, np.inf)))
+    away = np.linalg.norm(cells.limb[:, :2] - hand, axis=1)
+    nearest = int(np.argmin(np.where(cells.inside, away, np.inf)))
     return nearest // lattice.n, nearest % lattice.n
 
 
@@ -136,7 +114,7 @@ def start_disc(scene: Scene, lattice: Lattice, params: WaveParams) -> tuple[np.n
 def ground_of(
     scene: Scene, lattice: Lattice, params: WaveParams, buffer: np.ndarray, slowness: float
 ) -> kernels.Ground:
-    """The lattice at rest in a buffer; `slowness` is the fastest front's [tau per cell]."""
+    """Bind the lattice at rest in a buffer; `slowness` is the fastest front's [tau per cell]."""
     n, shape = lattice.n, stencil.layout(lattice.n)
     ground = kernels.Ground(
         B=buffer,
@@ -146,15 +124,8 @@ def ground_of(
         rate=rates_of(scene, lattice),
         active=np.ones((n + 2, shape.blocks), dtype=np.bool_),
         points=params.laplacian,
-        held=params.frozen == "held",
-        diffusion=params.diffusion,
-        epsilon=params.epsilon,
-        quiet=QUIET,
-        step=params.step,
-        lag=2 * max(1, int(0.6 / params.step + 1e-9)) * params.step,
         start=params.start_radius * slowness,
-        slowness=slowness,
-        threshold=params.threshold,
+        run=run_of(params, QUIET, slowness),
     )
     rest = REST if params.start == "rest" else (0.0, 0.0)
     kernels.prepare(ground, hand_space(lattice).inside, *rest)
@@ -164,13 +135,13 @@ def ground_of(
 def rates_of(scene: Scene, lattice: Lattice) -> np.ndarray:
     """Rate (n * n,) of every cell's dynamics: q of Eq. 10 as a share of full speed.
 
-    A wave's speed does not depend on direction.  Where joints limit the hand, the front is as fast
+    A wave's speed does not depend on direction.  If joints limit the hand, the front is as fast
     as the hand is on average over directions; the plan's timing then keeps the limits exactly.
     """
     limits = scene.limits
     if math.isinf(limits.shoulder) and math.isinf(limits.elbow):
         return np.ones(lattice.n**2)
-    return _joint_limited_rates(lattice, fastest(scene), limits.shoulder, limits.elbow)
+    return _joint_limited_rates(lattice, fastest_in_plane(scene), limits.shoulder, limits.elbow)
 
 
 @lru_cache(maxsize=16)

@@ -2,13 +2,13 @@
 
 The paper expects no more than larger computations there.  Three things are different:
 
-- One neuron starts no wave.  The hand's, clamped to 5, excites its six neighbours and no others: a
-  ball smaller than 4 cells shrinks, because a front is slower the more it is curved, and in space
-  it is curved twice.  So a ball around the hand is excited at the start, as far as it is free.
+- One neuron starts no wave.  The hand's, clamped to 5, excites its six neighbours and no others.  A
+  ball smaller than 4 cells shrinks: a front is slower the more it is curved, and in space it is
+  curved twice.  So a ball around the hand is excited at the start, as far as it is free.
 - For the same reason fronts come late: at a radius of 20 cells by about a fifth.
 - A hand in space has four joints, and what limits it is mostly they.  A wave's speed knows no
   direction, so a cell is as quick as the hand is on average over the six steps from it (q of
-  Eq. 10).  What is lost is the difference: a path is timed by the joints' limits once more.
+  Eq. 10).  The difference is lost: a path is timed by the joints' limits once more.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from gcm_learn.wave import kernels_in_space as kernels
 from gcm_learn.wave import stencil_in_space as stencil
 from gcm_learn.wave.front import Front, first_arrivals
 from gcm_learn.wave.kernels import CONTACT, FROZEN
-from gcm_learn.wave.limits import terms_of
+from gcm_learn.wave.limits import run_of, terms_of
 from gcm_learn.wave.params import REST, WaveParams, check_stability
 
 START_BALL = (
@@ -42,10 +42,10 @@ _workspace = threading.local()
 
 
 def kappa_in_space(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> float:
-    """Seconds per unit of mental time, such that a free front does not outrun the hand.
+    """Run `wave.kappa_of` for cells in space.
 
-    Fronts come late while they are small.  So this holds for the whole way from the hand to what is
-    half a lattice away: the front is late before, and may be early by a tenth beyond.
+    Fronts come late while they are small.  So this holds for the whole way from the hand to cells
+    half a lattice away.  The front is late before, and may be early by a tenth beyond.
     """
     speed = mean_speed(params, 0.5 * lattice.n)
     return speed * lattice.spacing / quickest(scene, lattice)
@@ -54,8 +54,8 @@ def kappa_in_space(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> f
 def mean_speed(params: WaveParams, radius: float) -> float:
     """Speed with which a free front gets to a radius [cells], its start included [cells per tau].
 
-    A sphere's surface moves at c - 2 d / R, c being the speed of a plane front: this is the time
-    that it takes to grow from the ball at the start.
+    A sphere's surface moves at c - 2 d / R, c being the speed of a plane front.  The mean follows
+    from the time of its growth from the ball at the start.
     """
     c = front_speed_in_space(params)
     lag = 2.0 * params.diffusion / c
@@ -69,8 +69,8 @@ def mean_speed(params: WaveParams, radius: float) -> float:
 def quickest(scene: Scene, lattice: SpaceLattice) -> float:
     """Speed of the front where it is fastest [lengths/s].
 
-    It is the hand's limit, or where joints limit it more, what nine tenths of the hands stay below
-    on average over directions; the front is that fast at the others.
+    It is the hand's limit, or a quantile if joints limit hands more: nine tenths of the hands stay
+    below it on average over directions.  The front is that fast at the others.
     """
     return min(scene.limits.speed, _quickest(lattice))
 
@@ -92,8 +92,9 @@ def _quickest(lattice: SpaceLattice) -> float:
 def front_speed_in_space(params: WaveParams) -> float:
     """Largest speed of a plane front in any direction [cells per tau].
 
-    Along an axis, a face's and the cube's diagonal, a plane front is one on a chain of neurons with
-    1, 2 and 3 times the diffusion, whose neighbours are 1, 1 / sqrt 2 and 1 / sqrt 3 cells apart.
+    Along an axis, a face's and the cube's diagonal, a plane front is one on a chain of neurons.
+    The chain has 1, 2 and 3 times the diffusion, and neighbours 1, 1 / sqrt 2 and 1 / sqrt 3 cells
+    apart.
     """
     check_stability(params, 7)
     return max(_chain_speed(params, k) / math.sqrt(k) for k in (1, 2, 3))
@@ -128,30 +129,14 @@ def propagate_in_space(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run the wave of Eq. 10 from the hand until contact, the end of hand-space or the horizon.
+    """Run `wave.propagate` over cells in space, of one posture each.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of a spatial arm.
-    lattice : SpaceLattice
-    params : WaveParams
-        The discrete Laplacian has 7 points, whatever they say of the plane's.
-    ignore : float
-        Contacts before this time do not count [s].
-    widening : (n^3,) ndarray, optional
-        Margin of every cell beyond that of the parameters, in the same unit.
-
-    Returns
-    -------
-    Front
-        Of one sheet.
+    The discrete Laplacian has 7 points, whatever the parameters say of the plane's.
     """
     if lattice.postures != 1:
         raise LatticeError(f"a wave in space needs one posture in a cell, not {lattice.postures}")
     n, kappa = lattice.n, kappa_in_space(scene, lattice, params)
-    terms = terms_of(scene, lattice, params, kappa, ignore)
-    terms = terms._replace(speed=quickest(scene, lattice))
+    terms = terms_of(scene, lattice, params, kappa, ignore, quickest(scene, lattice))
     ground = _ground(scene, lattice, params)
     radius = max(params.start_radius, START_BALL)
     ball, away = _start_ball(scene, lattice, 2.0 * radius + kernels.SPREAD)
@@ -197,7 +182,7 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> ground_i
     n, shape = lattice.n, _blocks(lattice.n)
     space = _workspace.__dict__
     if "buffer" not in space:
-        space["buffer"] = stencil.room()
+        space["buffer"] = stencil.room_in_space()
     buffer, speed = space["buffer"], quickest(scene, lattice)
     rest = REST if params.start == "rest" else (0.0, 0.0)
     buffer[:] = 0.0
@@ -217,14 +202,7 @@ def _ground(scene: Scene, lattice: SpaceLattice, params: WaveParams) -> ground_i
         wake=np.zeros(shape, np.bool_),
         slowest=SLOWEST_RATE,
         fewest=FEWEST,
-        held=params.frozen == "held",
-        diffusion=params.diffusion,
-        epsilon=params.epsilon,
-        quiet=QUIET,
-        step=params.step,
-        lag=2 * max(1, int(0.6 / params.step + 1e-9)) * params.step,
-        slowness=1.0 / mean_speed(params, 0.5 * n),
-        threshold=params.threshold,
+        run=run_of(params, QUIET, 1.0 / mean_speed(params, 0.5 * n)),
     )
 
 
@@ -237,7 +215,7 @@ def _blocks(n: int) -> tuple[int, int, int]:
 def _found(
     lattice: SpaceLattice, speed: float, joint_speed: tuple[float, ...]
 ) -> ground_in_space.Found:
-    """What waves found out about a lattice, of joints and a front that are so fast."""
+    """Make the findings about a lattice, of joints and a front that are so fast."""
     cells, blocks = lattice.n**3, _blocks(lattice.n)
     return ground_in_space.Found(
         nodes=lattice.nodes,
@@ -249,7 +227,7 @@ def _found(
 
 
 def _rooms() -> tuple[ground_in_space.Runs, ground_in_space.SpaceBatch]:
-    """Room for lists of blocks and of cells."""
+    """Make lists of blocks and of cells."""
     space = _workspace.__dict__
     if "rooms" not in space:
         blocks = stencil.LARGEST**2 * (stencil.LARGEST // stencil.BLOCK)

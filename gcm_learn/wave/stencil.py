@@ -1,8 +1,8 @@
 """The stencil of Eq. 10: Euler steps over runs of cells, at the speed of the machine's vectors.
 
-All fields of a lattice live in one float32 buffer as planes at constant offsets, so the compiler
-knows that they do not overlap and vectorises without run-time checks; there is a stencil for each
-of a few widths, so that the offsets are constants.
+All fields of a lattice live in one float32 buffer as planes at constant offsets.  So the compiler
+knows them to be disjoint and vectorises without run-time checks.  A few widths have a stencil each,
+so that the offsets are constants.
 
 The cell (iy, ix) is entry ``(iy + 1) * W + ix + LEFT`` of a plane; the rest is padding and stays 0.
 The planes: potential (two time levels), recovery, q * step, live neighbours, arrival.
@@ -23,7 +23,7 @@ PLANES = 6
 
 
 class Layout(NamedTuple):
-    """Where things are in the buffer of a lattice of n x n cells."""
+    """Layout of the buffer of a lattice of n x n cells."""
 
     n: int
     width: int  # W, row to row
@@ -46,11 +46,15 @@ def layout(n: int) -> Layout:
 
 
 def room(n: int) -> np.ndarray:
-    """A buffer for a lattice of n x n cells whose blocks begin on cache lines.
+    """Make a buffer for a lattice of n x n cells."""
+    return aligned(layout(n).length)
 
-    That is a tenth faster than where they straddle two.
+
+def aligned(length: int) -> np.ndarray:
+    """Make a buffer (length,) float32 whose blocks begin on cache lines.
+
+    Blocks that straddle two cache lines are a tenth slower.
     """
-    length = layout(n).length
     spare = np.empty(length + BLOCK, dtype=np.float32)
     first = -(spare.ctypes.data // spare.itemsize + LEFT) % BLOCK
     return spare[first : first + length]

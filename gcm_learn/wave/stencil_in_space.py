@@ -2,10 +2,10 @@
 
 It is laid out as in the plane (`wave.stencil`): all fields of a lattice in one float32 buffer, at
 constant offsets.  The cell (iz, iy, ix) is entry ``(iz + 1) * SLAB + (iy + 1) * WIDTH + ix + LEFT``
-of a field; the rest is padding and stays 0.  The fields: potential (two time levels), recovery,
+of a field.  The rest is padding and stays 0.  The fields: potential (two time levels), recovery,
 q * step, live neighbours, arrival.
 
-Where q is below 1 the recovery is slowed with the potential, so that a front is slower in
+In cells with q below 1 the recovery is slowed with the potential, so that a front is slower in
 proportion.  Slowing the potential alone (Eq. 10 to the letter) would cost it another third at
 q = 0.1, and stop it at q = 0.02.
 """
@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.wave.stencil import BLOCK, LEFT, PLANES
+from gcm_learn.wave.stencil import BLOCK, LEFT, PLANES, aligned
 
 LARGEST = 80  # cells along a side: the offsets are constants
 ROWS = LARGEST + 2
@@ -24,11 +24,9 @@ SLAB = ROWS * WIDTH
 FIELD = ROWS * SLAB + BLOCK  # an odd number of cache lines, see `wave.stencil`
 
 
-def room() -> np.ndarray:
-    """A buffer whose blocks begin on cache lines."""
-    spare = np.empty(PLANES * FIELD + 2 * BLOCK, dtype=np.float32)
-    first = -(spare.ctypes.data // spare.itemsize + LEFT) % BLOCK
-    return spare[first : first + PLANES * FIELD + BLOCK]
+def room_in_space() -> np.ndarray:
+    """Make a buffer for any lattice in space."""
+    return aligned(PLANES * FIELD + BLOCK)
 
 
 def field(buffer: np.ndarray, k: int, n: int) -> np.ndarray:

@@ -27,7 +27,7 @@ from gcm_learn.scene import (
 )
 from gcm_learn.wave.limits import contact_distance, gaps
 from gcm_learn.wave.params import REST, WaveParams
-from gcm_learn.wave.solver import front_speed, kappa_of, rates_of, start_disc
+from gcm_learn.wave.solver import front_speed, kappa_in_plane, rates_of, start_disc
 
 FINENESS = 0.05  # from one instant of a search to the next, a body moves this many cells at most
 EDGES = ((0, 1), (0, -1), (1, 0), (-1, 0))
@@ -111,7 +111,7 @@ class Stepped:
     def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
         n, shape = params.n, lattice.shape
         self.scene, self.lattice, self.params = scene, lattice, params
-        self.kappa = kappa_of(scene, lattice, params)
+        self.kappa = kappa_in_plane(scene, lattice, params)
         self.tau, self.steps = 0.0, 0
         self.inside, self.limb = hand_space(lattice).inside.reshape(n, n), _limbs(lattice)
         stride = hand_space(lattice).stride
@@ -129,7 +129,7 @@ class Stepped:
 
     @property
     def insulates(self) -> bool:
-        """Whether cells that are frozen or inhibited are cut out."""
+        """Return whether cells that are frozen or inhibited are cut out."""
         return self.params.frozen == "insulating"
 
     def disc(self) -> list[tuple[Cell, float]]:
@@ -154,7 +154,7 @@ class Stepped:
         self.steps += 1
 
     def passes_on(self, cell: Cell) -> bool:
-        """Whether a cell has been reached and passes the front on."""
+        """Return whether a cell has been reached and passes the front on."""
         raise NotImplementedError
 
     def next_door(self, cell: Cell) -> float:
@@ -164,7 +164,7 @@ class Stepped:
         return min(times, default=-1.0)
 
     def within(self, cell: Cell) -> bool:
-        """Whether a cell is on the lattice."""
+        """Return whether a cell is on the lattice."""
         return min(cell) >= 0 and max(cell) < self.params.n
 
     def instants(self, b: int, span: tuple[float, float]) -> np.ndarray:
@@ -174,7 +174,7 @@ class Stepped:
         return np.linspace(*span, int(np.ceil(way / step)) + 1 if way > 0.0 else 1)
 
     def near(self, b: int, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """Whether body b is at limbs or, a target, hands in cells (c, 2) at times (m,): (c, m)."""
+        """Mark (c, m) at which times (m,) body b is at the limbs, or a target at the hands."""
         limbs, target = self.limb[tuple(cells.T)], b in self.targets
         gap = np.full(len(cells), self.reach) if target else self.gap[tuple(cells.T)]
         return distances(self.scene.bodies, b, limbs, times) <= gap[:, None]

@@ -1,4 +1,4 @@
-"""Front door of the wave that may wait: Eq. 10 with obstacles that inhibit while they are there."""
+"""The wave that may wait: Eq. 10 with obstacles that inhibit while they are there."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ import numpy as np
 from gcm_learn.handspace import Lattice
 from gcm_learn.scene import Scene
 from gcm_learn.wave import excitation, inhibition, stencil
-from gcm_learn.wave.front import Front
-from gcm_learn.wave.limits import contact_distance, fastest, postures
+from gcm_learn.wave.front import Front, all_arrivals, ranks
+from gcm_learn.wave.limits import contact_distance, fastest_in_plane, postures
 from gcm_learn.wave.params import WaveParams
 from gcm_learn.wave.solver import (
     STATES_PER_CELL,
     free_scene,
     front_speed,
     ground_of,
-    kappa_of,
-    propagate,
+    kappa_in_plane,
+    propagate_in_plane,
     start_disc,
 )
 
 
-def propagate_layers(
+def propagate_layers_in_plane(
     scene: Scene,
     lattice: Lattice,
     params: WaveParams,
@@ -32,22 +32,7 @@ def propagate_layers(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run the wave of Eq. 10 until a target is met or the horizon; the hand may wait.
-
-    A cell is excited as long as the hand can be there: obstacles inhibit it while they are there.
-
-    Parameters
-    ----------
-    params : WaveParams
-        `frozen` tells what an inhibited cell does to its neighbours: "insulating" cuts its
-        couplings, "held" leaves it to be seen, clamped at rest.
-
-    The others are as for `propagate`.
-
-    Returns
-    -------
-    Front
-    """
+    """Run `wave.propagate_layers` over a lattice of the plane."""
     n = lattice.n
     slowness = 1.0 / front_speed(params).fastest
     ground, book = ground_of(scene, lattice, params, stencil.room(n), slowness), _book(n)
@@ -59,23 +44,15 @@ def propagate_layers(
     arrival = book.spans[:count, inhibition.ARRIVAL]
     # Cells reached between the same two looks stand in the order of the lattice.
     order = np.argsort(arrival, kind="stable")
-    rank = np.append(np.argsort(order), -1)  # the last entry is that of "none", -1
-    nodes, met = book.states[order, excitation.CELL].astype(np.int64), np.zeros((n, n), dtype=bool)
-    if state >= 0:
-        met.flat[nodes[rank[state]]] = True
-    return Front(
-        chart=lattice,
-        waits=True,
-        nodes=nodes,
-        via=rank[book.states[order, excitation.VIA]],
-        arrival=arrival[order],
-        end=book.spans[order, inhibition.END],
-        refused=book.refused.reshape(n, n),
-        met=met,
-        met_state=int(rank[state]),
-        met_body=body,
-        met_time=time,
-        steps=count,
+    rank = ranks(order, count)
+    return all_arrivals(
+        lattice,
+        book.states[order, excitation.CELL].astype(np.int64),
+        rank[book.states[order, excitation.VIA]],
+        arrival[order],
+        book.spans[order, inhibition.END],
+        book.refused,
+        (int(rank[state]), body, time),
     )
 
 
@@ -91,7 +68,7 @@ def free_clock(params: WaveParams) -> np.ndarray:
     lattice = Lattice(n=free.n)
     hand = (0.5 * lattice.spacing, 0.5 * lattice.spacing)
     scene = free_scene(lattice, hand, 70 * lattice.spacing)
-    tau = propagate(scene, lattice, free).first / kappa_of(scene, lattice, free)
+    tau = propagate_in_plane(scene, lattice, free).first / kappa_in_plane(scene, lattice, free)
     x, y = np.meshgrid(lattice.centres, lattice.centres)
     away = np.hypot(x - hand[0], y - hand[1]) / lattice.spacing
     order = np.argsort(tau[tau >= 0.0], kind="stable")
@@ -103,10 +80,10 @@ def free_clock(params: WaveParams) -> np.ndarray:
 def _world(
     scene: Scene, lattice: Lattice, params: WaveParams, ignore: float, widening: np.ndarray | None
 ) -> inhibition.World:
-    kappa = kappa_of(scene, lattice, params)
+    kappa = kappa_in_plane(scene, lattice, params)
     return inhibition.World(
         postures=postures(scene, lattice, params.margin, widening),
-        clock=free_clock(params) * (lattice.spacing / fastest(scene)),
+        clock=free_clock(params) * (lattice.spacing / fastest_in_plane(scene)),
         kappa=kappa,
         shortest=kappa * params.step,
         grasp=contact_distance(scene, lattice, params),

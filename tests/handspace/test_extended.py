@@ -179,7 +179,7 @@ def test_cells_are_occupied_where_the_curves_run(rho, position, radius, side):
     images = (extended_obstacle, upper_arm_image)
     for curve in (image(p, rho, side, 160) for image in images for p in points):
         for x, y in curve:
-            raster[lattice.cell_of(x, y)] = True
+            raster[lattice.cell_of((x, y))] = True
     assert cells.sum() > 100
     assert (cells <= widened(raster)).all()
     # At the rims the elbow swings fast: two cells of the ring are left out there.

@@ -67,7 +67,7 @@ def test_straight_pieces_run_through_excited_cells(limits):
         crossing = lattice.spacing / situation.arm.max_hand_speed
         step = max(int(CLOSE * lattice.spacing / 0.02), 1)
         for (x, y), t in zip(hand[1:-1:step], wanted[1:-1:step], strict=True):
-            here = (front.cells == lattice.cell_of(x, y)).all(axis=1)
+            here = (front.cells == lattice.cell_of((x, y))).all(axis=1)
             reached = front.arrival[here] - EARLY * crossing <= t + 0.25 * crossing
             outside += not (reached & (t <= front.end[here] + 0.25 * crossing)).any()
             points += 1

@@ -14,7 +14,6 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.scene.bodies import ACCELERATION, HAND, PART, POSITION, SIZE, TOP_SPEED, VELOCITY
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.kernels_in_space import SPREAD
-from gcm_learn.wave.limits import CONTACT_RADIUS_IN_SPACE
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST
 from gcm_learn.wave.solver_in_space import (
     FEWEST,
@@ -135,7 +134,7 @@ class Reference:
 
     def judge(self, found, now):
         rows, h = self.scene.bodies.rows, self.lattice.spacing
-        grasp = max(self.scene.limits.grasp, CONTACT_RADIUS_IN_SPACE * h)
+        grasp = max(self.scene.limits.grasp, self.lattice.half_diagonal * h)
         for cell, before in found:
             m, span = np.ravel_multi_index(cell, self.r.shape), np.array([before, now]) * self.kappa
             for b in np.flatnonzero(rows[:, PART] != HAND):

@@ -76,7 +76,7 @@ def test_a_stretched_arm_starts_a_front():
         hand = (2.0 * np.cos(angle), 2.0 * np.sin(angle))
         setting = setting_of(scene(hand=hand, horizon=4.0), 40)
         inside = hand_space(setting.lattice).inside.reshape(40, 40)
-        outside += not inside[setting.lattice.cell_of(*hand)]
+        outside += not inside[setting.lattice.cell_of(hand)]
         wave = propagate(*setting, WaveParams(n=40, until="horizon"))
         marched = march(*setting, MarchingParams(n=40, until="horizon"))
         assert np.array_equal(wave.first >= 0.0, inside)

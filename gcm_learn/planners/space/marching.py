@@ -45,7 +45,7 @@ class FrontInSpace:
     trials: int = 3
     """Interceptions that are tried on each of them."""
     wait: bool = False
-    """Whether the hand may wait: maps then have sheets."""
+    """The hand may wait: maps then have sheets."""
 
     takes = staticmethod(spatial_only)
 
@@ -73,7 +73,7 @@ class FrontInSpace:
                 if found.interception is None:
                     reason = reason or Reason(Failure.NO_INTERCEPTION)
                     break
-                plan, reason = followed(problem, study, found)
+                plan, reason = followed(problem, study, found, chart)
                 if plan is not None:
                     return plan
                 ignore = found.interception.time + 2**trial * chart.spacing / fastest(scene)
@@ -102,17 +102,18 @@ def kept(problem: SpatialProblem) -> Scene:
 
 
 def followed(
-    problem: SpatialProblem, study: Study, found: CognitiveMap
+    problem: SpatialProblem, study: Study, found: CognitiveMap, chart: SpaceLattice
 ) -> tuple[Plan[SpatialTrajectory] | None, Reason | None]:
     """The way to a map's interception, made shorter and ended on the target, or why it fails.
 
     Parameters
     ----------
     found : CognitiveMap
-        Over a `SpaceLattice`, with an interception; it says where its front came from.
+        A map with an interception; it says where its front came from.
+    chart : SpaceLattice
+        The chart of the map.
     """
-    chart = found.chart
-    assert isinstance(chart, SpaceLattice) and found.interception is not None
+    assert found.interception is not None
     states = np.array(chain_to(found, found.met))
     joints = chart.joints_at(states % chart.size)
     times = found.sheets.ravel()[states].filled(0.0).astype(float)
@@ -135,7 +136,7 @@ def followed(
 def lay(study: Study, joints: np.ndarray, times: np.ndarray, waits: bool, way: Way) -> bool:
     """Write the way through joints (m, 4), wanted at times (m,), as soon as limits allow.
 
-    Where there is time left the limb waits before the move, or moves more slowly without `waits`.
+    If time is left, the limb waits before the move, or moves more slowly without `waits`.
     Returns whether it comes before the horizon.
     """
     limits, now = study.scene.limits, 0.0

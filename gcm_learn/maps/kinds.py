@@ -1,0 +1,88 @@
+"""Maps by the kind of arm: the only file of this folder that asks which kind it has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import PLANAR, SPATIAL, Base, ByKind, SpatialArm
+from gcm_learn.errors import FileFormatError
+from gcm_learn.handspace import Chart, Lattice, SpaceLattice
+from gcm_learn.wave import Front
+
+
+class MapKind(NamedTuple):
+    """Differences between maps of several kinds of arms."""
+
+    format: str
+    """Format of files."""
+    header: Callable[[Any], dict[str, Any]]
+    """Entries of a file's header for a chart."""
+    chart: Callable[[dict[str, Any]], Chart]
+    """Chart of a file's header."""
+    hand: Callable[[Any, Any], tuple[float, ...]]
+    """Hand of an arm at t = 0 in the frame of a chart."""
+    via: Callable[[Front], np.ndarray | None]
+    """Arrivals from which the front came, None where the gradient leads back."""
+
+
+def _lattice_header(chart: Lattice) -> dict[str, Any]:
+    return {"n": chart.n, "upper_arm": chart.upper_arm, "elbow": chart.elbow}
+
+
+def _lattice(header: dict[str, Any]) -> Lattice:
+    return Lattice(header["n"], header["upper_arm"], header["elbow"])
+
+
+def _space_header(chart: SpaceLattice) -> dict[str, Any]:
+    return {"n": chart.n, "postures": chart.postures, "arm": asdict(chart.arm)}
+
+
+def _space(header: dict[str, Any]) -> SpaceLattice:
+    arm = header["arm"] | {"base": Base(**header["arm"]["base"])}
+    return SpaceLattice(SpatialArm(**arm), header["n"], header["postures"])
+
+
+MAPS = ByKind(
+    {
+        PLANAR: MapKind(
+            "gcm-learn/map@1",
+            _lattice_header,
+            _lattice,
+            lambda arm, chart: arm.hand,
+            lambda front: None,
+        ),
+        SPATIAL: MapKind(
+            "gcm-learn/map@2",
+            _space_header,
+            _space,
+            lambda arm, chart: chart.hand,
+            lambda front: front.came_from(),
+        ),
+    },
+    who="a map",
+)
+
+
+def header_of(chart: Chart) -> dict[str, Any]:
+    """Return the header of a file for a chart."""
+    kind = MAPS.of(chart.kind)
+    return {"format": kind.format} | kind.header(chart)
+
+
+def chart_from(header: dict[str, Any]) -> Chart:
+    """Return the chart of a file's header.
+
+    Raises
+    ------
+    FileFormatError
+        If the format is none of the formats of maps.
+    """
+    for kind in MAPS.entries():
+        if kind.format == header["format"]:
+            return kind.chart(header)
+    known = " or ".join(repr(kind.format) for kind in MAPS.entries())
+    raise FileFormatError(f"format is {header['format']!r}, expected {known}")
