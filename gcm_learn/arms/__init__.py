@@ -1,6 +1,14 @@
 """Arms: records, kinematics, and the registry of their kinds."""
 
-from gcm_learn.arms.chain import Chain, ChainJoint, ChainModel, Hand, Link
+from gcm_learn.arms.chain import (
+    JOINT_TYPES,
+    Chain,
+    ChainJoint,
+    ChainModel,
+    Hand,
+    Link,
+    unknown_obstacle,
+)
 from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of
 from gcm_learn.arms.kinds import (
     CHAIN,
@@ -15,7 +23,7 @@ from gcm_learn.arms.kinds import (
     register_kind,
     solution_format,
 )
-from gcm_learn.arms.kinematics import hands_along, links_along
+from gcm_learn.arms.kinematics import hand_speed, hands_along, links_along
 from gcm_learn.arms.planar import ELBOWS, Arm
 from gcm_learn.arms.planar_limb import (
     SIDE,
@@ -29,13 +37,8 @@ from gcm_learn.arms.planar_limb import (
 )
 from gcm_learn.arms.rotations import quaternion_of, rotation_of, unit_quaternion
 from gcm_learn.arms.spatial import IDENTITY, JOINTS, Base, SpatialArm
-from gcm_learn.arms.spatial_limb import (
-    SpatialLimb,
-    forward_in_space,
-    inverse_in_space,
-    spatial_limb_of,
-    swivel_in_space,
-)
+from gcm_learn.arms.spatial_limb import SpatialLimb, forward_in_space, spatial_limb_of
+from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
 
 __all__ = [
     "Arm",
@@ -50,6 +53,7 @@ __all__ = [
     "Hand",
     "IDENTITY",
     "JOINTS",
+    "JOINT_TYPES",
     "Kind",
     "Link",
     "PLANAR",
@@ -63,6 +67,7 @@ __all__ = [
     "elbow_position",
     "forward",
     "forward_in_space",
+    "hand_speed",
     "hands_along",
     "inverse_in_space",
     "is_arm",
@@ -80,4 +85,5 @@ __all__ = [
     "spatial_limb_of",
     "swivel_in_space",
     "unit_quaternion",
+    "unknown_obstacle",
 ]

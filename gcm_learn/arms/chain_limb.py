@@ -13,6 +13,7 @@ import numpy as np
 
 from gcm_learn.arms.chain import Chain, ChainJoint
 from gcm_learn.arms.curves import on_curve, rate_of, turn_of
+from gcm_learn.arms.link_gaps import middles_gap, segments_gap2
 from gcm_learn.arms.rotations import rotation_of
 from gcm_learn.compiled import njit
 
@@ -168,47 +169,11 @@ def self_gap(limb, place, slack, enough):
     for k in range(limb.pairs.shape[0]):
         i, j = limb.pairs[k, 0], limb.pairs[k, 1]
         thick, slip = limb.radii[i] + limb.radii[j], limb.ways[i] + limb.ways[j]
-        gap = _middles_gap(r, i, j) - thick
+        gap = middles_gap(r, i, j) - thick
         if gap - slip <= enough:
-            gap = np.sqrt(max(_segments_gap2(r, i, j), 0.0)) - thick
+            gap = np.sqrt(max(segments_gap2(r, i, j), 0.0)) - thick
         best, room = min(best, gap), min(room, gap - slip)
     return best, room
-
-
-@njit(_nrt=False)
-def _middles_gap(r, i, j):
-    """Distance of the balls about two links' axes."""
-    away, first, second = 0.0, 0.0, 0.0
-    for k in range(3):
-        away += (0.5 * (r[i, k] + r[i, 3 + k] - r[j, k] - r[j, 3 + k])) ** 2
-        first += (0.5 * (r[i, 3 + k] - r[i, k])) ** 2
-        second += (0.5 * (r[j, 3 + k] - r[j, k])) ** 2
-    return np.sqrt(away) - np.sqrt(first) - np.sqrt(second)
-
-
-@njit(_nrt=False)
-def _segments_gap2(r, i, j):
-    """Squared distance of two links' axes (C. Ericson, Real-Time Collision Detection, 5.1.9)."""
-    ux, uy, uz = r[i, 3] - r[i, 0], r[i, 4] - r[i, 1], r[i, 5] - r[i, 2]
-    vx, vy, vz = r[j, 3] - r[j, 0], r[j, 4] - r[j, 1], r[j, 5] - r[j, 2]
-    wx, wy, wz = r[i, 0] - r[j, 0], r[i, 1] - r[j, 1], r[i, 2] - r[j, 2]
-    a, e = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
-    f, c = vx * wx + vy * wy + vz * wz, ux * wx + uy * wy + uz * wz
-    b = ux * vx + uy * vy + uz * vz
-    s, t = 0.0, 0.0
-    if a <= 1e-30 and e > 1e-30:
-        t = min(max(f / e, 0.0), 1.0)
-    elif a > 1e-30 and e <= 1e-30:
-        s = min(max(-c / a, 0.0), 1.0)
-    elif a > 1e-30:
-        below = a * e - b * b
-        s = min(max((b * f - c * e) / below, 0.0), 1.0) if below > 1e-14 * a * e else 0.0
-        t = (b * s + f) / e
-        if t < 0.0 or t > 1.0:
-            t = min(max(t, 0.0), 1.0)
-            s = min(max((b * t - c) / a, 0.0), 1.0)
-    x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
-    return x * x + y * y + z * z
 
 
 @njit(_nrt=False)

@@ -13,7 +13,7 @@ from typing import Any
 
 from numba.extending import overload
 
-from gcm_learn.arms import chain_limb, spatial_limb
+from gcm_learn.arms import chain_limb, spatial_limb, swivels
 from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.spatial_limb import SpatialLimb
 
@@ -224,7 +224,7 @@ register_limb(
     lever=spatial_limb.reach_of,
     jacobian=spatial_limb.hand_jacobian,
     axis_turns=spatial_limb.axis_turns,
-    postures_at=spatial_limb.postures_at,
+    postures_at=swivels.postures_at,
 )
 register_limb(
     ChainLimb,

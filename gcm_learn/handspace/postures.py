@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.spatial_limb import SpatialLimb, in_range, limb_at, swivel_axes, swivel_of
+from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at
+from gcm_learn.arms.swivels import in_range, swivel_axes, swivel_of
 from gcm_learn.compiled import njit
 
 TRIED = np.pi / 12.0  # swivels that are tried where the first is not allowed are this near [rad]

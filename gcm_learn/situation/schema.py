@@ -16,6 +16,7 @@ from typing import Any
 from gcm_learn.arms import (
     CHAIN,
     ELBOWS,
+    JOINT_TYPES,
     JOINTS,
     PLANAR,
     SPATIAL,
@@ -28,7 +29,6 @@ from gcm_learn.arms import (
     Link,
     SpatialArm,
 )
-from gcm_learn.arms.chain import JOINT_TYPES
 from gcm_learn.checks import LARGEST
 from gcm_learn.situation.arm_files import ARM_FORMAT
 from gcm_learn.situation.body import ROLES, Approach, Body

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from gcm_learn.arms import CHAIN, ByKind
-from gcm_learn.arms.chain import unknown_obstacle
-from gcm_learn.arms.kinematics import hand_speed
+from gcm_learn.arms import CHAIN, ByKind, hand_speed, unknown_obstacle
 from gcm_learn.errors import SituationError
 from gcm_learn.situation.body import Body
 

@@ -19,15 +19,8 @@ from gcm_learn.arms import (
     spatial_limb_of,
     swivel_in_space,
 )
-from gcm_learn.arms.spatial_limb import (
-    elbow_at,
-    hand_jacobian,
-    joints_of_limb,
-    limb_at,
-    motion_bounds,
-    swivel_axes,
-    swivel_of,
-)
+from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at, motion_bounds
+from gcm_learn.arms.swivels import elbow_at, joints_of_limb, swivel_axes, swivel_of
 from tests import strategies
 
 SPEEDS = (8.268, 7.194, 8.268, 7.194)

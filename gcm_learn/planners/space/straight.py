@@ -8,7 +8,7 @@ import numpy as np
 
 from gcm_learn.arms.curves import line
 from gcm_learn.arms.limbs import hand_of, place, postures_at, reach_of
-from gcm_learn.arms.spatial_limb import BRANCHES
+from gcm_learn.arms.swivels import BRANCHES
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception_in_space import (

@@ -12,7 +12,8 @@ from typing import ClassVar
 import numpy as np
 
 from gcm_learn.arms import JOINTS
-from gcm_learn.arms.spatial_limb import inverse, limb_at
+from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.arms.swivels import inverse
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.motion import SpatialTrajectory

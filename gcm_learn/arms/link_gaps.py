@@ -1,0 +1,43 @@
+"""Distances of two links of one limb, whose ends are rows of an array."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+
+
+@njit(_nrt=False)
+def middles_gap(r, i, j):
+    """Distance of the balls about two links' axes."""
+    away, first, second = 0.0, 0.0, 0.0
+    for k in range(3):
+        away += (0.5 * (r[i, k] + r[i, 3 + k] - r[j, k] - r[j, 3 + k])) ** 2
+        first += (0.5 * (r[i, 3 + k] - r[i, k])) ** 2
+        second += (0.5 * (r[j, 3 + k] - r[j, k])) ** 2
+    return np.sqrt(away) - np.sqrt(first) - np.sqrt(second)
+
+
+@njit(_nrt=False)
+def segments_gap2(r, i, j):
+    """Squared distance of two links' axes (C. Ericson, Real-Time Collision Detection, 5.1.9)."""
+    ux, uy, uz = r[i, 3] - r[i, 0], r[i, 4] - r[i, 1], r[i, 5] - r[i, 2]
+    vx, vy, vz = r[j, 3] - r[j, 0], r[j, 4] - r[j, 1], r[j, 5] - r[j, 2]
+    wx, wy, wz = r[i, 0] - r[j, 0], r[i, 1] - r[j, 1], r[i, 2] - r[j, 2]
+    a, e = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+    f, c = vx * wx + vy * wy + vz * wz, ux * wx + uy * wy + uz * wz
+    b = ux * vx + uy * vy + uz * vz
+    s, t = 0.0, 0.0
+    if a <= 1e-30 and e > 1e-30:
+        t = min(max(f / e, 0.0), 1.0)
+    elif a > 1e-30 and e <= 1e-30:
+        s = min(max(-c / a, 0.0), 1.0)
+    elif a > 1e-30:
+        below = a * e - b * b
+        s = min(max((b * f - c * e) / below, 0.0), 1.0) if below > 1e-14 * a * e else 0.0
+        t = (b * s + f) / e
+        if t < 0.0 or t > 1.0:
+            t = min(max(t, 0.0), 1.0)
+            s = min(max((b * t - c) / a, 0.0), 1.0)
+    x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
+    return x * x + y * y + z * z

@@ -1,0 +1,190 @@
+"""Closed-form inverse of the spatial arm: hands, swivels of the elbow, and their joints.
+
+For a hand there is a circle of elbows, and a *swivel* says where on it the elbow is: the angle
+about the line from shoulder to hand.  It counts from the stereographic reference of Elias and Wen
+(arXiv 2307.13122).  It is undefined for hands on one half-line, in the direction of the limb's `pole`; any
+such reference is undefined somewhere, and the usual one is on a whole line.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcm_learn.arms.rotations import rotation_of
+from gcm_learn.arms.spatial import JOINTS, SpatialArm
+from gcm_learn.arms.spatial_limb import limb_at, spatial_limb_of
+from gcm_learn.compiled import njit
+
+BRANCHES = 4  # most ways in which four joints can hold elbow and hand where they are
+SLACK = 1e-7  # of angles at the ends of their ranges, where they are put back [rad]
+ROUNDING = 1e-9  # share of the reach by which a solution may miss its hand
+CLAMPED = 2e-7  # and its elbow, which at the rims is the root of a rounding error
+STRAIGHT = 1e-7  # share of the upper arm within which elbow, shoulder and hand are in one line
+
+
+@njit(_nrt=False)
+def swivel_axes(limb, x, y, z):
+    """Distance of a hand, its direction, and the axes from which swivels count: ten numbers."""
+    t, o = limb.pole, limb.zero
+    r = np.sqrt(x * x + y * y + z * z)
+    if r < 1e-12 * limb.rho:  # the direction is undefined at the shoulder: take that of the zero
+        nx, ny, nz = o[0], o[1], o[2]
+    else:
+        nx, ny, nz = x / r, y / r, z / r
+    dx, dy, dz = nx - t[0], ny - t[1], nz - t[2]
+    kx, ky, kz = dy * o[2] - dz * o[1], dz * o[0] - dx * o[2], dx * o[1] - dy * o[0]
+    ax, ay, az = ky * nz - kz * ny, kz * nx - kx * nz, kx * ny - ky * nx
+    size = np.sqrt(ax * ax + ay * ay + az * az)
+    if size < 1e-12:  # on the half-line: any reference will do
+        ax, ay, az, size = o[0], o[1], o[2], 1.0
+    ax, ay, az = ax / size, ay / size, az / size
+    return r, nx, ny, nz, ax, ay, az, ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
+
+
+@njit(_nrt=False)
+def swivel_of(limb, ex, ey, ez, hx, hy, hz):
+    """Where on its circle an elbow is, in (-pi, pi] [rad]; any number if that is a point."""
+    _, _, _, _, ax, ay, az, bx, by, bz = swivel_axes(limb, hx, hy, hz)
+    return np.arctan2(ex * bx + ey * by + ez * bz, ex * ax + ey * ay + ez * az)
+
+
+@njit(_nrt=False)
+def elbow_at(limb, hx, hy, hz, swivel):
+    """Elbow of a hand and a swivel; of hands out of reach, as if they were on the rim."""
+    r, nx, ny, nz, ax, ay, az, bx, by, bz = swivel_axes(limb, hx, hy, hz)
+    along = limb.rho
+    if r > 0.0:
+        along = 0.5 * (r + (limb.rho - limb.length) * (limb.rho + limb.length) / r)
+    along = min(max(along, -limb.rho), limb.rho)
+    radius = np.sqrt((limb.rho - along) * (limb.rho + along))
+    if radius < STRAIGHT * limb.rho:  # a root of rounding errors, which has no direction
+        radius, along = 0.0, np.copysign(limb.rho, along)
+    c, s = radius * np.cos(swivel), radius * np.sin(swivel)
+    return (
+        along * nx + c * ax + s * bx, along * ny + c * ay + s * by, along * nz + c * az + s * bz
+    )  # fmt: skip
+
+
+@njit(_nrt=False)
+def in_range(angle, low, high, near):
+    """Whether an angle, or one some turns away, is in a range, and the one nearest to `near`."""
+    turn = 2.0 * np.pi
+    least, most = np.ceil((low - SLACK - angle) / turn), np.floor((high + SLACK - angle) / turn)
+    turns = min(max(np.round((near - angle) / turn), least), most)
+    return least <= most, min(max(angle + turn * turns, low), high)
+
+
+@njit(_nrt=False)
+def joints_of_limb(limb, ex, ey, ez, hx, hy, hz, near, out):
+    """All joints within their ranges that put elbow and hand where they are, into `out` (4, 4).
+
+    Where two axes fall into one line (the upper arm along y, the forearm along the upper arm's x)
+    one of the two joints is free and stays `near`.  Of angles some turns apart the one nearest to
+    `near` (4,) is taken.
+
+    Returns
+    -------
+    count : int
+        Rows of `out` that are solutions, each confirmed by the forward kinematics.
+    """
+    u, f, count = limb.upper, limb.fore, 0
+    tiny = 1e-12 * (limb.rho + limb.length)
+    swings, rolls = np.hypot(u[0], u[1]) > tiny, np.hypot(f[0], f[1]) > tiny
+    wide = np.sqrt(max(ex * ex + ez * ez - u[2] * u[2], 0.0)) if swings else 0.0
+    for side in (wide, -wide):
+        # R_z(q2) u has the elbow's y, and with `side` along x its distance from the y axis
+        q1, q2 = near[0], near[1]
+        if np.hypot(ex, ez) > tiny:
+            q1 = np.arctan2(ex, ez) - np.arctan2(side, u[2])
+        if swings:
+            q2 = np.arctan2(ey, side) - np.arctan2(u[1], u[0])
+        # the forearm in the frame of the upper arm
+        c, s = np.cos(q1), np.sin(q1)
+        x, y, z = c * (hx - ex) - s * (hz - ez), hy - ey, s * (hx - ex) + c * (hz - ez)
+        c, s = np.cos(q2), np.sin(q2)
+        x, y = c * x + s * y, c * y - s * x
+        deep = np.sqrt(max(y * y + z * z - f[2] * f[2], 0.0)) if rolls else 0.0
+        for bend in (deep, -deep):
+            # R_z(q4) f has its x, and with `bend` along y its distance from the x axis
+            q3, q4 = near[2], near[3]
+            if np.hypot(y, z) > tiny:
+                q3 = np.arctan2(z, y) - np.arctan2(f[2], bend)
+            if rolls:
+                q4 = np.arctan2(bend, x) - np.arctan2(f[1], f[0])
+            if count < BRANCHES and _fits(limb, q1, q2, q3, q4, near, out[count]):
+                if _reaches(limb, out[count], ex, ey, ez, hx, hy, hz):
+                    count += 1
+            if deep == 0.0:
+                break
+        if wide == 0.0:
+            break
+    return count
+
+
+@njit(_nrt=False)
+def inverse(limb, hx, hy, hz, swivel, near, out):
+    """All joints within their ranges of a hand and a swivel, into `out` (4, 4); their number."""
+    ex, ey, ez = elbow_at(limb, hx, hy, hz, swivel)
+    return joints_of_limb(limb, ex, ey, ez, hx, hy, hz, near, out)
+
+
+@njit(_nrt=False)
+def postures_at(limb, x, y, z, k, count, low, high, out):
+    """All joints that put the hand at a point with swivel k of count; their number."""
+    return inverse(limb, x, y, z, 2.0 * np.pi * k / count, limb.start, out)
+
+
+@njit(_nrt=False)
+def _fits(limb, q1, q2, q3, q4, near, out):
+    """Whether the angles are in their ranges, some turns away perhaps; `out` (4,) gets them."""
+    fits, out[0] = in_range(q1, limb.low[0], limb.high[0], near[0])
+    there, out[1] = in_range(q2, limb.low[1], limb.high[1], near[1])
+    fits = fits and there
+    there, out[2] = in_range(q3, limb.low[2], limb.high[2], near[2])
+    fits = fits and there
+    there, out[3] = in_range(q4, limb.low[3], limb.high[3], near[3])
+    return fits and there
+
+
+@njit(_nrt=False)
+def _reaches(limb, q, ex, ey, ez, hx, hy, hz):
+    """Whether joints (4,) put elbow and hand where they should be."""
+    ax, ay, az, bx, by, bz = limb_at(limb, q)
+    elbow = (ax - ex) ** 2 + (ay - ey) ** 2 + (az - ez) ** 2
+    hand = (bx - hx) ** 2 + (by - hy) ** 2 + (bz - hz) ** 2
+    reach = limb.rho + limb.length
+    return elbow <= (CLAMPED * reach) ** 2 and hand <= (ROUNDING * reach) ** 2
+
+
+def inverse_in_space(
+    arm: SpatialArm, hand: ArrayLike, swivel: float, near: ArrayLike | None = None
+) -> np.ndarray:
+    """All joint angles that hold the hand at a place of the world with a swivel of the elbow.
+
+    Parameters
+    ----------
+    arm : SpatialArm
+    hand : (3,) array_like
+    swivel : float
+        Angle of the elbow about the line from shoulder to hand, see `swivel_in_space` [rad].
+    near : (4,) array_like, optional
+        Of angles some turns apart the nearest to these is taken; the middle of the ranges by
+        default.
+
+    Returns
+    -------
+    (k, 4) ndarray
+        None to four solutions within the joints' ranges [rad].
+    """
+    limb = spatial_limb_of(arm)
+    close = 0.5 * (limb.low + limb.high) if near is None else np.asarray(near, dtype=float)
+    there = (np.asarray(hand, dtype=float) - arm.base.origin) @ rotation_of(arm.base.rotation)
+    out = np.empty((BRANCHES, JOINTS))
+    return out[: inverse(limb, *there, float(swivel), close, out)]
+
+
+def swivel_in_space(arm: SpatialArm, joints: ArrayLike) -> float:
+    """Swivel of the elbow at joint angles (4,): its angle about the line from shoulder to hand."""
+    limb = spatial_limb_of(arm)
+    return float(swivel_of(limb, *limb_at(limb, np.asarray(joints, dtype=float))))
