@@ -2,8 +2,8 @@
 
 For a hand there is a circle of elbows, and a *swivel* says where on it the elbow is: the angle
 about the line from shoulder to hand.  It counts from the stereographic reference of Elias and Wen
-(arXiv 2307.13122).  It is undefined for hands on one half-line, in the direction of the limb's `pole`; any
-such reference is undefined somewhere, and the usual one is on a whole line.
+(arXiv 2307.13122).  It is undefined for hands on one half-line, in the direction of the limb's
+`pole`; any such reference is undefined somewhere, and the usual one is on a whole line.
 """
 
 from __future__ import annotations
