@@ -8,7 +8,7 @@ import pytest
 from gcm_learn.arms import Arm
 from gcm_learn.errors import LatticeError
 from gcm_learn.handspace import Lattice
-from gcm_learn.handspace.lattice import LARGEST_LATTICE, SMALLEST_LATTICE, hand_space
+from gcm_learn.handspace.lattice import hand_space
 from tests.referee import elbow_of
 
 ARMS = [(1.0, "right"), (0.7, "left"), (1.4, "right")]
@@ -21,21 +21,6 @@ def test_it_covers_the_disc_of_the_reach():
     assert lattice.centres[0] == pytest.approx(-1.975)
     np.testing.assert_allclose(np.diff(lattice.centres), 0.05)
     np.testing.assert_allclose(lattice.centres, -lattice.centres[::-1], atol=1e-12)
-
-
-@pytest.mark.parametrize("rho", [0.6, 1.0, 1.7])
-def test_every_centre_lies_in_its_own_cell(rho):
-    lattice = Lattice(33, rho)
-    for iy in range(33):
-        for ix in range(33):
-            assert lattice.cell_of(lattice.centres[[ix, iy]]) == (iy, ix)
-    assert lattice.cell_of((-99.0, 99.0)) == (32, 0)
-
-
-@pytest.mark.parametrize("n", [SMALLEST_LATTICE - 1, LARGEST_LATTICE + 1])
-def test_absurd_sizes_are_refused_with_the_numbers(n):
-    with pytest.raises(LatticeError, match=f"{n}.*{SMALLEST_LATTICE}.*{LARGEST_LATTICE}"):
-        Lattice(n)
 
 
 def test_an_unknown_side_is_refused():
