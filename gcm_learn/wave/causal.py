@@ -187,7 +187,7 @@ def _pace(scene: Scene, chart: SpaceLattice, fast: float) -> space.Pace:
 
 def _plane(scene: Scene, lattice: Lattice) -> Plane:
     """Bind a lattice and the hand in it for marching."""
-    x, y = ((c + lattice.reach) / lattice.spacing - 0.5 for c in hand_of(scene))
+    x, y = ((c + lattice.upper_arm + 1.0) / lattice.spacing - 0.5 for c in hand_of(scene))
     hand = y + 1.0, x + 1.0
     return Plane(lattice.n, *hand, _closed_rim(lattice), *turns_of(scene, lattice))
 

@@ -20,13 +20,15 @@ from gcm_learn.situation import situation_from_json
 from tests.situation.test_json_format import PLANAR
 from tests.situation.test_spatial_arm import NAO
 
+BALL = {"kind": "sphere", "radius": 0.1}
+STILL = {"kind": "quadratic", "position": [1, 0, 0], "velocity": [0] * 3, "acceleration": [0] * 3}
 CHAIN = {
     "format": "gcm-learn/situation@3",
     "name": "links",
     "horizon": 1.5,
     "arm": {"kind": "chain", "model": "planar-2", "posture": [0.3, -0.5], "grasp": 0.05},
     "catch": "any",
-    "bodies": [],
+    "bodies": [{"role": "target", "name": "ball", "shape": BALL, "motion": STILL}],
 }
 PLANE, SPACE, LINKS = (situation_from_json(data) for data in (PLANAR, NAO, CHAIN))
 CHARTS = {
