@@ -41,9 +41,9 @@ from gcm_learn.wave.kernels import (
     every_block,
     find_runs,
     next_door,
-    rhythm,
     when_crossed,
 )
+from gcm_learn.wave.run import rhythm
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 CELL, VIA = 0, 1  # columns of a state

@@ -8,7 +8,7 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.handspace.space import Nodes
-from gcm_learn.wave.kernels import Run
+from gcm_learn.wave.run import Run
 from gcm_learn.wave.stencil_in_space import FIELD, LEFT, SLAB, WIDTH
 
 UNASKED, GAPS, WHOLE = 0, 1, 2  # of a block: whether all of its cells have postures

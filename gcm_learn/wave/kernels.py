@@ -15,24 +15,12 @@ from gcm_learn.collision.occupancy import blocked_cells, met_targets
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL
+from gcm_learn.wave.run import Run, rhythm
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 FREE, FROZEN, CONTACT = 0, 1, 2  # what became of a cell
 UP_R, UP_Z = (np.float32(v) for v in EXCITED)
 CLAMPED = np.float32(HAND_POTENTIAL)
-
-
-class Run(NamedTuple):
-    """Numbers by which a wave is run, in the plane and in space."""
-
-    held: bool  # frozen or inhibited cells are seen by their neighbours instead of being cut out
-    diffusion: float
-    epsilon: float
-    quiet: float  # change of a potential [1/tau] below which a block counts as settled
-    step: float  # [tau]
-    lag: float  # from look to look [tau]
-    slowness: float  # of the fastest front [tau per cell]
-    threshold: float
 
 
 class Ground(NamedTuple):
@@ -272,12 +260,6 @@ def when_crossed(B, k, other, tau, before, run):
     rise = B[k] - B[k + other]
     back = run.step * (B[k] - np.float32(run.threshold)) / rise if rise > 0.0 else 0.0
     return max(tau - min(back, run.lag), before)
-
-
-@njit(_nrt=False)
-def rhythm(run):
-    """Pairs of Euler steps between two looks at the front, and looks between renewals of blocks."""
-    return int(0.5 * run.lag / run.step + 0.5), max(1, int(3.6 / run.lag))
 
 
 @njit

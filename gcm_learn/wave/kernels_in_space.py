@@ -31,7 +31,8 @@ from gcm_learn.wave.ground_in_space import (
     is_step,
 )
 from gcm_learn.wave.judging_in_space import freeze, judge_cells
-from gcm_learn.wave.kernels import CLAMPED, FREE, UP_R, UP_Z, crossed, rhythm, stirred, when_crossed
+from gcm_learn.wave.kernels import CLAMPED, FREE, UP_R, UP_Z, crossed, stirred, when_crossed
+from gcm_learn.wave.run import rhythm
 from gcm_learn.wave.stencil_in_space import BLOCK, FIELD, LEFT, SLAB, WIDTH, steps
 
 ASLEEP, SEEN, AWAKE = 0, 1, 2  # what this wave knows of a block: nothing, postures, rates as well

@@ -8,8 +8,9 @@ from gcm_learn.arms import joints_of
 from gcm_learn.collision import Postures, postures_of
 from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.scene import Scene
-from gcm_learn.wave.kernels import Run, Terms
+from gcm_learn.wave.kernels import Terms
 from gcm_learn.wave.params import MarchingParams, WaveParams
+from gcm_learn.wave.run import Run
 
 
 def fastest_in_plane(scene: Scene) -> float:
