@@ -59,7 +59,7 @@ def test_every_picture_is_shown_and_they_are_light():
     assert sum(image.stat().st_size for image in images) < IMAGES_AT_MOST
 
 
-@pytest.mark.parametrize(("which", "drawn"), [(0, "map.png"), (1, None)])
+@pytest.mark.parametrize(("which", "drawn"), [(0, "map.png"), (1, None), (2, None)])
 def test_readme_examples_run_and_print_what_the_readme_says(
     which, drawn, tmp_path, monkeypatch, capsys
 ):
@@ -91,8 +91,8 @@ def test_readme_situation_has_the_solution_that_the_readme_shows(tmp_path, capsy
 
 def test_exchange_example_is_a_situation_and_its_fields_are_the_solutions():
     examples = [json.loads(text) for text in blocks(ROOT / "docs" / "exchange.md", "json")]
-    situation, spatial = map(situation_from_json, examples)
-    assert (situation.name, spatial.name) == ("ball-and-post", "nao-1")
+    situation, spatial, chain = map(situation_from_json, examples)
+    assert (situation.name, spatial.name, chain.name) == ("ball-and-post", "nao-1", "reach")
     assert spatial.is_spatial and not situation.is_spatial
     caught = solve(situation, "layered")
     first_arrival = [solve(situation, name) for name in ("gcm", "marching")]

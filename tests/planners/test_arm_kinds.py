@@ -7,7 +7,7 @@ import json
 import pytest
 
 from gcm_learn import build_map, get_planner, solve
-from gcm_learn.arms import kinds
+from gcm_learn.arms import SPATIAL as SPATIAL_KIND
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
 from gcm_learn.execution import Settings, pool_for, pool_of
@@ -22,7 +22,7 @@ SPATIAL = situation_from_json(NAO)
 
 @pytest.mark.parametrize("name", planner_params())
 def test_every_planner_of_the_plane_refuses(name):
-    if takes(get_planner(name), kinds.SPATIAL):
+    if takes(get_planner(name), SPATIAL_KIND):
         assert solve(SPATIAL, name).planner == name
         return
     expected = f"planner '{name}' does not take spatial arms"
