@@ -75,7 +75,7 @@ class Diagram:
         return [*solid, self._movement_panel(), *self._hand_panels()]
 
     def key_below(self, figure: Figure) -> None:
-        """Leave a figure without a key: the colours are those of the paper."""
+        """Leave a figure without a key, as in the paper."""
 
     def _solid_panel(self) -> Panel:
         when = "start" if self.trajectory is None else "catch"

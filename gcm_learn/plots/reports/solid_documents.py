@@ -1,4 +1,4 @@
-"""The README's pictures of an arm in space, as of an arm in the plane."""
+"""Pictures of an arm among solids for the README, like those of a planar arm."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ WORD = "#b7791f"  # darker than what it names, to be readable
 DPI = 140
 
 
-def write_space_gallery(folder: Path) -> list[Path]:
+def write_solid_gallery(folder: Path) -> list[Path]:
     """Draw one situation in space, and the paper's with a body, into a folder that exists.
 
     Returns
