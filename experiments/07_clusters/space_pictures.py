@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from gcm_learn.plots import style
 from gcm_learn.plots.figures.film import painted, write_film
-from gcm_learn.plots.figures.space import Scenery, draw_movement_in_space
+from gcm_learn.plots.figures.scenery import Scenery, draw_poses
 from gcm_learn.plots.figures.workspace import draw_movement
 
 WORLDS = {"plane": style.FAINT, "space": style.PATH}
@@ -51,7 +51,7 @@ def write_figure(
                 draw_movement(ax, situation, some.plans[k])
                 style.title(ax, name)
             else:
-                draw_movement_in_space(ax, situation, moves, pixels=320)
+                draw_poses(ax, situation, moves, pixels=320)
                 ax.axis("off")
         row[0].text(-0.08, 0.5, f"in the {world}" if world == "plane" else "in space",
                     transform=row[0].transAxes, rotation=90, va="center", ha="right",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Animate:
     """Plan for one situation of a file and show the movement: as an animated GIF, or on a page.
 
-    The page is for arms in space, which can be turned on it.
+    The page, on which the picture can be turned, is for spatial arms and chains.
     """
 
     file: Annotated[Positional[str], arg(metavar="FILE")]
@@ -33,7 +33,7 @@ class Animate:
     out: Annotated[
         Path | None, arg(metavar="FILE", help_behavior_hint="(default: the situation's name.gif)")
     ] = None
-    """a .gif file; of an arm in space also an .html page, which needs plotly (extra `plots`)"""
+    """a .gif file; of a spatial arm or a chain also an .html page (plotly, extra `plots`)"""
 
     index: int = 0
     """which situation of the file, counted from 0"""
@@ -45,11 +45,11 @@ class Animate:
         planner = get_planner(self.planner)
         situation = self._chosen(read(self.file, planner))
         target = self.out or Path(f"{FileNames().unused(situation.name)}.gif")
-        require_suffix(target, (".gif", ".html") if situation.is_spatial else (".gif",))
-        with staged(target) as place:
-            from gcm_learn.plots import animate, write_space_page
+        from gcm_learn.plots import DRAWN, animate, write_film_page
 
-            show: Any = animate if target.suffix.lower() == ".gif" else write_space_page
+        require_suffix(target, DRAWN.of(situation).films)
+        with staged(target) as place:
+            show: Any = animate if target.suffix.lower() == ".gif" else write_film_page
             show(situation, plan_one(planner, situation, self.file), place)
         print(target)
         return 0

@@ -9,6 +9,7 @@ from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.comparison import charged_figure, families_figure, rates_figure
 from gcm_learn.plots.figures.execution import animate_execution
 from gcm_learn.plots.figures.film import animate
+from gcm_learn.plots.figures.kinds import DRAWN
 from gcm_learn.plots.figures.maps import birth, plot_map, plot_plan
 from gcm_learn.plots.figures.paper import FIGURES, draw_figure
 from gcm_learn.plots.figures.plan import plan_figure
@@ -27,10 +28,11 @@ from gcm_learn.plots.reports.comparison import (
 )
 from gcm_learn.plots.reports.dataset import write_dataset_page
 from gcm_learn.plots.reports.demo import build_demo
+from gcm_learn.plots.reports.film_page import write_film_page
 from gcm_learn.plots.reports.memory import write_memory_page, write_shipped_page
-from gcm_learn.plots.reports.space import write_space_page
 
 __all__ = [
+    "DRAWN",
     "FIGURES",
     "RECALLING",
     "animate",
@@ -53,8 +55,8 @@ __all__ = [
     "shipped_methods",
     "style",
     "write_dataset_page",
+    "write_film_page",
     "write_memory_page",
     "write_report",
     "write_shipped_page",
-    "write_space_page",
 ]

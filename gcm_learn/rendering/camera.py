@@ -1,4 +1,4 @@
-"""The camera that looks at a scene in space, and how its faces become an image.
+"""A camera before a scene in space, and the image that its faces become.
 
 All faces are quadrilaterals, some with two corners in one place: so a scene is one array.
 """
@@ -59,7 +59,7 @@ class Camera:
 def camera_from(
     azimuth: float, elevation: float, centre: ArrayLike = (0.0, 0.0, 0.0), distance: float = np.inf
 ) -> Camera:
-    """Return a camera that looks at a centre, with the world's z upwards.
+    """Return a camera before a centre, with the world's z upwards.
 
     Parameters
     ----------
@@ -88,7 +88,9 @@ class Faces(NamedTuple):
     both: bool = False
     """Show the faces from behind as well, as the faces of a skin."""
     lit: bool = True
-    """Whether they are shaded, and paler far away."""
+    """Faces that are lit are shaded, and paler far away."""
+    kept: bool = False
+    """Faces that are kept are in the picture however far they are from the arm."""
 
 
 class Window(NamedTuple):

@@ -66,13 +66,28 @@ def _mesh(shape: SolidShape) -> tuple[np.ndarray, np.ndarray | None]:
 
 def placed(
     shape: SolidShape, centre: np.ndarray, turn: np.ndarray, colour: np.ndarray,
-    alpha: float = 1.0,
+    alpha: float = 1.0, scale: float = 1.0,
 ) -> Faces:  # fmt: skip
-    """A solid at its place (3,), turned by a rotation (3, 3), in a colour (3,)."""
+    """Return a solid at its place (3,), turned by a rotation (3, 3), in a colour (3,)."""
     corners, normal = _mesh(shape)
     return Faces(
-        centre + corners @ turn.T, colour, alpha, None if normal is None else normal @ turn.T
-    )
+        centre + scale * corners @ turn.T, colour, alpha,
+        None if normal is None else normal @ turn.T,
+    )  # fmt: skip
+
+
+def frame_along(z: np.ndarray) -> np.ndarray:
+    """Return a rotation (3, 3) whose third column is a unit vector."""
+    x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def arrow(length: float, tip: float) -> np.ndarray:
+    """Return the faces (n, 4, 3) of an arrow along z, whose point is `tip` below the origin."""
+    thin, wide, neck = 0.07 * length, 0.17 * length, -tip - 0.45 * length
+    low, high = -tip - length, -tip
+    return _turned(np.array([(0.0, low), (thin, low), (thin, neck), (wide, neck), (0.0, high)]))
 
 
 def tube(points: np.ndarray, radius: float, sides: int = 6) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""An arm in space while it acts, step by step: pictures in which its whole reach is."""
+"""An arm while it acts, step by step, in pictures that show its whole reach."""
 
 from __future__ import annotations
 
@@ -7,23 +7,27 @@ from dataclasses import replace
 import numpy as np
 
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.rendering.bodies import arm_faces, body_faces, path_faces, view_of
+from gcm_learn.rendering.bodies import body_faces
 from gcm_learn.rendering.camera import Window
-from gcm_learn.rendering.staging import SpatialSituation, floor_of, staged
+from gcm_learn.rendering.limbs import arm_faces
+from gcm_learn.rendering.paths import path_faces
+from gcm_learn.rendering.poses import JointSituation
+from gcm_learn.rendering.staging import floor_of, staged
+from gcm_learn.rendering.views import view_of
 
 ROOM = 1.3  # half a picture [reaches]: what is nearer to the eye looks larger
 
 
 class Spectator:
-    """Looks at a situation from where little is in front of the arm, and stays there.
+    """A camera that stays at a place from which little is in front of the arm.
 
     Parameters
     ----------
     situation : Situation
-        With a spatial arm.
+        With an arm that moves in its joints.
     """
 
-    def __init__(self, situation: SpatialSituation) -> None:
+    def __init__(self, situation: JointSituation) -> None:
         arm = situation.arm
         self.situation = situation
         self.view = replace(view_of(situation), centre=np.asarray(arm.base.origin))
@@ -32,7 +36,7 @@ class Spectator:
         self.floor = floor_of(situation, things)
 
     def picture(self, way: SpatialTrajectory, pixels: int) -> np.ndarray:
-        """A picture (pixels, pixels, 3) uint8 of the end of a way, with what led there."""
+        """Return a picture (pixels, pixels, 3) uint8 of the end of a movement, with its paths."""
         situation, end = self.situation, way.duration
         things = [*body_faces(situation, end), *arm_faces(situation.arm, way.joints[-1])]
         if end > 0.0:

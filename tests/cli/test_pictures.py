@@ -9,6 +9,7 @@ import pytest
 
 from gcm_learn.cli import main
 from gcm_learn.recall import Memory, RandomIndex
+from tests.panda import PANDA
 from tests.spatial import EXAMPLES
 
 
@@ -83,7 +84,7 @@ def test_animate_shows_the_chosen_situation(scene_file, scene, planner, capsys, 
         (["--index", "2"], "--index 2"),
         (["--index", "-1"], "--index -1"),
         (["--out", "a.png"], ".gif"),
-        (["--out", "a.html"], ".gif"),  # pages are of arms in space
+        (["--out", "a.html"], ".gif"),  # a planar arm is not turned
     ],
 )
 def test_animate_refuses(options, said, scene_file, scene, planner, capsys):
@@ -95,13 +96,20 @@ def test_animate_refuses(options, said, scene_file, scene, planner, capsys):
 
 @pytest.mark.usefixtures("_in_folder")
 @pytest.mark.parametrize(("name", "begins"), [("a.gif", b"GIF8"), ("a.html", b"<!doctype html>")])
-def test_animate_shows_an_arm_in_space(name, begins, capsys):
+@pytest.mark.parametrize(("file", "index"), [(EXAMPLES, 3), (PANDA, 0)])
+def test_animate_shows_arms_that_move_in_their_joints(name, begins, file, index, capsys):
     if name.endswith("html"):
         pytest.importorskip("plotly")
-    argv = ["animate", str(EXAMPLES), "--planner", "straight", "--index", "3", "--out", name]
+    argv = ["animate", str(file), "--planner", "straight", "--index", str(index), "--out", name]
     assert main(argv) == 0
     assert Path(name).read_bytes().startswith(begins)
     assert capsys.readouterr().out == f"{name}\n"
+
+
+@pytest.mark.usefixtures("_in_folder")
+def test_solve_draws_chains(capsys):
+    assert main(["solve", str(PANDA), "--planner", "straight", "--plot", "drawn"]) == 0
+    assert Path("drawn/panda-bounce.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.usefixtures("_in_folder")

@@ -11,7 +11,7 @@ from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
-from gcm_learn.plots.figures.plan import mapped
+from gcm_learn.plots.figures.sheets import mapped
 from gcm_learn.situation import Situation
 
 Case = tuple[Situation, Plan]

@@ -23,7 +23,7 @@ from gcm_learn.plots.figures.handspace import (
     lattice_of,
 )
 from gcm_learn.plots.figures.maps import birth, draw_snapshot, latest_arrival, plot_map, spread
-from gcm_learn.plots.figures.plan import engines_figure
+from gcm_learn.plots.figures.sheets import engines_figure
 from gcm_learn.plots.figures.solid_scene import (
     GLASS,
     GLASS_ALPHA,

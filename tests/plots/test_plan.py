@@ -12,7 +12,7 @@ from matplotlib.text import Annotation
 
 from gcm_learn.plots import plan_figure, style
 from gcm_learn.plots.figures.maps import walls
-from gcm_learn.plots.figures.plan import MOST_SHEETS, sheet_of, sheets_figure
+from gcm_learn.plots.figures.sheets import MOST_SHEETS, sheet_of, sheets_figure
 from gcm_learn.plots.figures.workspace import draw_waits, notable_waits, waiting_at
 
 

@@ -1,4 +1,4 @@
-"""Faces and their pictures: shapes, projections, and where things are painted."""
+"""Faces and their pictures: shapes, projections, places of what is painted."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from hypothesis import HealthCheck, given, settings
 from matplotlib.colors import to_rgb
 
 from gcm_learn import rendering
-from gcm_learn.arms import forward_in_space
+from gcm_learn.arms import hands_along
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.rendering import solids
 from gcm_learn.situation import Box, Capsule, Cylinder, Sphere, read_situations
+from tests.panda import PANDA
 from tests.spatial import EXAMPLES
-from tests.strategies import spatial_situations
+from tests.strategies import spatial_situations, third_situations
 
 SOLIDS = [Sphere(0.3), Box((0.2, 0.5, 0.9)), Capsule(0.1, 0.7), Cylinder(0.4, 0.05)]
 VIEW = rendering.camera_from(30.0, 20.0, (0.1, 0.2, 0.3), 8.0)
@@ -37,9 +38,9 @@ def near(image, colour, tolerance=0.12):
     return float(((alike > 1 - tolerance) & (np.linalg.norm(hue, axis=-1) > 0.1)).mean())
 
 
-@pytest.fixture(scope="module")
-def case():
-    situation = read_situations(EXAMPLES)[0]
+@pytest.fixture(scope="module", params=[EXAMPLES, PANDA], ids=["spatial", "chain"])
+def case(request):
+    situation = read_situations(request.param)[0]
     return situation, turning(situation)
 
 
@@ -131,13 +132,13 @@ def test_the_hand_is_painted_where_it_is(case):
     things = rendering.arm_faces(situation.arm, situation.arm.joints)
     window = rendering.window_of(situation, view, things)
     image = rendering.staged(view, window, rendering.floor_of(situation, things), things, 200)
-    hand = view.see(forward_in_space(situation.arm, situation.arm.joints)[1])[:2]
+    hand = view.see(hands_along(situation.arm, situation.arm.joints)[0][0])[:2]
     column, row = (200 * (hand - window.middle + window.half) / (2 * window.half)).astype(int)
     assert near(image[row - 1 : row + 2, column - 1 : column + 2], rendering.ARM) == 1.0
 
 
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
-@given(spatial_situations())
+@given(spatial_situations() | third_situations())
 def test_any_situation_can_be_drawn(situation):
     for trajectory in (None, turning(situation)):
         view = rendering.view_of(situation, trajectory)

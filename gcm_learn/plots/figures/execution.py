@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gcm_learn.arms import forward_in_space, rotation_of
+from gcm_learn.arms import links_along, rotation_of
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.plots.figures import style
@@ -20,24 +20,23 @@ from gcm_learn.plots.figures.film import (
     FILM_DPI,
     FRAMES,
     ROUND,
-    note_in_corner,
     painted,
     write_film,
 )
-from gcm_learn.plots.figures.space import TIME_COLOURS, Scenery, key_in_space
+from gcm_learn.plots.figures.scenery import Scenery, key_below
 from gcm_learn.rendering import (
     LINE,
     SAMPLES,
     Camera,
     Faces,
-    SpatialSituation,
+    JointSituation,
     Window,
     arm_faces,
     body_faces,
     body_poses,
     from_above,
     placed,
-    tube,
+    tube_faces,
     turned_view,
     view_of,
 )
@@ -58,7 +57,7 @@ FINE = 1e-4  # [m] what is less is not told more exactly
 
 
 def animate_execution(
-    situation: SpatialSituation,
+    situation: JointSituation,
     done: Execution,
     path: str | Path,
     *,
@@ -103,7 +102,7 @@ class Replay(Scenery):
 
     def __init__(
         self,
-        situation: SpatialSituation,
+        situation: JointSituation,
         done: Execution,
         view: Camera | None = None,
         *,
@@ -133,9 +132,9 @@ class Replay(Scenery):
         things += [*self._targets(t), *arm_faces(arm, self.moves.joints_at(t))]
         if t > 0.0:
             times = np.linspace(0.0, t, SAMPLES)
-            things += way_faces(self.moves.hand_at(times), times / self.end, LINE * arm.reach)
+            things += tube_faces(self.moves.hand_at(times), times / self.end, LINE * arm.reach)
             for way in np.swapaxes(self.places(times), 0, 1):
-                things += way_faces(way, times / self.end, 0.8 * LINE * arm.reach, dashed=True)
+                things += tube_faces(way, times / self.end, 0.8 * LINE * arm.reach, dashed=True)
         return things
 
     def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = 720) -> None:
@@ -162,7 +161,7 @@ class Replay(Scenery):
 
 
 def logged_targets(
-    situation: SpatialSituation, plant: PhysicalPlant, step: float, times: np.ndarray
+    situation: JointSituation, plant: PhysicalPlant, step: float, times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places (k, m, 3) and turns of the targets at the steps nearest to times (k,)."""
     rows = np.clip(np.rint(times / step).astype(int), 0, plant.steps)
@@ -173,26 +172,13 @@ def logged_targets(
     return log[..., :3] / plant.body.metres @ turn.T + base.origin, turns
 
 
-def way_faces(
-    way: np.ndarray, shares: np.ndarray, radius: float, *, dashed: bool = False
-) -> Iterator[Faces]:
-    """Yield a way (k, 3) as a tube, coloured by shares (k,) of the time; nothing if it is short."""
-    if np.ptp(way, axis=0).max() <= radius:
-        return
-    shades = TIME_COLOURS(0.5 * (shares[1:] + shares[:-1]))[:, :3]
-    shown = np.arange(len(shades)) % 3 != 2 if dashed else np.ones(len(shades), dtype=bool)
-    parts = tube(way, radius).reshape(len(shades), 6, 4, 3)[shown]
-    yield Faces(parts.reshape(-1, 4, 3), np.repeat(shades[shown], 6, axis=0)[:, None])
-
-
-def touched_at(situation: SpatialSituation, name: str, t: float, joints: np.ndarray) -> np.ndarray:
+def touched_at(situation: JointSituation, name: str, t: float, joints: np.ndarray) -> np.ndarray:
     """The point (3,) of the bones that is nearest to a body at time t [s]."""
     k = [body.name for body in situation.bodies].index(name)
     centres, turns = body_poses(situation, [t])
-    elbow, hand = forward_in_space(situation.arm, joints)
     share = np.linspace(0.0, 1.0, 60)[:, None]
-    shoulder = np.asarray(situation.arm.base.origin)
-    bones = np.concatenate([a + share * (b - a) for a, b in ((shoulder, elbow), (elbow, hand))])
+    ends, _ = links_along(situation.arm, joints)
+    bones = np.concatenate([a + share * (b - a) for a, b in ends[0]])
     away = _outside(situation.bodies[k].shape, (bones - centres[0, k]) @ turns[0, k])  # type: ignore[arg-type]
     nearest: np.ndarray = bones[away.argmin()]
     return nearest
@@ -220,16 +206,13 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
     for ax, seen, name in zip(
         panels, (replay, above), ("from the side", "from above"), strict=True
     ):
-        left, right, bottom, top = seen.window.extent
-        ax.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
-        ax.axis("off")
-        style.title(ax, name)
+        style.view_frame(ax, seen.window.extent, name)
     figure.supxlabel(told(replay.done), fontsize=style.SMALL, color=style.INK)
     size = round(WIDTH / 2 * FILM_DPI)
 
     def show(ax: Axes, t: float, turn: float) -> None:
         replay.show(ax, t, turn, size)
-        note_in_corner(ax, f"t = {t:.2f} s")
+        style.note_in_corner(ax, f"t = {t:.2f} s")
         if replay.mark is not None and t >= replay.mark[0] - 1e-9:
             ax.text(
                 0.99, 0.99, replay.mark[3], transform=ax.transAxes, ha="right", va="top", zorder=20,
@@ -270,7 +253,7 @@ def _millimetres(length: float) -> str:
     return f"{MILLI * length:.1f} mm" if length >= FINE else "under 0.1 mm"
 
 
-def execution_figure(situation: SpatialSituation, done: Execution) -> Figure:
+def execution_figure(situation: JointSituation, done: Execution) -> Figure:
     """Draw an execution: the arm at instants, the hand's way beside its plan, error and torque.
 
     Parameters
@@ -297,7 +280,7 @@ def execution_figure(situation: SpatialSituation, done: Execution) -> Figure:
     _draw_ways(figure.add_subplot(grid[1, :2]), replay, end)
     _draw_error(figure.add_subplot(grid[1, 2:4]), replay, end)
     _draw_torques(figure.add_subplot(grid[1, 4:]), replay, end)
-    key_in_space(figure)
+    key_below(figure, situation)
     return figure
 
 

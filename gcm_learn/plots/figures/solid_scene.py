@@ -9,12 +9,13 @@ from matplotlib.axes import Axes
 
 from gcm_learn.arms import elbow_position
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.space import show_image
+from gcm_learn.plots.figures.scenery import show_image
 from gcm_learn.rendering import (
     EYE,
     HAND,
     Camera,
     Faces,
+    Limb,
     Window,
     body_colour,
     camera_from,
@@ -112,8 +113,10 @@ def scene_faces(
             place = to_world(plane, centre)
             things.append(placed(body.shape, place, turn, rgb(body_colour(body))))
     end = np.asarray(arm.hand if hand is None else hand, dtype=float)
-    joints = np.array([np.zeros(2), elbow_position(end, arm.upper_arm, arm.elbow), end])
-    return things + limb_faces(to_world(plane, joints), BONE)
+    elbow = elbow_position(end, arm.upper_arm, arm.elbow)
+    joints = to_world(plane, np.array([np.zeros(2), elbow, end]))
+    ends = np.array([[joints[:2], joints[1:]]])
+    return things + limb_faces(Limb(ends, np.full(2, BONE), joints[2:], joints[0]))
 
 
 def draw_course(ax: Axes, situation: Situation, index: int, end: float) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,6 +25,11 @@ FAINT = "#a0aec0"  # rims and hints
 MAP_COLOURS = LinearSegmentedColormap.from_list(
     "arrival", ["#fbfdfe", "#d5e8ee", "#a3cdd6", "#6aa9b8", "#3d7f93"]
 )
+
+Panel = tuple[str, Callable[[Axes], object]]
+"""Title of a panel, and a function that draws it."""
+Scene = Callable[[Axes, float, float], None]
+"""Function that draws a time [s], turned by an angle [degrees]."""
 
 DPI = 100
 TITLE, LABEL, SMALL = 11.0, 9.5, 8.5  # [pt]
@@ -66,6 +71,13 @@ def panel_grid(
     return figure, panels[:count]
 
 
+def fill_panels(axes: Sequence[Axes], panels: Sequence[Panel]) -> None:
+    """Draw panels into axes, with their titles."""
+    for ax, (name, draw) in zip(axes, panels, strict=True):
+        draw(ax)
+        title(ax, name)
+
+
 def plain(ax: Axes) -> None:
     """Leave a chart its two axes, with small numbers."""
     ax.spines[["top", "right"]].set_visible(False)
@@ -98,6 +110,14 @@ def frame(ax: Axes, upper_arm: float = 1.0, *, annulus: bool = False) -> Axes:
     return ax
 
 
+def view_frame(ax: Axes, extent: tuple[float, float, float, float], name: str) -> None:
+    """Turn axes into a view of an extent (left, right, bottom, top) in a film, with a title."""
+    left, right, bottom, top = extent
+    ax.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
+    ax.axis("off")
+    title(ax, name)
+
+
 def title(ax: Axes, text: str) -> None:
     """Write a panel's title."""
     ax.set_title(text, fontsize=TITLE, color=INK)
@@ -108,6 +128,15 @@ def panel_letter(ax: Axes, letter: str) -> None:
     ax.text(
         0.01, 0.99, letter, transform=ax.transAxes, fontsize=TITLE + 3, fontweight="bold",
         color=INK, ha="left", va="top", zorder=20,
+    )  # fmt: skip
+
+
+def note_in_corner(ax: Axes, text: str, *, top: bool = False) -> None:
+    """Write into the lower (or upper) left corner, over everything."""
+    ax.text(
+        0.01, 0.99 if top else 0.01, text, transform=ax.transAxes, ha="left",
+        va="top" if top else "bottom", fontsize=TITLE, color=INK, zorder=20,
+        path_effects=[HALO],
     )  # fmt: skip
 
 

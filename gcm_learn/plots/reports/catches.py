@@ -13,27 +13,28 @@ from pathlib import Path
 
 import numpy as np
 
+from gcm_learn.arms import SpatialArm
 from gcm_learn.families import paper_scene, thrown_scene
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan, plan_to_json, solve
-from gcm_learn.rendering import SpatialSituation
+from gcm_learn.situation import Situation
 
 NAMES = ("fig5-space", "fig8-space", "thrown-ball")
 PLANNER = "layered"
 
 
-def scene_of(name: str) -> SpatialSituation:
+def scene_of(name: str) -> Situation[SpatialArm]:
     """The situation of a catch that is shown."""
     return thrown_scene() if name == "thrown-ball" else paper_scene(name)  # type: ignore[return-value]
 
 
-def kept_catches() -> list[tuple[SpatialSituation, Plan[SpatialTrajectory]]]:
+def kept_catches() -> list[tuple[Situation[SpatialArm], Plan[SpatialTrajectory]]]:
     """The situations that are shown, and the plans that were kept."""
     lines = _file().read_text("utf-8").splitlines()
     return [_read(json.loads(line)) for line in lines]
 
 
-def _read(told: dict[str, object]) -> tuple[SpatialSituation, Plan[SpatialTrajectory]]:
+def _read(told: dict[str, object]) -> tuple[Situation[SpatialArm], Plan[SpatialTrajectory]]:
     situation = scene_of(str(told["name"]))
     columns = told.pop("trajectory")
     assert isinstance(columns, dict)

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from gcm_learn.planners import Plan
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.maps import plot_map, plot_plan
-from gcm_learn.plots.figures.space import draw_courses_in_space, draw_movement_in_space, draw_space
-from gcm_learn.plots.figures.workspace import draw_bodies, draw_courses, draw_workspace
+from gcm_learn.plots.figures.kinds import pictures_of
 from gcm_learn.plots.reports.page import (
     Picture,
     Section,
@@ -23,15 +20,14 @@ from gcm_learn.plots.reports.page import (
     section,
     words,
 )
-from gcm_learn.rendering import view_of
 
 if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
     from gcm_learn.dataset import Dataset, Manifest, Record
+    from gcm_learn.planners import AnyPlan
 
 COLUMNS = 4  # records side by side
 EACH = 8  # records of a stratum
-SMALL = 360  # pixels a side of a panel in space
-LATER = 0.3  # strength of bodies as they are at the catch
+SMALL = 360  # pixels a side of a panel before a camera
 WORDS = words("dataset")
 KEY = tuple(entry for entry in style.KEY if entry[1] != "explored by the wave")
 
@@ -93,45 +89,18 @@ def _picture(records: Sequence[Record], path: Path, caption: str) -> Picture:
 
 
 def draw_record(above: Axes, below: Axes, record: Record) -> None:
-    """Draw the situation of a record, and its map with a path."""
-    situation, plan = record.situation, _shown_plan(record)
-    if situation.is_spatial:
-        _draw_in_space(above, below, record, plan)
-        return
-    end = situation.horizon if plan is None or plan.catch_time is None else plan.catch_time
-    above.axis("on")
-    draw_workspace(above, situation)
-    draw_bodies(above, situation, end, LATER)
-    draw_courses(above, situation, end)
-    style.title(above, f"{record.family} {record.index}")
-    if record.map is None:
-        return
-    below.axis("on")
-    if plan is None or plan.trajectory is None:
-        plot_map(record.map, below)
-        style.title(below, "no catch")
-        return
-    plot_plan(below, situation, plan, record.map, waits=False)
-    style.title(below, f"{plan.planner}: {plan.trajectory.duration:.2f} s")
-
-
-def _draw_in_space(above: Axes, below: Axes, record: Record, plan: Any) -> None:
-    """Draw a situation in space with the courses, and below it the movement."""
-    situation: Any = record.situation
+    """Draw the situation of a record, and below it the map with a path, or the movement."""
+    plan = _shown_plan(record)
     moves = None if plan is None else plan.trajectory
-    view = view_of(situation, moves)
-    end = situation.horizon if moves is None else moves.duration
-    draw_space(above, situation, view=view, pixels=SMALL)
-    draw_courses_in_space(above, situation, end, view)
+    end = record.situation.horizon if moves is None else moves.duration
+    pictures = pictures_of(record.situation, plan)
+    pictures.draw_record(above, below, record.map, end, SMALL)
     style.title(above, f"{record.family} {record.index}")
-    if moves is None:
-        style.title(below, "no catch")
-        return
-    draw_movement_in_space(below, situation, moves, view, pixels=SMALL)
-    style.title(below, f"{plan.planner}: {moves.duration:.2f} s")
+    answered = "no catch" if plan is None or moves is None else f"{plan.planner}: {end:.2f} s"
+    style.title(below, answered)
 
 
-def _shown_plan(record: Record) -> Plan | None:
+def _shown_plan(record: Record) -> AnyPlan | None:
     """The plan of the planner of first choice, or of the first that catches."""
     plans = record.plans
     order = sorted(plans, key=lambda name: name != _first_choice(list(plans)))

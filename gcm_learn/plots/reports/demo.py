@@ -15,9 +15,10 @@ from gcm_learn.planners import Plan, broken_promise, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
 from gcm_learn.plots.figures.paper import draw_figure
-from gcm_learn.plots.figures.plan import engines_figure, mapped, sheets_figure
+from gcm_learn.plots.figures.sheets import engines_figure, mapped, sheets_figure
 from gcm_learn.plots.figures.summary import STATUSES, Tally, summary_figure, tally
 from gcm_learn.plots.reports.catches import kept_catches
+from gcm_learn.plots.reports.film_page import write_film_page
 from gcm_learn.plots.reports.page import (
     Picture,
     Section,
@@ -28,7 +29,6 @@ from gcm_learn.plots.reports.page import (
     section,
     words,
 )
-from gcm_learn.plots.reports.space import write_space_page
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation, write_situations
 
@@ -197,7 +197,7 @@ def _space_section(out: Path) -> Section:
         pictures.append(Picture(f"{name}.gif", caption, round(WIDTH * FILM_DPI)))
         rows.append([name, number(plan.catch_time, ".3f"), number(plan.clearance, ".3f")])
         if find_spec("plotly") is not None:
-            write_space_page(situation, plan, out / f"{name}.html")
+            write_film_page(situation, plan, out / f"{name}.html")
     write_situations(out / "space.jsonl", [situation for situation, _ in kept_catches()])
     found = WORDS["sections"]["space"]["text"]
     text = [*found, *_pages_of(out, [row[0] for row in rows])]

@@ -14,7 +14,7 @@ from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.handspace import draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_map
-from gcm_learn.plots.figures.plan import mapped, sheets_figure
+from gcm_learn.plots.figures.sheets import mapped, sheets_figure
 from gcm_learn.plots.figures.workspace import (
     draw_arm,
     draw_bodies,
@@ -22,7 +22,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_targets,
     draw_workspace,
 )
-from gcm_learn.plots.reports.space_documents import write_space_gallery
+from gcm_learn.plots.reports.solid_documents import write_solid_gallery
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation, planar
 
@@ -40,7 +40,7 @@ KEY = ("arm", "obstacle", "target", "path of the hand")
 def write_gallery(folder: Path) -> list[Path]:
     """Draw the README's pictures and that of the families.
 
-    The first five show one situation, those of an arm in space another one.
+    The first five show one situation, pictures of a spatial arm show another.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def write_gallery(folder: Path) -> list[Path]:
     sheets_figure(gate, mapped(gate, solve(gate, "layered"))).savefig(out[-1], dpi=DPI)
     out.append(folder / "families.png")
     families_figure().savefig(out[-1], dpi=DPI_FAMILIES)
-    return out + write_space_gallery(folder)
+    return out + write_solid_gallery(folder)
 
 
 def _situation(situation: Situation) -> Figure:

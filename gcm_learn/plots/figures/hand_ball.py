@@ -1,4 +1,4 @@
-"""Hand-space in space: extended obstacles, the front on its way and maps, as surfaces and as a cut.
+"""Hand-space as a ball: extended obstacles, the front and maps, as surfaces and as a cut.
 
 The hand is a point in a ball.  A map of arrivals fills the ball. The picture cuts it
 open along a plane through the hand and the place of the catch; effective obstacles stand out of it.
@@ -7,6 +7,7 @@ open along a plane through the hand and the place of the catch; effective obstac
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,19 +16,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
 from scipy.ndimage import map_coordinates, maximum_filter, minimum_filter
 
-from gcm_learn.arms import forward_in_space, rotation_of
+from gcm_learn.arms import hands_along, rotation_of
 from gcm_learn.handspace import SpaceLattice, room_in_space, space_of
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import CONTOUR_STEP
-from gcm_learn.plots.figures.space import show_image, show_through
+from gcm_learn.plots.figures.scenery import show_image, show_through
 from gcm_learn.plots.figures.surfaces import softened, surface
 from gcm_learn.rendering import (
     PIXELS,
     Camera,
     Faces,
-    SpatialSituation,
+    JointSituation,
     Window,
     body_faces,
     path_faces,
@@ -36,6 +36,9 @@ from gcm_learn.rendering import (
     turned_view,
 )
 from gcm_learn.situation import Sphere
+
+if TYPE_CHECKING:
+    from gcm_learn.motion import SpatialTrajectory
 
 COARSE = 40  # cells a side of the lattice for drawn extended obstacles
 GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off
@@ -61,10 +64,12 @@ def skin(chart: SpaceLattice, field: np.ndarray, level: float, colour: str, alph
     return Faces(places, np.array(to_rgb(colour)), alpha, turned, both=True)
 
 
-def extended_faces(situation: SpatialSituation, t: float, alpha: float = GLASSY) -> Faces:
+def extended_faces(situation: JointSituation, t: float, alpha: float = GLASSY) -> Faces:
     """Extended obstacles at time t [s]: hands whose limb touches an obstacle."""
     chart = space_of(situation.arm, COARSE)
-    room = np.clip(room_in_space(situation, chart, t), -chart.spacing, 2.0 * chart.spacing)
+    room = np.clip(
+        room_in_space(cast("Any", situation), chart, t), -chart.spacing, 2.0 * chart.spacing
+    )
     return skin(chart, softened(room), 0.0, style.EXTENDED, alpha)
 
 
@@ -109,11 +114,16 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
     return places_of(chart, corners), came[tuple(middle.T)]
 
 
+def fills_ball(cognitive_map: CognitiveMap | None) -> bool:
+    """Return whether there is a map of the hand's places in space, so that it can be drawn."""
+    return cognitive_map is not None and isinstance(cognitive_map.chart, SpaceLattice)
+
+
 def _chart(cognitive_map: CognitiveMap) -> SpaceLattice:
-    chart = cognitive_map.chart
-    if not isinstance(chart, SpaceLattice):
-        raise TypeError(f"this map is over a {type(chart).__name__}, not over a SpaceLattice")
-    return chart
+    if not fills_ball(cognitive_map):
+        over = type(cognitive_map.chart).__name__
+        raise TypeError(f"this map is over a {over}, not over a SpaceLattice")
+    return cast("SpaceLattice", cognitive_map.chart)
 
 
 def first_arrival(cognitive_map: CognitiveMap) -> np.ndarray:
@@ -148,25 +158,25 @@ def _birth(arrival: np.ndarray) -> np.ndarray:
     return out
 
 
-def hand_ball(situation: SpatialSituation, hand: np.ndarray) -> Faces:
+def hand_ball(situation: JointSituation, hand: np.ndarray) -> Faces:
     """The arm as hand-space knows it: a point."""
     ball = Sphere(POINT * situation.arm.reach)
     return placed(ball, hand, np.eye(3), np.array(to_rgb("#1a202c")))
 
 
-def ball_window(situation: SpatialSituation) -> Window:
+def ball_window(situation: JointSituation) -> Window:
     """The part of a picture that the ball within reach fills."""
     return Window(np.zeros(2), 1.08 * situation.arm.reach)
 
 
-def ball_view(situation: SpatialSituation, view: Camera) -> Camera:
+def ball_view(situation: JointSituation, view: Camera) -> Camera:
     """The camera, looking at the shoulder."""
     return Camera(
         view.right, view.up, view.nearer, np.asarray(situation.arm.base.origin), view.distance
     )
 
 
-def draw_ball(ax: Axes, situation: SpatialSituation, view: Camera, things: list[Faces],
+def draw_ball(ax: Axes, situation: JointSituation, view: Camera, things: list[Faces],
               pixels: int = PIXELS) -> None:  # fmt: skip
     """Show things in hand-space within the circle of what can be reached."""
     window = ball_window(situation)
@@ -235,7 +245,7 @@ def cut_faces(
 
 
 def map_faces(
-    situation: SpatialSituation, cognitive_map: CognitiveMap, view: Camera,
+    situation: JointSituation, cognitive_map: CognitiveMap, view: Camera,
     trajectory: SpatialTrajectory | None = None, facing: Camera | None = None,
 ) -> list[Faces]:  # fmt: skip
     """A map cut open, facing a camera, with effective obstacles; those before the cut are glass."""
@@ -260,12 +270,12 @@ def map_faces(
 
 
 class HandSpace:
-    """Hand-space in space as a film shows it: extended obstacles, the front, and at last the map.
+    """Hand-space as a ball in a film: extended obstacles, the front, and at last the map.
 
     Parameters
     ----------
     situation : Situation
-        With a spatial arm.
+        With an arm that moves in its joints.
     cognitive_map : CognitiveMap
         Over a `SpaceLattice`.
     trajectory : SpatialTrajectory, optional
@@ -275,7 +285,7 @@ class HandSpace:
 
     def __init__(
         self,
-        situation: SpatialSituation,
+        situation: JointSituation,
         cognitive_map: CognitiveMap,
         trajectory: SpatialTrajectory | None,
         view: Camera,
@@ -305,7 +315,7 @@ class HandSpace:
 
     def _hand(self, t: float) -> np.ndarray:
         if self.trajectory is None:
-            return forward_in_space(self.situation.arm, self.situation.arm.joints)[1]
+            return hands_along(self.situation.arm, self.situation.arm.joints)[0][0]
         return self.trajectory.hand_at(t)
 
     def show_world(self, ax: Axes, t: float) -> None:

@@ -1,4 +1,4 @@
-"""The page of a movement in space: it holds all it needs, and what it draws is the movement."""
+"""Pages on which movements are turned: they need no other files, and draw the movement."""
 
 from __future__ import annotations
 
@@ -9,27 +9,24 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from gcm_learn.arms import forward_in_space
+from gcm_learn.arms import hands_along, links_along
 from gcm_learn.families import thrown_scene
 from gcm_learn.planners import solve
-from gcm_learn.plots import write_space_page
-from gcm_learn.plots.figures.space_maps import frozen_cells, places_of
-from gcm_learn.plots.reports.space import page_data
-from gcm_learn.situation import Box, read_situations
-from tests.plots.test_space import plan_of
-from tests.rendering.test_rendering import turning
-from tests.spatial import EXAMPLES
+from gcm_learn.plots import write_film_page
+from gcm_learn.plots.figures.hand_ball import frozen_cells, places_of
+from gcm_learn.plots.reports.film_page import page_data
+from gcm_learn.rendering import body_poses
+from tests.plots.cases import AMONG_SOLIDS, plan_of
 
 
-@pytest.fixture(scope="module")
-def case():
-    situation = read_situations(EXAMPLES)[2]
-    return situation, plan_of(situation, turning(situation))
+@pytest.fixture(scope="module", params=AMONG_SOLIDS)
+def case(request):
+    return AMONG_SOLIDS[request.param]()
 
 
 def test_the_page_needs_nothing_else(case, tmp_path):
     pytest.importorskip("plotly")
-    path = write_space_page(*case, tmp_path / "page.html")
+    path = write_film_page(*case, tmp_path / "page.html")
     text = path.read_text("utf-8")
     own = re.sub(r"<script>.*?</script>", "", text, count=1, flags=re.S)  # without the library
     assert len(own) < 0.1 * len(text)
@@ -42,7 +39,7 @@ def test_the_page_needs_nothing_else(case, tmp_path):
 def test_without_plotly_it_says_what_to_install(case, tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "plotly.offline", None)
     with pytest.raises(ImportError, match=r"needs plotly: pip install 'gcm_learn\[plots\]'"):
-        write_space_page(*case, tmp_path / "page.html")
+        write_film_page(*case, tmp_path / "page.html")
     assert not (tmp_path / "page.html").exists()
 
 
@@ -51,11 +48,16 @@ def test_solids_are_where_the_arm_and_the_bodies_are(case):
     data = page_data(*case)
     named = {solid["name"]: solid for solid in data["solids"]}
     for k in (0, -1):
-        elbow, hand = forward_in_space(situation.arm, plan.trajectory.joints_at(data["times"][k]))
+        t = plan.trajectory.duration if k else 0.0
+        joints = plan.trajectory.joints_at(t)
+        hand, ends = hands_along(situation.arm, joints)[0][0], links_along(situation.arm, joints)[0]
         np.testing.assert_allclose(named["hand"]["centre"][k], hand, atol=2e-3)
-        np.testing.assert_allclose(named["forearm"]["centre"][k], (elbow + hand) / 2, atol=2e-3)
-    for body in situation.bodies:
-        np.testing.assert_allclose(named[body.name]["centre"][0], body.motion.position, atol=1e-4)
+        for i, middle in enumerate(ends[0].mean(axis=1)):
+            np.testing.assert_allclose(named[f"link {i}"]["centre"][k], middle, atol=2e-3)
+    places = body_poses(situation, [0.0])[0][0]
+    for body, place in zip(situation.bodies, places, strict=True):
+        np.testing.assert_allclose(named[body.name]["centre"][0], place, atol=1e-4)
+        assert (f"approach of {body.name}" in named) == (body.approach is not None)
     way = data["ways"][0]
     assert [way["x"][0], way["y"][0], way["z"][0]] == pytest.approx(named["hand"]["centre"][0])
 
@@ -68,7 +70,6 @@ def test_solids_are_closed(case):
         there, count = np.unique(edges, axis=0, return_counts=True)
         assert (count == 1).all()
         assert {*map(tuple, there.tolist())} == {(b, a) for a, b in there.tolist()}
-    assert any(isinstance(body.shape, Box) for body in case[0].bodies)
 
 
 def test_a_plan_without_a_catch_shows_an_arm_at_rest(case):
@@ -97,7 +98,7 @@ def test_effective_obstacles_grow_where_the_front_froze(charted):
     away = cKDTree(frozen).query(corners)[0]
     assert away.max() < 3.0 * chart.spacing
     early = corners[np.unique(np.array(hands["triangles"])[: counts[len(counts) // 3]])]
-    start = forward_in_space(situation.arm, situation.arm.joints)[1]
+    start = hands_along(situation.arm, situation.arm.joints)[0][0]
     late = corners[np.unique(np.array(hands["triangles"])[counts[-1] - 200 : counts[-1]])]
     assert (
         np.linalg.norm(early - start, axis=1).mean() < np.linalg.norm(late - start, axis=1).mean()
@@ -114,6 +115,6 @@ def test_in_hand_space_the_arm_is_a_point_among_targets(charted, case):
 def test_hand_space_can_be_switched_on_where_there_is_a_map(charted, case, tmp_path):
     pytest.importorskip("plotly")
     for (situation, plan), there in ((charted, True), (case, False)):
-        text = write_space_page(situation, plan, tmp_path / "page.html").read_text("utf-8")
+        text = write_film_page(situation, plan, tmp_path / "page.html").read_text("utf-8")
         assert ('<input id="hands" type="checkbox">' in text) == there
         assert ("effective obstacle, in hand-space" in text) == there

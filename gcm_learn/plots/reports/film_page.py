@@ -1,4 +1,4 @@
-"""A page on which a movement in space is played, and turned with the mouse."""
+"""A page on which a movement is played, and turned with the mouse."""
 
 from __future__ import annotations
 
@@ -9,26 +9,27 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.colors import to_hex
 
-from gcm_learn.arms import forward_in_space
 from gcm_learn.errors import MissingExtraError
-from gcm_learn.handspace import SpaceLattice
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.space import TIME_COLOURS, Scenery
-from gcm_learn.plots.figures.space_maps import effective_skin
+from gcm_learn.plots.figures.hand_ball import effective_skin, fills_ball
+from gcm_learn.plots.figures.scenery import TIME_COLOURS, Scenery
 from gcm_learn.plots.reports.page import fill
 from gcm_learn.rendering import (
-    BALL,
-    HAND,
-    JOINT,
-    SpatialSituation,
+    APPROACH,
+    JointSituation,
+    approach_corners,
+    balls_of,
     body_colour,
     body_poses,
-    bone_radius,
+    bone_pose,
+    drawn_scale,
     faces,
-    frame_along,
+    ground_of,
+    limb_along,
+    target_paths,
 )
-from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
+from gcm_learn.situation import Box, Capsule, Cylinder, Sphere
 
 if TYPE_CHECKING:
     from gcm_learn.motion import SpatialTrajectory
@@ -37,20 +38,22 @@ if TYPE_CHECKING:
 FRAMES = 41
 DIGITS = 4  # of numbers on the page, after the first of the reach
 SKIN = 40  # cells a side of which the surface of effective obstacles is made
+GROUND = "#dde3ea"
 EYE = 1.6  # distance of plotly's camera, in its own unit
 KEY = tuple(entry for entry in style.KEY if entry[1] in ("arm", "obstacle", "target"))
+APPROACHED = ((APPROACH, "approach of a target"),)
 IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
 
 
-def write_space_page(
-    situation: SpatialSituation, plan: Plan[SpatialTrajectory], path: str | Path
+def write_film_page(
+    situation: JointSituation, plan: Plan[SpatialTrajectory], path: str | Path
 ) -> Path:
-    """Write a page that shows a plan in space; it holds all that it needs.
+    """Write a page that shows a plan; it needs no other files.
 
     Parameters
     ----------
     situation : Situation
-        With a spatial arm.
+        With an arm that moves in its joints.
     plan : Plan
         Of this situation.  When it caught nothing, the arm rests and the world goes on.
     path : str or Path
@@ -73,13 +76,19 @@ def write_space_page(
         "title": situation.name,
         "lead": f"{plan.planner}: {plan.message}. Turn it with the mouse; the wheel comes nearer.",
         "data": data,
-        "key": KEY if data["hands"] is None else KEY + IN_HANDS,
+        "key": _key(situation, data),
         "ramp": ",".join(to_hex(TIME_COLOURS(x)) for x in np.linspace(0.0, 1.0, 5)),
         "ending": ending,
         "plotly": Markup(plotly_script()),
     }
-    path.write_text(fill("space.html", told), "utf-8")
+    path.write_text(fill("film.html", told), "utf-8")
     return path
+
+
+def _key(situation: JointSituation, data: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Return colours and what they mean."""
+    approached = any(body.approach is not None for body in situation.bodies)
+    return KEY + approached * APPROACHED + (data["hands"] is not None) * IN_HANDS
 
 
 def plotly_script() -> str:
@@ -87,21 +96,24 @@ def plotly_script() -> str:
     try:
         from plotly.offline import get_plotlyjs
     except ImportError:
-        raise MissingExtraError("a page of an arm in space", "plotly", "plots") from None
+        raise MissingExtraError("a page that turns a film", "plotly", "plots") from None
     script: str = get_plotlyjs()
     return script
 
 
-def page_data(situation: SpatialSituation, plan: Plan[SpatialTrajectory]) -> dict[str, Any]:
+def page_data(situation: JointSituation, plan: Plan[SpatialTrajectory]) -> dict[str, Any]:
     """Collect rigid solids with their poses over time, and paths, for the page to draw.
 
     Returns
     -------
     dict
-        ``times`` (k,) [s]; ``solids``, each with corners (n, 3), triangles (m, 3), centre (k, 3)
-        and turn (k, 9), row by row, and whether it is seen in hand-space too; ``ways``; ``box``
-        (3, 2), what is shown of the world; ``eye``; ``hands``, what is in hand-space only, None
-        where there is no map of it.
+        ``times`` (k,) [s]; ``solids``; ``ways``; ``box`` (3, 2) of the shown world; ``eye``;
+        ``hands``, the contents of hand-space alone, None where there is no map of it.
+
+    Notes
+    -----
+    A solid has corners (n, 3), triangles (m, 3), centre (k, 3) and turn (k, 9), row by row.  Its
+    ``hands`` says that it is seen in hand-space, too.
     """
     moves = plan.trajectory
     times = np.linspace(0.0, situation.horizon if moves is None else moves.duration, FRAMES)
@@ -118,46 +130,50 @@ def page_data(situation: SpatialSituation, plan: Plan[SpatialTrajectory]) -> dic
     }
 
 
-def _bodies(situation: SpatialSituation, times: np.ndarray) -> list[dict[str, Any]]:
-    centres, turns = body_poses(situation, times)
-    return [
-        _solid(body.shape, body.name, body_colour(body), centres[:, k], turns[:, k])  # type: ignore[arg-type]
-        | {"hands": body.role == "target"}
-        for k, body in enumerate(situation.bodies)
-    ]
+def _bodies(situation: JointSituation, times: np.ndarray) -> list[dict[str, Any]]:
+    """Return the bodies, and the arrows of their approaches."""
+    (centres, turns), ground = body_poses(situation, times), ground_of(situation)
+    out = []
+    for k, body in enumerate(situation.bodies):
+        seen, flat = {"hands": body.role == "target"}, isinstance(body.shape, Box | Cylinder)
+        corners = drawn_scale(situation, body) * faces(body.shape, np.inf)  # type: ignore[arg-type]
+        poses = (centres[:, k], turns[:, k])
+        level = ground is not None and body is ground.body
+        colour = GROUND if level else body_colour(body)
+        out.append(_solid(corners, body.name, colour, *poses, flat=flat) | seen)
+        if body.approach is not None:
+            arrow, name = approach_corners(situation, body), f"approach of {body.name}"
+            out.append(_solid(arrow, name, APPROACH, *poses, flat=True) | seen)
+    return out
 
 
 def _limb(
-    situation: SpatialSituation, moves: SpatialTrajectory | None, times: np.ndarray
+    situation: JointSituation, moves: SpatialTrajectory | None, times: np.ndarray
 ) -> list[dict[str, Any]]:
-    """The bones and balls of the arm."""
+    """Return the links and balls of the arm."""
     arm = situation.arm
     joints = np.tile(arm.joints, (len(times), 1)) if moves is None else moves.joints_at(times)
-    elbow, hand = forward_in_space(arm, joints)
-    shoulder, radius = np.broadcast_to(arm.base.origin, elbow.shape), bone_radius(arm)
-    out = []
-    for name, a, b in (("upper arm", shoulder, elbow), ("forearm", elbow, hand)):
-        length = float(np.linalg.norm(b[0] - a[0]))
-        turns = np.array([frame_along(way / length) for way in b - a])
-        bone = Capsule(radius, length / 2)
-        out.append(_solid(bone, name, style.ARM, 0.5 * (a + b), turns))
+    limb, out = limb_along(arm, joints), []
+    for i, radius in enumerate(limb.radii):
+        a, b = limb.ends[:, i, 0], limb.ends[:, i, 1]
+        turns = np.array([bone_pose(*ends)[0] for ends in limb.ends[:, i]])
+        link = faces(Capsule(radius, bone_pose(a[0], b[0])[1]), np.inf)
+        out.append(_solid(link, f"link {i}", style.ARM, 0.5 * (a + b), turns))
     upright = np.broadcast_to(np.eye(3), (len(times), 3, 3))
-    for name, centre, size, colour in (
-        ("shoulder", shoulder, BALL, style.INK), ("elbow", elbow, BALL, JOINT),
-        ("hand", hand, HAND, style.ARM),
-    ):  # fmt: skip
-        out.append(_solid(Sphere(size * radius), name, colour, centre, upright))
+    for ball in balls_of(limb):
+        corners = faces(Sphere(ball.radius), np.inf)
+        out.append(_solid(corners, ball.name, ball.colour, ball.places, upright))
     return [solid | {"hands": solid["name"] == "hand"} for solid in out]
 
 
 def _hands(
-    situation: SpatialSituation, known: CognitiveMap | None, times: np.ndarray, box: np.ndarray
+    situation: JointSituation, known: CognitiveMap | None, times: np.ndarray, box: np.ndarray
 ) -> dict[str, Any] | None:
-    """The surface of effective obstacles, its triangles in order of time, and what is shown.
+    """Return the surface of effective obstacles, its triangles in order of time.
 
-    ``counts`` (k,) says how many of the triangles there are at each time.
+    ``counts`` (k,) is the number of triangles that are there at each time.
     """
-    if known is None or not isinstance(known.chart, SpaceLattice):
+    if known is None or not fills_ball(known):
         return None
     quads, since = effective_skin(known, SKIN)
     corners, triangles, face = _welded(quads)
@@ -172,11 +188,11 @@ def _hands(
 
 
 def _solid(
-    shape: SolidShape, name: str, colour: str, centres: np.ndarray, turns: np.ndarray
-) -> dict[str, Any]:
-    """A solid with its poses (k, 3) and (k, 3, 3)."""
-    flat = isinstance(shape, Box | Cylinder)
-    corners, triangles, _ = _welded(faces(shape, np.inf))
+    quads: np.ndarray, name: str, colour: str, centres: np.ndarray, turns: np.ndarray,
+    *, flat: bool = False,
+) -> dict[str, Any]:  # fmt: skip
+    """Return a solid of faces (n, 4, 3) with its poses (k, 3) and (k, 3, 3)."""
+    corners, triangles, _ = _welded(quads)
     return {
         "name": name, "colour": colour, "flat": flat, "opacity": 1.0,
         "corners": _short(corners), "triangles": triangles.tolist(),
@@ -185,7 +201,7 @@ def _solid(
 
 
 def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Quadrilaterals (k, 4, 3) as corners (n, 3), triangles (m, 3) of them, and whose (m,)."""
+    """Return corners (n, 3) and triangles (m, 3) of faces (k, 4, 3), and whose (m,)."""
     corners, index = np.unique(np.round(quads.reshape(-1, 3), 9), axis=0, return_inverse=True)
     four = index.reshape(-1, 4)
     triangles = np.concatenate([four[:, [0, 1, 2]], four[:, [0, 2, 3]]])
@@ -193,17 +209,13 @@ def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return corners, triangles[real], np.tile(np.arange(len(quads)), 2)[real]
 
 
-def _ways(situation: SpatialSituation, moves: SpatialTrajectory) -> list[dict[str, Any]]:
-    """Paths of hand and targets, coloured by time."""
+def _ways(situation: JointSituation, moves: SpatialTrajectory) -> list[dict[str, Any]]:
+    """Return the paths of hand and targets, coloured by time."""
     times = np.linspace(0.0, moves.duration, 2 * FRAMES)
     colours = [to_hex(c) for c in TIME_COLOURS(np.linspace(0.0, 1.0, len(times)))]
-    centres, _ = body_poses(situation, times)
-    paths = [("hand's way", moves.hand_at(times), False)]
-    paths += [
-        (f"way of {body.name}", centres[:, k], True)
-        for k, body in enumerate(situation.bodies)
-        if body.role == "target"
-    ]
+    targets = zip(situation.targets, target_paths(situation, times), strict=True)
+    paths = [("hand's path", moves.hand_at(times), False)]
+    paths += [(f"path of {body.name}", path, True) for body, path in targets]
     return [
         {"name": name, "colours": colours, "dashed": dashed,
          **{axis: _short(path[:, k]) for k, axis in enumerate("xyz")}}
@@ -212,5 +224,5 @@ def _ways(situation: SpatialSituation, moves: SpatialTrajectory) -> list[dict[st
 
 
 def _short(values: np.ndarray) -> list[Any]:
-    """Numbers with so few digits as a picture needs."""
+    """Return numbers with as few digits as a picture needs."""
     return np.round(values, DIGITS).tolist()  # type: ignore[no-any-return]

@@ -1,7 +1,7 @@
-"""The arm in space among its bodies: at one instant, or over a movement.
+"""An arm among solids before a camera: at one instant, or over a movement.
 
 Everything stands over a floor that shows its shadow, and a line drawn through solids shows what
-they hide.  Paths are coloured by time; what has the same colour is there at the same time.
+they hide.  Paths are coloured by time; places of one colour belong to one time.
 """
 
 from __future__ import annotations
@@ -15,11 +15,10 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import ArrayLike
 
-from gcm_learn.arms import SpatialArm
 from gcm_learn.plots.figures import style
 from gcm_learn.rendering import (
+    APPROACH,
     HAND,
     PIXELS,
     SAMPLES,
@@ -27,16 +26,16 @@ from gcm_learn.rendering import (
     TIME,
     Camera,
     Faces,
-    SpatialSituation,
+    JointSituation,
     Window,
     arm_faces,
     body_colour,
     body_faces,
     body_poses,
-    bone_radius,
     box_of,
     centred,
     floor_of,
+    limb_along,
     path_faces,
     staged,
     turned_view,
@@ -52,38 +51,24 @@ GHOSTS = 4  # instants at which the arm is drawn, the last one being the catch
 PALEST = 0.15  # alpha of the earliest
 
 
-def draw_space(
-    ax: Axes,
-    situation: SpatialSituation,
-    t: float = 0.0,
-    *,
-    joints: ArrayLike | None = None,
-    view: Camera | None = None,
-    pixels: int = PIXELS,
+def draw_start(
+    ax: Axes, situation: JointSituation, view: Camera | None = None, pixels: int = PIXELS
 ) -> Axes:
-    """Draw the arm and the bodies at one instant.
+    """Draw arm and bodies at t = 0.
 
     Parameters
     ----------
     ax : Axes
         Ordinary two-dimensional axes.
     situation : Situation
-        With a spatial arm.
-    t : float
-        Time [s].
-
-    Other Parameters
-    ----------------
-    joints : (4,) array_like, optional
-        By default those at t = 0 [rad].
+        With an arm that moves in its joints.
     view : Camera, optional
         By default `view_of` the situation.
     pixels : int
         Of a side.
     """
-    posture = situation.arm.joints if joints is None else joints
     view = view or view_of(situation)
-    things = [*body_faces(situation, t), *arm_faces(situation.arm, posture)]
+    things = [*body_faces(situation, 0.0), *arm_faces(situation.arm, situation.arm.joints)]
     window = window_of(situation, view, things)
     show_image(ax, staged(view, window, floor_of(situation, things), things, pixels), window)
     return ax
@@ -99,8 +84,8 @@ def show_image(ax: Axes, image: np.ndarray, window: Window) -> None:
     ax.axis("off")
 
 
-def draw_courses_in_space(ax: Axes, situation: SpatialSituation, end: float, view: Camera) -> None:
-    """Draw an arrow along the way of every body that moves until `end` [s]."""
+def draw_courses(ax: Axes, situation: JointSituation, end: float, view: Camera) -> None:
+    """Draw an arrow along the path of every body that moves until `end` [s]."""
     centres, _ = body_poses(situation, np.linspace(0.0, end, SAMPLES))
     for k, body in enumerate(situation.bodies):
         if np.ptp(centres[:, k], axis=0).max() < 0.05 * situation.arm.reach:
@@ -114,23 +99,23 @@ def draw_courses_in_space(ax: Axes, situation: SpatialSituation, end: float, vie
 
 
 class Scenery:
-    """A spatial situation as seen by a camera, in the same picture at every instant.
+    """An arm among solids as seen by a camera, in the same picture at every instant.
 
     Parameters
     ----------
     situation : Situation
-        With a spatial arm.
+        With an arm that moves in its joints.
     trajectory : SpatialTrajectory, optional
         Without one the arm rests.
     view : Camera, optional
-        By default `view_of` them.  It is moved so that all is in the picture.
+        By default `view_of` them.  The camera is moved so that the picture holds everything.
     turns : bool
-        Whether it will be turned, and all is to stay in the picture.
+        The picture holds everything while the camera turns, too.
     """
 
     def __init__(
         self,
-        situation: SpatialSituation,
+        situation: JointSituation,
         trajectory: SpatialTrajectory | None = None,
         view: Camera | None = None,
         *,
@@ -150,7 +135,7 @@ class Scenery:
         self._drawn: tuple[float, float, int, np.ndarray] = (-1.0, 0.0, 0, np.empty(0))
 
     def at(self, t: float) -> list[Faces]:
-        """Everything at time t [s], with the ways of hand and target until then."""
+        """Return everything at time t [s], with the paths of hand and target until then."""
         things = list(body_faces(self.situation, t))
         if self.trajectory is None:
             return things + arm_faces(self.situation.arm, self.situation.arm.joints)
@@ -174,23 +159,23 @@ class Scenery:
         show_image(ax, self._drawn[3], self.window)
 
 
-def draw_movement_in_space(
+def draw_poses(
     ax: Axes,
-    situation: SpatialSituation,
+    situation: JointSituation,
     trajectory: SpatialTrajectory,
     view: Camera | None = None,
     *,
     count: int = GHOSTS,
     pixels: int = PIXELS,
 ) -> Axes:
-    """Draw a movement: the arm at several instants, later ones darker, with the hand's way.
+    """Draw a movement: the arm at several instants, later ones darker, with the hand's path.
 
     Bodies are as at the end; paler ones show where they were before.
     """
     view = view or view_of(situation, trajectory)
     end = trajectory.duration
     things = [*path_faces(situation, trajectory)]
-    moments = _moments(situation.arm, trajectory, count)
+    moments = _moments(situation, trajectory, count)
     for t, alpha in zip(moments, [*np.linspace(PALEST, 0.5, len(moments) - 1), 1.0], strict=True):
         things += body_faces(situation, t, alpha)
         things += arm_faces(situation.arm, trajectory.joints_at(t), alpha)
@@ -200,9 +185,11 @@ def draw_movement_in_space(
     return ax
 
 
-def _moments(arm: SpatialArm, trajectory: SpatialTrajectory, count: int) -> np.ndarray:
-    """Instants evenly over the movement; fewer where the hand hardly moves."""
-    fitting = 1 + int(trajectory.length / (3.0 * HAND * bone_radius(arm)))
+def _moments(situation: JointSituation, trajectory: SpatialTrajectory, count: int) -> np.ndarray:
+    """Return instants evenly over the movement; fewer where the hand hardly moves."""
+    arm = situation.arm
+    thin = limb_along(arm, np.atleast_2d(arm.joints)).radii.min()
+    fitting = 1 + int(trajectory.length / (3.0 * HAND * thin))
     return np.linspace(0.0, trajectory.duration, min(max(fitting, 2), count))
 
 
@@ -230,16 +217,18 @@ def time_bar(ax: Axes, end: float) -> None:
         )  # fmt: skip
 
 
-def key_in_space(figure: Figure) -> None:
-    """Say below pictures of movements what is what."""
+def key_below(figure: Figure, situation: JointSituation) -> None:
+    """Explain the colours below pictures of movements."""
     tint = TIME_COLOURS(0.65)
-    handles = [
+    handles: list[Patch | Line2D] = [
         Patch(color=style.ARM, label="arm"),
         Patch(color=style.TARGET, label="target"),
         Patch(color=style.OBSTACLE, label="obstacle"),
-        Line2D([], [], color=tint, lw=2.5, label="hand's way"),
-        Line2D([], [], color=tint, lw=2.0, ls=(0, (2, 1)), label="target's way"),
+        Line2D([], [], color=tint, lw=2.5, label="hand's path"),
+        Line2D([], [], color=tint, lw=2.0, ls=(0, (2, 1)), label="target's path"),
     ]
+    if any(body.approach is not None for body in situation.bodies):
+        handles[2:2] = [Patch(color=APPROACH, label="approach")]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,
         frameon=False, labelcolor=style.INK, handlelength=1.6, columnspacing=1.4,

@@ -1,15 +1,16 @@
-"""The README's pictures of an arm in space, as of an arm in the plane."""
+"""Pictures of an arm among solids for the README, like those of a planar arm."""
 
 from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gcm_learn.arms import forward_in_space
+from gcm_learn.arms import SpatialArm, forward_in_space, hands_along
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import SPATIAL_SCENES, thrown_scene
 from gcm_learn.motion import SpatialTrajectory
@@ -17,14 +18,14 @@ from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.execution import animate_execution
 from gcm_learn.plots.figures.film import animate, palette_of
-from gcm_learn.plots.figures.space import (
+from gcm_learn.plots.figures.hand_ball import HandSpace, key_of_hand_space
+from gcm_learn.plots.figures.scenery import (
     Scenery,
-    draw_courses_in_space,
-    draw_movement_in_space,
+    draw_courses,
+    draw_poses,
     time_bar,
 )
-from gcm_learn.plots.figures.space_maps import HandSpace, key_of_hand_space
-from gcm_learn.rendering import Camera, SpatialSituation, body_poses, view_of
+from gcm_learn.rendering import Camera, JointSituation, body_poses, view_of
 
 ENGINE = "gcm"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
@@ -35,7 +36,7 @@ WORD = "#b7791f"  # darker than what it names, to be readable
 DPI = 140
 
 
-def write_space_gallery(folder: Path) -> list[Path]:
+def write_solid_gallery(folder: Path) -> list[Path]:
     """Draw one situation in space, and the paper's with a body, into a folder that exists.
 
     Returns
@@ -82,9 +83,9 @@ def _situation(scenery: Scenery) -> Figure:
     figure = style.new_figure(4.2, 4.2)
     ax = figure.subplots()
     scenery.show(ax, 0.0)
-    draw_courses_in_space(ax, scenery.situation, scenery.end, scenery.view)
+    draw_courses(ax, scenery.situation, scenery.end, scenery.view)
     joints = np.asarray(scenery.situation.arm.joints)
-    elbow, hand = forward_in_space(scenery.situation.arm, joints)
+    elbow, hand = forward_in_space(cast("SpatialArm", scenery.situation.arm), joints)
     centres, _ = body_poses(scenery.situation, [0.0])
     for place, word, colour, side in (
         ((0.0, 0.0, 0.0), "shoulder", style.INK, -1.3),
@@ -105,7 +106,8 @@ def _hand_space(scenery: Scenery, hands: HandSpace) -> Figure:
     style.title(left, "work-space: an arm among bodies")
     hands.show_world(right, t)
     style.title(right, "hand-space: a point in a ball")
-    hand = forward_in_space(scenery.situation.arm, scenery.situation.arm.joints)[1]
+    arm = scenery.situation.arm
+    hand = hands_along(arm, arm.joints)[0][0]
     style.label(right, hands.view.see(hand)[:2] + BESIDE, "arm")
     style.label(right, (0.8, -0.75), "extended obstacle", WORD)
     return figure
@@ -125,13 +127,13 @@ def _wave(plan: Plan[SpatialTrajectory], hands: HandSpace) -> Figure:
 
 
 def _map(
-    situation: SpatialSituation, moves: SpatialTrajectory, hands: HandSpace, view: Camera
+    situation: JointSituation, moves: SpatialTrajectory, hands: HandSpace, view: Camera
 ) -> Figure:
     figure = style.new_figure(8.0, 4.2)
     left, right = figure.subplots(1, 2)
     hands.show_map(left)
     style.title(left, "the map, cut open")
-    draw_movement_in_space(right, situation, moves, view)
+    draw_poses(right, situation, moves, view)
     time_bar(right, moves.duration)
     style.title(right, "the movement (later is darker)")
     return figure

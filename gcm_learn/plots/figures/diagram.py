@@ -1,0 +1,237 @@
+"""Pictures of a planar arm, drawn with lines and patches in the arm's plane."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from gcm_learn.arms import elbow_position
+from gcm_learn.evaluation import collision_point
+from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.handspace import (
+    draw_hand,
+    draw_hand_space,
+    extended_image,
+    show_image,
+)
+from gcm_learn.plots.figures.maps import draw_effective, draw_explored, plot_map, plot_plan
+from gcm_learn.plots.figures.sheets import sheet_panels
+from gcm_learn.plots.figures.solid_scene import draw_scene
+from gcm_learn.plots.figures.style import Panel, Scene
+from gcm_learn.plots.figures.workspace import (
+    draw_arm,
+    draw_bodies,
+    draw_courses,
+    draw_movement,
+    draw_waits,
+    draw_workspace,
+    notable_waits,
+    waiting_at,
+)
+from gcm_learn.situation import Situation
+
+if TYPE_CHECKING:
+    from gcm_learn.maps import CognitiveMap
+    from gcm_learn.motion import Trajectory
+    from gcm_learn.planners import Plan
+
+PANEL, MARGIN = 4.0, 0.6  # [inches] of a panel, and below all panels
+LATER = 0.3  # strength of bodies at the end of a movement
+BEFORE = 0.25  # strength of bodies at t = 0
+COARSE = 240  # cells a side of the drawn extended obstacles
+
+
+class Diagram:
+    """Pictures of a situation with a planar arm, and of a plan of it.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a planar arm.
+    plan : Plan, optional
+        Of this situation, whatever its status.
+    """
+
+    panel, margin = PANEL, MARGIN
+    turns = False
+
+    def __init__(self, situation: Situation, plan: Plan | None = None) -> None:
+        self.situation, self.plan = situation, plan
+        self.trajectory = None if plan is None else plan.trajectory
+
+    @property
+    def waiting(self) -> float:
+        """Time that the hand rests [s]."""
+        waits = [] if self.trajectory is None else notable_waits(self.trajectory)
+        return sum(wait.duration for wait in waits)
+
+    def panels(self) -> list[Panel]:
+        """Return the movement and the map it was read from; first a view of a solid scene."""
+        solid = [self._solid_panel()] if self.situation.is_solid else []
+        return [*solid, self._movement_panel(), *self._hand_panels()]
+
+    def key_below(self, figure: Figure) -> None:
+        """Leave a figure without a key, as in the paper."""
+
+    def _solid_panel(self) -> Panel:
+        when = "start" if self.trajectory is None else "catch"
+        t, hand = 0.0, None
+        if self.trajectory is not None:
+            t, hand = self.trajectory.duration, self.trajectory.hand[-1]
+        return f"at the {when}", lambda ax: draw_scene(ax, self.situation, t, hand=hand)
+
+    def _movement_panel(self) -> Panel:
+        if self.trajectory is not None:
+            return "work-space: movement (later is darker)", self.draw_movement
+        return "work-space: start", lambda ax: self.draw_start(ax, self.situation.horizon)
+
+    def _hand_panels(self) -> list[Panel]:
+        """Return all sheets of the map; without one, hand-space when the movement ends.
+
+        Planners of straight lines make no map, and `layered` rarely; `mapped` adds one.
+        """
+        assert self.plan is not None
+        if self.plan.map is None:
+            when = "start" if self.plan.catch_time is None else "catch"
+            return [(f"hand-space at the {when} (no map was made)", self._draw_hands)]
+        panels = sheet_panels(self.situation, self.plan)
+        if len(panels) == 1:
+            return [("hand-space: cognitive map", panels[0][1])]
+        return panels
+
+    def _draw_hands(self, ax: Axes) -> None:
+        end = 0.0 if self.trajectory is None else self.trajectory.duration
+        draw_hand_space(ax, self.situation, end)
+        self._draw_path(ax)
+
+    def _draw_path(self, ax: Axes) -> None:
+        if self.trajectory is not None:
+            style.draw_path(ax, self.trajectory.hand)
+            draw_waits(ax, self.trajectory)
+
+    def draw_start(self, ax: Axes, end: float, pixels: int = 0) -> None:
+        """Draw t = 0, and where bodies go until `end` [s]."""
+        draw_workspace(ax, self.situation)
+        draw_courses(ax, self.situation, end)
+
+    def draw_movement(self, ax: Axes, pixels: int = 0) -> None:
+        """Draw the arm and the bodies at several instants over each other."""
+        assert self.plan is not None
+        draw_movement(ax, self.situation, self.plan)
+
+    def draw_record(
+        self, above: Axes, below: Axes, known: CognitiveMap | None, end: float, pixels: int
+    ) -> None:
+        """Draw the start with the bodies at `end` [s], and below it the map with the path."""
+        above.axis("on")
+        self.draw_start(above, end)
+        draw_bodies(above, self.situation, end, LATER)
+        if known is None:
+            return
+        below.axis("on")
+        if self.plan is None or self.trajectory is None:
+            plot_map(known, below)
+        else:
+            plot_plan(below, self.situation, self.plan, known, waits=False)
+
+    def scenes(self, panels: Sequence[Axes], pixels: int) -> tuple[Scene, Scene]:
+        """Return functions that draw work-space and hand-space at a time [s]."""
+        for ax, name in zip(panels, ("work-space", "hand-space"), strict=True):
+            style.frame(ax, self.situation.arm.upper_arm)
+            style.title(ax, name)
+        return self._work_space, self._hand_space
+
+    def _work_space(self, ax: Axes, t: float, turn: float) -> None:
+        note = f"t = {t:.2f} s"
+        if self.trajectory is not None:
+            note += ", waiting" if waiting_at(self.trajectory, t) else ""
+            past = self.trajectory.hand[self.trajectory.time <= t]
+            ax.plot(*past.T, color=style.PATH, lw=1.6, ls=(0, (2, 1.5)), zorder=4)
+        draw_bodies(ax, self.situation, t)
+        draw_arm(ax, self.situation.arm, self._hand_at(t))
+        style.note_in_corner(ax, note)
+
+    def _hand_space(self, ax: Axes, t: float, turn: float) -> None:
+        assert self.plan is not None
+        situation, known = self.situation, self.plan.map
+        show_image(ax, extended_image(situation, t, n=COARSE), situation.arm, zorder=2.0)
+        if known is not None:
+            tau = t / known.kappa
+            draw_explored(ax, known, tau)
+            draw_effective(ax, known, tau)
+            style.note_in_corner(ax, f"τ = {tau:.0f}")
+        draw_bodies(ax, situation, t)
+        if self.trajectory is not None and t >= self.trajectory.duration:
+            self._draw_path(ax)
+        draw_hand(ax, self._hand_at(t))
+
+    def _hand_at(self, t: float) -> np.ndarray:
+        if self.trajectory is None:
+            return np.asarray(self.situation.arm.hand)
+        return self.trajectory.hand_at(t)
+
+
+class MissedDiagram:
+    """A missed catch of a planar arm.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a planar arm.
+    movement : Trajectory, optional
+        Movement that misses; the arm rests without one.
+    example : Trajectory, optional
+        Movement by which another method catches.
+    touches : bool
+        The movement ends in a collision.
+    """
+
+    def __init__(
+        self,
+        situation: Situation,
+        movement: Trajectory | None,
+        example: Trajectory | None,
+        touches: bool,
+    ) -> None:
+        self.situation, self.movement, self.example = situation, movement, example
+        self.touches = touches and movement is not None
+        self.resting_until = situation.horizon
+
+    def show_end(self, ax: Axes, t: float, pixels: int) -> None:
+        """Draw time t [s], and where bodies come from."""
+        style.frame(ax, self.situation.arm.upper_arm)
+        draw_bodies(ax, self.situation, 0.0, alpha=BEFORE)
+        draw_courses(ax, self.situation, t)
+        self._draw(ax, t, t)
+
+    def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
+        """Draw time t [s] of a film until `end` [s]."""
+        style.frame(ax, self.situation.arm.upper_arm)
+        self._draw(ax, t, end)
+
+    def _draw(self, ax: Axes, t: float, end: float) -> None:
+        arm, moves = self.situation.arm, self.movement
+        draw_bodies(ax, self.situation, t)
+        self._draw_example(ax, t)
+        hand = np.asarray(arm.hand) if moves is None else moves.hand_at(t)
+        if moves is not None:
+            ax.plot(*np.vstack([moves.hand[moves.time <= t], hand]).T, color=style.PATH, lw=1.4)
+        draw_arm(ax, arm, hand)
+        if t >= end and self.touches and moves is not None:
+            point = collision_point(self.situation, moves)
+            ax.plot(*point, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)
+
+    def _draw_example(self, ax: Axes, t: float) -> None:
+        """Draw the path of a method that catches, in grey, and its arm up to the catch."""
+        arm, example = self.situation.arm, self.example
+        if example is None:
+            return
+        ax.plot(*example.hand.T, color=style.FAINT, lw=1.4, ls=(0, (1, 1.5)), zorder=3)
+        if t <= example.duration:
+            hand = example.hand_at(t)
+            limb = np.array([(0.0, 0.0), elbow_position(hand, arm.upper_arm, arm.elbow), hand])
+            ax.plot(*limb.T, "o-", color=style.FAINT, lw=3.0, ms=6.0, alpha=0.7, zorder=5.5)

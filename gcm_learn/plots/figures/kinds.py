@@ -1,0 +1,31 @@
+"""How arms of each kind are drawn: the only table of pictures by kind."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from gcm_learn.arms import PLANAR, ByKind
+from gcm_learn.plots.figures.diagram import Diagram, MissedDiagram
+from gcm_learn.plots.figures.stage import MissedStage, Stage
+
+
+class Drawn(NamedTuple):
+    """Pictures of one kind of arm."""
+
+    pictures: Any
+    """Class of pictures of a situation and a plan."""
+    missed: Any
+    """Class of pictures of a missed catch."""
+    films: tuple[str, ...]
+    """Endings of files that show a movement: films, and pages on which it is turned."""
+
+
+DRAWN = ByKind(
+    {PLANAR: Drawn(Diagram, MissedDiagram, (".gif",))},
+    default=Drawn(Stage, MissedStage, (".gif", ".html")),
+)
+
+
+def pictures_of(situation: Any, plan: Any = None) -> Any:
+    """Return a `Diagram` or a `Stage` of a situation and a plan, by the kind of its arm."""
+    return DRAWN.of(situation).pictures(situation, plan)
