@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.arms import SPATIAL
+from gcm_learn.arms import Kind
 from gcm_learn.cli.failures import CommandFailure, one_line
 from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.solve import plan_one, read
@@ -34,7 +34,7 @@ class Who(NamedTuple):
     """Who acts."""
 
     name: str
-    takes_space: bool
+    takes: Callable[[Kind], bool]
     planner: Any
     """None of a policy."""
     mind: Mind | None
@@ -122,11 +122,11 @@ class Execute:
         method: Any = get_method(self.planner)
         if not isinstance(method, ActorMethod):
             mind = Planning(method.planner, self.replan) if self.noise else None
-            return Who(method.planner.name, method.takes(SPATIAL), method.planner, mind)
+            return Who(method.planner.name, method.takes, method.planner, mind)
         if self.replan == "once":
             raise CommandFailure("--replan once: a policy acts anew in every period")
         try:
-            return Who(method.name, method.takes(SPATIAL), None, method.actor.mind())
+            return Who(method.name, method.takes, None, method.actor.mind())
         except PolicyError as error:
             raise CommandFailure(f"--planner {self.planner}: {error}") from None
 
