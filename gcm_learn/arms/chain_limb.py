@@ -158,7 +158,7 @@ def link(limb, place, i):
 
 @njit(_nrt=False, forceinline=True)
 def ignores(limb, i, b):
-    """Whether a link is not checked against a body."""
+    """Return whether a link is not checked against a body."""
     return limb.ignored[i, b]
 
 
@@ -196,7 +196,7 @@ def swept(limb, curve, s, half, place):
 
 @njit(_nrt=False, forceinline=True)
 def slack_of(limb, slack, i):
-    """How far points of a link travel, as noted last."""
+    """Return the bound of travel of a link, as noted last."""
     return limb.ways[i]
 
 

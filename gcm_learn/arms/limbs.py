@@ -118,7 +118,7 @@ def link(limb, place, i):
 
 @by_limb
 def ignores(limb, i, b):
-    """Whether link i is not checked against body b."""
+    """Return whether link i is not checked against body b."""
 
 
 @by_limb
@@ -141,7 +141,7 @@ def swept(limb, curve, s, half, place):
 
 @by_limb
 def slack_of(limb, slack, i):
-    """How far points of link i travel at most."""
+    """Return the bound of travel of link i."""
 
 
 @by_limb

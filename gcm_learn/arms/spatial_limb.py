@@ -83,7 +83,7 @@ def hand_jacobian(limb, q, out):
 
 @njit(_nrt=False)
 def motion_bounds(limb, q, p):
-    """How far the points of upper arm and forearm travel, at most, on the line from q to p (4,).
+    """Bound the travel of points of upper arm and forearm on the line from q to p (4,).
 
     Joints 1 and 2 turn about orthogonal axes, and so do 3 and 4, so that rates add as the sides of
     a right angle.  Points of a bone move no farther than the farther of its ends, at any instant.
@@ -296,14 +296,14 @@ def _pole(
 ) -> int:
     """Which of the directions in `_TOWARDS` hands avoid.
 
-    It is the one that sampled hands are farthest from, seen from the shoulder.  The hands of some
+    Sampled hands are farthest from this direction, seen from the shoulder.  The hands of some
     arms can be in every direction; then few of them come near to it.
     """
     return int(_avoided(_Bones(*_bones(upper, fore, ranges)), _SPREAD, _TOWARDS))
 
 
 class _Bones(NamedTuple):
-    """What `limb_at` must know of a limb, and its ranges."""
+    """Bones of a limb, as `limb_at` takes them, and its ranges."""
 
     upper: np.ndarray
     fore: np.ndarray

@@ -44,7 +44,7 @@ def swivel_axes(limb, x, y, z):
 
 @njit(_nrt=False)
 def swivel_of(limb, ex, ey, ez, hx, hy, hz):
-    """Where on its circle an elbow is, in (-pi, pi] [rad]; any number if that is a point."""
+    """Return the swivel of an elbow, in (-pi, pi] [rad]; any number where its circle is a point."""
     _, _, _, _, ax, ay, az, bx, by, bz = swivel_axes(limb, hx, hy, hz)
     return np.arctan2(ex * bx + ey * by + ez * bz, ex * ax + ey * ay + ez * az)
 
@@ -68,7 +68,7 @@ def elbow_at(limb, hx, hy, hz, swivel):
 
 @njit(_nrt=False)
 def in_range(angle, low, high, near):
-    """Whether an angle, or one some turns away, is in a range, and the one nearest to `near`."""
+    """Return whether an angle, whole turns aside, is in a range, and the one nearest `near`."""
     turn = 2.0 * np.pi
     least, most = np.ceil((low - SLACK - angle) / turn), np.floor((high + SLACK - angle) / turn)
     turns = min(max(np.round((near - angle) / turn), least), most)
@@ -137,7 +137,7 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
 
 @njit(_nrt=False)
 def _fits(limb, q1, q2, q3, q4, near, out):
-    """Whether the angles are in their ranges, some turns away perhaps; `out` (4,) gets them."""
+    """Return whether angles, some turns away or not, are in their ranges; `out` (4,) gets them."""
     fits, out[0] = in_range(q1, limb.low[0], limb.high[0], near[0])
     there, out[1] = in_range(q2, limb.low[1], limb.high[1], near[1])
     fits = fits and there
@@ -149,7 +149,7 @@ def _fits(limb, q1, q2, q3, q4, near, out):
 
 @njit(_nrt=False)
 def _reaches(limb, q, ex, ey, ez, hx, hy, hz):
-    """Whether joints (4,) put elbow and hand where they should be."""
+    """Return whether joints (4,) put elbow and hand where they should be."""
     ax, ay, az, bx, by, bz = limb_at(limb, q)
     elbow = (ax - ex) ** 2 + (ay - ey) ** 2 + (az - ez) ** 2
     hand = (bx - hx) ** 2 + (by - hy) ** 2 + (bz - hz) ** 2

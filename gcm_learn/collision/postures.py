@@ -50,7 +50,7 @@ _MOST = 200_000  # looks at a move before it counts as touching: bodies may spin
 
 
 class Desk(NamedTuple):
-    """Room to work in, made once per scene by `desk_of`."""
+    """Arrays for intermediate results, made once per scene by `desk_of`."""
 
     poses: np.ndarray  # (bodies, 12)
     curve: np.ndarray  # (n, 4): coefficients of a move's joints, over its share s in [0, 1]
@@ -62,7 +62,7 @@ class Desk(NamedTuple):
 
 @njit
 def desk_of(scene):
-    """A desk for a scene's questions."""
+    """Return the arrays for questions about a scene."""
     rows = scene.bodies.rows
     which = np.empty(rows.shape[0], dtype=np.int64)
     count = 0
@@ -298,7 +298,7 @@ def least_on(scene, since, until, floor, resolution, best, desk):
 
 @njit(_nrt=False)
 def move_is_free(scene, q, since, p, until, touch, desk):
-    """Whether no obstacle comes within `touch` of the limb, which goes straight from q to p.
+    """Return whether no obstacle comes within `touch` of a limb that goes straight from q to p.
 
     Parameters
     ----------

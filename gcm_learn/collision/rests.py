@@ -22,7 +22,7 @@ def _shortest_radius(bodies, b):
 
 @by_limb
 def depth_of(limb, where, bodies, b, found, touch, poses):
-    """How far body b, which touches the limb, must travel at least before it is free."""
+    """Bound the travel of body b, which touches the limb, before the limb is free."""
 
 
 @njit(_nrt=False)
@@ -49,7 +49,7 @@ give(depth_of, SpatialLimb, _depth_in_bones)
 
 @njit(_nrt=False)
 def state_at(scene, where, t, touch, desk):
-    """Whether a resting limb is free at t [s], and for how long that surely stays so.
+    """Return whether a resting limb is free at t [s], and for how long that surely stays so.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ def target_room(scene, b, x, y, z, t, poses):
 
 @njit(_nrt=False, forceinline=True)
 def has_approach(scene, b):
-    """Whether a target has to be caught from some direction."""
+    """Return whether a target has an approach."""
     row = scene.bodies.rows
     return (
         row[b, APPROACH] != 0.0 or row[b, APPROACH + 1] != 0.0 or row[b, APPROACH + 2] != 0.0
@@ -198,7 +198,7 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
 
 @njit(_nrt=False)
 def may_be_met(scene, poses):
-    """Whether a target may be within reach, and within the hand's way, at some moment.
+    """Return whether a target may come within reach of a hand that moves at its bound of speed.
 
     A necessary condition by conservative advancement, so False is certain.
     """

@@ -1,4 +1,4 @@
-"""What a movement keeps so that its verification surely succeeds: limits less a hair."""
+"""Limits that planned movements keep, tighter by a hair than the verified ones."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST_INSTANTS = 20_000  # in a horizon, against absurdly long ones
 
 
 class Rules(NamedTuple):
-    """What planners keep of a scene's limits."""
+    """Limits that planners keep in a scene."""
 
     touch: float  # distance at which an obstacle counts as touching the limb
     catch: float  # signed distance to a target at which the hand surely catches
@@ -44,12 +44,12 @@ def start_clearance(scene: Scene) -> float:
 
 
 class Opening(NamedTuple):
-    """What is known of a scene before it is planned for."""
+    """Facts about a scene before planning."""
 
     clearance: float
     """Distance of the limb at t = 0 to the obstacles, less the thickness [forearm lengths]."""
     hopeful: bool
-    """Whether a target may come within reach before the horizon; False is certain."""
+    """True if a target may come within reach before the horizon; False is certain."""
     rules: Rules
 
 
@@ -101,7 +101,7 @@ def _fastest_target(rows):
 
 
 class _Begin(NamedTuple):
-    """What `opening` needs of a kind of arm."""
+    """Functions of a kind of arm that `opening` calls."""
 
     unit: Callable[[Scene], float]  # length in which safeties count
     look: Callable[[Scene], tuple[float, float, float, bool]]

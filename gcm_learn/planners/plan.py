@@ -1,4 +1,4 @@
-"""What a planner answers."""
+"""Plans, and the protocols of planners."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Status = Literal["caught", "unreachable", "start_blocked"]
 
 @dataclass(frozen=True)
 class Plan(Generic[Movement]):
-    """A verified catch, or why there is none; `Plan[SpatialTrajectory]` of a spatial arm."""
+    """A verified catch or the reason for its absence; `Plan[SpatialTrajectory]` of a spatial arm."""
 
     name: str
     """Name of the situation."""
@@ -54,11 +54,11 @@ class Plan(Generic[Movement]):
     map: CognitiveMap | None = None
     """The map that the plan came from; plans that needed none leave it out."""
     nodes: int = 0
-    """How many labels, in space moves, a search over a lattice has looked at."""
+    """Labels, or moves of a spatial arm, that a search over a lattice has expanded."""
 
     @property
     def caught(self) -> bool:
-        """Whether there is a verified catch."""
+        """True if there is a verified catch."""
         return self.status == "caught"
 
     @property
@@ -84,7 +84,7 @@ class Planner(Protocol):
 
 
 class Anytime(Protocol):
-    """A planner that can be told by when it must answer; it says ``anytime = True``.
+    """A planner that takes a deadline; its attribute `anytime` is True.
 
     It answers with the best verified catch that it has by then, and goes on looking for an earlier
     one until then. It is late by what it takes to finish and verify a movement: some milliseconds.

@@ -70,7 +70,7 @@ def uniform(trees):
 
 @njit(_nrt=False)
 def _add(trees, tree, q, time, begin, end, via, body):
-    """Add a node to a tree: its number, -1 if there is no room."""
+    """Add a node to a tree: its number, -1 if the tree is full."""
     k = trees.size[tree]
     if k == trees.time.shape[1]:
         return -1
@@ -161,7 +161,7 @@ def _join(study, trees, tree, k, q, t):
 def _grown(study, trees, tree, q, t):
     """Grow a tree by a move to or from q (n,) at t [s]; the new node, -1 if no move is free.
 
-    Where the whole move is not free, half of it and then a quarter are tried.
+    If the whole move is blocked, half of it and then a quarter are tried.
     """
     k, _ = _nearest(study, trees, tree, q, t, -1.0)
     if k < 0:
