@@ -30,7 +30,7 @@ Status = Literal["caught", "unreachable", "start_blocked"]
 
 @dataclass(frozen=True)
 class Plan(Generic[Movement]):
-    """A verified catch or the reason for its absence; `Plan[SpatialTrajectory]` of a spatial arm."""
+    """A verified catch or why there is none; `Plan[SpatialTrajectory]` of a spatial arm."""
 
     name: str
     """Name of the situation."""
