@@ -168,8 +168,8 @@ class ByKind(Generic[Entry]):
         kind = kind_of(subject)
         entry = self._entries.get(kind, self._default)
         if entry is None:
-            name = getattr(subject, "name", None)
-            where = f" (situation {name!r})" if hasattr(subject, "arm") else ""
+            asked = hasattr(subject, "bodies") and hasattr(subject, "name")
+            where = f" (situation {subject.name!r})" if asked else ""
             raise ArmKindError(f"{self.who} does not take {kind.plural}{where}")
         return entry
 

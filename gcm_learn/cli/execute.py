@@ -115,7 +115,7 @@ class Execute:
 
     def _who(self) -> Who:
         """Who acts, by name."""
-        from gcm_learn.errors import PolicyError
+        from gcm_learn.errors import ArmKindError, PolicyError
         from gcm_learn.evaluation import ActorMethod, get_method
         from gcm_learn.execution import Planning
 
@@ -127,7 +127,7 @@ class Execute:
             raise CommandFailure("--replan once: a policy acts anew in every period")
         try:
             return Who(method.name, method.takes, None, method.actor.mind())
-        except PolicyError as error:
+        except (ArmKindError, PolicyError) as error:
             raise CommandFailure(f"--planner {self.planner}: {error}") from None
 
     def _executed(self, who: Who, situation: Spatial, body: ArmBody | None) -> Execution:
