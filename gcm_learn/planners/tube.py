@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import SpatialArm, kind_of
+from gcm_learn.errors import ArmKindError
 from gcm_learn.motion import Failure, SpatialTrajectory, fastest_hand
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
-from gcm_learn.planners.plan import Plan, Planner, spatial_only, taken
+from gcm_learn.planners.plan import Plan, spatial_only
 from gcm_learn.situation import AnySituation, Situation
 
 HURRIES = (1.0, 0.7, 0.5, 0.35)
@@ -75,7 +76,8 @@ class InTube:
 
     def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
         """Answer a situation."""
-        taken(cast(Planner, self), situation)
+        if not self.takes(kind_of(situation)):
+            raise ArmKindError(f"a tube is for spatial arms (situation {situation.name!r})")
         problem = SpatialProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:

@@ -12,6 +12,7 @@ from gcm_learn.planners import get_planner
 from gcm_learn.planners.layered import layered
 from gcm_learn.recall import Adaptation, Memory, RawIndex, book, grow
 from gcm_learn.recall.book import WORKS, Book
+from gcm_learn.recall.kinds import MEMORIES
 from gcm_learn.wave import MarchingParams
 
 NAMES = ("gate", "behind-mover", "falling")
@@ -95,8 +96,8 @@ def test_what_is_noted_is_true(lived):
     for page, row in enumerate(memory.book.works):
         known = row[row >= 0].astype(np.int64)
         assert len(set(known)) == len(known)
-        problem = memory.kind.problem(memory.book.situation(page), "test")
-        tries = memory.kind.tries(problem, Adaptation())
+        problem = MEMORIES.of(memory.kind).problem(memory.book.situation(page), "test")
+        tries = MEMORIES.of(memory.kind).tries(problem, Adaptation())
         assert np.all(tries.catch_times(memory.knots, memory.goals, known) >= 0.0)
         several += len(known) > 1
     assert several > 20
