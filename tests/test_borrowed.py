@@ -39,10 +39,21 @@ def functions() -> Iterator[CPUDispatcher]:
 
 
 def makes_arrays(function: CPUDispatcher) -> bool:
-    """Whether a function, or one that it names, makes arrays or puts some together."""
-    code, known = function.py_func.__code__, function.py_func.__globals__
-    named = [known[name] for name in code.co_names if isinstance(known.get(name), CPUDispatcher)]
-    return not MAKERS.isdisjoint(code.co_names) or any(map(makes_arrays, named))
+    """Return whether a function, or one that it names, makes arrays or puts some together.
+
+    Names of attributes count as well, so functions may seem to name each other in a circle.
+    """
+    waiting, seen = [function], {function}
+    while waiting:
+        asked = waiting.pop().py_func
+        if not MAKERS.isdisjoint(asked.__code__.co_names):
+            return True
+        for name in asked.__code__.co_names:
+            named = asked.__globals__.get(name)
+            if isinstance(named, CPUDispatcher) and named not in seen:
+                seen.add(named)
+                waiting.append(named)
+    return False
 
 
 def test_only_what_makes_no_arrays_goes_uncounted():
