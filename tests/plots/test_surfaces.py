@@ -9,7 +9,7 @@ from gcm_learn.arms import forward_in_space
 from gcm_learn.handspace import SpaceLattice, room_in_space
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.plots import style
-from gcm_learn.plots.figures import space_maps
+from gcm_learn.plots.figures import hand_ball
 from gcm_learn.plots.figures.surfaces import softened, surface
 from gcm_learn.rendering import normals, turned_view, view_of
 from gcm_learn.situation import arm_frame, read_situations
@@ -77,19 +77,19 @@ def test_places_of_a_lattice_are_those_of_its_hands(case):
     axes, origin = arm_frame(situation)
     index = np.array([[1, 2, 3], [10, 4, 7]])
     hands = chart.hands.reshape(*chart.shape, 3)[tuple(index.T)]
-    found = space_maps.places_of(chart, index)
+    found = hand_ball.places_of(chart, index)
     np.testing.assert_allclose(found, hands @ axes + origin, atol=1e-12)
 
 
 def test_extended_obstacles_look_outward_and_hold_what_is_touched(case):
     situation, _ = case
-    faces = space_maps.extended_faces(situation, 0.0)
+    faces = hand_ball.extended_faces(situation, 0.0)
     a, b = faces.corners[:, 2] - faces.corners[:, 0], faces.corners[:, 3] - faces.corners[:, 1]
     areas = np.cross(a, b)
     outward = (areas[:, None] * faces.normals).sum(axis=-1)[np.linalg.norm(areas, axis=1) > 1e-9]
     assert np.mean(outward > 0.0) > 0.98
     volume = (faces.corners.mean(axis=1) * areas).sum() / 6
-    chart = SpaceLattice(situation.arm, space_maps.COARSE)
+    chart = SpaceLattice(situation.arm, hand_ball.COARSE)
     touched = (room_in_space(situation, chart, 0.0) < 0.0).sum() * chart.spacing**3
     assert volume == pytest.approx(touched, rel=0.2)
 
@@ -98,32 +98,32 @@ def test_the_front_is_where_its_time_says(case):
     situation, cognitive_map = case
     axes, origin = arm_frame(situation)
     hand = np.asarray(cognitive_map.hand) @ axes + origin
-    faces = space_maps.front_faces(cognitive_map, 0.1)
+    faces = hand_ball.front_faces(cognitive_map, 0.1)
     away = np.linalg.norm(faces.corners - hand, axis=-1)
     assert np.median(away) == pytest.approx(0.4, abs=0.3 * cognitive_map.chart.spacing)
-    assert len(space_maps.front_faces(cognitive_map, -1.0).corners) == 0
+    assert len(hand_ball.front_faces(cognitive_map, -1.0).corners) == 0
 
 
 def test_effective_obstacles_come_with_the_front(case):
     _, cognitive_map = case
-    counts = [len(space_maps.effective_faces(cognitive_map, t).corners) for t in (0.0, 0.35, 9.0)]
+    counts = [len(hand_ball.effective_faces(cognitive_map, t).corners) for t in (0.0, 0.35, 9.0)]
     assert counts[0] == 0 < counts[1] < counts[2]
 
 
 def test_a_map_is_cut_through_hand_and_catch_facing_the_camera(case):
     situation, cognitive_map = case
-    view = space_maps.ball_view(situation, view_of(situation))
-    things = space_maps.map_faces(situation, cognitive_map, view, turning(situation))
+    view = hand_ball.ball_view(situation, view_of(situation))
+    things = hand_ball.map_faces(situation, cognitive_map, view, turning(situation))
     ax = style.new_figure(3.0, 3.0).subplots()
-    space_maps.draw_ball(ax, situation, view, things, 120)
+    hand_ball.draw_ball(ax, situation, view, things, 120)
     image = np.asarray(ax.images[0].get_array())
     assert near(image, style.EFFECTIVE) > 0.001
     assert near(image, style.MAP_COLOURS(0.8)[:3]) > 0.1
     axes, origin = arm_frame(situation)
     start = np.asarray(cognitive_map.hand) @ axes + origin
-    middle, u, v = space_maps.cut_frame(start, start + (0.1, 0.2, -0.4), view)
+    middle, u, v = hand_ball.cut_frame(start, start + (0.1, 0.2, -0.4), view)
     normal = np.cross(u, v)
     assert normal @ view.nearer > 0.0 and abs((start - middle) @ normal) < 1e-12
     quarter = turned_view(view, 90.0)
-    turned = space_maps.cut_frame(start, start, quarter)
+    turned = hand_ball.cut_frame(start, start, quarter)
     np.testing.assert_allclose(np.cross(*turned[1:]), quarter.nearer)
