@@ -25,7 +25,7 @@ class ByArm:
 
     @property
     def anytime(self) -> bool:
-        """Whether all can be told by when to answer; see `Anytime`."""
+        """True if all planners take a deadline; see `Anytime`."""
         return all(getattr(planner, "anytime", False) for planner in self._planners.entries())
 
     def takes(self, kind: Kind) -> bool:

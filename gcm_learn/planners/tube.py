@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from gcm_learn.arms import SpatialArm, kind_of
-from gcm_learn.errors import ArmKindError
+from gcm_learn.arms import SPATIAL, ByKind, SpatialArm
 from gcm_learn.motion import Failure, SpatialTrajectory, fastest_hand
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
-from gcm_learn.planners.plan import Plan, spatial_only
+from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import AnySituation, Situation
 
 HURRIES = (1.0, 0.7, 0.5, 0.35)
@@ -50,6 +49,9 @@ class Tube:
         return Tube(self.still * unit, self.per_speed * unit)
 
 
+_PROBLEMS = ByKind({SPATIAL: SpatialProblem}, who="a tube")
+
+
 @dataclass(frozen=True)
 class InTube:
     """Lets a planner plan for a thicker, slower arm with a smaller grasp; answers for the real one.
@@ -67,7 +69,7 @@ class InTube:
     planner: Any
     tube: Tube
 
-    takes = staticmethod(spatial_only)
+    takes = staticmethod(_PROBLEMS.takes)
 
     @property
     def name(self) -> str:
@@ -76,9 +78,7 @@ class InTube:
 
     def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
         """Answer a situation."""
-        if not self.takes(kind_of(situation)):
-            raise ArmKindError(f"a tube is for spatial arms (situation {situation.name!r})")
-        problem = SpatialProblem(situation, self.name)
+        problem = _PROBLEMS.of(situation)(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
