@@ -13,9 +13,9 @@ from gcm_learn import registration
 
 if TYPE_CHECKING:
     from gcm_learn.arms import Arm, SpatialArm
+    from gcm_learn.charts import Lattice
     from gcm_learn.errors import GcmError, SituationError
     from gcm_learn.families import paper_scene
-    from gcm_learn.handspace import Lattice
     from gcm_learn.maps import CognitiveMap, build_map
     from gcm_learn.motion import Trajectory
     from gcm_learn.planners import Plan, get_planner, planner_names, solve
@@ -43,7 +43,7 @@ _PLACES = {
     "arms": ("Arm", "SpatialArm"),
     "errors": ("GcmError", "SituationError"),
     "families": ("paper_scene",),
-    "handspace": ("Lattice",),
+    "charts": ("Lattice",),
     "maps": ("CognitiveMap", "build_map"),
     "motion": ("Trajectory",),
     "planners": ("Plan", "get_planner", "planner_names", "solve"),

@@ -23,7 +23,7 @@ from gcm_learn.situation import (
     Sphere,
     situation_to_json,
 )
-from tests import referee_in_space
+from tests import referee_of_spatial_arms
 
 INSTANTS = 300  # first samples of a movement, besides the trajectory's own
 LOWS = 3  # local minima of a distance that are looked at more closely
@@ -49,7 +49,7 @@ class Verdict:
 def judge(situation, plan, instants=INSTANTS):
     """Check all that CONTRACT.md promises of a caught plan, in the plane or in space."""
     if situation.is_spatial:
-        return referee_in_space.judge(situation_to_json(situation), plan_to_json(plan))
+        return referee_of_spatial_arms.judge(situation_to_json(situation), plan_to_json(plan))
     arm, path = situation.arm, plan.trajectory
     complaints = [*_records(situation, plan), *_speeds(arm, path)]
     t = np.unique(np.concatenate([np.linspace(0.0, path.time[-1], instants), path.time]))

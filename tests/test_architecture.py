@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "gcm_learn").rglob("*.py"))
 LAYERS = """
     cli plots evaluation policies envs execution recall dataset families planners maps wave
-    handspace motion collision scene situation
+    charts motion collision scene situation
 """.split()
 
 LONGEST_MODULE = 400

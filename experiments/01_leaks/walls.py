@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.arms import Arm
-from gcm_learn.handspace import Lattice, hand_space
+from gcm_learn.charts import Lattice, hand_space
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
 from gcm_learn.wave import Front, WaveParams, front_speed, kappa_of

@@ -39,7 +39,7 @@ from gcm_learn.recall import (  # noqa: E402  # noqa: E402
 )
 from gcm_learn.seeding import rng  # noqa: E402
 from gcm_learn.situation import situation_to_json  # noqa: E402
-from tests.referee_in_space import judge  # noqa: E402
+from tests.referee_of_spatial_arms import judge  # noqa: E402
 
 MOVEMENTS = MEMORIES.of(SPATIAL)
 SEED = 1616

@@ -28,7 +28,7 @@ from gcm_learn.dataset import make_item, read_spec  # noqa: E402
 from gcm_learn.evaluation import wilson  # noqa: E402
 from gcm_learn.planners import get_planner, plan_to_json  # noqa: E402
 from gcm_learn.situation import situation_to_json  # noqa: E402
-from tests.referee_in_space import judge  # noqa: E402
+from tests.referee_of_spatial_arms import judge  # noqa: E402
 
 SEEDS = {"space": 3437426931, "space-accelerated": 885590443}
 """Heads of the hashes of the commits that froze code, memory and encoder, by specification."""

@@ -35,7 +35,7 @@ from space_pictures import write_figure, write_films  # noqa: E402
 
 from gcm_learn import dataset, seeding  # noqa: E402
 from gcm_learn.arms import SPATIAL  # noqa: E402
-from gcm_learn.planners import layered_in_space  # noqa: E402
+from gcm_learn.planners import posture_layered  # noqa: E402
 from gcm_learn.recall import (  # noqa: E402
     MEMORIES,
     Adaptation,
@@ -196,7 +196,7 @@ def in_space(plane: Catches) -> list[dict[str, Any]]:
     rows = [json.loads(line) for line in lines]
     solid = [k for k, name in enumerate(plane.family.tolist()) if name.endswith("-solid")]
     hard = [k for k in solid if plane.stratum[k] in "WQ"][:LIFTED]
-    planner = layered_in_space(EFFORT)
+    planner = posture_layered(EFFORT)
     with file.open("a", encoding="utf-8") as stream:
         for k in hard[len(rows) :]:
             record = plane.records[k]

@@ -40,7 +40,7 @@ from gcm_learn.planners import Plan, STRRTStarPlanner, plan_to_json  # noqa: E40
 from gcm_learn.policies import actor_names, shipped_actor  # noqa: E402
 from gcm_learn.situation import ArmBody, Situation, situation_to_json  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee_in_space import judge  # noqa: E402
+from tests.referee_of_spatial_arms import judge  # noqa: E402
 
 SEED = 1420
 COUNT = 12  # situations of each family

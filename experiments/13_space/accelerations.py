@@ -20,7 +20,7 @@ from gcm_learn.arms import SpatialArm
 from gcm_learn.families import draw, family_names
 from gcm_learn.planners import get_planner, plan_to_json
 from gcm_learn.situation import Situation, situation_to_json
-from tests.referee_in_space import judge
+from tests.referee_of_spatial_arms import judge
 
 HERE = Path(__file__).parent
 SEED = 1301

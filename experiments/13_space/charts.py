@@ -23,8 +23,8 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 
 from run import drawn, families, timed  # noqa: E402
 
-from gcm_learn.planners.space.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
-from gcm_learn.planners.space.marching import marching_in_space  # noqa: E402
+from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
+from gcm_learn.planners.joints.marching import posture_marching  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 
 COUNT = 5  # situations of each family
@@ -48,7 +48,7 @@ def methods() -> dict[str, Any]:
     for wait in (False, True):
         for k in POSTURES:
             name = f"hand 40^3, K = {k}, {'sheets' if wait else 'first arrivals'}"
-            out[name] = marching_in_space((k,), wait=wait)
+            out[name] = posture_marching((k,), wait=wait)
     out["joints 10^4, motion left breaks ties"] = joints()
     out["joints 10^4, time of the catch alone"] = joints(weight=0.0)
     out["joints 10^4, earliest under its bound"] = joints(earliest=True)

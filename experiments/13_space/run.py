@@ -35,10 +35,10 @@ from gcm_learn.planners import (  # noqa: E402
     planner_names,
     yardstick,
 )
-from gcm_learn.planners.space.layered import LayeredInSpace  # noqa: E402
+from gcm_learn.planners.joints.layered import LayeredInSpace  # noqa: E402
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, situation_to_json  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee_in_space import judge  # noqa: E402
+from tests.referee_of_spatial_arms import judge  # noqa: E402
 
 SEED = 1300
 COUNT = 13  # situations of each family

@@ -37,12 +37,12 @@ from gcm_learn.planners import (  # noqa: E402
     get_planner,
     plan_to_json,
 )
-from gcm_learn.planners.space.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
+from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
 from gcm_learn.recall import HybridPlanner, Memory, RecallPlanner, index_class  # noqa: E402
 from gcm_learn.scene import later  # noqa: E402
 from gcm_learn.situation import situation_to_json  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee_in_space import judge  # noqa: E402
+from tests.referee_of_spatial_arms import judge  # noqa: E402
 
 OUT = HERE / "out"
 CHOICE = HERE / "dear-choice.json"

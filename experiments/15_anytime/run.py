@@ -28,7 +28,7 @@ sys.path[:0] = [str(HERE.parents[1])]
 from gcm_learn import CognitiveMap, build_map, get_planner  # noqa: E402
 from gcm_learn.evaluation import draw_suite, wilson  # noqa: E402
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.planners.space.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
+from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
 from gcm_learn.plots import style  # noqa: E402
 from gcm_learn.recall import HybridPlanner  # noqa: E402
 from gcm_learn.situation import AnySituation  # noqa: E402

@@ -14,10 +14,10 @@ from questions import Question
 
 from gcm_learn.dataset import make_item, read_spec
 from gcm_learn.planners import Planner, STRRTStarPlanner, get_planner, plan_to_json
-from gcm_learn.planners.space.layered import COARSE, FINE, LayeredInSpace
+from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
 from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.storage import content_hash, write_whole
-from tests.referee_in_space import judge
+from tests.referee_of_spatial_arms import judge
 
 SPEC = Path(__file__).resolve().parents[2] / "data" / "specs" / "space.toml"
 AS_TRAINED = ("train", "validation", "test")  # splits: whatever this seed draws, no memory has seen

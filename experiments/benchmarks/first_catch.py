@@ -16,7 +16,7 @@ import time
 import numpy as np
 
 from gcm_learn import families
-from gcm_learn.planners.space.layered import LayeredInSpace
+from gcm_learn.planners.joints.layered import LayeredInSpace
 
 CELLS = 80
 REPEATS = 5

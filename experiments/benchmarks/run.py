@@ -31,8 +31,8 @@ sys.path.insert(0, str(ROOT))
 
 from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng  # noqa: E402
 from gcm_learn.arms import Arm, SpatialArm  # noqa: E402
+from gcm_learn.charts import PostureLattice, hand_space, occupied_cells, posture_lattice_of  # noqa: E402
 from gcm_learn.families import random_planar  # noqa: E402
-from gcm_learn.handspace import SpaceLattice, hand_space, occupied_cells, space_of  # noqa: E402
 from gcm_learn.scene import Scene, pack  # noqa: E402
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere  # noqa: E402
 from gcm_learn.wave import (  # noqa: E402
@@ -40,9 +40,9 @@ from gcm_learn.wave import (  # noqa: E402
     kappa_of,
     march,
     march_layers,
+    posture_stencil,
     propagate,
     stencil,
-    stencil_in_space,
 )
 from gcm_learn.wave.reference import propagate_reference  # noqa: E402
 from tests.referee import judge  # noqa: E402
@@ -136,7 +136,7 @@ def wave_against_stencil() -> str:
 def _bare_in_space(B, start, slabs, looks):
     """The 7-point stencil of Eq. 10 over the whole lattice in space, six steps at a time."""
     for _ in range(looks):
-        stencil_in_space.steps(B, start, slabs, 3, np.float32(0.2), np.float32(0.04))
+        posture_stencil.steps(B, start, slabs, 3, np.float32(0.2), np.float32(0.04))
 
 
 @njit(cache=True)
@@ -175,11 +175,11 @@ def four_movers() -> Situation:
 
 def wave_in_space_against_stencil() -> str:
     """Wave over 80^3 and 400 tau, four moving bodies, against bare stencils for as many steps."""
-    situation, lattice = four_movers(), space_of(four_movers().arm, 80)
+    situation, lattice = four_movers(), posture_lattice_of(four_movers().arm, 80)
     scene, steps = pack(situation), round(TAU / EXPLORE.step)
     horizon = TAU * kappa_of(scene, lattice, EXPLORE)
     scene = scene._replace(limits=scene.limits._replace(horizon=horizon))
-    B, s = stencil_in_space.room_in_space(), stencil_in_space
+    B, s = posture_stencil.cell_clearances(), posture_stencil
     B[:] = 0.0
     for k, value in ((2, -2 / 7), (3, 0.2), (4, 6.0)):
         s.field(B, k, 80)[:] = value
@@ -198,7 +198,7 @@ def wave_in_space_against_stencil() -> str:
     )
     other_arm = replace(situation.arm, grasp=0.06)  # of which nothing is kept
     began = time.process_time()
-    propagate(scene, SpaceLattice(other_arm, 80), EXPLORE)
+    propagate(scene, PostureLattice(other_arm, 80), EXPLORE)
     first = 1e3 * (time.process_time() - began)
     return (
         f"{ratio:.2f} x  ({wave:.0f} ms against {bare:.0f} ms); {other:.2f} x a bare Laplacian "

@@ -30,7 +30,7 @@ sys.path.insert(0, str(ROOT))
 
 from gcm_learn import MarchingParams, rng  # noqa: E402
 from gcm_learn.arms import Base, SpatialArm  # noqa: E402
-from gcm_learn.handspace import SpaceLattice  # noqa: E402
+from gcm_learn.charts import PostureLattice  # noqa: E402
 from gcm_learn.motion import start_clearance  # noqa: E402
 from gcm_learn.scene import Scene, pack  # noqa: E402
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, read_situations  # noqa: E402
@@ -57,7 +57,7 @@ def scene(arm: SpatialArm, seed: int) -> Situation:
 
 def wide(arm: SpatialArm) -> Iterator[Scene]:
     """Yield scenes in which the front gets nearly everywhere: blocked ones would flatter us."""
-    explore, chart = MarchingParams(n=16, margin=0.0, until="horizon"), SpaceLattice(arm, 16)
+    explore, chart = MarchingParams(n=16, margin=0.0, until="horizon"), PostureLattice(arm, 16)
     for packed in (pack(scene(arm, seed)) for seed in itertools.count()):
         if start_clearance(packed) <= 0.0:
             continue
@@ -79,7 +79,7 @@ def marching_against_skfmm(arm: SpatialArm, n: int) -> str:
         return "left out: scikit-fmm is not installed"
     explore, lines = MarchingParams(n=n, margin=0.0, until="horizon"), []
     for packed in itertools.islice(wide(arm), SCENES):
-        chart = SpaceLattice(arm, n)
+        chart = PostureLattice(arm, n)
         hands = chart.hands.reshape(n, n, n, 3)
         phi = np.linalg.norm(hands - np.array(chart.hand), axis=-1) - 1.5 * chart.spacing
         masked = np.ma.MaskedArray(phi, np.linalg.norm(hands, axis=-1) > chart.reach)

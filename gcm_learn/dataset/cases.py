@@ -23,8 +23,8 @@ from gcm_learn.planners import (
     gcm,
     get_planner,
     layered,
-    layered_in_space,
     marching,
+    posture_layered,
     straight_plan,
     stratum,
     without_waits,
@@ -246,7 +246,7 @@ class SpatialCase(Case):
 
     def _asked(self, name: str) -> Plan[Any]:
         effort = self.spec.effort if name == "layered" else None
-        known: Any = get_planner(name) if effort is None else layered_in_space(effort)
+        known: Any = get_planner(name) if effort is None else posture_layered(effort)
         return known.plan(self.situation)
 
     def _bounded(self) -> Yardstick:

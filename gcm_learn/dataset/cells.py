@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.arms import Kind
+from gcm_learn.charts import Lattice
 from gcm_learn.dataset.arm_columns import BITS, COUNT, NUMBER, WORD
 from gcm_learn.dataset.kinds import RECORDS
-from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.motion import Failure
 from gcm_learn.planners import AnyPlan, Plan

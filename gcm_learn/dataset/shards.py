@@ -38,7 +38,7 @@ _MADE_BY = (
     "scene",
     "collision",
     "motion",
-    "handspace",
+    "charts",
     "wave",
     "maps",
     "planners",

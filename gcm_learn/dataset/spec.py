@@ -17,12 +17,12 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from gcm_learn.arms import Kind, kind_named
+from gcm_learn.charts import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.dataset import checks
 from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.errors import FamilyError, FileFormatError, SpecError
 from gcm_learn.families import Family, family_from_dict, family_names
-from gcm_learn.handspace import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.planners import get_planner, planner_names, takes
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import content_hash

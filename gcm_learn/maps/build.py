@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.handspace import Chart, chart_of
+from gcm_learn.charts import Chart, chart_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.maps.kinds import MAPS
 from gcm_learn.scene import Scene, pack

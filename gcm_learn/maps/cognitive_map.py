@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.charts import Chart, Lattice, lattice_of
 from gcm_learn.errors import FileFormatError
-from gcm_learn.handspace import Chart, Lattice, lattice_of
 from gcm_learn.maps.kinds import chart_from, header_of
 from gcm_learn.storage import whole_file
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from gcm_learn.charts import Chart
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import Chart
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
 STRIDE = 0.35  # length of a step [cells]

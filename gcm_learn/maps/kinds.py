@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, Base, ByKind, SpatialArm
+from gcm_learn.charts import Chart, Lattice, PostureLattice
 from gcm_learn.errors import FileFormatError
-from gcm_learn.handspace import Chart, Lattice, SpaceLattice
 from gcm_learn.wave import Front
 
 
@@ -37,13 +37,13 @@ def _lattice(header: dict[str, Any]) -> Lattice:
     return Lattice(header["n"], header["upper_arm"], header["elbow"])
 
 
-def _space_header(chart: SpaceLattice) -> dict[str, Any]:
+def _space_header(chart: PostureLattice) -> dict[str, Any]:
     return {"n": chart.n, "postures": chart.postures, "arm": asdict(chart.arm)}
 
 
-def _space(header: dict[str, Any]) -> SpaceLattice:
+def _space(header: dict[str, Any]) -> PostureLattice:
     arm = header["arm"] | {"base": Base(**header["arm"]["base"])}
-    return SpaceLattice(SpatialArm(**arm), header["n"], header["postures"])
+    return PostureLattice(SpatialArm(**arm), header["n"], header["postures"])
 
 
 MAPS = ByKind(

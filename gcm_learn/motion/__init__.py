@@ -4,7 +4,7 @@ from gcm_learn.motion.acceleration import braked
 from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
-from gcm_learn.motion.interception_in_space import fastest_hand, resting_in_space
+from gcm_learn.motion.joint_interception import fastest_hand, resting_in_space
 from gcm_learn.motion.rules import Opening, Rules, opening, rules_of, start_clearance
 from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 from gcm_learn.motion.timing import (

@@ -12,7 +12,7 @@ from gcm_learn.collision.postures import desk_of, gap_at
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import may_be_reached
-from gcm_learn.motion.interception_in_space import fastest_hand, may_be_met
+from gcm_learn.motion.joint_interception import fastest_hand, may_be_met
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 

@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.arms.planar_limb import joints_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion import verification_in_space as space
+from gcm_learn.motion import joint_verification as space
 from gcm_learn.motion.clearance import RESOLUTION
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import target_distance

@@ -16,16 +16,16 @@ from gcm_learn.planners.completion import (
 from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
+from gcm_learn.planners.joints.layered import posture_layered
+from gcm_learn.planners.joints.moves import study_of
+from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_straight
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
-from gcm_learn.planners.oracle.in_space import Yardstick, without_waits, yardstick
+from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
 from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, plan_to_json, taken, takes
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, solve
 from gcm_learn.planners.retiming import retime
-from gcm_learn.planners.space.layered import layered_in_space
-from gcm_learn.planners.space.moves import study_of
-from gcm_learn.planners.space.straight import any_straight, at_once, earliest_straight
 from gcm_learn.planners.tube import InTube, Tube
 
 __all__ = [
@@ -63,7 +63,7 @@ __all__ = [
     "gcm",
     "get_planner",
     "layered",
-    "layered_in_space",
+    "posture_layered",
     "marching",
     "plan_to_json",
     "plan_with",

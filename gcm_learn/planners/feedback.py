@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.handspace import Chart
+from gcm_learn.charts import Chart
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Verdict
 from gcm_learn.planners.completion import Attempt

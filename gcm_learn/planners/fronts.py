@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
-from gcm_learn.handspace import LARGEST_LATTICE
+from gcm_learn.charts import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion import Failure, Reason, Verdict
 from gcm_learn.planners.completion import (

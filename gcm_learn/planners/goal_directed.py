@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms import elbow_of
+from gcm_learn.charts import LARGEST_LATTICE, Lattice, hand_space
 from gcm_learn.collision import postures_of
-from gcm_learn.handspace import LARGEST_LATTICE, Lattice, hand_space
 from gcm_learn.motion import Failure, refine, straight_path
 from gcm_learn.planners.completion import (
     Attempt,

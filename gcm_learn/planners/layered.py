@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from gcm_learn.arms import Arm
-from gcm_learn.handspace import chart_of
+from gcm_learn.charts import chart_of
 from gcm_learn.maps import explore, map_of
 from gcm_learn.planners.completion import (
     Attempt,

@@ -16,13 +16,13 @@ from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.planners.by_arm import ByArm
 from gcm_learn.planners.deadline import Deadline
 from gcm_learn.planners.fronts import gcm, marching
+from gcm_learn.planners.joints.layered import LayeredInSpace
+from gcm_learn.planners.joints.marching import gcm_in_space, posture_marching
+from gcm_learn.planners.joints.tree_search import TreeSearch
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, taken
-from gcm_learn.planners.space.layered import LayeredInSpace
-from gcm_learn.planners.space.marching import gcm_in_space, marching_in_space
-from gcm_learn.planners.space.search_planner import TreeSearch
 from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
@@ -30,7 +30,7 @@ _PLANNERS: dict[str, Callable[[], Planner]] = {
     "layered": lambda: ByArm("layered", ByKind({PLANAR: layered(), SPATIAL: LayeredInSpace()})),
     "layered-wave": layered_wave,
     "marching": lambda: ByArm(
-        "marching", ByKind({PLANAR: marching(), SPATIAL: marching_in_space()})
+        "marching", ByKind({PLANAR: marching(), SPATIAL: posture_marching()})
     ),
     "oracle": OraclePlanner,
     "potential": PotentialPlanner,

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.charts import START_RADIUS
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.collision.intervals import NEVER, next_free
 from gcm_learn.collision.occupancy import first_touch, passes_by
 from gcm_learn.collision.sweep import leg_is_free
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import START_RADIUS
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.planners.meetings import aim_at, comes_near, last_use, outlook
 from gcm_learn.planners.sipp_labels import Aim, Catch, Hunt, pop, push, queue_of

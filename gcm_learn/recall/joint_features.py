@@ -15,8 +15,8 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Rules
-from gcm_learn.planners.space.moves import study_of, turning_time
-from gcm_learn.planners.space.pull import pulled
+from gcm_learn.planners.joints.moves import study_of, turning_time
+from gcm_learn.planners.joints.pull import pulled
 from gcm_learn.recall.features import TOUCH, Features
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at

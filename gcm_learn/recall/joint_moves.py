@@ -14,10 +14,10 @@ import numpy as np
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import move_is_free
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception_in_space import fastest_hand, target_room
-from gcm_learn.planners.space.moves import PIECES, Study, time_of, turning_time
-from gcm_learn.planners.space.pull import pulled
-from gcm_learn.planners.space.ways import Way, new_way, samples_of, write
+from gcm_learn.motion.joint_interception import fastest_hand, target_room
+from gcm_learn.planners.joints.moves import PIECES, Study, time_of, turning_time
+from gcm_learn.planners.joints.pull import pulled
+from gcm_learn.planners.joints.ways import Way, new_way, samples_of, write
 from gcm_learn.recall.styles import HURRY, Chase
 from gcm_learn.scene.bodies import TOP_SPEED, pose_at
 

@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.arms.spatial_limb import motion_bounds
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
-from gcm_learn.planners.space.moves import between
+from gcm_learn.planners.joints.moves import between
 from gcm_learn.recall.bumps import PUSHED, bump
 from gcm_learn.recall.joint_moves import KNOTS
 from gcm_learn.recall.styles import Habits, Sweep

@@ -17,10 +17,10 @@ from gcm_learn.arms.curves import hermite
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception_in_space import target_room
-from gcm_learn.motion.verification_in_space import NOTHING, piece_fault
-from gcm_learn.planners.space.moves import Study, time_of
-from gcm_learn.planners.space.pull import pulled
+from gcm_learn.motion.joint_interception import target_room
+from gcm_learn.motion.joint_verification import NOTHING, piece_fault
+from gcm_learn.planners.joints.moves import Study, time_of
+from gcm_learn.planners.joints.pull import pulled
 from gcm_learn.recall.bumps import PUSHED
 from gcm_learn.recall.joint_moves import KNOTS, STEPS, load, seed_end, write_path
 from gcm_learn.recall.joint_pushes import CLEARANCE, INSTANTS, PROGRESS, JointTouch, sides_of

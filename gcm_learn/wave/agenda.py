@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.charts import START_RADIUS
 from gcm_learn.collision.intervals import NEVER, last_use, next_free
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import START_RADIUS
 from gcm_learn.wave.buckets import Queue, left_in, put, take
 from gcm_learn.wave.plane import (
     BUCKETS,

@@ -7,12 +7,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from gcm_learn.charts import Lattice, PostureLattice, hand_space, ring_leap
 from gcm_learn.collision import desk_of
-from gcm_learn.handspace import Lattice, SpaceLattice, hand_space, ring_leap
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
-from gcm_learn.wave import agenda, layered, layered_in_space, marching
-from gcm_learn.wave import marching_in_space as space
+from gcm_learn.wave import agenda, layered, marching, posture_layered
+from gcm_learn.wave import posture_marching as space
 from gcm_learn.wave.front import Front, all_arrivals, first_arrivals, ranks
 from gcm_learn.wave.kernels import CONTACT, FROZEN
 from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, terms_of, turns_of
@@ -87,7 +87,7 @@ def march_layers_in_plane(
 
 def march_in_space(
     scene: Scene,
-    chart: SpaceLattice,
+    chart: PostureLattice,
     params: MarchingParams,
     *,
     ignore: float = 0.0,
@@ -118,7 +118,7 @@ def march_in_space(
 
 def march_layers_in_space(
     scene: Scene,
-    chart: SpaceLattice,
+    chart: PostureLattice,
     params: MarchingParams,
     *,
     ignore: float = 0.0,
@@ -126,10 +126,10 @@ def march_layers_in_space(
 ) -> Front:
     """Run `wave.march_layers` over cells and postures in space."""
     ask, count = _ask(scene, chart, params, ignore, widening), chart.size
-    table = layered_in_space.new_table(ask, count)
-    contact, states = layered_in_space.march_layers(ask, chart.start(scene), table)
+    table = posture_layered.new_table(ask, count)
+    contact, states = posture_layered.march_layers(ask, chart.start(scene), table)
     (state, body), known = contact.which, int(states.size[0])
-    reached = np.flatnonzero(states.tries[:known] == layered_in_space.ACCEPTED)
+    reached = np.flatnonzero(states.tries[:known] == posture_layered.ACCEPTED)
     reached = reached[np.argsort(states.arrival[reached], kind="stable")]
     rank = ranks(reached, known)
     return all_arrivals(
@@ -145,7 +145,7 @@ def march_layers_in_space(
 
 def _ask(
     scene: Scene,
-    chart: SpaceLattice,
+    chart: PostureLattice,
     params: MarchingParams,
     ignore: float,
     widening: np.ndarray | None,
@@ -168,7 +168,7 @@ def _ask(
     )
 
 
-def _pace(scene: Scene, chart: SpaceLattice, fast: float) -> space.Pace:
+def _pace(scene: Scene, chart: PostureLattice, fast: float) -> space.Pace:
     """Bind the times of steps, with a hand that is nowhere faster than `fast`."""
     offsets = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if any(d)])
     hops = np.append(np.linalg.norm(offsets, axis=1), [0.0, 0.0]) * chart.spacing

@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from gcm_learn.handspace import Chart
+from gcm_learn.charts import Chart
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,15 @@ from typing import Any, Protocol
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind
-from gcm_learn.handspace import Chart
+from gcm_learn.charts import Chart
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
 from gcm_learn.wave import causal
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import fastest_in_plane
 from gcm_learn.wave.params import MarchingParams, WaveParams
+from gcm_learn.wave.posture_solver import kappa_in_space, propagate_in_space
 from gcm_learn.wave.solver import kappa_in_plane, propagate_in_plane
-from gcm_learn.wave.solver_in_space import kappa_in_space, propagate_in_space
 from gcm_learn.wave.waiting import propagate_layers_in_plane
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms import joints_of
+from gcm_learn.charts import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.collision import Postures, postures_of
-from gcm_learn.handspace import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.scene import Scene
 from gcm_learn.wave.kernels import Terms
 from gcm_learn.wave.params import MarchingParams, WaveParams

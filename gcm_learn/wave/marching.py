@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.charts import START_RADIUS
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import START_RADIUS
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.wave.buckets import Queue, put, queue_of, take
 from gcm_learn.wave.kernels import FREE, batch_of, judge

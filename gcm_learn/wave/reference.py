@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.handspace import Lattice
+from gcm_learn.charts import Lattice
 from gcm_learn.scene import Scene
 from gcm_learn.wave.excitation import FELT
 from gcm_learn.wave.front import Front, first_arrivals

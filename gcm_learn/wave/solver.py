@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.arms import PlanarLimb
-from gcm_learn.handspace import Lattice, cell_joints, hand_space
+from gcm_learn.charts import Lattice, cell_joints, hand_space
 from gcm_learn.scene import Limits, Scene, no_bodies
 from gcm_learn.wave import kernels, stencil
 from gcm_learn.wave.front import Front, first_arrivals

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms import SIDE
+from gcm_learn.charts import Lattice, hand_space
 from gcm_learn.collision import arm_distance
-from gcm_learn.handspace import Lattice, hand_space
 from gcm_learn.scene import (
     ACCELERATION,
     DISC,

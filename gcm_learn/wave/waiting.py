@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.handspace import Lattice
+from gcm_learn.charts import Lattice
 from gcm_learn.scene import Scene
 from gcm_learn.wave import excitation, inhibition, stencil
 from gcm_learn.wave.front import Front, all_arrivals, ranks

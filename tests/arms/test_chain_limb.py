@@ -26,7 +26,7 @@ from gcm_learn.arms.chain_limb import (
     travel,
 )
 from gcm_learn.arms.curves import hermite, on_curve
-from gcm_learn.motion.verification_in_space import hand_too_fast
+from gcm_learn.motion.joint_verification import hand_too_fast
 from gcm_learn.situation.arm_json import arm_members
 from tests import strategies
 from tests.referee_of_chains import arm_of, hand_of, links_of

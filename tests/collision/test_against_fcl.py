@@ -16,8 +16,15 @@ from gcm_learn import seeding
 from gcm_learn.collision.postures import desk_of, distance_at
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
-from tests.planners.test_referee_in_space import ARM, SHAPES, ball, body, law, still
-from tests.referee_in_space import body_of, forward, geometry_of, limb_room, pose_of, swing_steps
+from tests.planners.test_referee_of_spatial_arms import ARM, SHAPES, ball, body, law, still
+from tests.referee_of_spatial_arms import (
+    body_of,
+    forward,
+    geometry_of,
+    limb_room,
+    pose_of,
+    swing_steps,
+)
 
 SKIN = 0.05  # radius of the capsules that stand for bones
 ROUNDING = 1e-6

@@ -7,11 +7,11 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
+from gcm_learn.charts import Lattice
+from gcm_learn.charts.lattice import hand_space
 from gcm_learn.collision.occupancy import blocked_cells, first_touch, met_targets, postures_of
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
-from gcm_learn.handspace import Lattice
-from gcm_learn.handspace.lattice import hand_space
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation

@@ -27,8 +27,8 @@ from gcm_learn.situation import Sphere, canonical
 from tests.dataset.conftest import SMALL
 from tests.dataset.test_generation import hashes, run_generate, wait_for, write_spec
 from tests.dataset.test_space import SPEC
-from tests.planners.test_straight_in_space import GOAL, ball, flying, hand_of, scene
-from tests.planners.test_trees_in_space import POST
+from tests.planners.test_joint_straight import GOAL, ball, flying, hand_of, scene
+from tests.planners.test_joint_trees import POST
 from tests.situation.test_spatial_frame import MIRROR, moved
 
 LIMITS = {"arm": {"ramp": [0.04, 0.1], "moving": 0.5}}

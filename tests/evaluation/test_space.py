@@ -15,7 +15,7 @@ from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.thinking import charged, resting
 from gcm_learn.families import draw
 from gcm_learn.situation import situation_to_json
-from tests.motion.test_verification_in_space import ARM, ball, situation
+from tests.motion.test_joint_verification import ARM, ball, situation
 
 COUNT = 6
 

@@ -9,8 +9,8 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
+from gcm_learn.charts import Lattice
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.handspace import Lattice
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion import Trajectory
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation

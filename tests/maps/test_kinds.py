@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from gcm_learn.charts import chart_of
 from gcm_learn.errors import ArmKindError
-from gcm_learn.handspace import chart_of
 from gcm_learn.maps import build_map, explore
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
 from gcm_learn.wave import MarchingParams, WaveParams, fastest
-from tests.handspace.test_chart import CHAIN
+from tests.charts.test_chart import CHAIN
 from tests.situation.test_spatial_arm import NAO
 
 SPACE, LINKS = situation_from_json(NAO), situation_from_json(CHAIN)

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.motion.acceleration import braked, dash, tracked
 from gcm_learn.scene import pack
-from tests.motion.test_verification_in_space import ARM, situation
+from tests.motion.test_joint_verification import ARM, situation
 
 FORCES = (30.0, 20.0, 40.0, 25.0)
 LIMITED = replace(ARM, max_joint_acceleration=FORCES)

@@ -20,8 +20,8 @@ from gcm_learn.motion.rules import CATCH_SAFETY, SAFETY
 from gcm_learn.planners import Plan, plan_to_json
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
-from tests.planners.test_referee_in_space import SHAPES, body, law
-from tests.referee_in_space import (
+from tests.planners.test_referee_of_spatial_arms import SHAPES, body, law
+from tests.referee_of_spatial_arms import (
     LIMIT,
     curve_of,
     extremes,

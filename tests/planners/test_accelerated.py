@@ -11,7 +11,7 @@ from gcm_learn import get_planner, solve
 from gcm_learn.motion import Failure
 from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import read_situations, situation_to_json
-from tests.referee_in_space import judge
+from tests.referee_of_spatial_arms import judge
 from tests.spatial import EXAMPLES
 
 SITUATIONS = read_situations(EXAMPLES)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation, solve
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.charts.lattice import Lattice
 from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt

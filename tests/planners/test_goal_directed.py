@@ -9,10 +9,10 @@ import pytest
 
 from gcm_learn import families, seeding
 from gcm_learn.arms import Arm, elbow_of
+from gcm_learn.charts import Lattice
 from gcm_learn.collision.occupancy import passes_by
 from gcm_learn.collision.sweep import DEEPEST, Sweep, least_distance, leg_is_free
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.handspace import Lattice
 from gcm_learn.planners import layered
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.deadline import GAIN

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding, solve
+from gcm_learn.charts import chart_of
 from gcm_learn.families import draw
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.handspace import chart_of
 from gcm_learn.maps import explore
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.layered import path_to

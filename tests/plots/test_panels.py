@@ -11,12 +11,12 @@ from matplotlib.colors import to_hex, to_rgba
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 
 from gcm_learn import plots
+from gcm_learn.charts.lattice import Lattice
+from gcm_learn.charts.occupied import occupied_cells
 from gcm_learn.families import paper
-from gcm_learn.handspace.lattice import Lattice
-from gcm_learn.handspace.occupied import occupied_cells
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.handspace import (
+from gcm_learn.plots.figures.hand_space import (
     draw_extended,
     draw_hand_space,
     extended_image,

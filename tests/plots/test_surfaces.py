@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space
-from gcm_learn.handspace import SpaceLattice, room_in_space
+from gcm_learn.charts import PostureLattice, cell_clearances
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.plots import style
 from gcm_learn.plots.figures import hand_ball
@@ -58,11 +58,11 @@ def case():
     """A situation, and a map as a front would leave it that nothing delays."""
     situation = read_situations(EXAMPLES)[7]
     arm = situation.arm
-    chart = SpaceLattice(arm, N)
+    chart = PostureLattice(arm, N)
     axes, origin = arm_frame(situation)
     hand = (forward_in_space(arm, arm.joints)[1] - origin) @ axes.T
     away = np.linalg.norm(chart.hands - hand, axis=1).reshape(chart.shape)
-    shut = room_in_space(situation, chart, 0.0) < 0.1
+    shut = cell_clearances(situation, chart, 0.0) < 0.1
     open_ = chart.inside.reshape(chart.shape) & ~shut
     target = axes @ (np.asarray(situation.targets[0].motion.position) - origin)
     met = Interception(chart.cell_of(target), tuple(target), 0.4, "ball")
@@ -89,8 +89,8 @@ def test_extended_obstacles_look_outward_and_hold_what_is_touched(case):
     outward = (areas[:, None] * faces.normals).sum(axis=-1)[np.linalg.norm(areas, axis=1) > 1e-9]
     assert np.mean(outward > 0.0) > 0.98
     volume = (faces.corners.mean(axis=1) * areas).sum() / 6
-    chart = SpaceLattice(situation.arm, hand_ball.COARSE)
-    touched = (room_in_space(situation, chart, 0.0) < 0.0).sum() * chart.spacing**3
+    chart = PostureLattice(situation.arm, hand_ball.COARSE)
+    touched = (cell_clearances(situation, chart, 0.0) < 0.0).sum() * chart.spacing**3
     assert volume == pytest.approx(touched, rel=0.2)
 
 

@@ -25,10 +25,10 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 from tests import strategies
-from tests.planners.test_fuzz_in_space import answered, wild_situations
+from tests.planners.test_joint_fuzz import answered, wild_situations
 from tests.recall.conftest import memory_in_space
 from tests.recall.worlds import LIMITED, catches_of, memory_of
-from tests.referee_in_space import judge
+from tests.referee_of_spatial_arms import judge
 from tests.situation.test_spatial_arm import MOVING
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import Arm
-from gcm_learn.handspace.lattice import Lattice
+from gcm_learn.charts.lattice import Lattice
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import kappa_of

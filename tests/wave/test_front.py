@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.charts.lattice import Lattice, hand_space
 from gcm_learn.errors import LatticeError
-from gcm_learn.handspace.lattice import Lattice, hand_space
 from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of, march, propagate
 from gcm_learn.wave.kernels import live_weight
 from gcm_learn.wave.stencil import LEFT, layout, room, two_steps

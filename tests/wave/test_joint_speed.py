@@ -8,7 +8,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
 from gcm_learn.arms.planar_limb import joint_angles
-from gcm_learn.handspace.lattice import hand_space
+from gcm_learn.charts.lattice import hand_space
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams, fastest, march, march_layers, propagate
 from gcm_learn.wave.reference import propagate_reference

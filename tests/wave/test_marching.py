@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.handspace.lattice import hand_space
+from gcm_learn.charts.lattice import hand_space
 from gcm_learn.wave import MarchingParams, WaveParams, march, propagate
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from tests.transforms import mirrored, turned

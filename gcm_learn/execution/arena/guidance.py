@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from gcm_learn.charts import hand_space
 from gcm_learn.compiled import njit
-from gcm_learn.handspace import hand_space
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams

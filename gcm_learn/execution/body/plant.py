@@ -16,7 +16,7 @@ from gcm_learn.execution.body.control import Controller, following
 from gcm_learn.execution.body.laws import laws
 from gcm_learn.execution.body.model import STEP, model_of, mujoco
 from gcm_learn.motion import SpatialTrajectory
-from gcm_learn.motion.interception_in_space import met_at
+from gcm_learn.motion.joint_interception import met_at
 from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.scene import JointLimits as JointLimits
 from gcm_learn.situation import ArmBody, Situation

@@ -10,7 +10,7 @@ from gcm_learn.collision.postures import desk_of, least_on
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.motion import SpatialTrajectory, rules_of
-from gcm_learn.motion.interception_in_space import first_meeting
+from gcm_learn.motion.joint_interception import first_meeting
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Situation
 

@@ -22,9 +22,9 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, SpatialTrajectory
 from gcm_learn.motion.interception import first_interception, target_distance
 from gcm_learn.motion.verification import HOLE_MARGIN
+from gcm_learn.planners.baselines.joint_potential import potential_plan
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.space.potential import potential_plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
 from gcm_learn.situation import AnySituation
 

@@ -42,6 +42,7 @@ from gcm_learn.motion import (
 )
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
+from gcm_learn.planners.baselines.st_rrt_star_joints import task_in_space, ways_along
 from gcm_learn.planners.baselines.st_rrt_star_moves import HandTask
 from gcm_learn.planners.completion import (
     Attempt,
@@ -52,7 +53,6 @@ from gcm_learn.planners.completion import (
     finish,
 )
 from gcm_learn.planners.plan import AnyPlan, Movement, Plan
-from gcm_learn.planners.space.trees import task_in_space, ways_along
 from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:

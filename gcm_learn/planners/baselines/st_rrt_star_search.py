@@ -18,8 +18,8 @@ import ompl
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
 from gcm_learn.motion import Rules
+from gcm_learn.planners.baselines.st_rrt_star_joints import JointTask
 from gcm_learn.planners.baselines.st_rrt_star_moves import HandTask, leg_holds
-from gcm_learn.planners.space.trees import JointTask
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.planners.completion import Problem, SpatialProblem, straight_plan
+from gcm_learn.planners.joints.straight import earliest_straight
 from gcm_learn.planners.plan import Plan, any_arm
-from gcm_learn.planners.space.straight import earliest_straight
 from gcm_learn.situation import AnySituation
 
 

@@ -19,8 +19,8 @@ from gcm_learn.motion import (
 )
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
+from gcm_learn.planners.joints.straight import any_straight, earliest_straight
 from gcm_learn.planners.plan import Plan, any_arm
-from gcm_learn.planners.space.straight import any_straight, earliest_straight
 from gcm_learn.situation import AnySituation
 
 

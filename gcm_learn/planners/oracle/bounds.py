@@ -29,9 +29,9 @@ from gcm_learn.motion import (
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.fronts import marching
-from gcm_learn.planners.oracle.in_space import Yardstick, oracle_in_space, yardstick
 from gcm_learn.planners.oracle.moves import leg_from, pull
 from gcm_learn.planners.oracle.reachable_set import Meeting, ReachableSet
+from gcm_learn.planners.oracle.yardstick import Yardstick, oracle_in_space, yardstick
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import AnySituation, Situation
 

@@ -13,8 +13,8 @@ import numpy as np
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception_in_space import target_room
-from gcm_learn.planners.space.moves import Study, turning_time
+from gcm_learn.motion.joint_interception import target_room
+from gcm_learn.planners.joints.moves import Study, turning_time
 from gcm_learn.scene.bodies import LIMB, PART, drift
 
 SLICES = 32  # of the horizon, looked through one after the other

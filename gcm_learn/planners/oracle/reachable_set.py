@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import Arm, elbow_position, joint_angles
+from gcm_learn.charts import SMALLEST_LATTICE, Lattice
 from gcm_learn.collision import first_touch
-from gcm_learn.handspace import SMALLEST_LATTICE, Lattice
 from gcm_learn.planners.completion import Problem, hole_of
 from gcm_learn.planners.oracle import kernels
 from gcm_learn.planners.oracle.kernels import Front, Grid, Regime, Workspace

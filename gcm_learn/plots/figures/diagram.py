@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from gcm_learn.arms import elbow_position
 from gcm_learn.evaluation import collision_point
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.handspace import (
+from gcm_learn.plots.figures.hand_space import (
     draw_hand,
     draw_hand_space,
     extended_image,

@@ -17,7 +17,7 @@ from matplotlib.patches import Circle, Patch
 from scipy.ndimage import map_coordinates, maximum_filter, minimum_filter
 
 from gcm_learn.arms import hands_along, rotation_of
-from gcm_learn.handspace import SpaceLattice, room_in_space, space_of
+from gcm_learn.charts import PostureLattice, cell_clearances, posture_lattice_of
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import CONTOUR_STEP
@@ -50,12 +50,14 @@ MOST_RINGS = 10
 SHELL = 0.15  # level at which softened effective obstacles, one cell thin, are drawn
 
 
-def places_of(chart: SpaceLattice, index: np.ndarray) -> np.ndarray:
+def places_of(chart: PostureLattice, index: np.ndarray) -> np.ndarray:
     """Places (..., 3) in the world of indices [iz, iy, ix] (..., 3) of a lattice."""
     return chart.in_world((index[..., ::-1] - 0.5 * (chart.n - 1)) * chart.spacing)
 
 
-def skin(chart: SpaceLattice, field: np.ndarray, level: float, colour: str, alpha: float) -> Faces:
+def skin(
+    chart: PostureLattice, field: np.ndarray, level: float, colour: str, alpha: float
+) -> Faces:
     """The surface on which a field over a lattice has a level."""
     corners, normal = surface(field, level)
     # reversing the indices mirrors, so that the order of corners turns round
@@ -66,9 +68,9 @@ def skin(chart: SpaceLattice, field: np.ndarray, level: float, colour: str, alph
 
 def extended_faces(situation: JointSituation, t: float, alpha: float = GLASSY) -> Faces:
     """Extended obstacles at time t [s]: hands whose limb touches an obstacle."""
-    chart = space_of(situation.arm, COARSE)
+    chart = posture_lattice_of(situation.arm, COARSE)
     room = np.clip(
-        room_in_space(cast("Any", situation), chart, t), -chart.spacing, 2.0 * chart.spacing
+        cell_clearances(cast("Any", situation), chart, t), -chart.spacing, 2.0 * chart.spacing
     )
     return skin(chart, softened(room), 0.0, style.EXTENDED, alpha)
 
@@ -93,7 +95,7 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
     Parameters
     ----------
     cognitive_map : CognitiveMap
-        Over a `SpaceLattice`.
+        Over a `PostureLattice`.
     most : int
         Cells a side of which it is made, at most.
 
@@ -116,14 +118,14 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
 
 def fills_ball(cognitive_map: CognitiveMap | None) -> bool:
     """Return whether there is a map of the hand's places in space, so that it can be drawn."""
-    return cognitive_map is not None and isinstance(cognitive_map.chart, SpaceLattice)
+    return cognitive_map is not None and isinstance(cognitive_map.chart, PostureLattice)
 
 
-def _chart(cognitive_map: CognitiveMap) -> SpaceLattice:
+def _chart(cognitive_map: CognitiveMap) -> PostureLattice:
     if not fills_ball(cognitive_map):
         over = type(cognitive_map.chart).__name__
-        raise TypeError(f"this map is over a {over}, not over a SpaceLattice")
-    return cast("SpaceLattice", cognitive_map.chart)
+        raise TypeError(f"this map is over a {over}, not over a PostureLattice")
+    return cast("PostureLattice", cognitive_map.chart)
 
 
 def first_arrival(cognitive_map: CognitiveMap) -> np.ndarray:
@@ -277,7 +279,7 @@ class HandSpace:
     situation : Situation
         With an arm that moves in its joints.
     cognitive_map : CognitiveMap
-        Over a `SpaceLattice`.
+        Over a `PostureLattice`.
     trajectory : SpatialTrajectory, optional
     view : Camera
         Of the work-space beside it.

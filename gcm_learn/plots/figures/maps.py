@@ -13,7 +13,7 @@ from matplotlib.colors import Normalize, to_rgba
 from matplotlib.patches import Circle
 
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.handspace import draw_extended, draw_hand
+from gcm_learn.plots.figures.hand_space import draw_extended, draw_hand
 from gcm_learn.plots.figures.workspace import draw_bodies, draw_targets, draw_waits
 from gcm_learn.situation import Situation
 

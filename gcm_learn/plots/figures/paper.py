@@ -9,16 +9,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gcm_learn.charts import extended_obstacle
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, SPATIAL_SCENES
-from gcm_learn.handspace import extended_obstacle
 from gcm_learn.maps import build_map
 from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.execution import execution_figure
-from gcm_learn.plots.figures.handspace import draw_extended, draw_hand_space
+from gcm_learn.plots.figures.hand_space import draw_extended, draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_plan
 from gcm_learn.plots.figures.plan import plan_figure
 from gcm_learn.plots.figures.solid_scene import draw_course, draw_scene, label_body, scene_window

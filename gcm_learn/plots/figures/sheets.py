@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from gcm_learn.maps import build_map
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.handspace import show_image
+from gcm_learn.plots.figures.hand_space import show_image
 from gcm_learn.plots.figures.maps import draw_colour_bar, latest_arrival, plot_plan
 from gcm_learn.plots.figures.style import Panel
 from gcm_learn.plots.figures.workspace import draw_movement

@@ -12,7 +12,7 @@ from gcm_learn.families import draw, family_names, fig3, gate_scene
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import animate
-from gcm_learn.plots.figures.handspace import draw_hand_space
+from gcm_learn.plots.figures.hand_space import draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_map
 from gcm_learn.plots.figures.sheets import mapped, sheets_figure
 from gcm_learn.plots.figures.workspace import (

@@ -18,7 +18,7 @@ from gcm_learn.execution import (
     commands_of,
 )
 from gcm_learn.execution.arena.kernels.joints import fan
-from gcm_learn.motion.interception_in_space import fastest_hand
+from gcm_learn.motion.joint_interception import fastest_hand
 from gcm_learn.motion.rules import opening
 from gcm_learn.scene import pack, poses_at
 from gcm_learn.scene.bodies import KIND, LIMB, PART, REACH, SPHERE

@@ -12,7 +12,7 @@ from gcm_learn.collision.solids import solid_distance
 from gcm_learn.execution import AIM, KinematicPlant, Pool, SpatialSettings
 from gcm_learn.execution.arena.kernels.joints import nearness
 from gcm_learn.execution.arena.kernels.joints.observation import ARM, OBSTACLE, TARGET
-from gcm_learn.motion.interception_in_space import fastest_hand, target_room
+from gcm_learn.motion.joint_interception import fastest_hand, target_room
 from gcm_learn.motion.rules import opening
 from gcm_learn.scene import pack, pack_bodies, poses_at
 from gcm_learn.scene.bodies import BOX, KIND, SPHERE

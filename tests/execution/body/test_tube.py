@@ -13,7 +13,7 @@ from gcm_learn.execution.body.model import STEP
 from gcm_learn.families import paper_scene
 from gcm_learn.planners import InTube, Tube, get_planner, plan_to_json
 from gcm_learn.situation import situation_to_json
-from tests.referee_in_space import judge
+from tests.referee_of_spatial_arms import judge
 
 NAO = paper_scene("fig8-space")
 LAYERED = get_planner("layered")

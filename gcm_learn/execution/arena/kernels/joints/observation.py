@@ -26,7 +26,7 @@ from gcm_learn.execution.arena.kernels.joints.nearness import (
     point_velocity,
 )
 from gcm_learn.execution.arena.kernels.world import EXTREME
-from gcm_learn.motion.interception_in_space import target_room
+from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.scene.bodies import BOX, CAPSULE, KIND, REACH, SIZE, SPHERE, centre_at, pose_at
 
 ARM, TARGET, OBSTACLE = 35, 30, 20  # numbers of the arm, the target, an obstacle

@@ -17,8 +17,8 @@ from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
 from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in
 from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
-from gcm_learn.motion.interception_in_space import first_meeting
-from gcm_learn.motion.verification_in_space import NOTHING, hand_too_fast, piece_fault
+from gcm_learn.motion.joint_interception import first_meeting
+from gcm_learn.motion.joint_verification import NOTHING, hand_too_fast, piece_fault
 from gcm_learn.scene import Scene
 
 _HAIR = 2e-9  # share of the joints' speeds that is not used, against rounding

@@ -1,0 +1,45 @@
+"""Hand-space: its charts, and what obstacles are in it."""
+
+from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
+from gcm_learn.charts.clearances import cell_clearances
+from gcm_learn.charts.extended import extended_obstacle, upper_arm_image
+from gcm_learn.charts.joint_lattice import JointLattice, joint_lattice
+from gcm_learn.charts.kinds import chart_of, lattice_of
+from gcm_learn.charts.lattice import (
+    LARGEST_LATTICE,
+    START_RADIUS,
+    Lattice,
+    cell_joints,
+    hand_space,
+)
+from gcm_learn.charts.occupied import occupied_cells
+from gcm_learn.charts.posture_lattice import (
+    LARGEST_POSTURE_LATTICE,
+    MOST_POSTURES,
+    PostureLattice,
+    posture_lattice_of,
+    ring_leap,
+)
+
+__all__ = [
+    "Chart",
+    "LARGEST_POSTURE_LATTICE",
+    "JointLattice",
+    "LARGEST_LATTICE",
+    "Lattice",
+    "MOST_POSTURES",
+    "SMALLEST_LATTICE",
+    "START_RADIUS",
+    "PostureLattice",
+    "cell_joints",
+    "chart_of",
+    "extended_obstacle",
+    "hand_space",
+    "joint_lattice",
+    "lattice_of",
+    "occupied_cells",
+    "ring_leap",
+    "cell_clearances",
+    "posture_lattice_of",
+    "upper_arm_image",
+]

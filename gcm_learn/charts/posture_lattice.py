@@ -1,0 +1,205 @@
+"""The lattice over hand-space in space: the chart whose nodes are cells and postures in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import JOINTS, SPATIAL, Kind, SpatialArm, rotation_of
+from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, spatial_limb_of
+from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
+from gcm_learn.charts.postures import Rule, leap_of, posture_of, rule_of
+from gcm_learn.compiled import njit
+from gcm_learn.errors import LatticeError
+from gcm_learn.scene import Scene
+
+LARGEST_POSTURE_LATTICE = 80
+MOST_POSTURES = 16
+NOWHERE = 1e9  # joints of a node that has no posture
+UNSEEN, THERE, MISSING = 0, 1, 2  # what is known of a node's posture
+
+
+class Nodes(NamedTuple):
+    """The nodes of a lattice in space as kernels read them; postures are found at their first use.
+
+    Node ``((iz * n + iy) * n + ix) * K + k`` is the k-th posture of a cell.
+    """
+
+    rule: Rule
+    n: int  # cells along a side
+    spacing: float  # of cells
+    leap: float  # a step in which no joint turns farther is one [rad]
+    joints: np.ndarray  # (nodes, 4) float32 [rad], NOWHERE where there is none
+    known: np.ndarray  # (nodes,) uint8: UNSEEN, THERE or MISSING
+    scratch: np.ndarray  # (4,)
+
+
+@njit(_nrt=False)
+def hand_of_node(nodes, node):
+    """Hand (three numbers) at a node, in the frame of the base."""
+    n, cell = nodes.n, node // nodes.rule.postures
+    row = cell // n
+    middle = 0.5 * (n - 1)
+    return (
+        (cell - row * n - middle) * nodes.spacing,
+        (row % n - middle) * nodes.spacing,
+        (row // n - middle) * nodes.spacing,
+    )
+
+
+@njit(_nrt=False)
+def is_there(nodes, node):
+    """Return whether a node has a posture, which is then in ``nodes.joints``."""
+    if nodes.known[node] == UNSEEN:
+        x, y, z = hand_of_node(nodes, node)
+        found = posture_of(nodes.rule, node % nodes.rule.postures, x, y, z, nodes.scratch)
+        for j in range(4):
+            nodes.joints[node, j] = nodes.scratch[j] if found else NOWHERE
+        nodes.known[node] = THERE if found else MISSING
+    return nodes.known[node] == THERE
+
+
+@njit(_nrt=False)
+def look_at_all(nodes):
+    """Find all postures."""
+    for node in range(nodes.known.size):
+        is_there(nodes, node)
+
+
+@dataclass(frozen=True)
+class PostureLattice(Chart):
+    """A lattice of n x n x n cells over the ball of hand positions, and K postures in each.
+
+    The frame is that of the arm's base: the shoulder in the middle, lengths in the arm's unit.
+    Arrays over it are indexed ``[iz, iy, ix]``, and ``[iz, iy, ix, k]`` with several postures.
+
+    The module `postures` has the rule by which a hand has its postures. `inside` and `joints` find
+    the postures of all nodes. Fronts find the postures of the nodes that they reach.
+    """
+
+    kind: ClassVar[Kind] = SPATIAL
+    half_diagonal: ClassVar[float] = 0.87
+    arm: SpatialArm
+    n: int = 80
+    """Cells along a side."""
+    postures: int = 1
+    """Postures K in a cell: swivels of the elbow in a ring."""
+
+    def __post_init__(self) -> None:
+        """Check the sizes."""
+        if not SMALLEST_LATTICE <= self.n <= LARGEST_POSTURE_LATTICE:
+            raise LatticeError(
+                f"lattice size {self.n} is outside "
+                f"{SMALLEST_LATTICE}..{LARGEST_POSTURE_LATTICE} in space"
+            )
+        if not 1 <= self.postures <= MOST_POSTURES:
+            raise LatticeError(f"{self.postures} postures are outside 1..{MOST_POSTURES}")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(n, n, n), with several postures (n, n, n, K)."""
+        return (self.n,) * 3 + ((self.postures,) if self.postures > 1 else ())
+
+    @property
+    def reach(self) -> float:
+        """Radius of the ball, half a side of the lattice."""
+        return self.arm.reach
+
+    @property
+    def centres(self) -> np.ndarray:
+        """Coordinates (n,) of the cells' centres along an axis."""
+        return (np.arange(self.n) - 0.5 * (self.n - 1)) * self.spacing
+
+    @cached_property
+    def limb(self) -> SpatialLimb:
+        """The arm as kernels read it."""
+        return spatial_limb_of(self.arm)
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        """The nodes as kernels read them; postures that were found once are kept."""
+        rule, count = rule_of(self.limb, self.postures), self.size
+        joints, known = np.empty((count, JOINTS), np.float32), np.zeros(count, np.uint8)
+        leap = leap_of(self.limb, self.spacing)
+        return Nodes(rule, self.n, self.spacing, leap, joints, known, np.empty(JOINTS))
+
+    @property
+    def hands(self) -> np.ndarray:
+        """Centre (nodes, 3) of every node's cell: x, y, z."""
+        z, y, x = np.meshgrid(*(self.centres,) * 3, indexing="ij")
+        cells = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+        return cells if self.postures == 1 else np.repeat(cells, self.postures, axis=0)
+
+    @property
+    def hand(self) -> tuple[float, float, float]:
+        """Hand at t = 0."""
+        _, _, _, x, y, z = limb_at(self.limb, self.limb.start)
+        return float(x), float(y), float(z)
+
+    def hand_at(self, node: int) -> tuple[float, float, float]:
+        """Centre of one node's cell: x, y, z."""
+        x, y, z = hand_of_node(self.nodes, node)
+        return float(x), float(y), float(z)
+
+    @property
+    def inside(self) -> np.ndarray:
+        """Nodes (nodes,) bool that have a posture."""
+        look_at_all(self.nodes)
+        return np.asarray(self.nodes.known == THERE)
+
+    @property
+    def joints(self) -> np.ndarray:
+        """Joints (nodes, 4) float32 of every node; NOWHERE if it has no posture [rad]."""
+        look_at_all(self.nodes)
+        return self.nodes.joints
+
+    def joints_at(self, nodes: np.ndarray) -> np.ndarray:
+        """Joints (m, 4) of some nodes to full precision; NOWHERE if there is no posture [rad]."""
+        out = np.empty((len(nodes), JOINTS))
+        for row, node in zip(out, nodes, strict=True):
+            place = hand_of_node(self.nodes, node)
+            if not posture_of(self.nodes.rule, node % self.postures, *place, row):
+                row[:] = NOWHERE
+        return out
+
+    def in_world(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of the lattice's frame, in the world."""
+        base = self.arm.base
+        return np.asarray(points) @ rotation_of(base.rotation).T + np.array(base.origin)
+
+    def in_base(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of the world, in the lattice's frame."""
+        base = self.arm.base
+        return (np.asarray(points) - np.array(base.origin)) @ rotation_of(base.rotation)
+
+    def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+        """First postures of the cells around the hand (k,), and when the arm is there (k,) [s]."""
+        limb = scene.limb
+        hand = np.array(self.hand)
+        for around in (1.0, 2.0):
+            near = [np.flatnonzero(np.abs(self.centres - c) < around * self.spacing) for c in hand]
+            index = np.stack(np.meshgrid(*near[::-1], indexing="ij"), axis=-1).reshape(-1, 3)
+            nodes = (index @ np.array([self.n**2, self.n, 1])) * self.postures
+            joints = self.joints_at(nodes)
+            turn = np.abs(joints - limb.start)
+            good = turn.max(axis=1) <= self.nodes.leap
+            if good.any():
+                break
+        places = np.array([hand_of_node(self.nodes, node) for node in nodes[good]]).reshape(-1, 3)
+        away = np.linalg.norm(places - hand, axis=1) / scene.limits.speed
+        turns = (turn[good] / scene.limits.joint_speed).max(axis=1, initial=0.0)
+        return nodes[good], np.maximum(turns, away)
+
+
+def ring_leap(postures: int) -> float:
+    """Angle by which no joint turns from one posture in a cell to the next [rad]."""
+    return min(4.0 * np.pi / postures, 0.9 * np.pi)
+
+
+@lru_cache(maxsize=2)
+def posture_lattice_of(arm: SpatialArm, n: int, postures: int = 1) -> PostureLattice:
+    """The lattice of an arm's hand-space; the last two lattices keep their postures."""
+    return PostureLattice(arm, n, postures)

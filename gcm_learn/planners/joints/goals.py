@@ -1,0 +1,276 @@
+"""Postures that catch a target, and straight moves to them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms.limbs import (
+    hand_of,
+    place,
+    postures_at,
+    reach_of,
+)
+from gcm_learn.collision.postures import gap_at
+from gcm_learn.collision.rests import free_until
+from gcm_learn.compiled import njit
+from gcm_learn.motion.joint_interception import (
+    target_room,
+)
+from gcm_learn.planners.joints.moves import (
+    rest_is_free,
+    time_of,
+    timed_move_is_free,
+    turning_time,
+)
+from gcm_learn.planners.joints.pull import box, met_from, pulled, slope_at
+from gcm_learn.scene.bodies import HAND, PART
+
+ALIKE = 0.12  # postures no farther apart than this are one goal [rad]
+HALVINGS = 10  # of the time by which a catch may become earlier
+CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
+PLACES = 3
+RIM = 1e-6  # share of the reach that is not used
+GOLDEN = 1.1673039782614187  # root of x^5 = x + 1: its powers spread points evenly in four numbers
+
+
+class Goals(NamedTuple):
+    """Postures that catch, in order of time."""
+
+    time: np.ndarray  # (m,) [s]
+    joints: np.ndarray  # (m, 4) [rad]
+    body: np.ndarray  # (m,)
+    size: np.ndarray  # (1,): how many there are
+
+
+def no_goals(targets: int, instants: int, swivels: int) -> Goals:
+    """Room for goals."""
+    most = targets * instants * (2 * swivels + 1) * PLACES
+    return Goals(
+        np.empty(most), np.empty((most, 4)), np.empty(most, np.int64), np.zeros(1, np.int64)
+    )
+
+
+@njit(_nrt=False)
+def _keep(study, goals, b, t, q):
+    """Note a posture that catches body b at t [s] if it is free then, and not next to another."""
+    k = goals.size[0]
+    i = k - 1
+    while i >= 0 and goals.time[i] == t and goals.body[i] == b:
+        away = 0.0
+        for j in range(q.size):
+            away = max(away, abs(goals.joints[i, j] - q[j]))
+        if away < ALIKE:
+            return
+        i -= 1
+    if k < goals.time.size and gap_at(study.scene, q, t, study.desk) > study.touch:
+        for j in range(q.size):
+            goals.joints[k, j] = q[j]
+        goals.time[k], goals.body[k] = t, b
+        goals.size[0] = k + 1
+
+
+@njit(_nrt=False)
+def place_on(study, b, t, which):
+    """A place of body b at t [s], put back within reach: its centre, or about its nearest point.
+
+    The nearest point of a solid lies against the slope of the distance to it.
+
+    Returns
+    -------
+    x, y, z : float
+    there : bool
+        Whether it was within reach.
+    """
+    scene, poses, limb = study.scene, study.desk.poses, study.scene.limb
+    x, y, z = 0.0, 0.0, 0.0
+    if which == FROM_HAND:
+        x, y, z = hand_of(limb, place(limb, limb.start))
+    room = target_room(scene, b, x, y, z, t, poses)
+    if which == CENTRE or room <= 0.0:
+        x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    else:
+        nx, ny, nz = slope_at(study, b, x, y, z, t)
+        x, y, z = x - room * nx, y - room * ny, z - room * nz
+    away, far = np.sqrt(x * x + y * y + z * z), reach_of(limb) * (1.0 - RIM)
+    if away <= far:
+        return x, y, z, True
+    return x * far / away, y * far / away, z * far / away, False
+
+
+@njit(_nrt=False)
+def add_goals(study, goals, b, t, swivels, turn, which):
+    """Add postures that catch body b at t [s]: the next one to the start, and some round a circle.
+
+    Parameters
+    ----------
+    swivels : int
+        How many of the second kind.
+    which : int
+        Where their hands are: at the target's centre, or at a point nearest to something.
+    turn : float
+        The first of them is `turn` of the way to the second.
+    """
+    scene, q, poses = study.scene, study.goal, study.desk.poses
+    limb = scene.limb
+    if which == CENTRE:
+        box(study, limb.start, t)
+        for j in range(q.size):
+            q[j] = limb.start[j]
+        if pulled(study, b, t, q):
+            _keep(study, goals, b, t, q)
+    x, y, z, there = place_on(study, b, t, which)
+    if not there and target_room(scene, b, x, y, z, t, poses) > study.catch:
+        return
+    for k in range(swivels):
+        found = postures_at(limb, x, y, z, k + turn, swivels, study.low, study.high, study.branches)
+        for i in range(found):
+            if turning_time(scene.limits.joint_speed, limb.start, study.branches[i]) <= t:
+                _keep(study, goals, b, t, study.branches[i])
+
+
+@njit
+def add_spread(study, goals, times, count):
+    """Add goals from postures all over what joints reach in time, each pulled to the target.
+
+    A hand that may only graze its target from one side has no goal at that target's centre, nor
+    where it is nearest to hand or shoulder.
+
+    Parameters
+    ----------
+    times : (n,) ndarray
+        Increasing [s].
+    count : int
+        Of postures, for each target and time.
+    """
+    bodies, start = study.scene.bodies.rows, study.scene.limb.start
+    for n in range(times.size):
+        for b in range(bodies.shape[0]):
+            if bodies[b, PART] != HAND:
+                continue
+            box(study, start, times[n])
+            for k in range(count):
+                for j in range(start.size):
+                    share = (0.5 + (k + 1) * GOLDEN ** -(j + 1.0)) % 1.0
+                    study.goal[j] = study.low[j] + share * (study.high[j] - study.low[j])
+                if pulled(study, b, times[n], study.goal):
+                    _keep(study, goals, b, times[n], study.goal)
+
+
+@njit(_nrt=False)
+def reach(study, q, since, until, p, t):
+    """A straight move from joints q to p (4,), free and over at t [s].
+
+    Parameters
+    ----------
+    since, until : float
+        The limb is at q since then and may stay there until then [s].
+
+    Returns
+    -------
+    leave, arrive : float
+        When the move begins and ends; -1 if none is free [s].
+    """
+    took, pieces = time_of(study, q, p)
+    if since + took > t:
+        return -1.0, -1.0
+    if timed_move_is_free(study, q, since, p, t, pieces):
+        return since, t
+    if t - since < 1.05 * took:
+        return -1.0, -1.0
+    if t - took <= until and timed_move_is_free(study, q, t - took, p, t, pieces):
+        if rest_is_free(study, q, since, t - took):
+            return t - took, t
+    if timed_move_is_free(study, q, since, p, since + took, pieces):
+        if rest_is_free(study, p, since + took, t):
+            return since, since + took
+    return -1.0, -1.0
+
+
+@njit
+def straight(study, goals, times, swivels, ends):
+    """First straight move from the start that catches, by goals that are added on the way.
+
+    Parameters
+    ----------
+    times : (n,) ndarray
+        When interceptions are tried, increasing [s].
+    ends : (2,) ndarray
+        Gets when the move begins and ends [s].
+
+    Returns
+    -------
+    int
+        Index of the goal, -1 if there is none.
+    """
+    scene = study.scene
+    start = scene.limb.start
+    until = free_until(
+        scene, start, 0.0, scene.limits.horizon, study.touch, study.instant, study.desk
+    )
+    for n in range(times.size):
+        k = goals.size[0]
+        for b in range(scene.bodies.rows.shape[0]):
+            if scene.bodies.rows[b, PART] == HAND:
+                add_goals(study, goals, b, times[n], swivels, 0.5 * (n % 2), CENTRE)
+        while k < goals.size[0]:
+            ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], times[n])
+            if ends[0] >= 0.0:
+                return k
+            k += 1
+    return -1
+
+
+@njit
+def add_more(study, goals, times, swivels):
+    """Add goals for all places of all targets at some times (n,), increasing [s]."""
+    bodies = study.scene.bodies.rows
+    for n in range(times.size):
+        for b in range(bodies.shape[0]):
+            if bodies[b, PART] == HAND:
+                for which in range(PLACES):
+                    turn = (2 * (n % 2) + 1.0) / 4.0 + which / 6.0
+                    add_goals(study, goals, b, times[n], swivels, turn, which)
+
+
+@njit
+def straight_to(study, goals, first, last, ends):
+    """First of goals `first` to `last` - 1 to which a straight move is free; see `straight`."""
+    scene, start = study.scene, study.scene.limb.start
+    end = scene.limits.horizon
+    until = free_until(scene, start, 0.0, end, study.touch, study.instant, study.desk)
+    for k in range(first, min(last, goals.size[0])):
+        ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], goals.time[k])
+        if ends[0] >= 0.0:
+            return k
+    return -1
+
+
+@njit(_nrt=False)
+def earlier(study, q, since, b, p, t):
+    """Make a straight move from joints q (4,) catch body b before t [s], as early as it can.
+
+    Parameters
+    ----------
+    since : float
+        When the limb is at q [s].
+    p : (4,) ndarray
+        Where the move ends; changed to where it ends then.
+
+    Returns
+    -------
+    float
+        When it ends: it begins at `since` if that is before t [s].
+    """
+    low, goal = since, study.goal
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + t)
+        pieces = met_from(study, q, since, b, p, middle)
+        if pieces > 0 and timed_move_is_free(study, q, since, goal, middle, pieces):
+            t = middle
+            for j in range(q.size):
+                p[j] = goal[j]
+        else:
+            low = middle
+    return t

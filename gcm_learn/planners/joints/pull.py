@@ -1,0 +1,198 @@
+"""Postures pulled to a target until the hand catches it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.arms.limbs import axis_of, axis_turns, by_limb, dof, give, hand_of, jacobian, place
+from gcm_learn.compiled import njit
+from gcm_learn.motion.joint_interception import (
+    ANGLE,
+    approach_axis,
+    approach_excess,
+    has_approach,
+    target_room,
+)
+from gcm_learn.planners.joints.moves import HAIR, time_of
+from gcm_learn.scene import AimedLimits
+from gcm_learn.scene.bodies import WITHIN
+
+ROUNDS = 16  # of pulling a hand to a target
+DEPTH = 1e-4  # how far into the catch it is pulled [forearms]
+PROBE = 1e-5  # finite difference for the direction of a target [forearms]
+LONGEST_PULL = 0.5  # of a joint in one round [rad]
+DAMPING = 1e-6  # share of the curvature of distance and angle, against singular postures
+
+
+@njit(_nrt=False)
+def slope_at(study, b, x, y, z, t):
+    """Slope of the signed distance to body b at the point (x, y, z) and t [s], by differences."""
+    scene, poses, probe = study.scene, study.desk.poses, PROBE * study.scene.limb.length
+    nx = target_room(scene, b, x + probe, y, z, t, poses)
+    nx -= target_room(scene, b, x - probe, y, z, t, poses)
+    ny = target_room(scene, b, x, y + probe, z, t, poses)
+    ny -= target_room(scene, b, x, y - probe, z, t, poses)
+    nz = target_room(scene, b, x, y, z + probe, t, poses)
+    nz -= target_room(scene, b, x, y, z - probe, t, poses)
+    return 0.5 * nx / probe, 0.5 * ny / probe, 0.5 * nz / probe
+
+
+@njit(_nrt=False)
+def pulled(study, b, t, q):
+    """Turn joints q (n,), within ``study.low`` and ``study.high``, until the hand catches body b.
+
+    Newton's method on the signed distance of hand and target, in the metric of the joints' speeds.
+    Returns whether it succeeds.
+    """
+    scene, low, high, slopes = study.scene, study.low, study.high, study.jacobian
+    limb, rate, poses = scene.limb, scene.limits.joint_speed, study.desk.poses
+    pulled_so = pulled_along(scene.limits, study, b, t, q)
+    if pulled_so >= 0:
+        return pulled_so == 1
+    for _ in range(ROUNDS):
+        x, y, z = hand_of(limb, place(limb, q))
+        room = target_room(scene, b, x, y, z, t, poses) - study.catch
+        if room <= 0.0:
+            return True
+        nx, ny, nz = slope_at(study, b, x, y, z, t)
+        jacobian(limb, q, slopes)
+        size, most = 0.0, 0.0
+        for j in range(dof(limb)):
+            slope = nx * slopes[0, j] + ny * slopes[1, j] + nz * slopes[2, j]
+            if (q[j] <= low[j] and slope > 0.0) or (q[j] >= high[j] and slope < 0.0):
+                slope = 0.0
+            slopes[0, j] = slope * rate[j] * rate[j]
+            size += slopes[0, j] * slope
+            most = max(most, abs(slopes[0, j]))
+        if size <= 1e-12 * limb.length * limb.length * rate[0] * rate[0]:
+            return False
+        pull = min((room + DEPTH * limb.length) / size, LONGEST_PULL / most)
+        for j in range(dof(limb)):
+            q[j] = min(max(q[j] - pull * slopes[0, j], low[j]), high[j])
+    return False
+
+
+@by_limb
+def pulled_along(limits, study, b, t, q):
+    """Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
+
+    Newton's method on distance and angle together, damped; joints that would leave their box are
+    held for a round.  Returns 1 if it succeeds, 0 if not, -1 if the target has no approach.
+    """
+
+
+@njit(_nrt=False, forceinline=True)
+def _pulled_freely(limits, study, b, t, q):
+    return -1
+
+
+@njit(_nrt=False)
+def _pulled_along(limits, study, b, t, q):
+    if not has_approach(study.scene, b):
+        return -1
+    scene, poses, rate = study.scene, study.desk.poses, study.scene.limits.joint_speed
+    limb, within = scene.limb, scene.bodies.rows[b, WITHIN]
+    for _ in range(2 * ROUNDS):
+        where = place(limb, q)
+        x, y, z = hand_of(limb, where)
+        room = target_room(scene, b, x, y, z, t, poses) - study.catch
+        excess = approach_excess(scene.limits, scene, where, b, t, poses)
+        if room <= 0.0 and excess <= 0.5 * ANGLE:
+            return 1
+        ax, ay, az = approach_axis(scene, b, t, poses)
+        bx, by, bz = axis_of(limb, where)
+        nx, ny, nz = slope_at(study, b, x, y, z, t)
+        jacobian(limb, q, study.jacobian)
+        axis_turns(limb, q, study.turns)
+        cosine = ax * bx + ay * by + az * bz
+        sine = np.sqrt(max(1.0 - cosine * cosine, 1e-12))
+        for j in range(dof(limb)):
+            a, c = study.jacobian[:, j], study.turns[:, j]
+            study.jacobian[0, j] = nx * a[0] + ny * a[1] + nz * a[2]
+            study.turns[0, j] = -(ax * c[0] + ay * c[1] + az * c[2]) / sine
+        depth = room + DEPTH * limb.length if room > 0.0 else 0.0
+        angle = excess + min(0.1 * within, 0.02) if excess > 0.0 else 0.0
+        if not _stepped(study, rate, depth, angle, q):
+            return 0
+    return 0
+
+
+give(pulled_along, None, _pulled_freely)
+give(pulled_along, AimedLimits, _pulled_along)
+
+
+@njit(_nrt=False)
+def _stepped(study, rate, depth, angle, q):
+    """Lessen distance and angle by a step of joints q (n,); whether there is one.
+
+    Slopes of both are in the first rows of ``study.jacobian`` and ``study.turns``.
+    """
+    low, high, n = study.low, study.high, q.size
+    near, turn = study.jacobian, study.turns
+    for j in range(n):
+        near[1, j] = 1.0
+    for _ in range(2):
+        a, c, d = 0.0, 0.0, 0.0
+        for j in range(n):
+            weight = rate[j] * rate[j] * near[1, j]
+            a += weight * near[0, j] * near[0, j]
+            c += weight * near[0, j] * turn[0, j]
+            d += weight * turn[0, j] * turn[0, j]
+        a, d = a * (1.0 + DAMPING) + 1e-30, d * (1.0 + DAMPING) + 1e-30
+        below = a * d - c * c
+        if not below > 0.0:
+            return False
+        u, v = (d * depth - c * angle) / below, (a * angle - c * depth) / below
+        most, held = 0.0, False
+        for j in range(n):
+            step = -rate[j] * rate[j] * near[1, j] * (u * near[0, j] + v * turn[0, j])
+            if (q[j] <= low[j] and step < 0.0) or (q[j] >= high[j] and step > 0.0):
+                near[1, j], held, step = 0.0, True, 0.0
+            near[2, j] = step
+            most = max(most, abs(step))
+        if not held:
+            break
+    if most == 0.0:
+        return False
+    share = min(1.0, LONGEST_PULL / most)
+    for j in range(n):
+        q[j] = min(max(q[j] + share * near[2, j], low[j]), high[j])
+    return True
+
+
+@njit(_nrt=False)
+def box(study, q, span):
+    """Write the joints that a straight move from q (4,) can reach in a time into low and high.
+
+    A hair less, so that by `time_of` no joint is too slow.
+    """
+    limb, rate, span = study.scene.limb, study.scene.limits.joint_speed, span * (1.0 - 2.0 * HAIR)
+    for j in range(q.size):
+        study.low[j] = max(limb.low[j], q[j] - rate[j] * span)
+        study.high[j] = min(limb.high[j], q[j] + rate[j] * span)
+
+
+@njit(_nrt=False)
+def met_from(study, q, since, b, p, t):
+    """Write the joints near p (4,) that catch body b at t [s] into ``study.goal``.
+
+    They are such that a straight move from joints q (4,) gets there in time.
+
+    Parameters
+    ----------
+    since : float
+        When that begins at the earliest [s].
+
+    Returns
+    -------
+    pieces : int
+        Of the move, which has been timed; 0 if there is none.
+    """
+    goal = study.goal
+    box(study, q, t - since)
+    for j in range(q.size):
+        goal[j] = min(max(p[j], study.low[j]), study.high[j])
+    if not pulled(study, b, t, goal):
+        return 0
+    took, pieces = time_of(study, q, goal)
+    return pieces if took <= t - since else 0

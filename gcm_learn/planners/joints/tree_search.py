@@ -1,0 +1,46 @@
+"""The search in joints and time for any arm: straight moves, then trees from both ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.planners.completion import SpatialProblem
+from gcm_learn.planners.joints.layered import finished
+from gcm_learn.planners.joints.meeting_trees import new_trees, search_trees
+from gcm_learn.planners.joints.moves import study_of
+from gcm_learn.planners.joints.straight import at_once
+from gcm_learn.planners.joints.ways import new_way, shorten
+from gcm_learn.planners.plan import Plan, in_joints
+from gcm_learn.situation import AnySituation
+
+
+@dataclass(frozen=True)
+class TreeSearch:
+    """Straight moves to postures that catch and trees from both ends, grown in turn.
+
+    Every posture that catches is first tried by a straight move from the start.
+    """
+
+    name: str = "search"
+    rounds: int = 4000
+    """Postures that catch to draw; the limit of work."""
+    seed: int = 1
+
+    takes = staticmethod(in_joints)
+
+    def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+        """Answer a situation."""
+        problem: Any = SpatialProblem(situation, self.name)
+        early = problem.early_answer() or at_once(problem)
+        if early is not None:
+            return early
+        study = study_of(problem.scene, problem.rules)
+        trees = new_trees(study, self.rounds + 2, self.seed)
+        way = new_way(study.goal.size)
+        if not search_trees(study, trees, self.rounds, situation.horizon, way):
+            return problem.answer(Failure.NO_TREE)
+        short = new_way(study.goal.size)
+        shorten(study, way, short)
+        return finished(problem, study, short)

@@ -1,0 +1,179 @@
+"""Ways in the joints: postures, when each is reached and left, and the catch at the end."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import JOINTS
+from gcm_learn.arms.curves import line
+from gcm_learn.compiled import njit
+from gcm_learn.motion.joint_interception import first_meeting
+from gcm_learn.planners.joints.goals import earlier, reach
+from gcm_learn.planners.joints.moves import (
+    PIECES,
+    between,
+    rest_is_free,
+    time_of,
+    timed_move_is_free,
+)
+
+MOST = 512  # postures of a way
+
+
+class Way(NamedTuple):
+    """A movement that ends in a catch; between postures the joints go straight."""
+
+    joints: np.ndarray  # (MOST, n) [rad]
+    reached: np.ndarray  # (MOST,) [s]
+    left: np.ndarray  # (MOST,): that of the last posture is the time of the catch [s]
+    body: np.ndarray  # (1,): that is caught
+    size: np.ndarray  # (1,): how many postures there are
+
+
+def new_way(dof: int = JOINTS) -> Way:
+    """Return a way without postures."""
+    return Way(
+        np.zeros((MOST, dof)),
+        np.zeros(MOST),
+        np.zeros(MOST),
+        np.zeros(1, np.int64),
+        np.zeros(1, np.int64),
+    )
+
+
+@njit(_nrt=False)
+def write(way, k, q, reached, left):
+    """Make joints q (4,) posture k of a way, and the last."""
+    for j in range(q.size):
+        way.joints[k, j] = q[j]
+    way.reached[k], way.left[k] = reached, left
+    way.size[0] = k + 1
+
+
+@njit(_nrt=False)
+def trace(study, goals, tree, state, goal, ends, way):
+    """Write the way that leads through a state to a goal; whether there is room for it."""
+    places, states = tree.places, tree.states
+    k, s = 1, state
+    while states.via[s] >= 0:
+        k, s = k + 1, states.via[s]
+    if k + 1 > MOST:
+        return False
+    last, left, s = k, ends[0], state
+    while s >= 0:
+        k -= 1
+        write(way, k, places.joints[states.place[s]], states.time[s], left)
+        left, s = states.left[s], states.via[s]
+    write(way, last, goals.joints[goal], ends[1], goals.time[goal])
+    way.body[0] = goals.body[goal]
+    return True
+
+
+@njit(_nrt=False)
+def _leap(study, way, k, since, m):
+    """Go straight from posture k of a way, left at `since`, to posture m: when it is reached.
+
+    The limb stays there until it did before, so that what comes then remains as it was. -1 if that
+    is not free.
+    """
+    q, p = way.joints[k], way.joints[m]
+    took, pieces = time_of(study, q, p)
+    arrive, before = since + took, way.reached[m]
+    if arrive > before:
+        return -1.0
+    if timed_move_is_free(study, q, since, p, arrive, pieces):
+        if rest_is_free(study, p, arrive, before):
+            return arrive
+    if arrive < before and timed_move_is_free(study, q, since, p, before, pieces):
+        return before
+    return -1.0
+
+
+@njit(_nrt=False)
+def shorten(study, way, out):
+    """Leave out postures that are not needed, the farthest first, and catch as early as one can."""
+    k, since, n = 0, 0.0, 0
+    last, end = way.size[0] - 1, way.left[way.size[0] - 1]
+    out.body[0] = way.body[0]
+    while True:
+        write(out, n, way.joints[k], since, since)
+        n += 1
+        begin, arrive = reach(study, way.joints[k], since, way.left[k], way.joints[last], end)
+        if begin >= 0.0 or k + 1 == last:
+            out.left[n - 1] = begin if begin >= 0.0 else way.left[k]
+            write(out, n, way.joints[last], arrive if begin >= 0.0 else way.reached[last], end)
+            return
+        m, found = last - 1, -1.0
+        while m > k and found < 0.0:
+            found = _leap(study, way, k, since, m)
+            m -= 1
+        if found >= 0.0:
+            k, since = m + 1, found
+        else:
+            out.left[n - 1] = way.left[k]
+            k, since = k + 1, way.reached[k + 1]
+
+
+@njit(_nrt=False)
+def hasten(study, way):
+    """Let the last move of a way catch as early as it can."""
+    k = way.size[0] - 2
+    since, end = way.reached[k], way.left[k + 1]
+    t = earlier(study, way.joints[k], since, way.body[0], way.joints[k + 1], end)
+    if t < end:
+        way.left[k], way.reached[k + 1], way.left[k + 1] = since, t, t
+
+
+@njit
+def samples_of(study, way):
+    """A way as samples: it is cut where a target is met first.
+
+    Returns
+    -------
+    time : (n,) ndarray
+        [s]
+    joints : (n, 4) ndarray
+        [rad]
+    body : int
+        That is caught.
+    """
+    most = way.size[0] * (PIECES + 2)
+    time, joints, n = np.empty(most), np.empty((most, way.joints.shape[1])), 1
+    time[0] = 0.0
+    joints[0] = way.joints[0]
+    for k in range(way.size[0]):
+        q = way.joints[k]
+        n = _append(time, joints, n, q, way.left[k])
+        if k + 1 < way.size[0]:
+            p, begin, end = way.joints[k + 1], way.left[k], way.reached[k + 1]
+            took, pieces = time_of(study, q, p)
+            stretch = (end - begin) / took if took > 0.0 else 0.0
+            for i in range(pieces - 1):
+                between(q, p, (i + 1.0) / pieces, study.near)
+                n = _append(time, joints, n, study.near, begin + stretch * study.pace[i])
+            n = _append(time, joints, n, p, end)
+    curve, work = study.desk.curve, study.near
+    for k in range(n - 1):
+        line(joints[k], joints[k + 1], curve)
+        t, b = first_meeting(
+            study.scene, curve, time[k], time[k + 1], study.catch, study.instant, study.desk.poses
+        )
+        if b >= 0 and t > time[k]:
+            between(joints[k], joints[k + 1], (t - time[k]) / (time[k + 1] - time[k]), work)
+            time[k + 1] = t
+            joints[k + 1] = work
+            return time[: k + 2].copy(), joints[: k + 2].copy(), b
+    return time[:n].copy(), joints[:n].copy(), way.body[0]
+
+
+@njit(_nrt=False)
+def _append(time, joints, n, q, t):
+    """Add a sample unless it has the time of the last one; their number."""
+    if t <= time[n - 1]:
+        return n
+    time[n] = t
+    for j in range(q.size):
+        joints[n, j] = q[j]
+    return n + 1

@@ -1,0 +1,68 @@
+"""Marching plans for spatial arms: what it claims holds, and its map tells the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from gcm_learn import solve
+from gcm_learn.families import paper_scene
+from gcm_learn.planners import plan_to_json
+from gcm_learn.planners.joints.marching import FrontInSpace
+from gcm_learn.situation import read_situations, situation_to_json
+from gcm_learn.wave import MarchingParams
+from tests.referee_of_spatial_arms import judge
+from tests.spatial import EXAMPLES
+
+SITUATIONS = read_situations(EXAMPLES)
+
+
+@pytest.mark.parametrize("first", range(0, 50, 10))
+def test_catches_hold_and_are_frequent(first):
+    caught = 0
+    for situation in SITUATIONS[first : first + 10]:
+        plan = solve(situation, "marching")
+        assert plan.status != "start_blocked"
+        if plan.caught:
+            caught += 1
+            made = plan_to_json(plan, situation), situation_to_json(situation)
+            assert judge(made[1], made[0]).complaints == []
+    assert caught >= 5
+
+
+def test_a_plan_shows_the_map_that_it_came_from():
+    plan = solve(SITUATIONS[0], "marching")
+    assert plan.caught and plan.map is not None and plan.map.interception is not None
+    assert plan.map.arrival.shape == (40, 40, 40)
+    assert plan.catch_body == plan.map.interception.body
+    assert plan.catch_time < 2.0 * plan.map.interception.time
+
+
+def test_more_postures_catch_more():
+    levels = [(MarchingParams(n=24, margin=0.0), postures) for postures in (1, 4)]
+    one, more = FrontInSpace("one", (levels[0],)), FrontInSpace("more", tuple(levels))
+    caught = [[p.plan(s).caught for s in SITUATIONS[:16]] for p in (one, more)]
+    assert sum(caught[1]) >= sum(caught[0]) >= 6
+
+
+def test_the_papers_planner_catches_in_space_what_its_wave_meets():
+    caught = 0
+    for situation in SITUATIONS[:12]:
+        plan = solve(situation, "gcm")
+        caught += plan.caught
+        if plan.caught:
+            made = plan_to_json(plan, situation), situation_to_json(situation)
+            assert judge(made[1], made[0]).complaints == []
+            assert plan.map is not None and plan.map.engine == "wave"
+            assert plan.map.arrival.shape == (80, 80, 80)
+    assert caught >= 6
+
+
+@pytest.mark.parametrize("name", ["fig5-space", "fig8-space"])
+def test_the_papers_scenes_without_their_plane_are_solved_by_the_papers_planner(name):
+    situation = paper_scene(name)
+    plan = solve(situation, "gcm")
+    assert plan.caught
+    made = plan_to_json(plan, situation), situation_to_json(situation)
+    assert judge(made[1], made[0]).complaints == []
+    # the obstacle has bent the wave
+    assert plan.map is not None and plan.map.effective_obstacles.sum() > 100

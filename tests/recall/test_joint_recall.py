@@ -1,0 +1,162 @@
+"""Recall in space: memories of joints, adapted to other ends, arms and frames, and verified."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import families, get_planner, solve
+from gcm_learn.arms import SPATIAL
+from gcm_learn.errors import ArmKindError, RecallError
+from gcm_learn.planners import plan_to_json
+from gcm_learn.recall import (
+    Adaptation,
+    HybridPlanner,
+    Memory,
+    PcaIndex,
+    RandomIndex,
+    RecallPlanner,
+    Waypoints,
+    waypoints_of,
+)
+from gcm_learn.recall.waypoints import EARLIEST, TIME
+from gcm_learn.situation import canonical, situation_to_json
+from gcm_learn.situation.spatial_frame import _in_base, _mirrored
+from tests.recall.worlds import FREE, LIMITED, catches_of, memory_of, times
+from tests.referee_of_spatial_arms import judge
+
+WORLDS = pytest.mark.parametrize("world", [FREE, LIMITED], ids=["free", "limited"])
+
+
+@pytest.fixture(scope="module")
+def catches():
+    """Situations of some families with their catches."""
+    return catches_of(FREE)
+
+
+@pytest.fixture(scope="module")
+def memory():
+    """A memory of them."""
+    return memory_of(FREE)
+
+
+PLANNERS = {
+    "recall": lambda memory: RecallPlanner(memory),
+    "recall-1": lambda memory: RecallPlanner(memory, 1, "recall-1", novelty=0.0),
+    "hybrid": lambda memory: HybridPlanner(RecallPlanner(memory, 3)),
+    "recall-random": lambda memory: RecallPlanner(memory.refiled(RandomIndex())),
+    "keep": lambda memory: RecallPlanner(memory, how=Adaptation(tempo="keep")),
+    "once": lambda memory: RecallPlanner(memory, how=Adaptation(bends=0)),
+    "shipped": lambda memory: get_planner("recall"),
+}
+
+
+@WORLDS
+@pytest.mark.parametrize("name", PLANNERS)
+def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(name, world):
+    planner, caught, other = PLANNERS[name](memory_of(world)), 0, 0
+    known = families.family_names("spatial")[:12]
+    for k, situation in enumerate(world.drawn(world.seed + 2, 36, known)):
+        plan = planner.plan(situation)
+        assert plan.status in ("caught", "unreachable", "start_blocked")
+        if plan.caught:
+            caught, other = caught + 1, other + (known[k % 12] not in world.names)
+            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
+            assert verdict.complaints == []
+            if world.accelerates:
+                assert tuple(plan.trajectory.rates[0]) == situation.arm.joint_rates
+    assert caught > (1 if name == "recall-1" else 4) and other > 0
+
+
+def test_what_was_met_before_is_recalled_from_itself(memory, catches):
+    planner, own = RecallPlanner(memory), 0
+    for k, (situation, _) in enumerate(catches[:60]):
+        found = planner.recollect(situation)
+        own += found.memory == k and found.checked == 1
+    assert own > 45
+
+
+def mirrored(situation):
+    """A canonical situation as a mirror shows it."""
+    bodies = tuple(_in_base(situation, mirrored=True))
+    return replace(situation, arm=_mirrored(situation.arm), bodies=bodies)
+
+
+@WORLDS
+def test_a_right_arm_recalls_what_a_left_one_does(world):
+    planner, same = RecallPlanner(memory_of(world)), 0
+    seed, count = (315, 16) if world.accelerates else (174, 24)
+    for drawn in world.drawn(seed, count):
+        situation = canonical(drawn)[0]
+        mine, other = (planner.recollect(s) for s in (situation, mirrored(situation)))
+        assert (mine.memory, mine.checked) == (other.memory, other.checked)
+        if mine.memory is not None:
+            same += 1
+            signs = np.array([1.0, -1.0, -1.0, -1.0])
+            paths = mine.plan.trajectory, other.plan.trajectory
+            assert np.allclose(paths[0].joints * signs, paths[1].joints, atol=1e-8)
+            if world.accelerates:
+                assert np.allclose(paths[0].rates * signs, paths[1].rates, atol=1e-6)
+    assert same >= 4
+
+
+def test_a_catch_is_kept_at_its_corners_and_waits(catches):
+    for situation, plan in catches:
+        knots, path = waypoints_of(situation, plan).knots, plan.trajectory
+        joints = canonical(situation)[1].canonical_joints(path.joints_at(knots[:, TIME]))
+        assert np.allclose(knots[:, :4], joints, atol=1e-3)
+        there = np.stack([np.interp(path.time, knots[:, TIME], knots[:, j]) for j in range(4)], 1)
+        off = np.abs(there - canonical(situation)[1].canonical_joints(path.joints)).max()
+        assert off < 0.25
+        waits = knots[:, EARLIEST] > 0.0
+        assert (knots[waits, EARLIEST] == knots[waits, TIME]).all()
+    assert any((waypoints_of(s, p).knots[:, EARLIEST] > 0.0).any() for s, p in catches)
+
+
+def test_memories_of_space_are_stored_and_never_mixed_with_others(memory, catches, tmp_path):
+    memory.save(tmp_path / "recall")
+    loaded = Memory.load(tmp_path / "recall")
+    assert loaded.kind == SPATIAL and '"gcm-learn/memory@2"' in (
+        tmp_path / "recall" / "manifest.json"
+    ).read_text("utf-8")
+    assert np.array_equal(loaded.knots, memory.knots) and loaded[3].situation == memory[3].situation
+    planar = families.draw("gate", 3, 1)
+    with pytest.raises(ArmKindError, match="memory: holds catches of spatial arms, asked with a"):
+        loaded.add([planar], [Waypoints(np.zeros((24, 4)), np.zeros(2))])
+    with pytest.raises(ArmKindError):
+        RecallPlanner(loaded).plan(planar)
+    with pytest.raises(RecallError, match="knows maps of the plane only"):
+        PcaIndex.fit([catches[0][0]])
+
+
+def test_planners_by_name_answer_both_kinds_of_arm(memory, catches, tmp_path, monkeypatch):
+    from gcm_learn import artifacts
+    from gcm_learn.recall import planners
+
+    shipped = artifacts.folders("models")
+    situation = catches[3][0]
+    planners._memory.cache_clear()
+    monkeypatch.setattr(artifacts, "folders", lambda kind: [tmp_path, *shipped])
+    memory.save(tmp_path / "recall-space")
+    for name in ("recall", "recall-1", "recall-raw", "recall-random", "hybrid"):
+        plan = solve(situation, name)
+        assert plan.planner == name and (plan.caught or name in ("recall-1", "recall-random"))
+        assert solve(families.draw("gate", 3, 1), get_planner(name)).planner == name
+    planners._memory.cache_clear()
+
+
+@WORLDS
+def test_changes_save_catches_and_leave_free_movements_alone(world):
+    """Pushes and holds, or more times of the end, help; what was free before stays as it is."""
+    memory, situations, caught = memory_of(world), list(world.drawn(world.seed + 5, 32)), {}
+    for bends in (0, 3):
+        planner = RecallPlanner(memory, 5, how=Adaptation(bends=bends), novelty=0.0)
+        found = [planner.recollect(situation) for situation in situations]
+        caught[bends] = sum(f.plan.caught for f in found)
+        assert max(f.checked for f in found) == 5
+    assert caught[3] > caught[0]
+    plain, changed = (times(situations[:12], memory, bends) for bends in (0, 3))
+    assert np.array_equal(changed[plain >= 0.0], plain[plain >= 0.0])
+    assert (changed >= 0.0).sum() > 1.2 * (plain >= 0.0).sum()
