@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from gcm_learn.errors import GcmError, SituationError
     from gcm_learn.families import paper_scene
     from gcm_learn.maps import CognitiveMap, build_map
-    from gcm_learn.motion import Trajectory
+    from gcm_learn.motion import Movement
     from gcm_learn.planners import Plan, get_planner, planner_names, solve
     from gcm_learn.seeding import rng
     from gcm_learn.situation import (
@@ -45,7 +45,7 @@ _PLACES = {
     "families": ("paper_scene",),
     "charts": ("Lattice",),
     "maps": ("CognitiveMap", "build_map"),
-    "motion": ("Trajectory",),
+    "motion": ("Movement",),
     "planners": ("Plan", "get_planner", "planner_names", "solve"),
     "seeding": ("rng",),
     "situation": (
@@ -88,7 +88,7 @@ __all__ = [
     "SolidQuadratic",
     "SpatialArm",
     "Sphere",
-    "Trajectory",
+    "Movement",
     "WaveParams",
     "build_map",
     "get_planner",

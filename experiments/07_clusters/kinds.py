@@ -13,7 +13,6 @@ import numpy as np
 from sklearn.cluster import KMeans
 
 from gcm_learn.arms import Arm, SpatialArm, forward_in_space
-from gcm_learn.motion import SpatialTrajectory, Trajectory
 from gcm_learn.situation import Situation
 
 FEATURES = (
@@ -75,9 +74,8 @@ def ways_of(trajectory: Any) -> tuple[np.ndarray, np.ndarray]:
     time = np.linspace(0.0, trajectory.duration, INSTANTS)
     share = np.linspace(0.0, 1.0, INSTANTS)[:, None]
     hand = trajectory.hand_at(time)
-    if isinstance(trajectory, Trajectory):
+    if trajectory.path is not None:
         return hand, hand[0] + share * (hand[-1] - hand[0])
-    assert isinstance(trajectory, SpatialTrajectory)
     first, last = trajectory.joints[0], trajectory.joints[-1]
     _, line = forward_in_space(trajectory.arm, first + share * (last - first))
     shoulder = np.asarray(trajectory.arm.base.origin)

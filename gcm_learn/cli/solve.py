@@ -17,10 +17,10 @@ from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from gcm_learn.planners import AnyPlan, Planner
+    from gcm_learn.planners import Plan, Planner
     from gcm_learn.situation import AnySituation
 
-    Draw = Callable[[AnySituation, AnyPlan], None]
+    Draw = Callable[[AnySituation, Plan], None]
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def read(file: str, planner: Planner) -> list[AnySituation]:
 
 def plan_one(
     planner: Planner, situation: AnySituation, file: str, deadline: float | None = None
-) -> AnyPlan:
+) -> Plan:
     """Plan for one situation; any error ends the command and names the situation.
 
     A planner has a status for everything it cannot solve, so an exception is a defect, and a
@@ -122,7 +122,7 @@ def _solve_all(
             progress.advance()
 
 
-def _line(plan: AnyPlan, situation: AnySituation, file: str) -> str:
+def _line(plan: Plan, situation: AnySituation, file: str) -> str:
     from gcm_learn.planners import plan_to_json
 
     try:
@@ -145,7 +145,7 @@ def _pictures(folder: Path) -> Draw:
 
     names = FileNames()
 
-    def draw(situation: AnySituation, plan: AnyPlan) -> None:
+    def draw(situation: AnySituation, plan: Plan) -> None:
         with staged(folder / f"{names.unused(situation.name)}.png", option="--plot") as place:
             plots.plan_figure(situation, plan).savefig(place)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from gcm_learn.arms import JOINTS, Arm, Base, SpatialArm
-from gcm_learn.motion import SpatialTrajectory, Trajectory, fastest_hand
+from gcm_learn.motion import Movement, fastest_hand
 from gcm_learn.scene import pack
 from gcm_learn.situation import Frame, Situation, SpatialFrame
 
@@ -32,30 +32,30 @@ BASE: Types = {"origin": pa.list_(NUMBER), "rotation": pa.list_(NUMBER)}
 # --- paths -----------------------------------------------------------------------------------
 
 
-def hand_cells(path: Trajectory) -> dict[str, Any]:
+def hand_cells(path: Movement) -> dict[str, Any]:
     """Return the cells of a hand path."""
     return {"time": path.time, "hand": path.hand.ravel()}
 
 
-def joint_cells(path: SpatialTrajectory) -> dict[str, Any]:
+def joint_cells(path: Movement) -> dict[str, Any]:
     """Return the cells of a joint movement."""
     rates = None if path.rates is None else path.rates.ravel()
     return {"time": path.time, "joints": path.joints.ravel(), "rates": rates}
 
 
-def hand_path(arm: Arm, cells: Mapping[str, Any]) -> Trajectory:
+def hand_path(arm: Arm, cells: Mapping[str, Any]) -> Movement:
     """Return the hand path in the cells of a plan."""
     time, hand = (np.asarray(cells[name], dtype=float) for name in ("time", "hand"))
-    return Trajectory.of_hand(time, hand.reshape(-1, 2), arm.upper_arm, arm.elbow)
+    return Movement.of_hand(arm, time, hand.reshape(-1, 2))
 
 
-def joint_path(arm: SpatialArm, cells: Mapping[str, Any]) -> SpatialTrajectory:
+def joint_path(arm: SpatialArm, cells: Mapping[str, Any]) -> Movement:
     """Return the joint movement in the cells of a plan."""
     time, joints = (np.asarray(cells[name], dtype=float) for name in ("time", "joints"))
     rates = cells["rates"]
     if rates is not None:
         rates = np.asarray(rates, dtype=float).reshape(-1, JOINTS)
-    return SpatialTrajectory(arm, time, joints.reshape(-1, JOINTS), rates)
+    return Movement(arm, time, joints.reshape(-1, JOINTS), rates)
 
 
 # --- frames ----------------------------------------------------------------------------------

@@ -81,7 +81,7 @@ class Case(ABC):
         self.situation: Any = situation
         self.spec = spec
         self._early = self._begin()
-        self._plans: dict[str, Plan[Any]] = {}
+        self._plans: dict[str, Plan] = {}
         self._first_maps: dict[str, CognitiveMap] = {}
         self._bounds: Bounds | Yardstick | None = None
 
@@ -91,7 +91,7 @@ class Case(ABC):
         return ()
 
     @abstractmethod
-    def _begin(self) -> Plan[Any] | None:
+    def _begin(self) -> Plan | None:
         """Make the problem; return the answer that needs no planner."""
 
     @abstractmethod
@@ -103,7 +103,7 @@ class Case(ABC):
         """Return whether a movement without waits catches."""
 
     @abstractmethod
-    def _asked(self, name: str) -> Plan[Any]:
+    def _asked(self, name: str) -> Plan:
         """Return a planner's answer to a situation that needs one."""
 
     @abstractmethod
@@ -140,13 +140,13 @@ class Case(ABC):
         # A record must not hold a catch and say that there is none.
         return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
 
-    def plan(self, name: str) -> Plan[Any]:
+    def plan(self, name: str) -> Plan:
         """Return the answer of a planner."""
         if name not in self._plans:
             self._plans[name] = self._planned(name)
         return self._plans[name]
 
-    def _planned(self, name: str) -> Plan[Any]:
+    def _planned(self, name: str) -> Plan:
         """Answer as the planner does, sharing what all of them need."""
         if self._early is not None:
             return replace(self._early, planner=name)
@@ -195,7 +195,7 @@ class PlanarCase(Case):
         arm = Arm((1.3, 0.0), 3.0)
         return Situation("free", 1.0, arm, (ball,)), Situation("covered", 1.0, arm, (ball, lid))
 
-    def _begin(self) -> Plan[Any] | None:
+    def _begin(self) -> Plan | None:
         self.problem = Problem(self.situation, "case")
         return self.problem.early_answer()
 
@@ -207,7 +207,7 @@ class PlanarCase(Case):
         """Return whether first arrivals catch."""
         return self.plan("marching").caught
 
-    def _asked(self, name: str) -> Plan[Any]:
+    def _asked(self, name: str) -> Plan:
         problem = Problem(self.situation, name, self.problem.scene)
         if name == "straight":
             return straight_plan(problem)
@@ -225,7 +225,7 @@ class PlanarCase(Case):
 class SpatialCase(Case):
     """A situation of a spatial arm; some catch stands for the earliest one."""
 
-    def _begin(self) -> Plan[Any] | None:
+    def _begin(self) -> Plan | None:
         self.problem = SpatialProblem(self.situation, "case")
         return self.problem.early_answer(keeps_acceleration=True)
 
@@ -244,7 +244,7 @@ class SpatialCase(Case):
             return plan.caught
         return without_waits(self.problem, plan) is not None
 
-    def _asked(self, name: str) -> Plan[Any]:
+    def _asked(self, name: str) -> Plan:
         effort = self.spec.effort if name == "layered" else None
         known: Any = get_planner(name) if effort is None else posture_layered(effort)
         return known.plan(self.situation)

@@ -14,7 +14,7 @@ from gcm_learn.dataset.arm_columns import BITS, COUNT, NUMBER, WORD
 from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.motion import Failure
-from gcm_learn.planners import AnyPlan, Plan
+from gcm_learn.planners import Plan
 from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.wave import WaveParams
 
@@ -92,7 +92,7 @@ def _bits(packed: bytes, n: int) -> np.ndarray:
     return bits.reshape(n, n).astype(bool)
 
 
-def plan_cell(kind: Kind, plan: AnyPlan) -> dict[str, Any]:
+def plan_cell(kind: Kind, plan: Plan) -> dict[str, Any]:
     """Return the cell of a plan for a kind of arm."""
     clearance, path = plan.clearance, plan.trajectory
     return {
@@ -106,7 +106,7 @@ def plan_cell(kind: Kind, plan: AnyPlan) -> dict[str, Any]:
     }
 
 
-def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> Plan[Any]:
+def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> Plan:
     """Return the plan of a planner for a situation."""
     path, clearance = None, cells["clearance"]
     if cells["time"] is not None:

@@ -194,7 +194,7 @@ class Record:
         label=False,
     )
     """The cognitive map, or None."""
-    plans = Part[dict[str, Plan[Any]]](
+    plans = Part[dict[str, Plan]](
         lambda spec: dict.fromkeys(map(plan_column, spec.planners), RECORDS.of(spec.kind).plan),
         lambda record, plans: [plan_cell(record.spec.kind, plan) for plan in plans.values()],
         lambda record, *cells: {

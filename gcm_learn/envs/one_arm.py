@@ -123,7 +123,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
 
     @property
     def trajectory(self) -> Any:
-        """Trajectory of the arm until now, in the coordinates of the situation."""
+        """Movement of the arm until now, in the coordinates of the situation."""
         path = np.array(self._path)
         return self.plant.way(0, path[:, 0], path[:, 1:])
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm, elbow_position
-from gcm_learn.motion import SpatialTrajectory, Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.rendering import ARM, INK, PATH, Spectator, body_colour
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
@@ -52,7 +52,7 @@ class Viewer:
         ----------
         situation : Situation
             As the arena has it.
-        way : Trajectory or SpatialTrajectory
+        way : Movement
             In its coordinates.
         """
         picture = self._artist.picture(situation, way)
@@ -84,7 +84,7 @@ class _PlaneArtist:
         self._canvas = FigureCanvasAgg(figure)
         self._axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
-    def picture(self, situation: Situation, way: Trajectory) -> np.ndarray:
+    def picture(self, situation: Situation, way: Movement) -> np.ndarray:
         """As `Artist` says."""
         from matplotlib.patches import Circle
 
@@ -121,7 +121,7 @@ class _SpaceArtist:
     def __init__(self) -> None:
         self._seen: tuple[Any, Any] = (None, None)
 
-    def picture(self, situation: Situation[SpatialArm], way: SpatialTrajectory) -> np.ndarray:
+    def picture(self, situation: Situation[SpatialArm], way: Movement) -> np.ndarray:
         """As `Artist` says."""
         seen, spectator = self._seen
         if seen is not situation:

@@ -11,7 +11,7 @@ import numpy as np
 from gcm_learn.arms import ByKind, Kind
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import ARENAS, OUTCOMES, pool_for, way_of
-from gcm_learn.motion import SpatialTrajectory, Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.planners import Planner, get_planner, plan_with, planner_names, takes
 from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
 from gcm_learn.situation import AnySituation
@@ -27,7 +27,7 @@ class Result:
     """caught, declined (nothing was done), touched, late or start_blocked."""
     latency: float
     """Thinking before the hand moves [ms of processor time]; of actors, that of one step."""
-    trajectory: Trajectory | SpatialTrajectory | None
+    trajectory: Movement | None
     """Movement of the arm in the situation's own coordinates, or None."""
     clearance: float | None = None
     """[forearm lengths, or the unit of a spatial arm]"""

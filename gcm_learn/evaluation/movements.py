@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.arms import SIDE, SPATIAL, ByKind, elbow_of, kind_of
 from gcm_learn.collision import segment_distance
 from gcm_learn.evaluation.methods import Result
-from gcm_learn.motion import PARTS, SpatialTrajectory, Trajectory, clearance, joint_turns
+from gcm_learn.motion import PARTS, Movement, clearance, joint_turns
 from gcm_learn.scene import LIMB, PART, pack, poses_at
 from gcm_learn.situation import AnySituation, Situation
 
@@ -18,7 +18,7 @@ NAMES = ("end", "length", "clearance", "peak_hand", "peak_shoulder", "peak_elbow
 _POINTS = 101  # of each part of the limb, or of a path, among which an extreme one is found
 
 
-def hand_movement(situation: Situation, result: Result, path: Trajectory) -> dict[str, Any]:
+def hand_movement(situation: Situation, result: Result, path: Movement) -> dict[str, Any]:
     """Return the numbers of a planar arm's path."""
     arm, spans = situation.arm, np.maximum(np.diff(path.time), 1e-12)
     out: dict[str, Any] = {
@@ -45,9 +45,7 @@ _UNIT: ByKind[Callable[[Any], float]] = ByKind(
 """Length that counts as 1 in tables, in the unit of the arm."""
 
 
-def joint_movement(
-    situation: AnySituation, result: Result, path: SpatialTrajectory
-) -> dict[str, Any]:
+def joint_movement(situation: AnySituation, result: Result, path: Movement) -> dict[str, Any]:
     """Return the numbers of the path of an arm that moves in its joints.
 
     The first half of the joints counts as the shoulder's, the others as the elbow's.
@@ -68,13 +66,13 @@ def joint_movement(
     }
 
 
-def collided_part(situation: Situation, path: Trajectory) -> str:
+def collided_part(situation: Situation, path: Movement) -> str:
     """Return the part of the limb that is nearer to an obstacle at the end of a path."""
     elbow, hand, distance = _at_end(situation, path)
     return "forearm" if distance(elbow, hand) <= distance(np.zeros(2), elbow) else "upper arm"
 
 
-def collision_point(situation: Situation, path: Trajectory) -> np.ndarray:
+def collision_point(situation: Situation, path: Movement) -> np.ndarray:
     """Return the point (2,) of the limb that is nearest to an obstacle at the end of a path."""
     elbow, hand, distance = _at_end(situation, path)
     shares = np.linspace(0.0, 1.0, _POINTS)[:, None]
@@ -83,7 +81,7 @@ def collision_point(situation: Situation, path: Trajectory) -> np.ndarray:
 
 
 def _at_end(
-    situation: Situation, path: Trajectory
+    situation: Situation, path: Movement
 ) -> tuple[np.ndarray, np.ndarray, Callable[[np.ndarray, np.ndarray], float]]:
     """Return elbow (2,) and hand (2,) at the end of a path, and distances of segments there."""
     (bodies, limb, _), hand = pack(situation), path.hand[-1]

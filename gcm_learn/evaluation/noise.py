@@ -24,7 +24,7 @@ from gcm_learn.execution import (
     pool_for,
     run_episode,
 )
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.planners import Attempt, Planner, Problem, checked
 from gcm_learn.scene import later
 from gcm_learn.situation import Body, Pendulum, PlanarQuadratic, Situation, SolidQuadratic
@@ -158,7 +158,7 @@ class _Agent:
         self.planner, self.entry, self.noise = planner, entry, noise
         self.habit, self._seed = habit, seed
         self._memory = _Memory(entry.situation.arm.max_hand_speed)
-        self._plan: Trajectory | None = None
+        self._plan: Movement | None = None
         self._since = 0.0
         self._seen = 0
 
@@ -181,7 +181,7 @@ class _Agent:
                 self._plan, self._since = kept, t
                 return
 
-    def _kept(self, situation: Situation, t: float) -> Trajectory | None:
+    def _kept(self, situation: Situation, t: float) -> Movement | None:
         """Return the rest of the present plan, if it still catches in the known situation.
 
         An agent that always changes to new plans, even to later catches, never arrives.
@@ -192,7 +192,7 @@ class _Agent:
         rest = self._plan.time > at
         time = np.append(0.0, self._plan.time[rest] - at)
         hand = np.vstack([situation.arm.hand, self._plan.hand[rest]])
-        left = Trajectory.of_hand(time, hand, situation.arm.upper_arm, situation.arm.elbow)
+        left = Movement.of_hand(situation.arm, time, hand)
         problem = Problem(situation, "kept")
         for index, body in enumerate(situation.bodies):
             if body.role == "target":

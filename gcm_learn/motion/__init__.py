@@ -5,8 +5,8 @@ from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
 from gcm_learn.motion.joint_interception import fastest_hand, resting_in_space
+from gcm_learn.motion.movement import Movement, Wait
 from gcm_learn.motion.rules import Opening, Rules, opening, rules_of, start_clearance
-from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
 from gcm_learn.motion.timing import (
     SPACING,
     keep_limits,
@@ -15,7 +15,6 @@ from gcm_learn.motion.timing import (
     spread,
     straight_path,
 )
-from gcm_learn.motion.trajectory import Trajectory, Wait
 from gcm_learn.motion.verification import HOLE_MARGIN, PARTS, Verdict, joint_turns, verify
 
 __all__ = [
@@ -27,8 +26,7 @@ __all__ = [
     "Reason",
     "Rules",
     "SPACING",
-    "SpatialTrajectory",
-    "Trajectory",
+    "Movement",
     "Verdict",
     "Wait",
     "anywhere",

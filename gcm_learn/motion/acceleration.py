@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from gcm_learn.compiled import njit
-from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
+from gcm_learn.motion.movement import Movement
 
 HAIR = 1e-6  # share of the limits that is not used, against rounding
 KNOTS = 24  # of a tracked path, evenly in time: between them accelerations are linear
@@ -62,7 +62,7 @@ def dash(scene, goal, until, joints, rates):
     return switch
 
 
-def braked(plan: SpatialTrajectory, limits: np.ndarray) -> SpatialTrajectory:
+def braked(plan: Movement, limits: np.ndarray) -> Movement:
     """A movement that goes on after its end until each joint rests, as soon as it can.
 
     Where a joint would leave its range its end takes the rest of its speed: it brakes harder than
@@ -71,7 +71,7 @@ def braked(plan: SpatialTrajectory, limits: np.ndarray) -> SpatialTrajectory:
 
     Parameters
     ----------
-    plan : SpatialTrajectory
+    plan : Movement
     limits : (4,) ndarray
         Of the accelerations [rad/s^2].
     """
@@ -85,7 +85,7 @@ def braked(plan: SpatialTrajectory, limits: np.ndarray) -> SpatialTrajectory:
     time = time[np.append(np.diff(time) > _AT_ONCE, True)] if time.size else time
     passed = np.minimum(time[:, None], stops)
     force = -np.sign(rates) * most
-    return SpatialTrajectory(
+    return Movement(
         plan.arm,
         np.append(plan.time, plan.duration + time),
         np.vstack([plan.joints, plan.joints[-1] + passed * (rates + 0.5 * force * passed)]),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gcm_learn.collision import least_distance
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.movement import Movement
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Situation
 
@@ -11,14 +11,14 @@ RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [
 
 
 def clearance(
-    situation: Situation, trajectory: Trajectory, scene: Scene | None = None
+    situation: Situation, trajectory: Movement, scene: Scene | None = None
 ) -> tuple[float, float]:
     """Smallest distance between limb and obstacles along a trajectory, less the thickness.
 
     Parameters
     ----------
     situation : Situation
-    trajectory : Trajectory
+    trajectory : Movement
         Linear between its samples.
     scene : Scene, optional
         The situation packed, if the caller has it at hand.

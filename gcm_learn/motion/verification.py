@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.arms.planar_limb import joints_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion import joint_verification as space
+from gcm_learn.motion import joint_verification
 from gcm_learn.motion.clearance import RESOLUTION
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import target_distance
+from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
-from gcm_learn.motion.spatial_trajectory import SpatialTrajectory
-from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import pose_at
 
@@ -123,22 +123,20 @@ FAULTS = {
 }
 
 
-FAULTS_IN_SPACE = {
-    space.ELSEWHERE: Failure.WRONG_START,
-    space.LATE: Failure.LATE,
-    space.RANGE: Failure.JOINT_RANGE,
-    space.JOINT: Failure.JOINT_SPEED,
-    space.FORCED: Failure.JOINT_ACCELERATION,
-    space.FAST: Failure.HAND_SPEED,
-    space.MISSED: Failure.MISSED,
-    space.TOUCHED: Failure.COLLISION,
+FAULTS_OF_JOINTS = {
+    joint_verification.ELSEWHERE: Failure.WRONG_START,
+    joint_verification.LATE: Failure.LATE,
+    joint_verification.RANGE: Failure.JOINT_RANGE,
+    joint_verification.JOINT: Failure.JOINT_SPEED,
+    joint_verification.FORCED: Failure.JOINT_ACCELERATION,
+    joint_verification.FAST: Failure.HAND_SPEED,
+    joint_verification.MISSED: Failure.MISSED,
+    joint_verification.TOUCHED: Failure.COLLISION,
 }
 _NO_RATES = np.empty((0, 4))
 
 
-def verify(
-    scene: Scene, rules: Rules, trajectory: Trajectory | SpatialTrajectory, body: int
-) -> Verdict:
+def verify(scene: Scene, rules: Rules, trajectory: Movement, body: int) -> Verdict:
     """Check a trajectory against everything that "caught" promises.
 
     Parameters
@@ -146,7 +144,7 @@ def verify(
     scene : Scene
     rules : Rules
         Of the scene; its `touch` is the distance that the limb keeps.
-    trajectory : Trajectory or SpatialTrajectory
+    trajectory : Movement
         Of the scene's kind of arm.
     body : int
         Index of the target that is caught at the trajectory's end.
@@ -155,13 +153,7 @@ def verify(
     -------
     Verdict
     """
-    if isinstance(trajectory, SpatialTrajectory):
-        failure, distance, when = _judge_in_space(scene, rules, trajectory, body)
-    else:
-        fault, distance, when = _judge(
-            scene, rules.touch, trajectory.time, trajectory.hand, trajectory.joints, body
-        )
-        failure = FAULTS.get(fault)
+    failure, distance, when = _JUDGES.of(scene)(scene, rules, trajectory, body)
     if failure is None:
         return Verdict(True, np.inf if distance > 1e200 else distance - scene.limb.thickness)
     reason = failure.with_numbers(when=when)
@@ -170,18 +162,31 @@ def verify(
     return Verdict(False, 0.0, reason)
 
 
-def _judge_in_space(
-    scene: Scene, rules: Rules, trajectory: SpatialTrajectory, body: int
+def _judge_hand(
+    scene: Scene, rules: Rules, trajectory: Movement, body: int
 ) -> tuple[Failure | None, float, float]:
-    """What is wrong, if anything; the least distance; when [s]."""
+    """Return what is wrong, if anything; the least distance; when [s]."""
+    fault, distance, when = _judge(
+        scene, rules.touch, trajectory.time, trajectory.hand, trajectory.joints, body
+    )
+    return FAULTS.get(fault), distance, when
+
+
+def _judge_joints(
+    scene: Scene, rules: Rules, trajectory: Movement, body: int
+) -> tuple[Failure | None, float, float]:
+    """Return what is wrong, if anything; the least distance; when [s]."""
     given, limits = trajectory.rates, scene.limits
     if given is None and np.isfinite(limits.joint_acceleration).any():
         return Failure.JOINT_ACCELERATION, 0.0, 0.0
     rates = _NO_RATES if given is None else given
-    fault, distance, when = space.judge(
+    fault, distance, when = joint_verification.judge(
         scene, rules.touch, trajectory.time, trajectory.joints, rates, body
     )
-    return FAULTS_IN_SPACE.get(fault), distance, when
+    return FAULTS_OF_JOINTS.get(fault), distance, when
+
+
+_JUDGES = ByKind({PLANAR: _judge_hand}, default=_judge_joints)
 
 
 @njit(_nrt=False)

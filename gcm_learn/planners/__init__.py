@@ -22,14 +22,14 @@ from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_s
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
-from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, plan_to_json, taken, takes
+from gcm_learn.planners.plan import Anytime, Plan, Planner, plan_to_json, taken, takes
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.registry import get_planner, plan_with, planner_names, solve
 from gcm_learn.planners.retiming import retime
 from gcm_learn.planners.tube import InTube, Tube
 
 __all__ = [
-    "AnyPlan",
+    "Plan",
     "Anytime",
     "Attempt",
     "Bounds",
@@ -42,7 +42,6 @@ __all__ = [
     "GAIN",
     "InTube",
     "Params",
-    "Plan",
     "Planner",
     "Problem",
     "STRRTStarPlanner",

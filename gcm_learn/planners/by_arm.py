@@ -37,7 +37,7 @@ class ByArm:
         situation: Any,
         bound: float | None = None,
         deadline: float | Deadline | None = None,
-    ) -> Plan[Any]:
+    ) -> Plan:
         """Answer a situation; a bound and a deadline are for planners that take them."""
         given = {"bound": bound, "deadline": deadline}
         chosen = self._planners.of(situation)

@@ -6,7 +6,7 @@ import math
 import time as clock
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Generic
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +15,10 @@ from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import (
     HOLE_MARGIN,
     Failure,
+    Movement,
     Opening,
     Reason,
     Rules,
-    SpatialTrajectory,
-    Trajectory,
     Verdict,
     first_catch,
     first_interception,
@@ -31,7 +30,7 @@ from gcm_learn.motion import (
     verify,
 )
 from gcm_learn.planners.deadline import GAIN, Deadline
-from gcm_learn.planners.plan import Movement, Plan
+from gcm_learn.planners.plan import Plan
 from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.situation import AnySituation, Situation, planar
 
@@ -39,7 +38,7 @@ CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than in
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 
-class Task(Generic[Movement]):
+class Task:
     """A situation of either arm on its way to a plan: packed, the clock running."""
 
     situation: Any
@@ -93,9 +92,7 @@ class Task(Generic[Movement]):
         """Wall time since the problem was taken up [ms]."""
         return 1e3 * (clock.perf_counter() - self.started)
 
-    def answer(
-        self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None
-    ) -> Plan[Movement]:
+    def answer(self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None) -> Plan:
         """A plan without a catch."""
         reason = why if isinstance(why, Reason) else Reason(why)
         blocked = reason.failure is Failure.START_BLOCKED
@@ -110,7 +107,7 @@ class Task(Generic[Movement]):
             nodes=self.nodes,
         )
 
-    def early_answer(self) -> Plan[Movement] | None:
+    def early_answer(self) -> Plan | None:
         """Return the answer that needs no planning: blocked at the start, or hopeless."""
         if self.start_clearance <= 0.0:
             return self.answer(Failure.START_BLOCKED)
@@ -123,10 +120,10 @@ class Task(Generic[Movement]):
 
     def caught(
         self,
-        attempt: Attempt[Movement],
+        attempt: Attempt,
         clearance: float,
         cognitive_map: CognitiveMap | None = None,
-    ) -> Plan[Movement]:
+    ) -> Plan:
         """A plan with a verified catch."""
         body = self.situation.bodies[attempt.body].name
         return Plan(
@@ -145,14 +142,14 @@ class Task(Generic[Movement]):
 
 
 @dataclass(frozen=True)
-class Attempt(Generic[Movement]):
+class Attempt:
     """A trajectory that ends at a target, not yet verified."""
 
     trajectory: Movement
     body: int
 
 
-class Problem(Task[Trajectory]):
+class Problem(Task):
     """A situation of the plane on its way to a plan."""
 
     situation: Situation
@@ -167,7 +164,7 @@ class Problem(Task[Trajectory]):
         super().__init__(planar(situation, f"planner {planner!r}"), planner, scene, deadline)
 
 
-class SpatialProblem(Task[SpatialTrajectory]):
+class SpatialProblem(Task):
     """A situation of a spatial arm on its way to a plan."""
 
     situation: Situation[SpatialArm]
@@ -177,7 +174,7 @@ class SpatialProblem(Task[SpatialTrajectory]):
         """Return whether the joints' accelerations are limited."""
         return self.situation.arm.max_joint_acceleration is not None
 
-    def early_answer(self, keeps_acceleration: bool = False) -> Plan[SpatialTrajectory] | None:
+    def early_answer(self, keeps_acceleration: bool = False) -> Plan | None:
         """Return the answer that needs no planning.
 
         Parameters
@@ -352,14 +349,14 @@ def out_of_hole(arm: Arm, hand: np.ndarray) -> np.ndarray:
 def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
     """Make an attempt of a timed hand path."""
     arm = problem.situation.arm
-    return Attempt(Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow), body)
+    return Attempt(Movement.of_hand(arm, time, hand), body)
 
 
 def judged(
-    problem: Task[Movement],
-    attempt: Attempt[Movement],
+    problem: Task,
+    attempt: Attempt,
     cognitive_map: CognitiveMap | None = None,
-) -> tuple[Plan[Movement] | None, Verdict]:
+) -> tuple[Plan | None, Verdict]:
     """Verify an attempt: a plan if it holds, and the verdict."""
     verdict = verify(problem.scene, problem.rules, attempt.trajectory, attempt.body)
     if not verdict.good:
@@ -367,9 +364,7 @@ def judged(
     return problem.caught(attempt, verdict.clearance, cognitive_map), verdict
 
 
-def checked(
-    problem: Task[Movement], attempt: Attempt[Movement]
-) -> tuple[Plan[Movement] | None, Reason | None]:
+def checked(problem: Task, attempt: Attempt) -> tuple[Plan | None, Reason | None]:
     """Verify an attempt: a plan if it holds, else why not."""
     plan, verdict = judged(problem, attempt)
     return plan, verdict.reason

@@ -4,33 +4,22 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from gcm_learn.arms import PLANAR, SPATIAL, Kind, kind_of, solution_format
 from gcm_learn.errors import ArmKindError
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion import Failure, SpatialTrajectory, Trajectory
+from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.deadline import Deadline
 from gcm_learn.situation import AnySituation, Situation
-
-if TYPE_CHECKING:
-    from typing_extensions import TypeVar  # a default makes a plain `Plan` one of the plane
-
-    Movement = TypeVar(
-        "Movement", bound=Trajectory | SpatialTrajectory, default=Trajectory, covariant=True
-    )
-else:
-    from typing import TypeVar
-
-    Movement = TypeVar("Movement")
 
 FORMAT = "gcm-learn/solution@1"
 Status = Literal["caught", "unreachable", "start_blocked"]
 
 
 @dataclass(frozen=True)
-class Plan(Generic[Movement]):
-    """A verified catch or why there is none; `Plan[SpatialTrajectory]` of a spatial arm."""
+class Plan:
+    """A verified catch or why there is none."""
 
     name: str
     """Name of the situation."""
@@ -69,7 +58,7 @@ class Plan(Generic[Movement]):
         return [{"body": self.catch_body, "time": self.catch_time}]
 
 
-AnyPlan = Plan[Trajectory] | Plan[SpatialTrajectory]
+Plan = Plan
 
 
 class Planner(Protocol):
@@ -99,7 +88,7 @@ class Anytime(Protocol):
         situation: Any,
         bound: float | None = None,
         deadline: float | Deadline | None = None,
-    ) -> Plan[Any]:
+    ) -> Plan:
         """Answer a situation.
 
         Parameters
@@ -162,7 +151,7 @@ LISTED = ("gcm-learn/solution@3",)
 """Formats that list all catches."""
 
 
-def plan_to_json(plan: AnyPlan, situation: AnySituation | None = None) -> dict[str, Any]:
+def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str, Any]:
     """Return the plan in the exchange format that answers its situation's.
 
     Fields that make sense only for a catch are null otherwise; so is the clearance of a catch in a

@@ -8,7 +8,6 @@ from typing import Any, cast, overload
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner
@@ -22,7 +21,7 @@ from gcm_learn.planners.joints.tree_search import TreeSearch
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
-from gcm_learn.planners.plan import AnyPlan, Anytime, Plan, Planner, taken
+from gcm_learn.planners.plan import Anytime, Plan, Planner, taken
 from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
@@ -85,10 +84,8 @@ def get_planner(name: str) -> Planner:
 @overload
 def solve(situation: Situation, planner: str | Planner = "search") -> Plan: ...
 @overload
-def solve(
-    situation: Situation[SpatialArm], planner: str | Planner = "search"
-) -> Plan[SpatialTrajectory]: ...
-def solve(situation: AnySituation, planner: str | Planner = "search") -> AnyPlan:
+def solve(situation: Situation[SpatialArm], planner: str | Planner = "search") -> Plan: ...
+def solve(situation: AnySituation, planner: str | Planner = "search") -> Plan:
     """Plan a catch and verify it.
 
     Parameters
@@ -121,7 +118,7 @@ def solve(situation: AnySituation, planner: str | Planner = "search") -> AnyPlan
 
 def plan_with(
     planner: Planner, situation: AnySituation, deadline: float | Deadline | None = None
-) -> AnyPlan:
+) -> Plan:
     """Let a planner answer a situation, if it takes the arm; a deadline is for those `Anytime`.
 
     Raises

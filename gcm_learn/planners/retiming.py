@@ -29,8 +29,8 @@ import numpy as np
 from gcm_learn.checks import positive
 from gcm_learn.motion import (
     Failure,
+    Movement,
     Reason,
-    Trajectory,
     first_interception,
     keep_limits,
     refine,
@@ -126,7 +126,7 @@ def retime(plan: Plan, situation: Situation, max_acceleration: float) -> Plan:
     return replace(answer, planning_ms=plan.planning_ms + elapsed)
 
 
-def _motions(problem: Problem, path: Trajectory, most: float) -> Iterator[tuple[Motion, float]]:
+def _motions(problem: Problem, path: Movement, most: float) -> Iterator[tuple[Motion, float]]:
     """Motions to be averaged, and their windows: the target is dashed for from many points."""
     leaves = np.linspace(0.0, path.duration, LEAVES)
     for k in sorted(set(np.searchsorted(path.time, leaves).tolist())):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from gcm_learn.arms import SPATIAL, ByKind, SpatialArm
-from gcm_learn.motion import Failure, SpatialTrajectory, fastest_hand
+from gcm_learn.motion import Failure, fastest_hand
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import AnySituation, Situation
@@ -76,7 +76,7 @@ class InTube:
         """That of the planner."""
         return str(self.planner.name)
 
-    def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         problem = _PROBLEMS.of(situation)(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)

@@ -45,7 +45,7 @@ def act_out(pool: Pool, plans: Sequence[Any], settings: ArenaSettings) -> Demons
     Parameters
     ----------
     pool : Pool
-    plans : sequence of Trajectory or SpatialTrajectory
+    plans : sequence of Movement
         One for each situation of the pool, in its coordinates.
     settings : ArenaSettings
 

@@ -14,7 +14,7 @@ from gcm_learn import artifacts, seeding
 from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, Kind
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import ARENAS, CAUGHT, Pool, pool_for, way_of
-from gcm_learn.motion import Failure, Trajectory, refine
+from gcm_learn.motion import Failure, Movement, refine
 from gcm_learn.planners import Attempt, Problem, SpatialProblem, checked
 from gcm_learn.policies.actor import FILES, Actor
 from gcm_learn.situation import AnySituation, situation_to_json
@@ -96,11 +96,11 @@ class ActorPlanner:
             yield episodes.path(int(arm))
 
 
-def _refined_way(arm: Arm, time: np.ndarray, hand: np.ndarray) -> Trajectory:
+def _refined_way(arm: Arm, time: np.ndarray, hand: np.ndarray) -> Movement:
     """Return the trajectory of a hand that begins exactly at its place, with more samples."""
     hand[0] = arm.hand
     time, hand = refine(arm, time, hand)
-    return Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
+    return Movement.of_hand(arm, time, hand)
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class _Kind:
     promises: dict[str, bool]
     """Limits that the arena keeps, of which the problem should know."""
     way: Callable[[Any, np.ndarray, np.ndarray], Any]
-    """Trajectory of an arm from times and postures."""
+    """Movement of an arm from times and postures."""
 
 
 _KINDS = ByKind(

@@ -17,7 +17,7 @@ from gcm_learn.execution import (
     pool_for,
     situations_of,
 )
-from gcm_learn.planners import AnyPlan, get_planner
+from gcm_learn.planners import Plan, get_planner
 from gcm_learn.policies.plan import Share
 
 PLANNER = "layered"  # what it catches can be caught; of records its catches are shown
@@ -128,7 +128,7 @@ def _drawn(share: Share, plans: bool, settings: ArenaSettings) -> Lot:
     return lot
 
 
-def _path(plan: AnyPlan | None) -> Any:
+def _path(plan: Plan | None) -> Any:
     return plan.trajectory if plan is not None and plan.caught else None
 
 

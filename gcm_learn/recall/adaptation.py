@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from gcm_learn.arms import JOINTS
-from gcm_learn.motion import SPACING, SpatialTrajectory, first_interception, refine, spread
+from gcm_learn.motion import SPACING, Movement, first_interception, refine, spread
 from gcm_learn.planners import (
     Attempt,
     Plan,
@@ -114,12 +114,12 @@ class Tries(ABC):
         """Return buffers of kernels."""
 
     @abstractmethod
-    def attempt(self, work: Any, count: int, body: int) -> Attempt[Any]:
+    def attempt(self, work: Any, count: int, body: int) -> Attempt:
         """Return the path in the buffers as an attempt at a target."""
 
     def first_valid(
         self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
-    ) -> tuple[int, int, Attempt[Any] | None]:
+    ) -> tuple[int, int, Attempt | None]:
         """Find the first of the offered memories that is valid.
 
         Parameters
@@ -200,23 +200,23 @@ class JointTries(Tries):
         """Return buffers of kernels."""
         return joint_work()
 
-    def attempt(self, work: JointWork, count: int, body: int) -> Attempt[SpatialTrajectory]:
+    def attempt(self, work: JointWork, count: int, body: int) -> Attempt:
         """Return the movement in the buffers as an attempt."""
         rates = work.track.rates if self.problem.accelerates else None
         time, joints = work.best_time[:count], work.best_joints[:count]
         arm = self.problem.situation.arm
-        return Attempt(SpatialTrajectory(arm, time, joints, rates), body)
+        return Attempt(Movement(arm, time, joints, rates), body)
 
     def first_valid(
         self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
-    ) -> tuple[int, int, Attempt[Any] | None]:
+    ) -> tuple[int, int, Attempt | None]:
         """Find the first of the offered memories that is valid; see `Tries`."""
         if not self.problem.accelerates:
             budget = budget._replace(changes=self.bends)
         return super().first_valid(paths, offer, budget)
 
 
-def early_answer_in_space(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
+def early_answer_in_space(problem: SpatialProblem) -> Plan | None:
     """Return the answer that needs no memory: hopeless, blocked, or caught at t = 0."""
     return problem.early_answer(keeps_acceleration=True) or at_once(problem)
 

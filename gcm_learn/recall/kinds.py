@@ -11,7 +11,7 @@ import numpy as np
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, kind_of
 from gcm_learn.errors import ArmKindError, RecallError
 from gcm_learn.planners import (
-    AnyPlan,
+    Plan,
     Problem,
     SpatialProblem,
     earliest_straight,
@@ -58,9 +58,9 @@ class MemoryKind:
     """True if situations have cognitive maps."""
     problem: Callable[[Any, str], Any]
     """A situation on its way to a plan, and by which planner."""
-    straight: Callable[[Any], AnyPlan]
+    straight: Callable[[Any], Plan]
     """Plan of a problem straight to the earliest interception."""
-    early_answer: Callable[[Any], AnyPlan | None]
+    early_answer: Callable[[Any], Plan | None]
     """Answer to a problem without a memory, None if it takes one."""
     tries: Callable[[Any, Adaptation], Tries]
     """Memories tried on a problem."""
@@ -128,7 +128,7 @@ def same_kind(kind: Kind, situation: AnySituation) -> None:
         )
 
 
-def waypoints_of(situation: AnySituation, plan: AnyPlan) -> Waypoints:
+def waypoints_of(situation: AnySituation, plan: Plan) -> Waypoints:
     """Return the catch of a plan as memory keeps it.
 
     Parameters

@@ -17,7 +17,7 @@ import numpy as np
 from gcm_learn.arms.planar_limb import SIDE, elbows_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.recall.waypoints import Waypoints, path_of
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.scene.packing import pack_bodies
@@ -49,7 +49,7 @@ class Passing(NamedTuple):
         return "".join("l" if self.turn[k] > 0.0 else "r" for k in order)
 
 
-def passing(situation: Situation, trajectory: Trajectory) -> Passing:
+def passing(situation: Situation, trajectory: Movement) -> Passing:
     """How a movement passes the obstacles of a situation, in any frame."""
     arm, bodies = situation.arm, pack_bodies(situation)
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
@@ -64,9 +64,7 @@ def passing(situation: Situation, trajectory: Trajectory) -> Passing:
 def passing_of(situation: Situation, waypoints: Waypoints) -> Passing:
     """How a memory passes the obstacles of its own situation, which is canonical."""
     arm = situation.arm
-    return passing(
-        situation, Trajectory.of_hand(*path_of(waypoints, arm), arm.upper_arm, arm.elbow)
-    )
+    return passing(situation, Movement.of_hand(arm, *path_of(waypoints, arm)))
 
 
 @njit

@@ -50,7 +50,7 @@ _REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
 class Recollection:
     """How a plan was recalled."""
 
-    plan: Plan[Any]
+    plan: Plan
     memory: int | None
     """Which memory was valid."""
     checked: int
@@ -83,7 +83,7 @@ class RecallPlanner:
         known = [PLANAR, SPATIAL] if self.other is not None else [self.memory.kind]
         return kind in known
 
-    def plan(self, situation: AnySituation) -> Plan[Any]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         return self.recollect(situation).plan
 
@@ -122,12 +122,12 @@ def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = No
 
 
 def _first_plan(
-    problem: Task[Any],
+    problem: Task,
     tries: Tries,
     paths: tuple[np.ndarray, np.ndarray],
     offer: Offer,
     budget: Budget,
-) -> tuple[Plan[Any], int, int]:
+) -> tuple[Plan, int, int]:
     """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
     total = 0
     while total < budget.tries:
@@ -230,7 +230,7 @@ class HybridPlanner:
         situation: Any,
         bound: float | None = None,
         deadline: float | Deadline | None = None,
-    ) -> Plan[Any]:
+    ) -> Plan:
         """Answer a situation; the time of both is counted.
 
         Parameters

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcm_learn.arms import Arm, SpatialArm
 from gcm_learn.compiled import njit
-from gcm_learn.motion import SpatialTrajectory, Trajectory, opening
+from gcm_learn.motion import Movement, opening
 from gcm_learn.motion.timing import segment_times
 from gcm_learn.planners import Plan, study_of
 from gcm_learn.recall.hand_paths import ANGLE, RING
@@ -130,13 +130,13 @@ def hand_waypoints(situation: Situation, plan: Plan) -> Waypoints:
     return waypoints_of_path(situation, path, poses[body, :2])
 
 
-def waypoints_of_path(situation: Situation, trajectory: Trajectory, goal: np.ndarray) -> Waypoints:
+def waypoints_of_path(situation: Situation, trajectory: Movement, goal: np.ndarray) -> Waypoints:
     """Return a hand path as memory keeps it.
 
     Parameters
     ----------
     situation : Situation
-    trajectory : Trajectory
+    trajectory : Movement
     goal : (2,) ndarray
         Centre of the target at the path's end, in arm-plane coordinates.
     """
@@ -158,7 +158,7 @@ def waypoints_of_path(situation: Situation, trajectory: Trajectory, goal: np.nda
     return Waypoints(knots, np.array([turn, share], dtype=np.float32))
 
 
-def joint_waypoints(situation: Situation[SpatialArm], plan: Plan[SpatialTrajectory]) -> Waypoints:
+def joint_waypoints(situation: Situation[SpatialArm], plan: Plan) -> Waypoints:
     """Return the catch of a spatial arm as memory keeps it; see `waypoints_of`."""
     path, body = _caught(situation, plan)
     turned, frame = canonical(situation)
@@ -173,7 +173,7 @@ def joint_waypoints(situation: Situation[SpatialArm], plan: Plan[SpatialTrajecto
     return Waypoints(knots, goal.astype(np.float32))
 
 
-def _caught(situation: Situation[Any], plan: Plan[Any]) -> tuple[Any, int]:
+def _caught(situation: Situation[Any], plan: Plan) -> tuple[Any, int]:
     """Return the path of a catch and the index of its target."""
     if plan.trajectory is None or plan.catch_body is None:
         raise ValueError(f"plan: {plan.status}, only catches can be remembered")

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.rendering.camera import Faces
 from gcm_learn.rendering.colours import time_colours
 from gcm_learn.rendering.poses import JointSituation, body_poses
@@ -18,7 +18,7 @@ SAMPLES = 60  # points of a path
 
 
 def path_faces(
-    situation: JointSituation, trajectory: SpatialTrajectory, until: float | None = None
+    situation: JointSituation, trajectory: Movement, until: float | None = None
 ) -> Iterator[Faces]:
     """Yield the paths of the hand and, dashed, of the targets, up to a time [s]."""
     end = trajectory.duration

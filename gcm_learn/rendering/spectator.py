@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.rendering.bodies import body_faces
 from gcm_learn.rendering.camera import Window
 from gcm_learn.rendering.limbs import arm_faces
@@ -35,7 +35,7 @@ class Spectator:
         things = [*body_faces(situation, 0.0), *arm_faces(arm, arm.joints)]
         self.floor = floor_of(situation, things)
 
-    def picture(self, way: SpatialTrajectory, pixels: int) -> np.ndarray:
+    def picture(self, way: Movement, pixels: int) -> np.ndarray:
         """Return a picture (pixels, pixels, 3) uint8 of the end of a movement, with its paths."""
         situation, end = self.situation, way.duration
         things = [*body_faces(situation, end), *arm_faces(situation.arm, way.joints[-1])]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.rendering.bodies import body_faces
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
 from gcm_learn.rendering.limbs import arm_faces, limb_along
@@ -21,7 +21,7 @@ TRIED = 12  # instants of a movement that are looked at
 
 def view_of(
     situation: JointSituation,
-    trajectory: SpatialTrajectory | None = None,
+    trajectory: Movement | None = None,
     *,
     elevation: float = ELEVATION,
     turn: float = 0.0,
@@ -32,7 +32,7 @@ def view_of(
     ----------
     situation : Situation
         With an arm that moves in its joints.
-    trajectory : SpatialTrajectory, optional
+    trajectory : Movement, optional
 
     Other Parameters
     ----------------

@@ -14,7 +14,7 @@ from gcm_learn.arms import Arm
 from gcm_learn.collision.sweep import Sweep, least_in_segment, limb_sweep
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_shape, random_solid
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import (
@@ -34,6 +34,7 @@ from tests import strategies
 from tests.referee import by_hand, elbow_of, limb_distances, nearest
 
 FLAT = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+STRETCHED = Arm((2.0, 0.0), 3.0)
 BALL = Body("target", "ball", Disc(0.1), PlanarQuadratic((9.0, 9.0), (0.0, 0.0), (0.0, 0.0)))
 
 
@@ -48,7 +49,7 @@ def random_path(rng, arm, horizon, samples):
     for k in np.flatnonzero(rest):
         hand[k] = hand[k - 1]
     time = np.concatenate([[0.0], np.sort(rng.uniform(0.0, horizon, samples - 1))])
-    return Trajectory.of_hand(time, hand, arm.upper_arm, arm.elbow)
+    return Movement.of_hand(arm, time, hand)
 
 
 def brute(situation, path, instants=3000):
@@ -107,12 +108,14 @@ def scene(*obstacles, arm=None):
     bodies = [
         Body("obstacle", str(k), shape, motion) for k, (shape, motion) in enumerate(obstacles)
     ]
-    return Situation("scene", 10.0, arm or Arm((2.0, 0.0), 3.0), (BALL, *bodies))
+    return Situation("scene", 10.0, arm or STRETCHED, (BALL, *bodies))
 
 
 def resting(duration=1.0, hand=(2.0, 0.0), samples=2):
     """Return a path that stays; by default with the arm stretched out along x."""
-    return Trajectory.of_hand(np.linspace(0.0, duration, samples), np.tile(hand, (samples, 1)))
+    return Movement.of_hand(
+        STRETCHED, np.linspace(0.0, duration, samples), np.tile(hand, (samples, 1))
+    )
 
 
 def still(x, y):
@@ -164,7 +167,7 @@ def test_at_rest_it_is_the_distance():
 
 
 def test_a_single_sample_is_judged_where_it_is():
-    path = Trajectory.of_hand(np.zeros(1), np.array([[2.0, 0.0]]))
+    path = Movement.of_hand(STRETCHED, np.zeros(1), np.array([[2.0, 0.0]]))
     falling = PlanarQuadratic((0.7, 0.9), (0.0, -5.0), (0.0, 0.0))
     assert clearance(scene((Disc(0.2), falling)), path)[0] == pytest.approx(0.7)
 
@@ -189,7 +192,7 @@ def test_a_spinning_bar_comes_nearest_when_upright():
 def test_a_hand_that_reaches_over_a_body_is_judged_on_the_way():
     """The elbow swings out: the ends are clear, the middle is not."""
     time, hand = np.array([0.0, 1.0]), np.array([[1.0, 1.0], [1.0, -1.0]])
-    path = Trajectory.of_hand(time, hand)
+    path = Movement.of_hand(STRETCHED, time, hand)
     elbow = elbow_of(Arm((1.0, 0.0), 1.0), np.array([[1.0, 0.0]]))[0]
     obstacle = (Disc(0.05), still(*(1.02 * elbow)))
     assert min(clearance(scene(obstacle), resting(hand=h))[0] for h in hand) > 0.05
@@ -213,7 +216,7 @@ def test_a_bullet_between_two_samples_is_never_missed(moment, speed, along, slan
     found, when = clearance(scene((Disc(1e-4), motion)), resting())
     assert found <= 0.0
     assert abs(when - moment) * speed <= 0.1
-    short = Trajectory.of_hand(np.array([0.0, 0.9 * moment]), np.tile((2.0, 0.0), (2, 1)))
+    short = Movement.of_hand(STRETCHED, np.array([0.0, 0.9 * moment]), np.tile((2.0, 0.0), (2, 1)))
     if speed * moment * math.cos(slant) > 0.01:
         assert clearance(scene((Disc(1e-4), motion)), short)[0] > 0.0
 
@@ -256,7 +259,7 @@ def test_a_solid_bullet_through_the_plane_is_never_missed(seed):
 @pytest.mark.parametrize(("speed", "moment"), [(3.0, 1e-3), (10.0, 3e-4), (30.0, 1e-3)])
 def test_a_bullet_at_a_limb_that_starts_from_the_shoulder_is_never_missed(speed, moment):
     """With the hand on the shoulder, any direction of the upper arm is as good as another."""
-    path = Trajectory.of_hand(np.array([0.0, 0.01]), np.array([[0.0, 0.0], [-0.033, 0.0]]))
+    path = Movement.of_hand(STRETCHED, np.array([0.0, 0.01]), np.array([[0.0, 0.0], [-0.033, 0.0]]))
     motion = PlanarQuadratic((speed * moment, 0.5), (-speed, 0.0), (0.0, 0.0))
     situation = scene((Disc(1e-4), motion), arm=Arm((0.0, 0.0), 3.3))
     assert brute(situation, path) <= 0.0
@@ -269,9 +272,7 @@ def test_samples_that_add_nothing_change_nothing(seed):
     situation = random_planar(rng, (3, 5)) if seed % 2 else random_solid(rng)
     path = random_path(rng, situation.arm, situation.horizon, 9)
     time = np.unique(np.concatenate([path.time, rng.uniform(0.0, path.duration, 100)]))
-    finer = Trajectory.of_hand(
-        time, path.hand_at(time), situation.arm.upper_arm, situation.arm.elbow
-    )
+    finer = Movement.of_hand(situation.arm, time, path.hand_at(time))
     found, _ = clearance(situation, path)
     again, _ = clearance(situation, finer)
     assert (found <= 0.0) == (again <= 0.0)

@@ -10,9 +10,9 @@ import pytest
 from gcm_learn import planners
 from gcm_learn.motion.clearance import clearance
 from gcm_learn.motion.failures import Failure
+from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.timing import refine
-from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
 from gcm_learn.scene.packing import pack
@@ -52,7 +52,7 @@ def fine(env):
     """Return the hand's way with as many samples as plans have."""
     way, arm = env.trajectory, env.situation.arm
     time, hand = refine(arm, *refine(arm, way.time, way.hand))  # wild actions pass the shoulder
-    return Trajectory.of_hand(time, hand, arm.upper_arm)
+    return Movement.of_hand(arm, time, hand)
 
 
 @pytest.mark.parametrize("control", ["hand", "joint"])

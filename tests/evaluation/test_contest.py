@@ -20,8 +20,8 @@ from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged, resting
 from gcm_learn.motion import clearance
+from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import start_clearance
-from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.planners import solve
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
@@ -118,7 +118,7 @@ def test_clearances_are_those_of_the_verification(entries):
 
 def test_the_collision_point_is_where_the_limb_is_met():
     far = moving("ball", "target", (-1.0, 1.0), (0.0, 0.0))
-    way = Trajectory.of_hand(np.array([0.0, 0.5]), np.full((2, 2), (1.5, 0.0)))
+    way = Movement.of_hand(Arm((1.5, 0.0), 1.0), np.array([0.0, 0.5]), np.full((2, 2), (1.5, 0.0)))
     elbow = np.array([0.75, -np.sqrt(1.0 - 0.75**2)])  # of two equal limbs, right elbow
     for centre, part in ((1.1, "forearm"), (0.4, "upper arm")):
         joint = elbow if part == "forearm" else np.zeros(2)

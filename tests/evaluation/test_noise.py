@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import families
 from gcm_learn.evaluation.noise import Habit, Noise, _Memory, under_noise
 from gcm_learn.evaluation.suites import Entry
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.movement import Movement
 from gcm_learn.planners import get_planner
 from gcm_learn.scene.later import later
 from gcm_learn.situation.canonical import canonical
@@ -95,9 +95,7 @@ class Waverer:
         if self.asked == 1:
             return plan
         arm = situation.arm
-        rest = Trajectory.of_hand(
-            np.array([0.0, 9.0]), np.array([arm.hand, arm.hand]), arm.upper_arm, arm.elbow
-        )
+        rest = Movement.of_hand(arm, np.array([0.0, 9.0]), np.array([arm.hand, arm.hand]))
         return replace(plan, status="caught", trajectory=rest)
 
 

@@ -12,7 +12,7 @@ from gcm_learn.arms import Arm
 from gcm_learn.charts import Lattice
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.maps import CognitiveMap, build_map, descend
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 from tests.referee import by_hand, nearest
@@ -45,9 +45,7 @@ def turning(points):
 
 def start_distance(situation):
     """Distance of the limb to the obstacles at t = 0."""
-    path = Trajectory.of_hand(
-        np.zeros(1), np.array([situation.arm.hand]), situation.arm.upper_arm, situation.arm.elbow
-    )
+    path = Movement.of_hand(situation.arm, np.zeros(1), np.array([situation.arm.hand]))
     start = np.zeros(1)
     return nearest(situation, lambda t: by_hand(situation.arm, path, t), start)
 

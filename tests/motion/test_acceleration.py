@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.motion.acceleration import braked, dash, tracked
 from gcm_learn.scene import pack
 from tests.motion.test_joint_verification import ARM, situation
@@ -97,7 +97,7 @@ def test_a_tracked_path_keeps_accelerations_and_comes_nearer_the_more_it_may(cor
 def test_a_tracked_path_that_waits_rests(corner, kept, rests):
     time, path = (part[kept] for part in corner)
     curve = tracked(time, path, np.zeros(4), np.full(4, 400.0))
-    assert SpatialTrajectory(LIMITED, *curve).rests is rests
+    assert Movement(LIMITED, *curve).rests is rests
 
 
 def test_what_cannot_be_tracked_falls_short_of_its_end(corner):
@@ -110,7 +110,7 @@ def test_a_movement_ends_at_rest_as_soon_as_it_can(seed):
     """Each joint with its limit, all the way; the others go on meanwhile."""
     rng = np.random.default_rng(seed)
     rates = rng.uniform(-3.0, 3.0, 4) * (rng.random(4) < 0.8)
-    plan = SpatialTrajectory(LIMITED, np.array([0.7]), np.zeros((1, 4)), rates[None])
+    plan = Movement(LIMITED, np.array([0.7]), np.zeros((1, 4)), rates[None])
     whole = braked(plan, np.array(FORCES))
     assert whole.duration == pytest.approx(0.7 + np.max(np.abs(rates) / FORCES))
     assert np.allclose(whole.rates[-1], 0.0, atol=1e-12)
@@ -126,7 +126,7 @@ def test_a_joint_that_brakes_stays_in_its_range():
     """Its end takes what speed is left, at once where there is no room at all."""
     high = np.array([pair[1] for pair in ARM.joint_range])
     near = high - [0.3, 0.01, 0.0, 0.0]
-    plan = SpatialTrajectory(LIMITED, np.zeros(1), near[None], np.full((1, 4), 3.0))
+    plan = Movement(LIMITED, np.zeros(1), near[None], np.full((1, 4), 3.0))
     whole = braked(plan, np.array(FORCES))
     fine = whole.states_at(np.linspace(0.0, whole.duration, 4001))[0]
     assert (fine <= high + 1e-6).all()
@@ -136,5 +136,5 @@ def test_a_joint_that_brakes_stays_in_its_range():
 def test_joints_that_stop_together_are_one_sample():
     """However rounding has it."""
     rates = np.array([0.3, 0.2 * (1.0 + 1e-15), 0.4, 0.25])
-    plan = SpatialTrajectory(LIMITED, np.array([1.1]), np.zeros((1, 4)), rates[None])
+    plan = Movement(LIMITED, np.array([1.1]), np.zeros((1, 4)), rates[None])
     assert braked(plan, np.array(FORCES)).time.size == 2

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import SpatialArm, forward_in_space
-from gcm_learn.motion import Failure, SpatialTrajectory, opening, verify
+from gcm_learn.motion import Failure, Movement, opening, verify
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 
@@ -36,7 +36,7 @@ def situation(arm=ARM, obstacles=(), horizon=1.0):
 
 def verdict(of, time, joints, rates=None):
     scene = pack(of)
-    moves = SpatialTrajectory(of.arm, np.array(time), np.array(joints, dtype=float), rates)
+    moves = Movement(of.arm, np.array(time), np.array(joints, dtype=float), rates)
     return verify(scene, opening(scene).rules, moves, 0)
 
 
@@ -203,4 +203,4 @@ def test_bodies_are_judged_in_the_world_wherever_the_base_is():
 def test_rates_without_limits_of_acceleration_are_refused():
     time, joints, rates = np.array([0.0, 0.5]), np.array([ARM.joints, GOAL]), np.zeros((2, 4))
     with pytest.raises(ValueError, match="no max_joint_acceleration"):
-        SpatialTrajectory(ARM, time, joints, rates)
+        Movement(ARM, time, joints, rates)

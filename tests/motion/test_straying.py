@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms import Arm
-from gcm_learn.motion import Failure, Trajectory, refine, rules_of, verify
+from gcm_learn.motion import Failure, Movement, refine, rules_of, verify
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 
@@ -17,7 +17,7 @@ SCENE = pack(Situation("near", 1.0, ARM, (Body("target", "ball", Disc(0.05), STI
 
 def judged(time, hand):
     """The verdict on a hand's path to the ball."""
-    moves = Trajectory.of_hand(time, hand, ARM.upper_arm, ARM.elbow)
+    moves = Movement.of_hand(ARM, time, hand)
     return moves, verify(SCENE, rules_of(SCENE), moves, 0)
 
 

@@ -13,7 +13,7 @@ from gcm_learn import seeding
 from gcm_learn.arms import Arm, forward, joint_angles
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.motion.interception import (
     NOWHERE,
     first_catch,
@@ -68,7 +68,7 @@ def test_segments_take_as_long_as_their_slowest_joint(seed):
         segment_times(Arm(tuple(hand[0]), 2.0), hand), steps / 2.0, rtol=1e-6
     )
     arm = Arm(tuple(hand[0]), 1e6, max_joint_speed=(1.0, 2.0))
-    path = Trajectory.of_hand(np.arange(20.0), hand)  # a second for every segment
+    path = Movement.of_hand(arm, np.arange(20.0), hand)  # a second for every segment
     slowest = (rates(arm, path, 64) / arm.max_joint_speed).max(axis=1)
     least = segment_times(arm, hand)
     assert (least >= slowest * (1.0 - 1e-9)).all()

@@ -15,7 +15,7 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.errors import SituationError
-from gcm_learn.motion import SpatialTrajectory, rules_of, verify
+from gcm_learn.motion import Movement, rules_of, verify
 from gcm_learn.motion.rules import CATCH_SAFETY, SAFETY
 from gcm_learn.planners import Plan, plan_to_json
 from gcm_learn.scene import pack
@@ -155,7 +155,7 @@ def both(situation, path):
         return None  # the arm does not start within its limits
     scene = pack(record)
     columns = {name: np.array(column) for name, column in path.items()}
-    moves = SpatialTrajectory(record.arm, columns["time"], columns["joints"], columns.get("rates"))
+    moves = Movement(record.arm, columns["time"], columns["joints"], columns.get("rates"))
     verdict = verify(scene, rules_of(scene), moves, len(record.bodies) - 1)
     arm = situation["arm"]
     room, _ = lowest_room(situation, *curve_of(arm, path), geometry_of(arm))

@@ -9,7 +9,7 @@ import pytest
 
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Polygon, Situation, solve
 from gcm_learn.charts.lattice import Lattice
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt
 from gcm_learn.planners.feedback import AROUND, WIDER, Exploration, Feedback
@@ -30,7 +30,7 @@ def failure(touched):
     """A hand that goes along y = 0.5 from x = 1 at t = 0 to x = 0 at t = 1, touched on the way."""
     time = np.linspace(0.0, 1.0, 11)
     hand = np.stack([1.0 - time, np.full(11, 0.5)], axis=-1)
-    attempt = Attempt(Trajectory.of_hand(time, hand, 1.0, "right"), 0)
+    attempt = Attempt(Movement.of_hand(Arm((1.0, 0.5), 1.0), time, hand), 0)
     return attempt, Verdict(False, -0.1, collision_time=touched)
 
 

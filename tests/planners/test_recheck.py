@@ -9,7 +9,7 @@ import pytest
 
 from gcm_learn.families import thrown_scene
 from gcm_learn.families.paper import PAPER_SCENES
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners import solve
 from gcm_learn.planners.recheck import broken_promise
 
@@ -33,7 +33,7 @@ def spatial_case():
 
 
 def with_way(plan, time, hand, **changes):
-    way = Trajectory.of_hand(time, hand)
+    way = Movement.of_hand(plan.trajectory.arm, time, hand)
     return dataclasses.replace(plan, trajectory=way, **{"catch_time": way.duration, **changes})
 
 
@@ -83,11 +83,11 @@ def break_clearance(plan):
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
-        (break_start, "start at the hand"),
+        (break_start, Failure.WRONG_START.value),
         (break_end, "end at the catch"),
-        (break_speed, "hand too fast"),
-        (break_catch, "not at the target"),
-        (break_clearance, "touches"),
+        (break_speed, "max_hand_speed"),
+        (break_catch, "misses the target"),
+        (break_clearance, "touched"),
     ],
 )
 def test_every_promise_is_looked_at(planar_case, damage, said):
@@ -98,7 +98,9 @@ def test_every_promise_is_looked_at(planar_case, damage, said):
 def test_joint_speeds_are_looked_at(planar_case):
     situation, plan = planar_case
     slow = dataclasses.replace(situation.arm, max_joint_speed=(0.01, 0.01))
-    assert "joint" in broken_promise(dataclasses.replace(situation, arm=slow), plan)
+    assert "joint" in broken_promise(
+        dataclasses.replace(situation, arm=slow), moved(plan, arm=slow)
+    )
 
 
 def moved(plan, **changes):
@@ -129,7 +131,7 @@ def other_arm(plan):
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
-        (other_start, "start at the hand"),
+        (other_start, Failure.WRONG_START.value),
         (break_end, "end at the catch"),
         (lambda plan: dataclasses.replace(plan, catch_body="nobody"), "no target"),
         (too_fast, "max_joint_speed"),

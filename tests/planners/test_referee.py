@@ -9,7 +9,7 @@ import pytest
 
 from gcm_learn import solve
 from gcm_learn.arms import Arm
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import Movement
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack
@@ -45,8 +45,8 @@ def tampered(plan, **changes):
     path = plan.trajectory
     time, hand = changes.get("time", path.time), changes.get("hand", path.hand)
     joints = changes.get("joints")
-    fresh = Trajectory.of_hand(time, hand, ARM.upper_arm, ARM.elbow)
-    path = fresh if joints is None else Trajectory(time, hand, joints)
+    fresh = Movement.of_hand(ARM, time, hand)
+    path = fresh if joints is None else Movement(ARM, time, joints, path=hand)
     return replace(plan, trajectory=path, catch_time=float(time[-1]))
 
 
@@ -129,7 +129,8 @@ def test_wrong_joints_are_noticed(plan):
     wrapped = joints.copy()
     wrapped[5:, 0] += 2.0 * np.pi
     assert "continuous" in " ".join(judge(SCENE, tampered(plan, joints=wrapped)).complaints)
-    other = Trajectory.of_hand(plan.trajectory.time, plan.trajectory.hand, 1.0, "left").joints
+    left = replace(ARM, elbow="left")
+    other = Movement.of_hand(left, plan.trajectory.time, plan.trajectory.hand).joints
     assert "elbow" in " ".join(judge(SCENE, tampered(plan, joints=other)).complaints)
 
 

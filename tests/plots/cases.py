@@ -11,7 +11,7 @@ from tests.panda import PANDA
 from tests.rendering.test_rendering import turning
 from tests.spatial import EXAMPLES
 
-Case = tuple[Any, Plan[Any]]
+Case = tuple[Any, Plan]
 
 
 def planar() -> Case:
@@ -36,7 +36,7 @@ CASES = {"planar": planar, "spatial": spatial, "chain": chain}
 AMONG_SOLIDS = {name: CASES[name] for name in ("spatial", "chain")}
 
 
-def plan_of(situation: Any, trajectory: Any = None) -> Plan[Any]:
+def plan_of(situation: Any, trajectory: Any = None) -> Plan:
     """Return a plan with a movement that is said to catch, or one without a catch."""
     caught = trajectory is not None
     return Plan(

@@ -10,7 +10,7 @@ from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.motion.clearance import clearance
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.movement import Movement
 from gcm_learn.recall.features import TOUCH, batched
 from gcm_learn.recall.hand_features import (
     CELLS,
@@ -83,7 +83,7 @@ def test_cells_say_what_a_resting_limb_meets():
             r = arm.inner_reach + RINGS[i] * (arm.reach - arm.inner_reach)
             a = start + side * 2.0 * np.pi * j / DIRECTIONS
             hand = np.array([[np.cos(a), np.sin(a)]]) * r
-            way = Trajectory.of_hand(np.array([0.0]), hand, arm.upper_arm, arm.elbow)
+            way = Movement.of_hand(arm, np.array([0.0]), hand)
             room = clearance(situation, way)[0]
             if abs(room) < 1e-3:
                 continue

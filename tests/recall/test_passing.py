@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import Arm
-from gcm_learn.motion.trajectory import Trajectory
+from gcm_learn.motion.movement import Movement
 from gcm_learn.recall.passing import NEAR, passing, passing_of
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.situation.canonical import canonical
@@ -30,7 +30,7 @@ def straight(bend=0.0, duration=0.8, n=60):
     """From (1.2, 0.9) to (-1.2, 0.9), aside by `bend` in the middle."""
     s = np.linspace(0.0, 1.0, n)
     hand = np.stack([1.2 - 2.4 * s, 0.9 + bend * np.sin(np.pi * s)], axis=1)
-    return Trajectory.of_hand(s * duration, hand)
+    return Movement.of_hand(Arm((1.2, 0.9), 4.0), s * duration, hand)
 
 
 def test_a_hand_that_goes_left_has_what_is_above_on_its_right():
@@ -69,11 +69,11 @@ def test_sides_turn_and_mirror_with_the_situation(catches, traces):
         flip = np.diag([1.0, -1.0])
         flipped = mirrored(situation)
         way = plan.trajectory
-        other = Trajectory.of_hand(way.time, way.hand @ flip, 1.0, flipped.arm.elbow)
+        other = Movement.of_hand(flipped.arm, way.time, way.hand @ flip)
         here = passing(flipped, replace(other, joints=way.joints))
         np.testing.assert_allclose(here.turn, there.turn, atol=1e-9)
         c, s = np.cos(1.1), np.sin(1.1)
-        about = Trajectory.of_hand(way.time, way.hand @ np.array([[c, s], [-s, c]]))
+        about = Movement.of_hand(situation.arm, way.time, way.hand @ np.array([[c, s], [-s, c]]))
         np.testing.assert_allclose(
             passing(turned(situation, 1.1), about).turn, there.turn, atol=1e-9
         )

@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 
 from gcm_learn import rendering
 from gcm_learn.arms import hands_along
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.rendering import solids
 from gcm_learn.situation import Box, Capsule, Cylinder, Sphere, read_situations
 from tests.panda import PANDA
@@ -26,7 +26,7 @@ def turning(situation, duration=None):
     arm = situation.arm
     middle = np.array(arm.joint_range).mean(axis=1)
     end = situation.horizon if duration is None else duration
-    return SpatialTrajectory(arm, np.array([0.0, end]), np.array([arm.joints, middle]))
+    return Movement(arm, np.array([0.0, end]), np.array([arm.joints, middle]))
 
 
 def near(image, colour, tolerance=0.12):

@@ -15,8 +15,8 @@ from gcm_learn import solve
 from gcm_learn.arms import quaternion_of, rotation_of
 from gcm_learn.families import random_planar
 from gcm_learn.families.random_solid import random_rotation, random_solid
+from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import rules_of
-from gcm_learn.motion.trajectory import Trajectory
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene.packing import pack, pose
 from gcm_learn.situation import situation_to_json
@@ -93,7 +93,7 @@ def test_a_catch_in_the_canonical_form_is_one_where_it_came_from(make):
         hand[0] = situation.arm.hand
         arm = situation.arm
         slower = plan.trajectory.time  # the same times: turning keeps speeds
-        way = Trajectory.of_hand(slower, hand, arm.upper_arm, arm.elbow)
+        way = Movement.of_hand(arm, slower, hand)
         body = [b.name for b in situation.bodies].index(plan.catch_body)
         scene = pack(situation)
         verdict = verify(scene, rules_of(scene), way, body)

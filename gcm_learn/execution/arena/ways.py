@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.arms import JOINTS, PLANAR, SPATIAL, Arm, ByKind, SpatialArm
-from gcm_learn.motion import SpatialTrajectory, Trajectory
+from gcm_learn.motion import Movement
 
 
 def way_of(arm: Any, time: np.ndarray, posture: np.ndarray) -> Any:
@@ -16,15 +16,15 @@ def way_of(arm: Any, time: np.ndarray, posture: np.ndarray) -> Any:
     return _WAYS.of(arm)(arm, time, posture)
 
 
-def _way_of_hand(arm: Arm, time: np.ndarray, posture: np.ndarray) -> Trajectory:
-    return Trajectory.of_hand(time, posture, arm.upper_arm, arm.elbow)
+def _way_of_hand(arm: Arm, time: np.ndarray, posture: np.ndarray) -> Movement:
+    return Movement.of_hand(arm, time, posture)
 
 
-def _way_of_joints(arm: SpatialArm, time: np.ndarray, posture: np.ndarray) -> SpatialTrajectory:
+def _way_of_joints(arm: SpatialArm, time: np.ndarray, posture: np.ndarray) -> Movement:
     new = np.append(True, np.diff(time) > 0.0)  # a catch at t = 0 takes no time
     joints, rates = posture[new, :JOINTS], posture[new, JOINTS:]
     limited = arm.max_joint_acceleration is not None
-    return SpatialTrajectory(arm, time[new], joints, rates if limited else None)
+    return Movement(arm, time[new], joints, rates if limited else None)
 
 
 _WAYS: ByKind[Callable[[Any, np.ndarray, np.ndarray], Any]] = ByKind(

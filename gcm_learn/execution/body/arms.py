@@ -17,7 +17,7 @@ from gcm_learn.execution.arena.pool import Pool
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.execution.body.plant import PhysicalPlant
 from gcm_learn.execution.body.settings import PhysicalSettings
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 
 KEPT = 256
 """Plants that wait for their situations to come again, at most; about a megabyte each."""
@@ -55,7 +55,7 @@ class PhysicalArms(Batch):
         super().put(arms, places)
         self._tell_torques(arms.tolist())
 
-    def way(self, e: int, time: np.ndarray, posture: np.ndarray) -> SpatialTrajectory:
+    def way(self, e: int, time: np.ndarray, posture: np.ndarray) -> Movement:
         """As `Batch` says; linear between steps of the physics."""
         return self.plants[e].movement
 

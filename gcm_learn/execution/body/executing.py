@@ -19,7 +19,7 @@ from gcm_learn.execution.body.plant import Contact, PhysicalPlant
 from gcm_learn.execution.loop.closed_loop import Loop, Mind, run_closed_loop
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.execution.loop.following import begun
-from gcm_learn.motion import SpatialTrajectory, braked
+from gcm_learn.motion import Movement, braked
 from gcm_learn.planners import Plan
 from gcm_learn.situation import ArmBody, Situation
 
@@ -68,13 +68,13 @@ class Execution:
     """Time from the catch until the arm rested [s]."""
     braked_into: Contact | None = None
     """Contact of the limb after the catch."""
-    plan: SpatialTrajectory | None = None
-    """Trajectory that was followed: the plan, and braking after it."""
+    plan: Movement | None = None
+    """Movement that was followed: the plan, and braking after it."""
     plant: PhysicalPlant | None = None
     """With its logs."""
 
     @property
-    def movement(self) -> SpatialTrajectory:
+    def movement(self) -> Movement:
         """Return the movement until the catch or the end; linear between steps.
 
         Raises
@@ -89,7 +89,7 @@ class Execution:
         plant = self.plant
         steps = np.arange(_ended(plant) + 1)
         arm = plant.situation.arm
-        return SpatialTrajectory(arm, steps * STEP, plant.joints_log[steps].copy())
+        return Movement(arm, steps * STEP, plant.joints_log[steps].copy())
 
     @property
     def caught(self) -> bool:
@@ -98,7 +98,7 @@ class Execution:
 
 
 def execute(
-    plan: Plan[SpatialTrajectory],
+    plan: Plan,
     situation: Situation[SpatialArm],
     body: ArmBody | str | Path | None = None,
     controller: Controller | None = None,
@@ -189,7 +189,7 @@ def execute_seen(
     return _seen(plant, name, _ended(plant))
 
 
-def _exactly(plan: Plan[SpatialTrajectory], situation: Situation[SpatialArm]) -> Execution:
+def _exactly(plan: Plan, situation: Situation[SpatialArm]) -> Execution:
     if plan.trajectory is None:
         return Execution(situation.name, plan.planner, "no plan", message=plan.message)
     exact = ExactPlant(situation)
@@ -222,9 +222,7 @@ def _seen(plant: PhysicalPlant, planner: str, ended: int) -> Execution:
     )
 
 
-def _report(
-    plan: Plan[SpatialTrajectory], whole: SpatialTrajectory, plant: PhysicalPlant, ended: int
-) -> Execution:
+def _report(plan: Plan, whole: Movement, plant: PhysicalPlant, ended: int) -> Execution:
     """Return the measures of a movement that followed a plan."""
     out = replace(
         _seen(plant, plan.planner, ended),
@@ -242,9 +240,7 @@ def _report(
     )
 
 
-def _errors(
-    plan: SpatialTrajectory, plant: PhysicalPlant, steps: np.ndarray
-) -> tuple[float, float, float]:
+def _errors(plan: Movement, plant: PhysicalPlant, steps: np.ndarray) -> tuple[float, float, float]:
     there = forward_in_space(plan.arm, plant.joints_log[steps])[1]
     wanted = forward_in_space(plan.arm, plan.states_at(steps * STEP)[0])[1]
     off = np.linalg.norm(there - wanted, axis=1) * plant.body.metres

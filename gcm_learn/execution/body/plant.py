@@ -15,7 +15,7 @@ from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNN
 from gcm_learn.execution.body.control import Controller, following
 from gcm_learn.execution.body.laws import laws
 from gcm_learn.execution.body.model import STEP, model_of, mujoco
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.motion.joint_interception import met_at
 from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.scene import JointLimits as JointLimits
@@ -148,12 +148,12 @@ class PhysicalPlant:
         return self.steps if self.contact is None else round(self.contact.time / STEP)
 
     @property
-    def movement(self) -> SpatialTrajectory:
+    def movement(self) -> Movement:
         """Movement of the arm until it `ended`; linear between steps."""
         steps = np.arange(self.ended + 1)
-        return SpatialTrajectory(self.situation.arm, steps * STEP, self.joints_log[steps].copy())
+        return Movement(self.situation.arm, steps * STEP, self.joints_log[steps].copy())
 
-    def follow(self, plan: SpatialTrajectory, until: float) -> None:
+    def follow(self, plan: Movement, until: float) -> None:
         """Follow a plan, whose times are this plant's, until a time [s] or until it is over."""
         times = np.arange(self.steps, self._steps_until(until) + 1) * STEP
         if times.size < 2:

@@ -19,7 +19,7 @@ from gcm_learn.execution.arena.kernels.world import RUNNING
 from gcm_learn.execution.loop.belief import ACCELERATION, Belief
 from gcm_learn.execution.loop.following import LedPlant, at_first, begun, led, rest_of
 from gcm_learn.execution.loop.perception import Perception
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.situation import Situation
 
 TRIES = 4  # at a plan, each of which allows for the time that the last one took
@@ -31,7 +31,7 @@ class Occasion(NamedTuple):
 
     believed: Situation[SpatialArm]
     """The world from now on, with the arm as it is led now."""
-    left: SpatialTrajectory
+    left: Movement
     """Rest of the trajectory that is followed, on a clock of its own; it ends at rest."""
     thoughts: int
     """How often the agent thought before."""
@@ -43,7 +43,7 @@ class Mind(Protocol):
     def wants(self, occasion: Occasion) -> bool:
         """Return whether it thinks now."""
 
-    def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
+    def plan(self, believed: Situation[SpatialArm]) -> Movement | None:
         """A movement from t = 0 of what is believed on; None to go on as before."""
 
 
@@ -94,7 +94,7 @@ class _Pending:
 
     due: int
     """Look from which on its plan is followed."""
-    plan: SpatialTrajectory | None
+    plan: Movement | None
 
 
 class _Episode:

@@ -9,7 +9,7 @@ from gcm_learn.arms.curves import hermite, line, part
 from gcm_learn.collision.postures import desk_of, least_on
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
-from gcm_learn.motion import SpatialTrajectory, rules_of
+from gcm_learn.motion import Movement, rules_of
 from gcm_learn.motion.joint_interception import first_meeting
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Situation
@@ -46,12 +46,12 @@ class ExactPlant:
         """(3,), in the world."""
         return forward_in_space(self.situation.arm, self.joints[None])[1][0]
 
-    def follow(self, trajectory: SpatialTrajectory, until: float) -> None:
+    def follow(self, trajectory: Movement, until: float) -> None:
         """Let the world go on until a time, or until the episode is over.
 
         Parameters
         ----------
-        trajectory : SpatialTrajectory
+        trajectory : Movement
             On the world's clock; it is now where the arm is.
         until : float
             [s]
@@ -70,7 +70,7 @@ class ExactPlant:
         if self.outcome == RUNNING and self.time >= horizon:
             self.outcome = LATE
 
-    def _go(self, trajectory: SpatialTrajectory, until: float) -> None:
+    def _go(self, trajectory: Movement, until: float) -> None:
         """Go on to a time before which the trajectory has no other sample."""
         curve = _move(trajectory, self.time, until)
         code, when = _happens(self._scene, curve, self.time, until, self._shortest, self._desk)
@@ -82,7 +82,7 @@ class ExactPlant:
         self.joints, self.rates = joints[0], rates[0]
 
 
-def _move(trajectory: SpatialTrajectory, since: float, until: float) -> np.ndarray:
+def _move(trajectory: Movement, since: float, until: float) -> np.ndarray:
     """The move (4, 4) between two times; between them, or at one of them, there is no sample."""
     time, joints, rates = trajectory.time, trajectory.joints, trajectory.rates
     move, whole = np.empty((JOINTS, 4)), np.empty((JOINTS, 4))

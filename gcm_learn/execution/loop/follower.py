@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.arms import JOINTS, PLANAR, SPATIAL, ByKind
 from gcm_learn.execution.arena.pool import Pool
 from gcm_learn.execution.loop.episode import Agent, Moment, into_frame
-from gcm_learn.motion import SpatialTrajectory, Trajectory
+from gcm_learn.motion import Movement
 
 
 class HandFollower:
@@ -18,7 +18,7 @@ class HandFollower:
 
     Parameters
     ----------
-    plans : sequence of Trajectory
+    plans : sequence of Movement
         One for each arm, in canonical coordinates.
     speed : (n,) ndarray
         Of the hands [forearms/s].
@@ -26,7 +26,7 @@ class HandFollower:
         Of a step [s].
     """
 
-    def __init__(self, plans: Sequence[Trajectory], speed: np.ndarray, dt: float) -> None:
+    def __init__(self, plans: Sequence[Movement], speed: np.ndarray, dt: float) -> None:
         most = max(len(plan.time) for plan in plans)
         self._speed, self._dt = speed, dt
         self._end = np.array([plan.duration for plan in plans])
@@ -64,13 +64,13 @@ class JointFollower:
 
     Parameters
     ----------
-    plans : sequence of SpatialTrajectory
+    plans : sequence of Movement
         One for each arm.
     dt : float
         Of a step [s].
     """
 
-    def __init__(self, plans: Sequence[SpatialTrajectory], dt: float) -> None:
+    def __init__(self, plans: Sequence[Movement], dt: float) -> None:
         self._dt = dt
         self._top = np.array([plan.arm.max_joint_speed for plan in plans])
         most = int(np.ceil(max(plan.duration for plan in plans) / dt)) + 1
@@ -116,7 +116,7 @@ def follower_of(plans: Sequence[Any], pool: Pool, dt: float) -> Agent:
 
     Parameters
     ----------
-    plans : sequence of Trajectory or SpatialTrajectory
+    plans : sequence of Movement
         One for each situation of the pool, in its coordinates.
     pool : Pool
     dt : float

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from gcm_learn.arms import JOINTS, SpatialArm
-from gcm_learn.motion import SpatialTrajectory, braked
+from gcm_learn.motion import Movement, braked
 
 
 class LedPlant(Protocol):
@@ -41,11 +41,11 @@ class LedPlant(Protocol):
     def catch_time(self) -> float | None:
         """[s]"""
 
-    def follow(self, trajectory: SpatialTrajectory, until: float, /) -> None:
+    def follow(self, trajectory: Movement, until: float, /) -> None:
         """Let the world go on until a time [s], or until the episode is over."""
 
 
-def begun(arm: SpatialArm, plan: SpatialTrajectory, since: float) -> SpatialTrajectory:
+def begun(arm: SpatialArm, plan: Movement, since: float) -> Movement:
     """A plan that begins at a time [s]; after its end the arm brakes to rest."""
     clocked = replace(plan, arm=arm, time=plan.time + since)
     if arm.max_joint_acceleration is None:
@@ -53,13 +53,13 @@ def begun(arm: SpatialArm, plan: SpatialTrajectory, since: float) -> SpatialTraj
     return braked(clocked, np.array(arm.max_joint_acceleration))
 
 
-def at_first(arm: SpatialArm) -> SpatialTrajectory:
+def at_first(arm: SpatialArm) -> Movement:
     """Return the trajectory of an arm without a plan: it rests, or comes to rest."""
     rates = None if arm.joint_rates is None else np.array([arm.joint_rates])
-    return begun(arm, SpatialTrajectory(arm, np.zeros(1), np.array([arm.joints]), rates), 0.0)
+    return begun(arm, Movement(arm, np.zeros(1), np.array([arm.joints]), rates), 0.0)
 
 
-def led(arm: SpatialArm, trajectory: SpatialTrajectory, t: float) -> SpatialArm:
+def led(arm: SpatialArm, trajectory: Movement, t: float) -> SpatialArm:
     """The arm as it stands and moves at a time [s] of a trajectory.
 
     Rounding beyond its limits is cut off.  Without limits of acceleration it may rest
@@ -75,13 +75,13 @@ def led(arm: SpatialArm, trajectory: SpatialTrajectory, t: float) -> SpatialArm:
     return replace(arm, joints=there, joint_rates=moving)
 
 
-def rest_of(trajectory: SpatialTrajectory, now: float) -> SpatialTrajectory:
+def rest_of(trajectory: Movement, now: float) -> Movement:
     """Return the rest of a trajectory from now on [s], on a clock that begins now."""
     joints, rates, _ = trajectory.states_at(np.array([now]))
     after, moving = trajectory.time > now, None
     if trajectory.rates is not None:
         moving = np.vstack([rates.reshape(1, JOINTS), trajectory.rates[after]])
-    return SpatialTrajectory(
+    return Movement(
         trajectory.arm,
         np.append(0.0, trajectory.time[after] - now),
         np.vstack([joints, trajectory.joints[after]]),

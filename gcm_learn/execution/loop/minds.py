@@ -16,7 +16,7 @@ from gcm_learn.execution.arena.ways import way_of
 from gcm_learn.execution.loop.closed_loop import Occasion
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.execution.loop.one_step import OneStep
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.situation import Situation
 
 HABITS = ("once", "always", "broken")
@@ -48,9 +48,9 @@ class Planning:
             return occasion.thoughts == 0
         return self.habit == "always" or not holds(occasion)
 
-    def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
+    def plan(self, believed: Situation[SpatialArm]) -> Movement | None:
         """The planner's movement."""
-        found: SpatialTrajectory | None = self.planner.plan(believed).trajectory
+        found: Movement | None = self.planner.plan(believed).trajectory
         return found
 
 
@@ -82,7 +82,7 @@ class Commanding:
         """It always does."""
         return True
 
-    def plan(self, believed: Situation[SpatialArm]) -> SpatialTrajectory | None:
+    def plan(self, believed: Situation[SpatialArm]) -> Movement | None:
         """The movement of the next step; after it the arm would come to rest."""
         step = OneStep(believed, self.settings)
         posture = np.stack([step.posture, step.after(self.policy(step.told)[0])])

@@ -13,7 +13,7 @@ import numpy as np
 
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.motion import Failure
 from gcm_learn.motion.joint_interception import fastest_hand, met_at
 from gcm_learn.planners.completion import SpatialProblem, checked
 from gcm_learn.planners.joints.moves import study_of, time_of
@@ -112,9 +112,7 @@ def descend_in_space(study, field, points):
     return -1
 
 
-def potential_plan(
-    problem: SpatialProblem, influence: float, gain: float
-) -> Plan[SpatialTrajectory]:
+def potential_plan(problem: SpatialProblem, influence: float, gain: float) -> Plan:
     """Roll the field out in the known world and verify what comes of it."""
     study, points = study_of(problem.scene, problem.rules), np.empty((STEPS + 1, 4))
     count = descend_in_space(study, SpatialField(influence, gain), points)

@@ -19,7 +19,7 @@ from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.motion import Failure
 from gcm_learn.motion.interception import first_interception, target_distance
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.baselines.joint_potential import potential_plan
@@ -120,11 +120,11 @@ class PotentialPlanner:
         """Return whether there is a field for arms of a kind."""
         return _BY_KIND.takes(kind)
 
-    def plan(self, situation: AnySituation) -> Plan[Any]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         return _BY_KIND.of(situation)(self, situation)
 
-    def _in_space(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+    def _in_space(self, situation: AnySituation) -> Plan:
         problem = SpatialProblem(situation, self.name)
         return problem.early_answer() or potential_plan(problem, self.influence, self.gain)
 

@@ -35,7 +35,6 @@ from gcm_learn.motion import (
     HOLE_MARGIN,
     Failure,
     Reason,
-    SpatialTrajectory,
     anywhere,
     first_interception,
     straight_path,
@@ -52,7 +51,7 @@ from gcm_learn.planners.completion import (
     checked,
     finish,
 )
-from gcm_learn.planners.plan import AnyPlan, Movement, Plan
+from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
@@ -104,8 +103,8 @@ class STRRTStarPlanner:
     @overload
     def plan(self, situation: Situation) -> Plan: ...
     @overload
-    def plan(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]: ...
-    def plan(self, situation: AnySituation) -> AnyPlan:
+    def plan(self, situation: Situation[SpatialArm]) -> Plan: ...
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         if self.budget_ms is not None:
             return self._plans(situation, (self.budget_ms,), NO_END)[0]
@@ -118,7 +117,7 @@ class STRRTStarPlanner:
     @overload
     def plan_anytime(
         self, situation: Situation[SpatialArm], budgets_ms: Sequence[float] = ...
-    ) -> list[Plan[SpatialTrajectory]]: ...
+    ) -> list[Plan]: ...
     def plan_anytime(
         self, situation: AnySituation, budgets_ms: Sequence[float] = (10.0, 100.0, 1000.0)
     ) -> Any:
@@ -190,7 +189,7 @@ def _forward(path: np.ndarray) -> bool:
     return bool((np.diff(path[:, -1]) >= 0.0).all())
 
 
-def _best(problem: Task[Movement], attempts: Iterable[Attempt[Movement] | None]) -> Plan[Movement]:
+def _best(problem: Task, attempts: Iterable[Attempt | None]) -> Plan:
     """The first attempt that holds, as a plan."""
     reason: Reason | None = Reason(Failure.NO_TREE)
     for attempt in attempts:

@@ -16,7 +16,6 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.arms.swivels import inverse
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
-from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.planners.completion import Attempt, SpatialProblem
 from gcm_learn.planners.joints.moves import (
@@ -161,9 +160,7 @@ def task_in_space(
     return JointTask(study, soonest, seed, budget_ms, iterations)
 
 
-def ways_along(
-    problem: SpatialProblem, paths: list[np.ndarray]
-) -> list[Attempt[SpatialTrajectory]]:
+def ways_along(problem: SpatialProblem, paths: list[np.ndarray]) -> list[Attempt]:
     """Paths between states (n, 5), the earliest catch first: some meet a target on their way."""
     study, limb = study_of(problem.scene, problem.rules), problem.scene.limb
     body = int(np.flatnonzero(problem.bodies.rows[:, PART] == HAND)[0])

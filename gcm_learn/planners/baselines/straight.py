@@ -24,13 +24,13 @@ class StraightPlanner:
     name: str = "straight"
     takes = staticmethod(any_arm)
 
-    def plan(self, situation: AnySituation) -> Plan[Any]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         problem, straight = _BY_KIND.of(situation)
         task = problem(situation, self.name)
         return task.early_answer() or straight(task)
 
 
-_BY_KIND: ByKind[tuple[Callable[..., Any], Callable[[Any], Plan[Any]]]] = ByKind(
+_BY_KIND: ByKind[tuple[Callable[..., Any], Callable[[Any], Plan]]] = ByKind(
     {PLANAR: (Problem, straight_plan)}, default=(SpatialProblem, earliest_straight)
 )

@@ -12,7 +12,6 @@ from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.motion import (
     Failure,
     Reason,
-    SpatialTrajectory,
     first_interception,
     segment_times,
     straight_path,
@@ -41,11 +40,11 @@ class StraightWaitPlanner:
 
     takes = staticmethod(any_arm)
 
-    def plan(self, situation: AnySituation) -> Plan[Any]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         return _BY_KIND.of(situation)(self, situation)
 
-    def _in_joints(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+    def _in_joints(self, situation: AnySituation) -> Plan:
         problem = SpatialProblem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:

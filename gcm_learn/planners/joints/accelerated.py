@@ -17,7 +17,7 @@ from gcm_learn.arms import SpatialArm
 from gcm_learn.arms.curves import hermite
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Failure, Reason, SpatialTrajectory
+from gcm_learn.motion import Failure, Movement, Reason
 from gcm_learn.motion.acceleration import dash, tracked
 from gcm_learn.motion.joint_verification import NOTHING, piece_fault
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
@@ -62,8 +62,8 @@ def plan_accelerated(
     problem: SpatialProblem,
     tried: tuple[Goals, np.ndarray],
     swivels: int,
-    unlimited: Callable[[Situation[SpatialArm]], Plan[SpatialTrajectory]],
-) -> Plan[SpatialTrajectory]:
+    unlimited: Callable[[Situation[SpatialArm]], Plan],
+) -> Plan:
     """Plan a catch that keeps the arm's limits of acceleration.
 
     Parameters
@@ -90,8 +90,8 @@ def _attempts(
     problem: SpatialProblem,
     tried: tuple[Goals, np.ndarray],
     swivels: int,
-    unlimited: Callable[[Situation[SpatialArm]], Plan[SpatialTrajectory]],
-) -> Iterator[Attempt[SpatialTrajectory]]:
+    unlimited: Callable[[Situation[SpatialArm]], Plan],
+) -> Iterator[Attempt]:
     arm, scene = problem.situation.arm, problem.scene
     study = study_of(scene, problem.rules)
     found = Dash(np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(3))
@@ -112,16 +112,16 @@ def _attempts(
             curve = tracked(
                 path.time, path.joints, scene.limb.rates, scene.limits.joint_acceleration
             )
-            yield Attempt(SpatialTrajectory(arm, *curve), names.index(str(plan.catch_body)))
+            yield Attempt(Movement(arm, *curve), names.index(str(plan.catch_body)))
         misses += path is None and kept == 0.0
         if misses == MISSES:
             return
 
 
-def _samples(arm: SpatialArm, found: Dash) -> SpatialTrajectory:
+def _samples(arm: SpatialArm, found: Dash) -> Movement:
     """A dash, without samples that another one has the time of."""
     keep = np.concatenate([[True], np.diff(found.time) > 0.0])
-    return SpatialTrajectory(arm, found.time[keep], found.joints[keep], found.rates[keep])
+    return Movement(arm, found.time[keep], found.joints[keep], found.rates[keep])
 
 
 def _eased(arm: SpatialArm, pace: tuple[float, float], room: float) -> SpatialArm:

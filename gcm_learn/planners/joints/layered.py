@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.deadline import Deadline, deadline_of
 from gcm_learn.planners.joints.accelerated import plan_accelerated
@@ -63,7 +63,7 @@ class LayeredInSpace:
         situation: AnySituation,
         bound: float | None = None,
         deadline: float | Deadline | None = None,
-    ) -> Plan[SpatialTrajectory]:
+    ) -> Plan:
         """Answer a situation.
 
         Parameters
@@ -92,10 +92,10 @@ class LayeredInSpace:
             plan = sooner
         return plan
 
-    def _accelerated(self, problem: SpatialProblem, end: float) -> Plan[SpatialTrajectory]:
+    def _accelerated(self, problem: SpatialProblem, end: float) -> Plan:
         """A catch before `end` [s] under limits of acceleration."""
 
-        def unlimited(situation: AnySituation) -> Plan[SpatialTrajectory]:
+        def unlimited(situation: AnySituation) -> Plan:
             eased = SpatialProblem(situation, self.name, deadline=problem.deadline)
             plan = eased.early_answer() or self._planned(eased, end, self.earliest)
             problem.nodes += eased.nodes
@@ -104,9 +104,7 @@ class LayeredInSpace:
         tried = self._room_for_goals(problem), self._times(end)
         return plan_accelerated(problem, tried, self.swivels, unlimited)
 
-    def _planned(
-        self, problem: SpatialProblem, end: float, earliest: bool
-    ) -> Plan[SpatialTrajectory]:
+    def _planned(self, problem: SpatialProblem, end: float, earliest: bool) -> Plan:
         """A catch before `end` [s], or the earliest one.
 
         No movement is sooner than a straight line to the first interception, so if that is free
@@ -116,7 +114,7 @@ class LayeredInSpace:
         if line.catch_time is not None and line.catch_time <= end:
             return line
         study = study_of(problem.scene, problem.rules)
-        best: Plan[SpatialTrajectory] | None = None
+        best: Plan | None = None
         while True:
             thorough, way = best is None, None
             if not problem.over:
@@ -203,10 +201,10 @@ def _direct(study: Study, goals: Goals, goal: int, ends: np.ndarray) -> Way:
     return way
 
 
-def finished(problem: SpatialProblem, study: Study, way: Way) -> Plan[SpatialTrajectory]:
+def finished(problem: SpatialProblem, study: Study, way: Way) -> Plan:
     """The way as a plan: its catch made as early as it can be, and verified."""
     hasten(study, way)
     time, joints, body = samples_of(study, way)
-    path = SpatialTrajectory(problem.situation.arm, time, joints)
+    path = Movement(problem.situation.arm, time, joints)
     plan, reason = checked(problem, Attempt(path, int(body)))
     return problem.answer(reason or Failure.NO_INTERCEPTION) if plan is None else plan

@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.charts import PostureLattice, posture_lattice_of
 from gcm_learn.compiled import njit
 from gcm_learn.maps import CognitiveMap, build_map, chain_to
-from gcm_learn.motion import Failure, Reason, SpatialTrajectory
+from gcm_learn.motion import Failure, Movement, Reason
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
 from gcm_learn.planners.joints.accelerated import plan_accelerated
 from gcm_learn.planners.joints.goals import no_goals, reach
@@ -49,7 +49,7 @@ class FrontInSpace:
 
     takes = staticmethod(spatial_only)
 
-    def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         problem = SpatialProblem(situation, self.name)
         answer = problem.early_answer(keeps_acceleration=True) or at_once(problem)
@@ -60,7 +60,7 @@ class FrontInSpace:
             answer = plan_accelerated(problem, tried, SWIVELS, self.plan)
         return self._search(problem) if answer is None else answer
 
-    def _search(self, problem: SpatialProblem) -> Plan[SpatialTrajectory]:
+    def _search(self, problem: SpatialProblem) -> Plan:
         situation = problem.situation
         study, scene = study_of(problem.scene, problem.rules), kept(problem)
         reason: Reason | None = None
@@ -103,7 +103,7 @@ def kept(problem: SpatialProblem) -> Scene:
 
 def followed(
     problem: SpatialProblem, study: Study, found: CognitiveMap, chart: PostureLattice
-) -> tuple[Plan[SpatialTrajectory] | None, Reason | None]:
+) -> tuple[Plan | None, Reason | None]:
     """The way to a map's interception, made shorter and ended on the target, or why it fails.
 
     Parameters
@@ -127,7 +127,7 @@ def followed(
     shorten(study, way, out)
     hasten(study, out)
     time, path, caught = samples_of(study, out)
-    attempt = Attempt(SpatialTrajectory(problem.situation.arm, time, path), int(caught))
+    attempt = Attempt(Movement(problem.situation.arm, time, path), int(caught))
     plan, verdict = judged(problem, attempt, found)
     return plan, verdict.reason
 

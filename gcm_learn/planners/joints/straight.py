@@ -10,7 +10,7 @@ from gcm_learn.arms.curves import line
 from gcm_learn.arms.limbs import hand_of, place, postures_at, reach_of
 from gcm_learn.arms.swivels import BRANCHES
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.motion import Failure, Movement
 from gcm_learn.motion.joint_interception import (
     fastest_hand,
     first_meeting,
@@ -118,7 +118,7 @@ def straight_is_free(study, p, begin, end, until):
     return timed_move_is_free(study, start, begin, p, end, pieces)
 
 
-def at_once(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
+def at_once(problem: SpatialProblem) -> Plan | None:
     """The catch of a target that is there at t = 0."""
     scene, poses = problem.scene, np.zeros((len(problem.situation.bodies), 12))
     body = met_at(scene, scene.limb.start, 0.0, problem.rules.catch, poses)
@@ -126,11 +126,11 @@ def at_once(problem: SpatialProblem) -> Plan[SpatialTrajectory] | None:
         return None
     rates = scene.limb.rates[None].copy() if problem.accelerates else None
     start = scene.limb.start[None].copy()
-    rest = SpatialTrajectory(problem.situation.arm, np.zeros(1), start, rates)
+    rest = Movement(problem.situation.arm, np.zeros(1), start, rates)
     return checked(problem, Attempt(rest, int(body)))[0]
 
 
-def earliest_straight(problem: SpatialProblem) -> Plan[SpatialTrajectory]:
+def earliest_straight(problem: SpatialProblem) -> Plan:
     """Go straight to the earliest interception, in any posture in which it can be met."""
     plan, study = at_once(problem), study_of(problem.scene, problem.rules)
     if plan is not None:
@@ -174,7 +174,7 @@ def _first_goals(study, goals, instants):
 
 def any_straight(
     problem: SpatialProblem, instants: int = INSTANTS, shares: tuple[float, ...] = ()
-) -> Plan[SpatialTrajectory]:
+) -> Plan:
     """The first straight line that catches, evenly fast or with waits at its ends.
 
     Parameters
@@ -225,7 +225,7 @@ def _room_for_goals(study: Study) -> Goals:
 
 def _attempt(
     problem: SpatialProblem, study: Study, goals: Goals, k: int, begin: float, end: float
-) -> Attempt[SpatialTrajectory]:
+) -> Attempt:
     """The move to goal k from `begin` to `end` [s], with waits at both ends."""
     start, goal = problem.scene.limb.start, goals.joints[k]
     time = np.array([0.0, begin, end, goals.time[k]])
@@ -234,7 +234,7 @@ def _attempt(
 
 def attempt_along(
     problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
-) -> Attempt[SpatialTrajectory]:
+) -> Attempt:
     """Straight legs between postures, up to where a target is met first.
 
     A leg takes the time it is given, and goes as evenly as the limit of the hand's speed lets it.
@@ -262,7 +262,7 @@ def attempt_along(
 
 def _cut(
     problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
-) -> Attempt[SpatialTrajectory]:
+) -> Attempt:
     """A timed path (n,), (n, 4), up to where a target is met first."""
     for k in range(len(time) - 1):
         line(joints[k], joints[k + 1], study.desk.curve)
@@ -284,4 +284,4 @@ def _cut(
                 int(b),
             )
             break
-    return Attempt(SpatialTrajectory(problem.situation.arm, time, joints), body)
+    return Attempt(Movement(problem.situation.arm, time, joints), body)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.motion import Failure
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.joints.layered import finished
 from gcm_learn.planners.joints.meeting_trees import new_trees, search_trees
@@ -30,7 +30,7 @@ class TreeSearch:
 
     takes = staticmethod(in_joints)
 
-    def plan(self, situation: AnySituation) -> Plan[SpatialTrajectory]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         problem: Any = SpatialProblem(situation, self.name)
         early = problem.early_answer() or at_once(problem)

@@ -21,7 +21,6 @@ from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
 from gcm_learn.motion import (
     Failure,
     Reason,
-    SpatialTrajectory,
     anywhere,
     first_interception,
     straight_path,
@@ -83,14 +82,14 @@ class OraclePlanner:
         """Return whether there is a yardstick for arms of a kind."""
         return _BY_KIND.takes(kind)
 
-    def plan(self, situation: AnySituation) -> Plan[Any]:
+    def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         return _BY_KIND.of(situation)(self, situation)
 
     def _in_plane(self, situation: Situation) -> Plan:
         return bounds(situation, self.sizes, self.last_size).plan
 
-    def _in_space(self, situation: Situation[SpatialArm]) -> Plan[SpatialTrajectory]:
+    def _in_space(self, situation: Situation[SpatialArm]) -> Plan:
         return oracle_in_space(situation, self.trees_ms)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import MissingExtraError, PlatformError
-from gcm_learn.motion import Failure, SpatialTrajectory
+from gcm_learn.motion import Failure
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner
@@ -37,7 +37,7 @@ TREES_MS = 10_000.0  # of processor time for ST-RRT*
 TIGHT = 0.02  # share of a catch's time within which nothing earlier is looked for
 STILL = 1e-12  # turn of all joints between two samples that is a rest [rad]
 
-SpatialPlan = Plan[SpatialTrajectory]
+SpatialPlan = Plan
 
 
 @dataclass(frozen=True)

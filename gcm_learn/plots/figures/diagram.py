@@ -36,7 +36,7 @@ from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
     from gcm_learn.maps import CognitiveMap
-    from gcm_learn.motion import Trajectory
+    from gcm_learn.motion import Movement
     from gcm_learn.planners import Plan
 
 PANEL, MARGIN = 4.0, 0.6  # [inches] of a panel, and below all panels
@@ -182,9 +182,9 @@ class MissedDiagram:
     ----------
     situation : Situation
         With a planar arm.
-    movement : Trajectory, optional
+    movement : Movement, optional
         Movement that misses; the arm rests without one.
-    example : Trajectory, optional
+    example : Movement, optional
         Movement by which another method catches.
     touches : bool
         The movement ends in a collision.
@@ -193,8 +193,8 @@ class MissedDiagram:
     def __init__(
         self,
         situation: Situation,
-        movement: Trajectory | None,
-        example: Trajectory | None,
+        movement: Movement | None,
+        example: Movement | None,
         touches: bool,
     ) -> None:
         self.situation, self.movement, self.example = situation, movement, example

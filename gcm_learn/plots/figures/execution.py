@@ -14,7 +14,7 @@ from PIL import Image
 
 from gcm_learn.arms import links_along, rotation_of
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import (
     FILM_DPI,
@@ -112,7 +112,7 @@ class Replay(Scenery):
         self.done, self.plant, until = done, done.plant, done.movement
         self.step = self.plant.time / max(self.plant.steps, 1)
         rows = np.arange(self.plant.steps + 1)
-        self.moves = SpatialTrajectory(until.arm, rows * self.step, self.plant.joints_log[rows])
+        self.moves = Movement(until.arm, rows * self.step, self.plant.joints_log[rows])
         self.mark: tuple[float, np.ndarray, str, str] | None = None
         """When, where, colour and word of what the episode ended with."""
         if done.catch_time is not None:

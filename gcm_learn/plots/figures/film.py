@@ -20,7 +20,7 @@ from gcm_learn.plots.figures.style import Scene
 from gcm_learn.situation import AnySituation
 
 if TYPE_CHECKING:
-    from gcm_learn.planners import AnyPlan
+    from gcm_learn.planners import Plan
 
 FRAMES = 40
 ROUND = 16  # frames of a look around
@@ -44,9 +44,7 @@ PALETTE = (
 NEARLY_WHITE = 247  # of 255
 
 
-def animate(
-    situation: AnySituation, plan: AnyPlan, path: str | Path, *, frames: int = FRAMES
-) -> None:
+def animate(situation: AnySituation, plan: Plan, path: str | Path, *, frames: int = FRAMES) -> None:
     """Write an animated GIF of a plan, of an arm in space with a look around the catch.
 
     Parameters
@@ -85,7 +83,7 @@ def pixels(canvas: FigureCanvasAgg) -> Image.Image:
     return Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
 
 
-def _frames(situation: AnySituation, plan: AnyPlan, frames: int) -> Iterator[Image.Image]:
+def _frames(situation: AnySituation, plan: Plan, frames: int) -> Iterator[Image.Image]:
     """Draw frame after frame over one unchanging background."""
     figure = style.new_figure(WIDTH, HEIGHT)
     figure.set_dpi(FILM_DPI)

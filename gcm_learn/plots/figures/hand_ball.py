@@ -38,7 +38,7 @@ from gcm_learn.rendering import (
 from gcm_learn.situation import Sphere
 
 if TYPE_CHECKING:
-    from gcm_learn.motion import SpatialTrajectory
+    from gcm_learn.motion import Movement
 
 COARSE = 40  # cells a side of the lattice for drawn extended obstacles
 GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off
@@ -248,7 +248,7 @@ def cut_faces(
 
 def map_faces(
     situation: JointSituation, cognitive_map: CognitiveMap, view: Camera,
-    trajectory: SpatialTrajectory | None = None, facing: Camera | None = None,
+    trajectory: Movement | None = None, facing: Camera | None = None,
 ) -> list[Faces]:  # fmt: skip
     """A map cut open, facing a camera, with effective obstacles; those before the cut are glass."""
     chart, met = _chart(cognitive_map), cognitive_map.interception
@@ -280,7 +280,7 @@ class HandSpace:
         With an arm that moves in its joints.
     cognitive_map : CognitiveMap
         Over a `PostureLattice`.
-    trajectory : SpatialTrajectory, optional
+    trajectory : Movement, optional
     view : Camera
         Of the work-space beside it.
     """
@@ -289,7 +289,7 @@ class HandSpace:
         self,
         situation: JointSituation,
         cognitive_map: CognitiveMap,
-        trajectory: SpatialTrajectory | None,
+        trajectory: Movement | None,
         view: Camera,
     ) -> None:
         self.situation, self.map, self.trajectory = situation, cognitive_map, trajectory

@@ -14,7 +14,6 @@ from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, SPATIAL_SCENES
 from gcm_learn.maps import build_map
-from gcm_learn.motion import SpatialTrajectory
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.execution import execution_figure
@@ -198,7 +197,7 @@ def _in_a_body(name: str) -> Figure:
     """Draw what an arm with mass and motors makes of the plan for a scene (extra ``sim``)."""
     scene = SPATIAL_SCENES[name]()
     situation = with_motor_limits(scene, body_for(scene.arm))
-    plan: Plan[SpatialTrajectory] = solve(situation, "layered")
+    plan: Plan = solve(situation, "layered")
     return execution_figure(situation, execute(plan, situation))
 
 

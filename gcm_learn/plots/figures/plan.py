@@ -12,12 +12,12 @@ from gcm_learn.plots.figures.kinds import pictures_of
 from gcm_learn.situation import AnySituation
 
 if TYPE_CHECKING:
-    from gcm_learn.planners import AnyPlan
+    from gcm_learn.planners import Plan
 
 ABREAST = 4  # panels in one row; more are set in rows of three
 
 
-def plan_figure(situation: AnySituation, plan: AnyPlan) -> Figure:
+def plan_figure(situation: AnySituation, plan: Plan) -> Figure:
     """Draw the movement in the work-space and the map it was read from.
 
     Parameters
@@ -44,7 +44,7 @@ def plan_figure(situation: AnySituation, plan: AnyPlan) -> Figure:
     return figure
 
 
-def _headline(plan: AnyPlan, waiting: float) -> str:
+def _headline(plan: Plan, waiting: float) -> str:
     if plan.catch_time is None:
         return f"{plan.name} · {plan.planner}: {plan.status.replace('_', ' ')}\n{plan.message}"
     when = f"caught {plan.catch_body!r} after {plan.catch_time:.3f} s"

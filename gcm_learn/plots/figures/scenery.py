@@ -44,7 +44,7 @@ from gcm_learn.rendering import (
 )
 
 if TYPE_CHECKING:
-    from gcm_learn.motion import SpatialTrajectory
+    from gcm_learn.motion import Movement
 
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", TIME, N=SHADES)
 GHOSTS = 4  # instants at which the arm is drawn, the last one being the catch
@@ -105,7 +105,7 @@ class Scenery:
     ----------
     situation : Situation
         With an arm that moves in its joints.
-    trajectory : SpatialTrajectory, optional
+    trajectory : Movement, optional
         Without one the arm rests.
     view : Camera, optional
         By default `view_of` them.  The camera is moved so that the picture holds everything.
@@ -116,7 +116,7 @@ class Scenery:
     def __init__(
         self,
         situation: JointSituation,
-        trajectory: SpatialTrajectory | None = None,
+        trajectory: Movement | None = None,
         view: Camera | None = None,
         *,
         turns: bool = False,
@@ -162,7 +162,7 @@ class Scenery:
 def draw_poses(
     ax: Axes,
     situation: JointSituation,
-    trajectory: SpatialTrajectory,
+    trajectory: Movement,
     view: Camera | None = None,
     *,
     count: int = GHOSTS,
@@ -185,7 +185,7 @@ def draw_poses(
     return ax
 
 
-def _moments(situation: JointSituation, trajectory: SpatialTrajectory, count: int) -> np.ndarray:
+def _moments(situation: JointSituation, trajectory: Movement, count: int) -> np.ndarray:
     """Return instants evenly over the movement; fewer where the hand hardly moves."""
     arm = situation.arm
     thin = limb_along(arm, np.atleast_2d(arm.joints)).radii.min()

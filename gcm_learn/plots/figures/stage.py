@@ -42,7 +42,7 @@ from gcm_learn.rendering import (
 
 if TYPE_CHECKING:
     from gcm_learn.maps import CognitiveMap
-    from gcm_learn.planners import AnyPlan
+    from gcm_learn.planners import Plan
 
 PANEL, MARGIN = 4.6, 0.8  # [inches] of a panel, and below all panels
 SIDES = ("work-space", "from above")
@@ -66,7 +66,7 @@ class Stage:
     turns = True
     waiting = 0.0
 
-    def __init__(self, situation: JointSituation, plan: AnyPlan | None = None) -> None:
+    def __init__(self, situation: JointSituation, plan: Plan | None = None) -> None:
         self.situation, self.plan = situation, plan
         self.trajectory: Any = None if plan is None else plan.trajectory
         self.map = plan.map if plan is not None and fills_ball(plan.map) else None
@@ -164,7 +164,7 @@ class MissedStage:
         With an arm that moves in its joints.
     movement : None
         Movements that miss are not kept.
-    example : SpatialTrajectory, optional
+    example : Movement, optional
         Movement by which another method catches, in grey.
     touches : bool
         The movement ends in a collision.

@@ -16,7 +16,7 @@ from gcm_learn.scene import outline, pose
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
-    from gcm_learn.motion import Trajectory, Wait
+    from gcm_learn.motion import Movement, Wait
     from gcm_learn.planners import Plan
 
 PALEST = 0.25  # share of colour of the earliest pose
@@ -118,7 +118,7 @@ def _paler(colour: str, alpha: float) -> tuple[float, float, float]:
 def draw_poses(
     ax: Axes,
     situation: Situation,
-    trajectory: Trajectory,
+    trajectory: Movement,
     times: np.ndarray | None = None,
     *,
     count: int = 4,
@@ -129,7 +129,7 @@ def draw_poses(
     ----------
     ax : Axes
     situation : Situation
-    trajectory : Trajectory
+    trajectory : Movement
     times : (k,) ndarray, optional
         Instants [s]; by default `count` of them, evenly over the movement.
 
@@ -162,17 +162,17 @@ def draw_movement(ax: Axes, situation: Situation, plan: Plan, count: int = 4) ->
         draw_poses(ax, situation, plan.trajectory, count=count)
 
 
-def notable_waits(trajectory: Trajectory) -> list[Wait]:
+def notable_waits(trajectory: Movement) -> list[Wait]:
     """Return the rests of a movement that are long enough to be shown."""
     return trajectory.waits(SHORTEST * trajectory.duration)
 
 
-def waiting_at(trajectory: Trajectory, t: float) -> bool:
+def waiting_at(trajectory: Movement, t: float) -> bool:
     """Say whether the hand is in a notable rest at time t [s]."""
     return any(wait.start < t < wait.end for wait in notable_waits(trajectory))
 
 
-def draw_waits(ax: Axes, trajectory: Trajectory, *, labels: bool = True) -> None:
+def draw_waits(ax: Axes, trajectory: Movement, *, labels: bool = True) -> None:
     """Draw the sign for a pause where the hand rests, larger for longer rests, and say how long.
 
     Rests close together, as of a hand that follows something slow, share a sign.
@@ -181,7 +181,7 @@ def draw_waits(ax: Axes, trajectory: Trajectory, *, labels: bool = True) -> None
     ----------
     ax : Axes
         Hand-space or work-space.
-    trajectory : Trajectory
+    trajectory : Movement
     labels : bool
         Write the lengths of the longest rests beside their signs.
     """

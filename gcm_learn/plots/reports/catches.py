@@ -15,7 +15,7 @@ import numpy as np
 
 from gcm_learn.arms import SpatialArm
 from gcm_learn.families import paper_scene, thrown_scene
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.planners import Plan, plan_to_json, solve
 from gcm_learn.situation import Situation
 
@@ -28,17 +28,17 @@ def scene_of(name: str) -> Situation[SpatialArm]:
     return thrown_scene() if name == "thrown-ball" else paper_scene(name)  # type: ignore[return-value]
 
 
-def kept_catches() -> list[tuple[Situation[SpatialArm], Plan[SpatialTrajectory]]]:
+def kept_catches() -> list[tuple[Situation[SpatialArm], Plan]]:
     """The situations that are shown, and the plans that were kept."""
     lines = _file().read_text("utf-8").splitlines()
     return [_read(json.loads(line)) for line in lines]
 
 
-def _read(told: dict[str, object]) -> tuple[Situation[SpatialArm], Plan[SpatialTrajectory]]:
+def _read(told: dict[str, object]) -> tuple[Situation[SpatialArm], Plan]:
     situation = scene_of(str(told["name"]))
     columns = told.pop("trajectory")
     assert isinstance(columns, dict)
-    moves = SpatialTrajectory(situation.arm, np.array(columns["time"]), np.array(columns["joints"]))
+    moves = Movement(situation.arm, np.array(columns["time"]), np.array(columns["joints"]))
     told.pop("format")
     return situation, Plan(**told, trajectory=moves)  # type: ignore[arg-type]
 

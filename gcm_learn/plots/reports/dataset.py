@@ -23,7 +23,7 @@ from gcm_learn.plots.reports.page import (
 
 if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
     from gcm_learn.dataset import Dataset, Manifest, Record
-    from gcm_learn.planners import AnyPlan
+    from gcm_learn.planners import Plan
 
 COLUMNS = 4  # records side by side
 EACH = 8  # records of a stratum
@@ -100,7 +100,7 @@ def draw_record(above: Axes, below: Axes, record: Record) -> None:
     style.title(below, answered)
 
 
-def _shown_plan(record: Record) -> AnyPlan | None:
+def _shown_plan(record: Record) -> Plan | None:
     """The plan of the planner of first choice, or of the first that catches."""
     plans = record.plans
     order = sorted(plans, key=lambda name: name != _first_choice(list(plans)))

@@ -32,7 +32,7 @@ from gcm_learn.rendering import (
 from gcm_learn.situation import Box, Capsule, Cylinder, Sphere
 
 if TYPE_CHECKING:
-    from gcm_learn.motion import SpatialTrajectory
+    from gcm_learn.motion import Movement
     from gcm_learn.planners import Plan
 
 FRAMES = 41
@@ -45,9 +45,7 @@ APPROACHED = ((APPROACH, "approach of a target"),)
 IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
 
 
-def write_film_page(
-    situation: JointSituation, plan: Plan[SpatialTrajectory], path: str | Path
-) -> Path:
+def write_film_page(situation: JointSituation, plan: Plan, path: str | Path) -> Path:
     """Write a page that shows a plan; it needs no other files.
 
     Parameters
@@ -101,7 +99,7 @@ def plotly_script() -> str:
     return script
 
 
-def page_data(situation: JointSituation, plan: Plan[SpatialTrajectory]) -> dict[str, Any]:
+def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
     """Collect rigid solids with their poses over time, and paths, for the page to draw.
 
     Returns
@@ -148,7 +146,7 @@ def _bodies(situation: JointSituation, times: np.ndarray) -> list[dict[str, Any]
 
 
 def _limb(
-    situation: JointSituation, moves: SpatialTrajectory | None, times: np.ndarray
+    situation: JointSituation, moves: Movement | None, times: np.ndarray
 ) -> list[dict[str, Any]]:
     """Return the links and balls of the arm."""
     arm = situation.arm
@@ -209,7 +207,7 @@ def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return corners, triangles[real], np.tile(np.arange(len(quads)), 2)[real]
 
 
-def _ways(situation: JointSituation, moves: SpatialTrajectory) -> list[dict[str, Any]]:
+def _ways(situation: JointSituation, moves: Movement) -> list[dict[str, Any]]:
     """Return the paths of hand and targets, coloured by time."""
     times = np.linspace(0.0, moves.duration, 2 * FRAMES)
     colours = [to_hex(c) for c in TIME_COLOURS(np.linspace(0.0, 1.0, len(times)))]

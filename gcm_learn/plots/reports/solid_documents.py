@@ -13,7 +13,7 @@ from PIL import Image
 from gcm_learn.arms import SpatialArm, forward_in_space, hands_along
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import SPATIAL_SCENES, thrown_scene
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.execution import animate_execution
@@ -45,7 +45,7 @@ def write_solid_gallery(folder: Path) -> list[Path]:
         The files, in the order in which they tell the story.
     """
     situation = thrown_scene()
-    plan: Plan[SpatialTrajectory] = solve(situation, ENGINE)
+    plan: Plan = solve(situation, ENGINE)
     if plan.map is None or plan.trajectory is None:
         raise RuntimeError(f"no catch to show: {plan.message}")
     view = view_of(situation, plan.trajectory)
@@ -113,7 +113,7 @@ def _hand_space(scenery: Scenery, hands: HandSpace) -> Figure:
     return figure
 
 
-def _wave(plan: Plan[SpatialTrajectory], hands: HandSpace) -> Figure:
+def _wave(plan: Plan, hands: HandSpace) -> Figure:
     assert plan.map is not None and plan.map.interception is not None
     contact = plan.map.interception.time
     figure = style.new_figure(9.6, 3.0)
@@ -126,9 +126,7 @@ def _wave(plan: Plan[SpatialTrajectory], hands: HandSpace) -> Figure:
     return figure
 
 
-def _map(
-    situation: JointSituation, moves: SpatialTrajectory, hands: HandSpace, view: Camera
-) -> Figure:
+def _map(situation: JointSituation, moves: Movement, hands: HandSpace, view: Camera) -> Figure:
     figure = style.new_figure(8.0, 4.2)
     left, right = figure.subplots(1, 2)
     hands.show_map(left)

@@ -27,7 +27,7 @@ from gcm_learn.execution.body.laws import laws
 from gcm_learn.execution.body.model import STEP, compiled, model_xml, mujoco
 from gcm_learn.execution.body.motors import Dynamics
 from gcm_learn.families import paper_scene
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
 from gcm_learn.scene import pack, pose
 from gcm_learn.situation import Body, Capsule, Motor, Pendulum, Situation, SolidQuadratic, Sphere
@@ -206,7 +206,7 @@ def test_a_ball_that_is_hit_flies_off_and_falls():
     way = SolidQuadratic(tuple(hand + (0.3, 0.0, 0.0)), (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     ball = Body("target", "ball", Sphere(0.02), way)
     plant = PhysicalPlant(Situation("hit", 0.5, arm, (ball,)), read_body("nao"))
-    rest = SpatialTrajectory(arm, np.zeros(1), np.array([arm.joints]))
+    rest = Movement(arm, np.zeros(1), np.array([arm.joints]))
     plant.follow(rest, 0.5)
     assert plant.outcome == CAUGHT
     plant.follow(rest, 0.6)
@@ -239,7 +239,7 @@ def test_a_limb_that_runs_into_something_collides_there_and_then():
 
 def test_nothing_is_nothing_and_the_horizon_is_the_end():
     plant = PhysicalPlant(Situation("idle", 0.3, NAO.arm, (far_target(),)), read_body("nao"))
-    rest = SpatialTrajectory(NAO.arm, np.zeros(1), np.array([NAO.arm.joints]))
+    rest = Movement(NAO.arm, np.zeros(1), np.array([NAO.arm.joints]))
     plant.follow(rest, 2.0)
     assert plant.outcome == LATE
     assert plant.time == pytest.approx(0.3, abs=0.03)

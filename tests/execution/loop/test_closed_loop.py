@@ -24,7 +24,7 @@ from gcm_learn.execution import (
     body_for,
     run_closed_loop,
 )
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 
@@ -211,7 +211,7 @@ def test_joints_can_be_commanded(limited):
     def policy(told):
         return 8.0 / 6.0 * (goal - told[:, :4])
 
-    hand = SpatialTrajectory(arm, np.zeros(1), goal[None]).hand[0]
+    hand = Movement(arm, np.zeros(1), goal[None]).hand[0]
     motion = SolidQuadratic(tuple(hand.tolist()), (0.0,) * 3, (0.0,) * 3)
     situation = Situation("there", 2.0, arm, (Body("target", "ball", Sphere(0.1), motion),))
     plant = Watched(situation)

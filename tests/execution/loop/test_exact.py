@@ -11,7 +11,7 @@ from gcm_learn import families
 from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.execution import CAUGHT, COLLIDED, LATE, RUNNING, ExactPlant
 from gcm_learn.execution.loop.following import at_first, begun, led, rest_of
-from gcm_learn.motion import SpatialTrajectory
+from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
 from gcm_learn.scene import pack, pose
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
@@ -39,7 +39,7 @@ def swing(rate=2.0, until=0.5):
     """Return a movement of the second joint, from rest, about z: a cubic."""
     time = np.array([0.0, until])
     joints = np.array([[0.0] * 4, [0.0, 0.5 * rate * until, 0.0, 0.0]])
-    return SpatialTrajectory(ARM, time, joints, np.array([[0.0] * 4, [0.0, rate, 0.0, 0.0]]))
+    return Movement(ARM, time, joints, np.array([[0.0] * 4, [0.0, rate, 0.0, 0.0]]))
 
 
 def test_it_is_where_the_trajectory_is():
@@ -149,9 +149,7 @@ def test_what_is_left_is_the_same_movement():
 def test_an_arm_without_limits_stops_at_once():
     """Its trajectories are linear, and after the end it rests."""
     arm = replace(ARM, max_joint_acceleration=None, joint_rates=None)
-    linear = SpatialTrajectory(
-        arm, np.array([0.0, 0.5]), np.array([[0.0] * 4, [0.0, 1.0, 0.0, 0.0]])
-    )
+    linear = Movement(arm, np.array([0.0, 0.5]), np.array([[0.0] * 4, [0.0, 1.0, 0.0, 0.0]]))
     plan, plant = begun(arm, linear, 0.1), ExactPlant(world(arm=arm))
     for until, angle in ((0.1, 0.0), (0.2, 0.2), (0.6, 1.0), (0.9, 1.0)):
         plant.follow(plan, until)

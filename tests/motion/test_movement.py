@@ -1,25 +1,27 @@
-"""Timed hand paths."""
+"""Movements of planar arms; those in the joints are in test_joint_verification."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from gcm_learn import Arm
 from gcm_learn.arms import forward, joint_angles
-from gcm_learn.motion import Trajectory
+from gcm_learn.motion import Movement
 
+ARM = Arm((1.0, 0.0), 9.0)
 TIME = np.array([0.0, 0.5, 0.5, 1.0])
 HAND = np.array([[1.0, 0.0], [1.0, 0.5], [1.0, 0.5], [0.4, 1.3]])
 
 
 def test_joints_follow_from_the_hand():
-    path = Trajectory.of_hand(TIME, HAND, 1.2, "left")
+    path = Movement.of_hand(Arm((1.0, 0.0), 9.0, 1.2, "left"), TIME, HAND)
     np.testing.assert_array_equal(path.joints, joint_angles(HAND, 1.2, "left"))
     np.testing.assert_allclose(forward(path.joints, 1.2), HAND, atol=1e-12)
 
 
 def test_it_is_linear_between_samples_and_held_beyond():
-    path = Trajectory.of_hand(TIME, HAND)
+    path = Movement.of_hand(ARM, TIME, HAND)
     np.testing.assert_allclose(path.hand_at(0.25), (1.0, 0.25))
     np.testing.assert_allclose(path.hand_at([-1.0, 0.75, 9.0]), [HAND[0], (0.7, 0.9), HAND[-1]])
     middle = 0.5 * (path.joints[0] + path.joints[1])
@@ -27,16 +29,16 @@ def test_it_is_linear_between_samples_and_held_beyond():
 
 
 def test_duration_and_length():
-    path = Trajectory.of_hand(TIME, HAND)
+    path = Movement.of_hand(ARM, TIME, HAND)
     assert path.duration == 1.0
     assert path.length == pytest.approx(0.5 + 1.0)
 
 
-def halting() -> Trajectory:
+def halting() -> Movement:
     """Right for 0.5 s, rest for 0.3 s, up for 0.5 s, rest for 0.1 s."""
     corner, top = [1.5, 0.0], [1.5, 0.5]
-    return Trajectory.of_hand(
-        np.array([0.0, 0.5, 0.8, 1.3, 1.4]), np.array([[1.0, 0.0], corner, corner, top, top])
+    return Movement.of_hand(
+        ARM, np.array([0.0, 0.5, 0.8, 1.3, 1.4]), np.array([[1.0, 0.0], corner, corner, top, top])
     )
 
 
@@ -51,16 +53,18 @@ def test_waits_do_not_depend_on_the_samples():
     way = halting()
     rng = np.random.default_rng(0)
     time = np.sort(np.concatenate([np.repeat(way.time, 2), rng.uniform(0.0, way.duration, 200)]))
-    finer = Trajectory.of_hand(time, way.hand_at(time))
+    finer = Movement.of_hand(ARM, time, way.hand_at(time))
     np.testing.assert_allclose(finer.waits(), way.waits(), atol=1e-9)
 
 
 def test_a_slow_hand_does_not_wait_and_one_that_never_moves_always_does():
-    slow = Trajectory.of_hand(np.array([0.0, 1.0, 9.0]), np.array([[1.0, 0], [1.5, 0], [1.6, 0]]))
+    slow = Movement.of_hand(
+        ARM, np.array([0.0, 1.0, 9.0]), np.array([[1.0, 0], [1.5, 0], [1.6, 0]])
+    )
     assert slow.waits() == []
-    still = Trajectory.of_hand(np.array([0.0, 0.4, 0.9]), np.full((3, 2), 0.7))
+    still = Movement.of_hand(ARM, np.array([0.0, 0.4, 0.9]), np.full((3, 2), 0.7))
     assert still.waits() == [(0.7, 0.7, 0.0, 0.9)]
-    assert Trajectory.of_hand(np.zeros(1), np.ones((1, 2))).waits() == []
+    assert Movement.of_hand(ARM, np.zeros(1), np.ones((1, 2))).waits() == []
 
 
 @pytest.mark.parametrize(
@@ -73,6 +77,6 @@ def test_a_slow_hand_does_not_wait_and_one_that_never_moves_always_does():
         (np.array([0.0, 1.0, 0.9]), np.zeros((3, 2)), np.zeros((3, 2))),
     ],
 )
-def test_what_does_not_fit_is_refused(time, hand, joints):
-    with pytest.raises(ValueError, match="trajectory"):
-        Trajectory(time, hand, joints)
+def test_arrays_that_do_not_fit_are_refused(time, hand, joints):
+    with pytest.raises(ValueError, match="movement"):
+        Movement(ARM, time, joints, path=hand)
