@@ -45,6 +45,7 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """
     if function is None:
         return lambda later: njit(later, **options)
+    options.setdefault("no_cfunc_wrapper", True)  # for callers in C, and a seventh of compiling
     made = numba.njit(**options)(function)
     module = function.__module__
     if not config.DISABLE_JIT and _is_ours(module) and not is_edited(module):

@@ -34,7 +34,7 @@ def by_limb(stub: Callable[..., Any]) -> Any:
         found = table.get(getattr(first, "instance_class", None), table.get(None))
         return None if found is None else _CALLS[len(arguments)](found)
 
-    overload(stub, strict=False, jit_options={"_nrt": False})(body)
+    overload(stub, strict=False, jit_options={"_nrt": False, "no_cfunc_wrapper": True})(body)
     return stub
 
 

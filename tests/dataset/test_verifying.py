@@ -66,10 +66,10 @@ def spoiled(spec, shard, folder, change):
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda way: replace(way, hand=way.hand + 1e-6 * (way.time[:, None] > 0)), None),
-        (lambda way: replace(way, hand=way.hand * 0.9), "does not start at the hand"),
+        (lambda way: replace(way, path=way.hand + 1e-6 * (way.time[:, None] > 0)), None),
+        (lambda way: replace(way, path=way.hand * 0.9), "does not start at the hand"),
         (lambda way: replace(way, time=way.time * 0.999), "faster than max_hand_speed"),
-        (lambda way: replace(way, hand=np.vstack([way.hand[:-1], way.hand[:1]])), "hold"),
+        (lambda way: replace(way, path=np.vstack([way.hand[:-1], way.hand[:1]])), "hold"),
     ],
 )
 def test_plans_that_do_not_hold_are_found(folder, spoil, said):
