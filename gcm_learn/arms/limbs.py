@@ -9,81 +9,47 @@ numbers, or a mere token where a limb keeps them in arrays of its own.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import wraps
 from typing import Any
-
-from numba.extending import overload
 
 from gcm_learn.arms import chain_limb, spatial_limb, swivels
 from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.spatial_limb import SpatialLimb
+from gcm_learn.dispatch import by_type, register
 
-_TABLES: dict[Callable[..., Any], dict[type | None, Callable[..., Any]]] = {}
-
-
-def by_limb(stub: Callable[..., Any]) -> Any:
-    """Make a function whose first argument is a limb and whose body is chosen by its type.
-
-    Parameters
-    ----------
-    stub : callable
-        Its signature and docstring are the contract; its body is never run.
-    """
-    table = _TABLES.setdefault(stub, {})
-
-    def body(first: Any, *arguments: Any) -> Callable[..., Any] | None:
-        found = table.get(getattr(first, "instance_class", None), table.get(None))
-        return None if found is None else _CALLS[len(arguments)](found)
-
-    overload(stub, strict=False, jit_options={"_nrt": False, "no_cfunc_wrapper": True})(body)
-    return stub
+_FUNCTIONS: dict[str, Any] = {}
 
 
-_CALLS: tuple[Callable[..., Any], ...] = (
-    lambda f: lambda a: f(a),
-    lambda f: lambda a, b: f(a, b),
-    lambda f: lambda a, b, c: f(a, b, c),
-    lambda f: lambda a, b, c, d: f(a, b, c, d),
-    lambda f: lambda a, b, c, d, e: f(a, b, c, d, e),
-    lambda f: lambda a, b, c, d, e, g: f(a, b, c, d, e, g),
-    lambda f: lambda a, b, c, d, e, g, h: f(a, b, c, d, e, g, h),
-    lambda f: lambda a, b, c, d, e, g, h, i: f(a, b, c, d, e, g, h, i),
-    lambda f: lambda a, b, c, d, e, g, h, i, j: f(a, b, c, d, e, g, h, i, j),
-)
-"""Calls of a compiled function by the number of arguments less one.
-
-A thin call shares the function's code, which is kept on disk; its body would be compiled anew.
-"""
+def by_limb(contract: Callable[..., Any]) -> Any:
+    """Make a function of every limb; signature and docstring are its contract."""
+    made = _FUNCTIONS[contract.__name__] = wraps(contract)(by_type({}))
+    return made
 
 
-def give(stub: Callable[..., Any], limb: type | None, body: Callable[..., Any]) -> None:
-    """Give a function of `by_limb` its body for a type of limb; None is any other type.
+def register_limb(limb: type, *modules: Any, **others: Callable[..., Any]) -> None:
+    """Give all functions of this module their kernels for a type of limb.
 
     Parameters
     ----------
-    stub : callable
-        Made by `by_limb`.
-    limb : type, optional
+    limb : type
         NamedTuple of the limb.
-    body : callable
-        Compiled function of the same arguments.
-    """
-    _TABLES[stub][limb] = body
-
-
-def register_limb(limb: type, **bodies: Callable[..., Any]) -> None:
-    """Give all functions of this module their bodies for a type of limb.
+    *modules : module
+        Kernels are found there by name, in the first module that has one.
+    **others : callable
+        Kernels with other names.
 
     Raises
     ------
     TypeError
         If a function is missing or unknown.
     """
-    names = {stub.__name__: stub for stub in FUNCTIONS}
-    if set(bodies) != set(names):
-        wrong = ", ".join(sorted(set(bodies) ^ set(names)))
+    found = {name: vars(m)[name] for m in modules[::-1] for name in _FUNCTIONS if name in vars(m)}
+    kernels = found | others
+    if set(kernels) != set(_FUNCTIONS):
+        wrong = ", ".join(sorted(set(kernels) ^ set(_FUNCTIONS)))
         raise TypeError(f"{limb.__name__}: missing or unknown functions of a limb: {wrong}")
-    for name, body in bodies.items():
-        give(names[name], limb, body)
+    for name, kernel in kernels.items():
+        register(_FUNCTIONS[name], limb, kernel)
 
 
 @by_limb
@@ -197,55 +163,12 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
     """
 
 
-FUNCTIONS = (
-    dof, place, hand_of, axis_of, link_count, link, ignores, self_gap, still, swept, slack_of,
-    hand_rate, hand_travel, hand_bound, axis_bound, reach_of, lever, jacobian, axis_turns,
-    postures_at,
-)  # fmt: skip
-
 register_limb(
     SpatialLimb,
-    dof=spatial_limb.dof,
+    spatial_limb,
+    swivels,
     place=spatial_limb.limb_at,
-    hand_of=spatial_limb.hand_of,
-    axis_of=spatial_limb.axis_of,
-    link_count=spatial_limb.link_count,
-    link=spatial_limb.link,
-    ignores=spatial_limb.ignores,
-    self_gap=spatial_limb.self_gap,
-    still=spatial_limb.still,
-    swept=spatial_limb.swept,
-    slack_of=spatial_limb.slack_of,
-    hand_rate=spatial_limb.hand_rate,
-    hand_travel=spatial_limb.hand_travel,
-    hand_bound=spatial_limb.hand_bound,
-    axis_bound=spatial_limb.axis_bound,
-    reach_of=spatial_limb.reach_of,
     lever=spatial_limb.reach_of,
     jacobian=spatial_limb.hand_jacobian,
-    axis_turns=spatial_limb.axis_turns,
-    postures_at=swivels.postures_at,
 )
-register_limb(
-    ChainLimb,
-    dof=chain_limb.dof,
-    place=chain_limb.place,
-    hand_of=chain_limb.hand_of,
-    axis_of=chain_limb.axis_of,
-    link_count=chain_limb.link_count,
-    link=chain_limb.link,
-    ignores=chain_limb.ignores,
-    self_gap=chain_limb.self_gap,
-    still=chain_limb.still,
-    swept=chain_limb.swept,
-    slack_of=chain_limb.slack_of,
-    hand_rate=chain_limb.hand_rate,
-    hand_travel=chain_limb.hand_travel,
-    hand_bound=chain_limb.hand_bound,
-    axis_bound=chain_limb.axis_bound,
-    reach_of=chain_limb.reach_of,
-    lever=chain_limb.lever,
-    jacobian=chain_limb.jacobian,
-    axis_turns=chain_limb.axis_turns,
-    postures_at=chain_limb.postures_at,
-)
+register_limb(ChainLimb, chain_limb)

@@ -15,9 +15,7 @@ import numpy as np
 
 from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.limbs import (
-    by_limb,
     dof,
-    give,
     ignores,
     link,
     link_count,
@@ -30,6 +28,7 @@ from gcm_learn.arms.limbs import (
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.solids import room_in_pose, solid_distance
 from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
 from gcm_learn.scene.bodies import (
     KIND,
     LIMB,
@@ -149,20 +148,6 @@ def _hinged_room(bodies, b, elbow, slack, poses):
     return near - slope * _HINGE + min(0.0, slope - slack) - between
 
 
-@by_limb
-def gap_to(limb, where, slack, bodies, b, t, off, enough, poses):
-    """Distance of body b at t [s] to a limb at a place, and the same less slack.
-
-    Parameters
-    ----------
-    slack : slack of the limb
-    off : float
-        How much nearer the body may come, too.
-    enough : float
-        Distances above this, slack taken off, need not be exact.
-    """
-
-
 @njit(_nrt=False)
 def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
     """Ask link by link; the ball that holds the body bounds what is farther."""
@@ -190,8 +175,17 @@ def _gap_to_bones(limb, where, slack, bodies, b, t, off, enough, poses):
     return body_distance(bodies, b, t, where, slack[0] + off, slack[1] + off, enough, poses)
 
 
-give(gap_to, None, _gap_to_links)
-give(gap_to, SpatialLimb, _gap_to_bones)
+gap_to = by_type({None: _gap_to_links, SpatialLimb: _gap_to_bones})
+"""Distance of body b at t [s] to a limb at a place, and the same less slack.
+
+Parameters
+----------
+slack : slack of the limb
+off : float
+    How much nearer the body may come, too.
+enough : float
+    Distances above this, slack taken off, need not be exact.
+"""
 
 
 @njit(_nrt=False)

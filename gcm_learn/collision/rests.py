@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from gcm_learn.arms.limbs import by_limb, give, place, self_gap, still
+from gcm_learn.arms.limbs import place, self_gap, still
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.postures import gap_to, off_bone
 from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
 from gcm_learn.scene.bodies import BOX, CAPSULE, KIND, SIZE, SPHERE, TOP_SPEED
 
 
@@ -18,11 +19,6 @@ def _shortest_radius(bodies, b):
     if kind == SPHERE or kind == CAPSULE:
         return size
     return min(size, bodies.rows[b, SIZE + 1])
-
-
-@by_limb
-def depth_of(limb, where, bodies, b, found, touch, poses):
-    """Bound the travel of body b, which touches the limb, before the limb is free."""
 
 
 @njit(_nrt=False)
@@ -43,8 +39,8 @@ def _depth_in_bones(limb, where, bodies, b, found, touch, poses):
     return max(_shortest_radius(bodies, b) + touch - away, touch - found)
 
 
-give(depth_of, None, _depth_in_links)
-give(depth_of, SpatialLimb, _depth_in_bones)
+depth_of = by_type({None: _depth_in_links, SpatialLimb: _depth_in_bones})
+"""Bound the travel of body b, which touches the limb, before the limb is free."""
 
 
 @njit(_nrt=False)

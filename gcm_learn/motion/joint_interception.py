@@ -8,9 +8,7 @@ from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.limbs import (
     axis_bound,
     axis_of,
-    by_limb,
     dof,
-    give,
     hand_bound,
     hand_of,
     place,
@@ -20,6 +18,7 @@ from gcm_learn.collision.postures import desk_of
 from gcm_learn.collision.rests import free_until
 from gcm_learn.collision.solids import room_in_pose
 from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
 from gcm_learn.scene import AimedLimits, Scene
 from gcm_learn.scene.bodies import (
     APPROACH,
@@ -72,25 +71,6 @@ def approach_axis(scene, b, t, poses):
     )
 
 
-@by_limb
-def approach_excess(limits, scene, where, b, t, poses):
-    """Angle of the hand's axis to the approach of target b at t [s] beyond what is allowed.
-
-    Parameters
-    ----------
-    limits : limits of the scene
-        Their type says whether targets may have an approach.
-    where : place of the limb
-    poses : (bodies, 12) ndarray
-        Row b holds the body's pose.
-
-    Returns
-    -------
-    float
-        [rad]; -1 where the target has no approach.
-    """
-
-
 @njit(_nrt=False, forceinline=True)
 def _no_excess(limits, scene, where, b, t, poses):
     return -1.0
@@ -107,8 +87,22 @@ def _excess(limits, scene, where, b, t, poses):
     return np.arctan2(sine, ax * bx + ay * by + az * bz) - scene.bodies.rows[b, WITHIN]
 
 
-give(approach_excess, None, _no_excess)
-give(approach_excess, AimedLimits, _excess)
+approach_excess = by_type({None: _no_excess, AimedLimits: _excess})
+"""Angle of the hand's axis to the approach of target b at t [s] beyond what is allowed.
+
+Parameters
+----------
+limits : limits of the scene
+    Their type says whether targets may have an approach.
+where : place of the limb
+poses : (bodies, 12) ndarray
+    Row b holds the body's pose.
+
+Returns
+-------
+float
+    [rad]; -1 where the target has no approach.
+"""
 
 
 @njit(_nrt=False)
@@ -130,14 +124,6 @@ def met_at(scene, q, t, catch, poses):
     return -1
 
 
-@by_limb
-def turn_wait(limits, scene, where, b, t, rate, poses):
-    """Time [s] before the hand can have the approach of target b; 0 if it has it at t.
-
-    The joints' rates are at most `rate` (n,).
-    """
-
-
 @njit(_nrt=False, forceinline=True)
 def _no_wait(limits, scene, where, b, t, rate, poses):
     return 0.0
@@ -152,8 +138,11 @@ def _wait(limits, scene, where, b, t, rate, poses):
     return excess / fast if fast > 0.0 else 1e300
 
 
-give(turn_wait, None, _no_wait)
-give(turn_wait, AimedLimits, _wait)
+turn_wait = by_type({None: _no_wait, AimedLimits: _wait})
+"""Time [s] before the hand can have the approach of target b; 0 if it has it at t.
+
+The joints' rates are at most `rate` (n,).
+"""
 
 
 @njit

@@ -19,7 +19,7 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
-from gcm_learn.recall.dispatch import by_type
+from gcm_learn.dispatch import by_type
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     BOX,

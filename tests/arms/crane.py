@@ -7,6 +7,7 @@ rod.  All that the package needs is in this file: a record, a limb, its function
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -202,28 +203,6 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
     return 1
 
 
-register_limb(
-    CraneLimb,
-    dof=dof,
-    place=place,
-    hand_of=hand_of,
-    axis_of=axis_of,
-    link_count=link_count,
-    link=link,
-    ignores=ignores,
-    self_gap=self_gap,
-    still=still,
-    swept=swept,
-    slack_of=slack_of,
-    hand_rate=hand_rate,
-    hand_travel=hand_travel,
-    hand_bound=hand_bound,
-    axis_bound=axis_bound,
-    reach_of=reach_of,
-    lever=lever,
-    jacobian=jacobian,
-    axis_turns=axis_turns,
-    postures_at=postures_at,
-)
+register_limb(CraneLimb, sys.modules[__name__])
 
 CRANE = Kind("crane", "cranes", Crane, CraneLimb, crane_limb_of, formats=("gcm-learn/situation@3",))

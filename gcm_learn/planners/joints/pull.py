@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.limbs import axis_of, axis_turns, by_limb, dof, give, hand_of, jacobian, place
+from gcm_learn.arms.limbs import axis_of, axis_turns, dof, hand_of, jacobian, place
 from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
 from gcm_learn.motion.joint_interception import (
     ANGLE,
     approach_axis,
@@ -72,15 +73,6 @@ def pulled(study, b, t, q):
     return False
 
 
-@by_limb
-def pulled_along(limits, study, b, t, q):
-    """Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
-
-    Newton's method on distance and angle together, damped; joints that would leave their box are
-    held for a round.  Returns 1 if it succeeds, 0 if not, -1 if the target has no approach.
-    """
-
-
 @njit(_nrt=False, forceinline=True)
 def _pulled_freely(limits, study, b, t, q):
     return -1
@@ -117,8 +109,12 @@ def _pulled_along(limits, study, b, t, q):
     return 0
 
 
-give(pulled_along, None, _pulled_freely)
-give(pulled_along, AimedLimits, _pulled_along)
+pulled_along = by_type({None: _pulled_freely, AimedLimits: _pulled_along})
+"""Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
+
+Newton's method on distance and angle together, damped; joints that would leave their box are
+held for a round.  Returns 1 if it succeeds, 0 if not, -1 if the target has no approach.
+"""
 
 
 @njit(_nrt=False)
