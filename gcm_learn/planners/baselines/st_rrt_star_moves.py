@@ -11,13 +11,13 @@ import numpy as np
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception import target_distance
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.timing import JOINT_SLACK
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.planners.oracle.moves import ANY
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
+from gcm_learn.scene.shapes.choice import gap_in_plane
 
 SLACK = 1e-6  # of the bounds of places, which must not be empty [arm lengths]
 
@@ -124,7 +124,7 @@ def draw_goal(scene, rules, hole, since, until, chances):
             continue
         if not hole <= np.sqrt(px * px + py * py) <= scene.limb.far:
             continue
-        if target_distance(bodies, poses, b, px, py) > rules.catch:
+        if gap_in_plane(bodies, poses, b, px, py) > rules.catch:
             continue
         here[0, 0], here[0, 1] = px, py
         distance, _ = least_distance(scene, now, here, rules.touch, ANY)
