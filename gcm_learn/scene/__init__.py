@@ -22,6 +22,8 @@ from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack, pack_bodies, pose
 from gcm_learn.scene.reversal import reverse_pieces
 from gcm_learn.scene.scene import AimedLimits, JointLimits, Limits, Scene
+from gcm_learn.scene.shapes.choice import gap
+from gcm_learn.scene.shapes.entries import entry_of
 from gcm_learn.scene.swings import integrate_swing
 
 __all__ = [
@@ -41,6 +43,8 @@ __all__ = [
     "JointLimits",
     "TOP_SPEED",
     "VELOCITY",
+    "entry_of",
+    "gap",
     "integrate_swing",
     "later",
     "no_bodies",

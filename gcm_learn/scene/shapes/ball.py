@@ -9,8 +9,8 @@ from gcm_learn.scene.bodies import DISC, SIZE, SPHERE
 from gcm_learn.scene.shapes.entry import Entry
 from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
 
-DISC_ENTRY = Entry(DISC, lambda disc: (disc.radius, 0.0, 0.0), is_ball=True)
-SPHERE_ENTRY = Entry(SPHERE, lambda sphere: (sphere.radius, 0.0, 0.0), is_ball=True)
+DISC_ENTRY = Entry(DISC, lambda disc: (disc.radius, 0.0, 0.0), is_ball=True, is_round=True)
+SPHERE_ENTRY = Entry(SPHERE, lambda sphere: (sphere.radius, 0.0, 0.0), is_ball=True, is_round=True)
 
 
 @njit(_nrt=False, forceinline=True)

@@ -10,7 +10,7 @@ from gcm_learn.scene.shapes import cylinder
 from gcm_learn.scene.shapes.ball import ball_cut
 from gcm_learn.scene.shapes.entry import Entry
 
-ENTRY = Entry(CAPSULE, lambda shape: (shape.radius, shape.half_length, 0.0))
+ENTRY = Entry(CAPSULE, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
 
 
 @njit(_nrt=False)

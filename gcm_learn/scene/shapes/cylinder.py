@@ -10,7 +10,7 @@ from gcm_learn.scene.shapes.box import excess
 from gcm_learn.scene.shapes.entry import Entry
 from gcm_learn.scene.shapes.region import placed
 
-ENTRY = Entry(CYLINDER, lambda shape: (shape.radius, shape.half_length, 0.0))
+ENTRY = Entry(CYLINDER, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
 
 ARC_ERROR = 1.9e-4
 """Largest distance of a sampled arc from the true one, in radii (2.6e-4 where 256 vertices are
