@@ -24,7 +24,7 @@ def off_bone(px, py, pz, dx, dy, dz):
     return np.sqrt(x * x + y * y + z * z)
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap(bodies, b, x, y, z):
     """Signed distance of a point, negative inside."""
     return np.sqrt(x * x + y * y + z * z) - bodies.rows[b, SIZE]

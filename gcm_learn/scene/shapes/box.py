@@ -12,7 +12,7 @@ from gcm_learn.scene.shapes.region import placed
 ENTRY = Entry(BOX, lambda shape: shape.half_extents)
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap(bodies, b, x, y, z):
     """Signed distance of a point, negative inside."""
     rows = bodies.rows

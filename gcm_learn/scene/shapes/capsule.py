@@ -13,7 +13,7 @@ from gcm_learn.scene.shapes.entry import Entry
 ENTRY = Entry(CAPSULE, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap(bodies, b, x, y, z):
     """Signed distance of a point, negative inside."""
     w = max(abs(z) - bodies.rows[b, SIZE + 1], 0.0)

@@ -16,8 +16,6 @@ from gcm_learn.scene.shapes.region import region_distance
 @njit(_nrt=False)
 def gap(bodies, b, x, y, z):
     """Signed distance of a point to body b, negative inside."""
-    if bodies.rows[b, BALL] > 0.0:  # most targets
-        return ball.gap(bodies, b, x, y, z)
     kind = bodies.rows[b, KIND]
     if kind == BOX:
         return box.gap(bodies, b, x, y, z)
@@ -25,7 +23,9 @@ def gap(bodies, b, x, y, z):
         return capsule.gap(bodies, b, x, y, z)
     if kind == CYLINDER:
         return cylinder.gap(bodies, b, x, y, z)
-    return polygon.gap(bodies, b, x, y, z)
+    if kind == POLYGON:
+        return polygon.gap(bodies, b, x, y, z)
+    return ball.gap(bodies, b, x, y, z)
 
 
 @njit(_nrt=False)

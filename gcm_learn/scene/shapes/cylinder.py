@@ -21,7 +21,7 @@ _PARALLEL = 1e-14  # axis in the plane: what the ellipse's curve adds is below r
 _NORMAL = 1e-12  # axis along the normal: the ellipse is a circle to rounding
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap(bodies, b, x, y, z):
     """Signed distance of a point, negative inside, as to a box in the half-plane through it."""
     u = np.sqrt(x * x + y * y) - bodies.rows[b, SIZE]
