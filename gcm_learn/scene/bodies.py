@@ -22,7 +22,7 @@ HAND, LIMB = 0, 1  # which part of the arm a body can touch: targets only meet t
 
 
 # Columns of a body's row.  One array instead of a dozen keeps calls between kernels cheap.
-KIND = 0  # DISC ... CYLINDER; branched on by `shapes/choice.py` only
+KIND = 0  # DISC ... CYLINDER; `shapes/choice.py` branches on it
 PART = 1  # HAND or LIMB
 SIZE = 2  # 3 columns, whose meaning is that of the shape
 REACH = 5  # radius of the ball about the centre that holds the body
