@@ -1,6 +1,6 @@
-"""How far a limb is from a body at its pose.
+"""Distances of a planar limb to a body at its pose.
 
-Coordinates are those of the arm's plane: the limb lies in z = 0.
+The limb lies in z = 0 of the arm's plane.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def segment_distance(bodies, poses, b, ax, ay, bx, by):
 def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
     """Distance of body b to the limb, the longer way round, for bodies that are no balls.
 
-    What the ball that holds the body shows to be farther away than the other half is not asked.
+    The half that the ball about the body shows to be farther away is left out.
     """
     x, y, z2 = poses[b, 0], poses[b, 1], poses[b, 2] ** 2
     ball = bodies.rows[b, REACH]

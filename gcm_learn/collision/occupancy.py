@@ -42,7 +42,7 @@ class Postures(NamedTuple):
 
 
 def postures_of(bodies: Bodies, limb: np.ndarray, gap: np.ndarray) -> Postures:
-    """Postures with room for the bodies' poses."""
+    """Postures with arrays for the bodies' poses."""
     poses = np.zeros((len(bodies.rows), 12))
     return Postures(bodies, limb, gap, poses, np.zeros_like(poses))
 

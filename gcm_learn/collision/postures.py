@@ -2,9 +2,9 @@
 
 Everything is in the frame of the limb's base. A *touch* is the distance of the bones at which an
 obstacle counts as touching the limb: its thickness, and what a planner keeps beyond. A move is a
-cubic in the joints (a straight line mostly) and is judged over all of its instants: the limb and
-every body are asked in the middle of a span, and bounds of their motion say for how much of it the
-answer holds; if not for all, both halves are asked.
+cubic in the joints (a straight line mostly) and is judged over all of its instants. The limb and
+every body are asked in the middle of a span. Bounds of their motion say for how much of the span
+the answer holds; if not for all, both halves are asked.
 """
 
 from __future__ import annotations

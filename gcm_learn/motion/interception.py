@@ -1,4 +1,4 @@
-"""Where hand and target can meet: along a path, or straight ahead."""
+"""Interceptions: meetings of hand and target along a path, or straight ahead."""
 
 from __future__ import annotations
 
@@ -132,13 +132,13 @@ def first_interception(scene, rules, x, y, start, since, end):
 
 
 def anywhere(scene: Scene) -> Scene:
-    """The scene with an arm that reaches everywhere: its interceptions bound those of the arm."""
+    """Return the scene with an arm that reaches everywhere, whose interceptions come first."""
     return scene._replace(limb=scene.limb._replace(near=0.0, far=np.inf))
 
 
 @njit(_nrt=False)
 def _away_until(bodies, poses, b, catch, near, far):
-    """How long no hand can catch a target, by the ball that holds it [s].
+    """Bound the time in which no hand can catch a target, by the ball that holds it [s].
 
     It is above or below the plane, beyond the ring, or in its hole.
     """

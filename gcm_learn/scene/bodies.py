@@ -1,7 +1,7 @@
 """Kernels for moving bodies: pose at a time, bounds on displacement, distances to solids.
 
-Everything is in arm-plane coordinates: x and y lie in the arm's plane, z along its normal, so the
-limb always lies in z = 0 and a planar body is one whose z never matters.  A pose is a row of
+Everything is in arm-plane coordinates: x and y lie in the arm's plane, z along its normal.  The
+limb always lies in z = 0, and the z of a planar body never matters.  A pose is a row of
 12 numbers: the centre (3) and the rotation body -> plane, row by row (9).
 
 Kernels take whole arrays and a body's index, never a row: in numba a view costs two atomic counts,

@@ -67,7 +67,7 @@ _LIMITS: ByKind[Callable[[Any], Any]] = ByKind({PLANAR: _limits}, default=_joint
 
 
 def pack_bodies(situation: AnySituation) -> Bodies:
-    """Pack a situation's bodies into arrays, in arm-plane coordinates or those of the base.
+    """Pack a situation's bodies into arrays, in coordinates of the arm's plane or base.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the tree planner asks about space-time: whether a straight leg holds, where goals are."""
+"""Questions of the tree planner about space-time: does a straight leg hold, where are goals."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SLACK = 1e-6  # of the bounds of places, which must not be empty [arm lengths]
 
 @dataclass(frozen=True)
 class HandTask:
-    """What to search, and for how long."""
+    """Task and duration of a search."""
 
     scene: Scene
     rules: Rules
@@ -58,7 +58,7 @@ class HandTask:
         return self.rules.speed
 
     def holds(self, p: Sequence[float], since: float, q: Sequence[float], until: float) -> bool:
-        """Whether the leg from p to q holds; see `leg_holds`."""
+        """Return whether the leg from p to q holds; see `leg_holds`."""
         legs = p[0], p[1], since, q[0], q[1], until
         return bool(leg_holds(self.scene, self.rules, self.hole, *legs))
 

@@ -102,7 +102,7 @@ def hasten_straight(study, goals, before):
 
 @njit
 def straight_is_free(study, p, begin, end, until):
-    """Whether the limb may wait, go straight from the start to joints p (4,), and wait there.
+    """Return whether the limb may wait, go straight from its start to joints p (4,), and wait.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def _meetings(study: Study, instants: int) -> Iterator[tuple[float, Goals]]:
 
 
 def _room_for_goals(study: Study) -> Goals:
-    """Room for all goals of an instant."""
+    """Arrays for all goals of an instant."""
     targets = int((study.scene.bodies.rows[:, PART] == HAND).sum())
     most = targets * (1 + PLACES * SWIVELS * BRANCHES)
     return Goals(

@@ -154,7 +154,7 @@ def _unit_square(places: np.ndarray) -> np.ndarray:
 
 
 def _point(memory: Memory, k: int) -> Values:
-    """What the page tells of memory k."""
+    """Return the texts and numbers of memory k."""
     entry = memory[k]
     situation, waypoints = entry.situation, entry.waypoints
     sides = [SIDES[letter] for letter in passing_of(situation, waypoints).sides]
@@ -169,7 +169,7 @@ def _point(memory: Memory, k: int) -> Values:
 
 
 def _question(memory: Memory, situation: Situation) -> Values:
-    """What is recalled in a situation, in its canonical form, and how it is adapted."""
+    """Return the recalled path in a canonical situation, and its adaptation."""
     turned, _ = canonical(situation)
     planner = RecallPlanner(memory)
     found = planner.recollect(turned)

@@ -31,7 +31,7 @@ def gap_of_bone(bodies, b, p, q):
 
 @njit(_nrt=False)
 def excess(p, half):
-    """How far p lies beyond [-half, half], with its sign."""
+    """Distance of p beyond [-half, half], with its sign."""
     return p - half if p > half else (p + half if p < -half else 0.0)
 
 

@@ -70,7 +70,7 @@ def long_axis(bodies, b):
 def cut(
     size: np.ndarray, centre: np.ndarray, rotation: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Cut a capsule with the plane z = 0: the cut of a cylinder and those of both end balls."""
+    """Cut a capsule with the plane z = 0: the cuts of a cylinder and of both end balls."""
     discs, polygon = cylinder.cut(size, centre, rotation)
     end = size[1] * rotation[:, 2]
     first, last = ball_cut(size[0], centre - end), ball_cut(size[0], centre + end)

@@ -53,7 +53,7 @@ def _off_cylinder(p, q, radius, half_length):
     """Distance of segment p-q to a cylinder: the root of the slope of a convex function.
 
     Regula falsi with the Illinois rule, and bisection every third step, so that the bracket always
-    shrinks; a slope of exactly 0 ends it, also inside, where the distance is flat at 0.
+    shrinks. A slope of exactly 0 ends it, also inside, where the distance is flat at 0.
     """
     d = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
     lo, hi = 0.0, 1.0
@@ -117,7 +117,7 @@ def _tube_cut(
     """Cut of a cylinder.
 
     Let u run along the axis' shadow on the plane and w across it, both from the point below the
-    centre. With lean and rise the axis' components along u and z, a point of the plane lies
+    centre. Let lean and rise be the axis' components along u and z. A point of the plane lies
     ``lean u - rise z`` along the axis and ``hypot(w, rise u + lean z)`` off it.
     """
     ax, ay, rise = rotation[0, 2], rotation[1, 2], rotation[2, 2]
@@ -197,7 +197,7 @@ def _march(start: float, stop: float, rise: float, step: float) -> np.ndarray:
     """Angles after `start` and before `stop` <= pi/2, so that every chord misses as much.
 
     A chord over the angle d misses d^2 / (8 s) where s is the ellipse's speed per angle over
-    its value at pi/2; s grows from `start` on, so the value at the chord's start is safe.
+    its value at pi/2. Since s grows from `start` on, the value at the chord's start is safe.
     """
     nodes = np.empty(2 * _MOST_NODES)
     count = 0
