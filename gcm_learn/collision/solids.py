@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import BALL
-from gcm_learn.scene.shapes import ball
+from gcm_learn.scene.shapes.ball import gap as gap_of_ball
 from gcm_learn.scene.shapes.choice import gap, gap_of_bone
 
 
@@ -33,6 +33,6 @@ def bone_distance(bodies, poses, b, p, q):
 def point_distance(bodies, poses, b, x, y, z):
     """Signed distance of the point (x, y, z) to body b at its pose, negative inside."""
     if bodies.rows[b, BALL] > 0.0:  # most targets, for which calls would take as long again
-        return ball.gap(bodies, b, x - poses[b, 0], y - poses[b, 1], z - poses[b, 2])
+        return gap_of_ball(bodies, b, x - poses[b, 0], y - poses[b, 1], z - poses[b, 2])
     x, y, z = to_body(bodies, poses, b, x, y, z)
     return gap(bodies, b, x, y, z)
