@@ -30,9 +30,15 @@ def bone_distance(bodies, poses, b, p, q):
 
 
 @njit(_nrt=False)
+def _turned_distance(bodies, poses, b, x, y, z):
+    """Signed distance of the point (x, y, z) to body b, whose pose has a turn."""
+    x, y, z = to_body(bodies, poses, b, x, y, z)
+    return gap(bodies, b, x, y, z)
+
+
+@njit(_nrt=False, forceinline=True)
 def point_distance(bodies, poses, b, x, y, z):
     """Signed distance of the point (x, y, z) to body b at its pose, negative inside."""
     if bodies.rows[b, BALL] > 0.0:  # most targets, for which calls would take as long again
         return gap_of_ball(bodies, b, x - poses[b, 0], y - poses[b, 1], z - poses[b, 2])
-    x, y, z = to_body(bodies, poses, b, x, y, z)
-    return gap(bodies, b, x, y, z)
+    return _turned_distance(bodies, poses, b, x, y, z)
