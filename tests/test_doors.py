@@ -18,7 +18,7 @@ MIXED = {
     "gcm_learn.arms.limbs",
     "gcm_learn.arms.planar_limb",
     "gcm_learn.execution.body.plant",
-    "gcm_learn.execution.loop.exact",
+    "gcm_learn.execution.loop.joint_events",
     "gcm_learn.charts.lattice",
     "gcm_learn.charts.postures",
     "gcm_learn.charts.posture_lattice",

@@ -10,13 +10,13 @@ from gcm_learn.evaluation import (
     DELAYS,
     Interval,
     Results,
-    blurred,
     chance,
     declines,
     difference,
     mcnemar,
     measured,
     stratified,
+    under_noise,
 )
 
 ALLOWED = 20.0  # thinking that H1 grants [ms]
@@ -73,7 +73,7 @@ def of_natural(natural: Results) -> list[str]:
 
 
 def in_time(results: Results, name: str) -> np.ndarray:
-    """Whether each is caught after 20 ms in which an answer was found (n,)."""
+    """Catches after 20 ms in which an answer was found (n,) bool."""
     mine = results.of_method(name)
     return (mine["charged_20"] == "caught") & (mine["latency_ms"] <= ALLOWED)
 
@@ -110,12 +110,12 @@ def thinking(charged: Results) -> list[str]:
 
 
 def inexact(noise: Results) -> list[str]:
-    """What inexact perception costs."""
+    """Catches under inexact perception."""
     lines = head("policy", "deviation [forearms]", "plans", "caught", "touched", "lost [points]")
-    for b in blurred(noise):
+    for b in under_noise(noise):
         lines.append(
             line(
-                f"`{b.method}`", f"{b.noise:g}", b.way if b.noise else "seen exactly",
+                f"`{b.method}`", f"{b.noise:g}", b.way if b.noise else "exact",
                 share(b.caught), f"{100 * b.collisions:.1f}", f"{100 * b.lost:.1f}",
             )
         )  # fmt: skip

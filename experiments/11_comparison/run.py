@@ -1,4 +1,4 @@
-"""Who catches what: all ways to catch on the same frozen situations (H1 and the whole comparison).
+"""Compare all ways to catch on the same frozen situations (H1 and the whole comparison).
 
 python experiments/11_comparison/run.py OUT [--count 1000]   goes on where it was stopped
 
@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from report import write_tables
 
-from gcm_learn.evaluation import Entry, Results, compare, compare_blurred, draw_suite, hash_of
+from gcm_learn.evaluation import Entry, Results, compare, compare_under_noise, draw_suite, hash_of
 from gcm_learn.plots import charged_figure, rates_figure, write_report
 
 HERE = Path(__file__).parent
@@ -28,8 +28,8 @@ POLICIES = (
     "ppo-clone@20", "sac",
 )  # fmt: skip
 DRAWN = ("gcm", "layered", "recall-raw", "recall", "hybrid", "ppo-clone")  # in the charged figure
-BLURRED = ("hybrid", "layered")
-DEVIATIONS = (0.005, 0.0075, 0.01, 0.02, 0.04)  # [forearms]
+NOISY = ("hybrid", "layered")
+DEVIATIONS = (0.005, 0.01, 0.02)  # [forearms]
 
 
 def spent() -> float:
@@ -63,7 +63,7 @@ def main() -> None:
     parser.add_argument("--rare", type=int, help="of Q and U, if fewer")
     parser.add_argument("--natural", type=int, default=300, help="situations of the natural mix")
     parser.add_argument("--charge", type=int, default=100, help="of L, Q and U; of W it is all")
-    parser.add_argument("--blurred", type=int, default=100, help="of W and of Q, under noise")
+    parser.add_argument("--noisy", type=int, default=100, help="of W and of Q, under noise")
     parser.add_argument("--workers", type=int)
     given = parser.parse_args()
     workers, hashes = given.workers, dict[str, str]()
@@ -84,9 +84,9 @@ def main() -> None:
         given.out, "L, Q and U",
         lambda: compare(POLICIES, others, charge=given.charge, workers=workers),
     )  # fmt: skip
-    few = [entry for name in "WQ" for entry in drawn[name][: given.blurred]]
+    few = [entry for name in "WQ" for entry in drawn[name][: given.noisy]]
     noise = part(
-        given.out, "noise", lambda: compare_blurred(BLURRED, few, DEVIATIONS, workers=workers)
+        given.out, "noise", lambda: compare_under_noise(NOISY, few, DEVIATIONS, workers=workers)
     )
     natural: Results | None = None
     if given.natural:

@@ -446,9 +446,8 @@ def loops() -> Iterator[Group]:
         noted = Noted("layered")
         mind = shipped_actor(habit).mind() if habit == ACTOR else Planning(noted, habit)
         loop = Loop(Perception(place=0.0125, dropouts=0.5), thinking=0.02)
-        plant = ExactPlant(situation)
-        course = run_closed_loop(mind, plant, situation, loop, SEED, 1)
-        return [course.outcome, course.time, course.thoughts, plant.joints, noted.answers]
+        course = run_closed_loop(mind, ExactPlant(situation), situation, loop, SEED, 1)
+        return [course.outcome, course.time, course.thoughts, noted.answers]
 
     def seen(name: str, situation: Any) -> Any:
         from gcm_learn.execution import Loop, Perception, Planning, execute_seen, execution_to_json
@@ -467,31 +466,17 @@ def loops() -> Iterator[Group]:
         return [execution_to_json(done), way and [way.time, way.joints]]
 
     for habit in ("once", "broken", "always", ACTOR):
-        yield from about("closed-loop", habit, {"spatial": 1, "bodied": 1}, partial(looped, habit))
+        few = {"spatial": 1, "bodied": 1}
+        if habit != ACTOR:
+            few |= {"planar": 1, "limited": 1}
+        yield from about("closed-loop", habit, few, partial(looped, habit))
     yield from about("closed-loop-in-physics", "layered", {"bodied": 1}, partial(seen, "layered"))
     for name in ("straight", "layered"):
         yield from about("execution", name, {"bodied": 2}, partial(executed, name))
 
 
-def noise() -> Iterator[Group]:
-    """Episodes of planar arms that perceive inexactly."""
-
-    def blurred(way: str, situation: Any) -> Any:
-        from gcm_learn.evaluation import HABITS, Entry
-        from gcm_learn.evaluation.noise import Noise, under_noise
-        from gcm_learn.situation import canonical
-
-        noted, (habit, caution) = Noted("marching"), HABITS[way]
-        entry = Entry("held", 0, canonical(situation)[0], situation.name, "Q", 1.0)
-        return [under_noise(noted, [entry], Noise(0.02, caution), habit), noted.answers]
-
-    for way in ("plans once", "again, by all looks, margin"):
-        who = way.replace(" ", "-").replace(",", "")
-        yield from about("noise", who, {"planar": 2, "limited": 1}, partial(blurred, way))
-
-
 PARTS = (
-    situations, plans, anytime, maps, stored, memories, shards, policies, loops, noise, arenas,
+    situations, plans, anytime, maps, stored, memories, shards, policies, loops, arenas,
 )  # fmt: skip
 
 

@@ -42,7 +42,7 @@ class Evaluate:
 
     noise: Annotated[str, arg(metavar="S,S")] = ""
     """also let the planners among them see bodies with errors of these standard deviations
-    [forearms], looked at every 50 ms"""
+    [forearms], 50 times a second, and plan anew in the closed loop"""
 
     reference: Annotated[
         str | None, arg(metavar="NAME", help_behavior_hint="(default: who catches most)")
@@ -104,7 +104,7 @@ class Evaluate:
                 progress=progress.advance,
             )
         _save(results, folder / "results.parquet")
-        seen = self._blurred(names, entries, deviations, folder) if deviations else None
+        seen = self._under_noise(names, entries, deviations, folder) if deviations else None
         page = write_report(results, entries, folder, self.reference, seen)
         for name in names:
             mine = results.of_method(name)
@@ -114,17 +114,20 @@ class Evaluate:
         print(f"Open {page.resolve().as_uri()} in a browser.")
         return 0
 
-    def _blurred(
+    def _under_noise(
         self, names: list[str], entries: list[Entry], deviations: list[float], folder: Path
     ) -> Results:
-        """The planners again, seeing inexactly."""
-        from gcm_learn.evaluation import compare_blurred, episodes
-        from gcm_learn.policies import actor_names
+        """Compare the planners again, under inexact perception."""
+        from gcm_learn.evaluation import (
+            ActorMethod,
+            compare_under_noise,
+            get_method,
+            noise_episodes,
+        )
 
-        actors = actor_names()
-        planners = [name for name in names if name not in actors]
-        with Progress(episodes(planners, entries, deviations), "episodes") as progress:
-            seen = compare_blurred(
+        planners = [name for name in names if not isinstance(get_method(name), ActorMethod)]
+        with Progress(noise_episodes(planners, entries, deviations), "episodes") as progress:
+            seen = compare_under_noise(
                 planners,
                 entries,
                 deviations,

@@ -1,6 +1,5 @@
 """Comparison: any planners and policies on the same situations, with paired statistics."""
 
-from gcm_learn.evaluation.blurred import HABITS, blurred, compare_blurred, episodes
 from gcm_learn.evaluation.contest import DELAYS, compare, warmed
 from gcm_learn.evaluation.costs import Cost, costs_of, log_of
 from gcm_learn.evaluation.measures import (
@@ -31,6 +30,12 @@ from gcm_learn.evaluation.suites import (
     suite_names,
 )
 from gcm_learn.evaluation.table import Results
+from gcm_learn.evaluation.under_noise import (
+    UnderNoise,
+    compare_under_noise,
+    noise_episodes,
+    under_noise,
+)
 from gcm_learn.evaluation.verdict import verdict, who
 
 __all__ = [
@@ -38,35 +43,35 @@ __all__ = [
     "Cost",
     "DELAYS",
     "Entry",
-    "HABITS",
     "Interval",
     "Measures",
     "Method",
     "Pair",
     "Result",
     "Results",
-    "blurred",
+    "UnderNoise",
     "chance",
     "charged_curve",
     "check_suite",
     "collision_point",
     "compare",
-    "compare_blurred",
+    "compare_under_noise",
     "costs_of",
     "declines",
     "difference",
     "draw_suite",
-    "episodes",
     "get_method",
     "hash_of",
     "holm",
     "log_of",
     "mcnemar",
     "measured",
+    "noise_episodes",
     "pairs",
     "stratified",
     "suite_file",
     "suite_names",
+    "under_noise",
     "verdict",
     "warmed",
     "who",

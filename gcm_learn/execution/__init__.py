@@ -51,6 +51,7 @@ from gcm_learn.execution.body.tube import measured_tube
 from gcm_learn.execution.loop.belief import Belief
 from gcm_learn.execution.loop.closed_loop import (
     Course,
+    LedPlant,
     Loop,
     Mind,
     Occasion,
@@ -68,8 +69,7 @@ from gcm_learn.execution.loop.episode import (
 )
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.execution.loop.follower import follower_of
-from gcm_learn.execution.loop.following import LedPlant
-from gcm_learn.execution.loop.minds import Commanding, Planning
+from gcm_learn.execution.loop.minds import HABITS, Commanding, Planning
 from gcm_learn.execution.loop.perception import Percept, Perception
 from gcm_learn.execution.sources import Source
 
@@ -92,6 +92,7 @@ __all__ = [
     "Episodes",
     "ExactPlant",
     "Execution",
+    "HABITS",
     "KinematicPlant",
     "LATE",
     "LedPlant",

@@ -34,7 +34,7 @@ FILES = {
     "CatchArmPhysics-v0": "actor-physics.npz",
 }
 """By the arena in which a policy acts."""
-MINDS = ByKind({SPATIAL: Commanding}, who="the closed loop")
+MINDS = ByKind({SPATIAL: Commanding}, who="an actor in the closed loop")
 """Agents of the closed loop that act as a policy does."""
 CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
 

@@ -17,7 +17,7 @@ from gcm_learn.scene.bodies import (
     pose_at,
     poses_at,
 )
-from gcm_learn.scene.later import later
+from gcm_learn.scene.later import bodies_later, later
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack, pack_bodies, pose
 from gcm_learn.scene.reversal import reverse_pieces
@@ -43,6 +43,7 @@ __all__ = [
     "JointLimits",
     "TOP_SPEED",
     "VELOCITY",
+    "bodies_later",
     "entry_of",
     "gap",
     "integrate_swing",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
 from gcm_learn.arms import JOINTS, Arm, SpatialArm
 from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.scene.laws import LAWS
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Body, Situation
 
 AnyKind = TypeVar("AnyKind", Situation[Arm], Situation[SpatialArm])
 
@@ -51,11 +51,15 @@ def later(
         raise ArmKindError("joints, rates: are of spatial arms; a planar one has a hand")
     elif hand is not None:
         arm = replace(arm, hand=hand)
-    bodies = tuple(
-        replace(body, motion=LAWS[type(body.motion)].later(body.motion, t))
-        for body in situation.bodies
-    )
+    bodies = bodies_later(situation.bodies, t)
     return replace(situation, arm=arm, bodies=bodies, horizon=situation.horizon - t)
+
+
+def bodies_later(bodies: Iterable[Body], t: float) -> tuple[Body, ...]:
+    """Return bodies `t` seconds later, as they go on then."""
+    return tuple(
+        replace(body, motion=LAWS[type(body.motion)].later(body.motion, t)) for body in bodies
+    )
 
 
 def _stands(

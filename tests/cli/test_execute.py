@@ -147,7 +147,10 @@ def test_a_policy_can_be_tried_out_first(file, actor, capsys):
     ("options", "said"),
     [
         (["--planner", "nobody"], "policy: 'nobody' is not one of the planners"),
-        (["--planner", "clone"], "--planner clone: the closed loop does not take planar arms"),
+        (
+            ["--planner", "clone"],
+            "--planner clone: an actor in the closed loop does not take planar arms",
+        ),
         (["--replan", "once"], "--replan once: a policy acts anew in every period"),
     ],
 )

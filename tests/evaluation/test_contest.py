@@ -11,7 +11,6 @@ from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, families
 from gcm_learn.cli import main
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
-from gcm_learn.evaluation.blurred import compare_blurred
 from gcm_learn.evaluation.contest import compare
 from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
 from gcm_learn.evaluation.methods import get_method
@@ -19,6 +18,7 @@ from gcm_learn.evaluation.movements import collided_part, collision_point
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
 from gcm_learn.evaluation.thinking import charged, resting
+from gcm_learn.evaluation.under_noise import compare_under_noise
 from gcm_learn.motion import clearance
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import start_clearance
@@ -99,9 +99,9 @@ def test_a_cluster_gives_the_same_rows_but_for_the_time_that_it_took(results, en
             np.testing.assert_array_equal(there[name], column, name)
 
 
-def test_inexact_sight_is_the_same_on_a_cluster(entries, scheduler):
-    here = compare_blurred(["straight"], entries[:4], [0.05], workers=1)
-    there = compare_blurred(["straight"], entries[:4], [0.05], cluster=scheduler)
+def test_inexact_perception_is_the_same_on_a_cluster(entries, scheduler):
+    here = compare_under_noise(["straight"], entries[:4], [0.05], workers=1)
+    there = compare_under_noise(["straight"], entries[:4], [0.05], cluster=scheduler)
     assert {n: c.tolist() for n, c in here.columns.items()} == {
         n: c.tolist() for n, c in there.columns.items()
     }

@@ -269,7 +269,7 @@ class Watched(ExactPlant):
 
     def follow(self, trajectory, until):
         super().follow(trajectory, until)
-        self.rows.append((self.time, *self.joints, *self.rates))
+        self.rows.append((self.time, *self.arm.joints, *self.arm.joint_rates))
 
 
 @pytest.mark.parametrize("shipped", [False, True])

@@ -18,7 +18,7 @@ from gcm_learn.execution.body.motors import with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
 from gcm_learn.execution.loop.closed_loop import Loop, Mind, run_closed_loop
 from gcm_learn.execution.loop.exact import ExactPlant
-from gcm_learn.execution.loop.following import begun
+from gcm_learn.execution.loop.joint_leading import begun
 from gcm_learn.motion import Movement, braked
 from gcm_learn.planners import Plan
 from gcm_learn.situation import ArmBody, Situation

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.loop.perception import Percept, Perception
-from gcm_learn.scene import integrate_swing, later
-from gcm_learn.situation import Body, Motion, Pendulum, Situation, SolidQuadratic
+from gcm_learn.execution.loop.kinds import LEADS
+from gcm_learn.execution.loop.perception import Percept, Perception, Quadratic
+from gcm_learn.scene import bodies_later, integrate_swing
+from gcm_learn.situation import AnySituation, Body, Motion, Pendulum
 
 ACCELERATION = 10.0  # standard deviation of each coordinate, before anything is seen [forearms/s^2]
 _EXACT = 1e-9  # nothing is taken for more exact than this [forearms, rad]
@@ -34,7 +35,7 @@ class _Filter:
     deviations: tuple[float, float]
     """Of what is seen: place [lengths] and velocity [lengths/s], or angle and rate."""
     mean: np.ndarray
-    """(3, 3): place, velocity, acceleration, a column for each axis; (2, 1): angle and rate."""
+    """(3, axes): place, velocity, acceleration; (2, 1): angle and rate."""
     spread: np.ndarray
     """(3, 3) or (2, 2): covariance of the rows, the same for every column."""
 
@@ -86,10 +87,10 @@ class _Filter:
         if isinstance(motion, Pendulum):
             angle, rate = self.mean[:, 0].tolist()
             return replace(self.body, motion=replace(motion, angle=angle, rate=rate))
-        assert isinstance(motion, SolidQuadratic)
+        assert isinstance(motion, Quadratic)
         place, velocity, acceleration = (tuple(row) for row in self.mean.tolist())
-        moves = replace(motion, position=place, velocity=velocity, acceleration=acceleration)
-        return replace(self.body, motion=moves)
+        moves: Any = dict(position=place, velocity=velocity, acceleration=acceleration)
+        return replace(self.body, motion=replace(motion, **moves))
 
 
 class Belief:
@@ -101,7 +102,7 @@ class Belief:
     Parameters
     ----------
     situation : Situation
-        Name, horizon and the length of the forearm are taken from it; its bodies are not looked at.
+        Its bodies do not count.
     perception : Perception
         How inexact looks are.
     acceleration : float
@@ -111,15 +112,15 @@ class Belief:
 
     def __init__(
         self,
-        situation: Situation[SpatialArm],
+        situation: AnySituation,
         perception: Perception,
         acceleration: float = ACCELERATION,
     ) -> None:
         if not 0.0 <= acceleration < math.inf:
             raise ArenaError(f"acceleration: must be from 0 on (got {acceleration!r})")
-        self.name, self.horizon = situation.name, situation.horizon
-        self.forearm = math.hypot(*situation.arm.forearm)
         self.perception = perception
+        self.forearm = LEADS.of(situation).forearm(situation.arm)
+        self._situation: Any = situation
         self.looks = 0
         """How many were joined."""
         self.time = 0.0
@@ -155,19 +156,24 @@ class Belief:
         deviations = self.perception.deviations(body.motion, self.forearm)
         return _Filter.of(body, rests, deviations, self._prior)
 
-    def situation(self, now: float, arm: SpatialArm) -> Situation[SpatialArm]:
+    def situation(self, now: float, arm: Any) -> Any:
         """The world as it is believed to be from now on; its horizon is what is left.
 
         Parameters
         ----------
         now : float
             From the time of the last look to less than the horizon [s].
-        arm : SpatialArm
+        arm : Arm or SpatialArm
             As it stands and moves now.
+
+        Returns
+        -------
+        Situation
         """
-        bodies = tuple(body.believed() for body in self._filters)
-        seen = Situation(self.name, self.horizon - self.time, arm, bodies)
-        return later(seen, now - self.time, joints=arm.joints, rates=arm.joint_rates)
+        span = now - self.time
+        bodies = bodies_later([body.believed() for body in self._filters], span)
+        horizon = self._situation.horizon - self.time - span
+        return replace(self._situation, arm=arm, bodies=bodies, horizon=horizon)
 
     def deviations(self, now: float) -> np.ndarray:
         """Standard deviations (bodies,) of each coordinate of their places now [lengths].
@@ -186,7 +192,7 @@ def _numbers(motion: Motion) -> np.ndarray:
     """A motion's numbers, as a filter has its mean."""
     if isinstance(motion, Pendulum):
         return np.array([[motion.angle], [motion.rate]])
-    assert isinstance(motion, SolidQuadratic)  # with a spatial arm bodies are solid
+    assert isinstance(motion, Quadratic)
     return np.array([motion.position, motion.velocity, motion.acceleration])
 
 

@@ -1,4 +1,4 @@
-"""The closed loop in space: an agent perceives, thinks while the world goes on, and an arm follows.
+"""The closed loop: an agent perceives, thinks while the world goes on, and an arm follows.
 
 Every period the world is looked at, and what is believed is renewed.  An agent that thinks for k
 periods, or a part of the last one, has its plan k periods later.  It knows how long it will think:
@@ -13,23 +13,41 @@ import time as clock
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.world import RUNNING
 from gcm_learn.execution.loop.belief import ACCELERATION, Belief
-from gcm_learn.execution.loop.following import LedPlant, at_first, begun, led, rest_of
+from gcm_learn.execution.loop.kinds import LEADS
 from gcm_learn.execution.loop.perception import Perception
 from gcm_learn.motion import Movement
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation
 
 TRIES = 4  # at a plan, each of which allows for the time that the last one took
 _HAIR = 1e-9  # of a period, against rounding
 
 
+class LedPlant(Protocol):
+    """An arm in its world, which is led along trajectories."""
+
+    @property
+    def time(self) -> float:
+        """Since the start [s]."""
+
+    @property
+    def outcome(self) -> int:
+        """RUNNING, CAUGHT, COLLIDED or LATE of `world`."""
+
+    @property
+    def catch_time(self) -> float | None:
+        """[s]"""
+
+    def follow(self, trajectory: Movement, until: float, /) -> None:
+        """Let the world go on until a time [s], or until the episode is over."""
+
+
 class Occasion(NamedTuple):
     """When an agent may think."""
 
-    believed: Situation[SpatialArm]
+    believed: AnySituation
     """The world from now on, with the arm as it is led now."""
     left: Movement
     """Rest of the trajectory that is followed, on a clock of its own; it ends at rest."""
@@ -43,7 +61,7 @@ class Mind(Protocol):
     def wants(self, occasion: Occasion) -> bool:
         """Return whether it thinks now."""
 
-    def plan(self, believed: Situation[SpatialArm]) -> Movement | None:
+    def plan(self, believed: AnySituation) -> Movement | None:
         """A movement from t = 0 of what is believed on; None to go on as before."""
 
 
@@ -100,13 +118,12 @@ class _Pending:
 class _Episode:
     """An episode under way."""
 
-    def __init__(
-        self, mind: Mind, plant: LedPlant, situation: Situation[SpatialArm], loop: Loop
-    ) -> None:
-        self.mind, self.plant, self.loop, self.arm = mind, plant, loop, situation.arm
+    def __init__(self, mind: Mind, situation: AnySituation, loop: Loop) -> None:
+        self.mind, self.loop, self.arm = mind, loop, situation.arm
+        self.lead = LEADS.of(situation)
         self.belief = Belief(situation, loop.perception, loop.acceleration)
         self.horizon, self.period = situation.horizon, loop.perception.period
-        self.followed = at_first(self.arm)
+        self.followed = self.lead.at_first(self.arm)
         self.thoughts: list[Thought] = []
         self.pending: _Pending | None = None
 
@@ -115,7 +132,7 @@ class _Episode:
         self._take_up(look)
         if self.pending is None and self.belief.looks >= self.loop.looks:
             now, since = look * self.period, clock.process_time()
-            left = rest_of(self.followed, now)
+            left = self.lead.rest_of(self.followed, now)
             if self.mind.wants(Occasion(self._believed(now), left, len(self.thoughts))):
                 self._plan(look, clock.process_time() - since)
                 self._take_up(look)  # where thinking takes no time
@@ -147,22 +164,22 @@ class _Episode:
             plan, ahead = None, needed
         self.thoughts.append(Thought(look * self.period, took, plan is not None))
         if plan is not None:
-            plan = begun(self.arm, plan, start)
+            plan = self.lead.begun(self.arm, plan, start)
         self.pending = _Pending(look + ahead, plan)
 
     def _periods(self, span: float) -> int:
         """Return the number of periods in a time [s], rounded up."""
         return math.ceil(span / self.period - _HAIR)
 
-    def _believed(self, t: float) -> Situation[SpatialArm]:
+    def _believed(self, t: float) -> AnySituation:
         """The world from t on as it is believed to be, the arm where it is led to then."""
-        return self.belief.situation(t, led(self.arm, self.followed, t))
+        return self.belief.situation(t, self.lead.led(self.arm, self.followed, t))
 
 
 def run_closed_loop(
     mind: Mind,
     plant: LedPlant,
-    situation: Situation[SpatialArm],
+    situation: AnySituation,
     loop: Loop,
     seed: int,
     *index: int,
@@ -181,7 +198,7 @@ def run_closed_loop(
     *index : int
         Of the errors of perception.
     """
-    episode = _Episode(mind, plant, situation, loop)
+    episode = _Episode(mind, situation, loop)
     period, look = loop.perception.period, 0
     while plant.outcome == RUNNING:
         percept = loop.perception.told(situation, look, seed, *index)

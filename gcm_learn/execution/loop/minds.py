@@ -8,7 +8,6 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.world import CAUGHT
 from gcm_learn.execution.arena.settings import ArenaSettings, SpatialSettings
@@ -17,15 +16,15 @@ from gcm_learn.execution.loop.closed_loop import Occasion
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.execution.loop.one_step import OneStep
 from gcm_learn.motion import Movement
-from gcm_learn.situation import Situation
+from gcm_learn.situation import AnySituation
 
 HABITS = ("once", "always", "broken")
 
 
-class SpatialPlanner(Protocol):
-    """A planner of arms in space."""
+class Answering(Protocol):
+    """A planner."""
 
-    def plan(self, situation: Situation[SpatialArm]) -> Any:
+    def plan(self, situation: Any) -> Any:
         """Answer a situation; the answer's `trajectory` may be None."""
 
 
@@ -33,7 +32,7 @@ class SpatialPlanner(Protocol):
 class Planning:
     """An agent that follows what a planner finds."""
 
-    planner: SpatialPlanner
+    planner: Answering
     habit: Literal["once", "always", "broken"] = "broken"
     """When it thinks: once; whenever it is done with the last thought; or when what is followed
     does not catch any more, in the world as it is believed to be."""
@@ -48,7 +47,7 @@ class Planning:
             return occasion.thoughts == 0
         return self.habit == "always" or not holds(occasion)
 
-    def plan(self, believed: Situation[SpatialArm]) -> Movement | None:
+    def plan(self, believed: AnySituation) -> Movement | None:
         """The planner's movement."""
         found: Movement | None = self.planner.plan(believed).trajectory
         return found
@@ -67,7 +66,7 @@ def holds(occasion: Occasion) -> bool:
 
 @dataclass(frozen=True)
 class Commanding:
-    """An agent that commands rates of joints in every period: a learned policy.
+    """An agent that commands rates of a spatial arm's joints in every period: a learned policy.
 
     Its observation is that of the arena in the believed world, and its commands are cut to the
     arm's limits as there.
@@ -82,7 +81,7 @@ class Commanding:
         """It always does."""
         return True
 
-    def plan(self, believed: Situation[SpatialArm]) -> Movement | None:
+    def plan(self, believed: Any) -> Movement | None:
         """The movement of the next step; after it the arm would come to rest."""
         step = OneStep(believed, self.settings)
         posture = np.stack([step.posture, step.after(self.policy(step.told)[0])])

@@ -1,25 +1,32 @@
 """Perception of the world: at a steady rate, late, inexact, with dropouts.
 
 Places and velocities are of the bodies' centres; a pendulum is seen along its arc.  Shapes,
-orientations and spins are seen as they are, and so is whether a centre rests.  Accelerations are
-not seen.
+orientations and spins are exact, and a centre at rest is recognised.  Accelerations are not seen.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import ArenaError
-from gcm_learn.scene import later
-from gcm_learn.situation import Body, Motion, Pendulum, Situation, SolidQuadratic
+from gcm_learn.execution.loop.kinds import LEADS
+from gcm_learn.scene import bodies_later
+from gcm_learn.situation import (
+    AnySituation,
+    Body,
+    Motion,
+    Pendulum,
+    PlanarQuadratic,
+    SolidQuadratic,
+)
 
 PERIOD = 0.02  # between two looks: 50 Hz [s]
+Quadratic = PlanarQuadratic | SolidQuadratic
 DARK = 0.1  # how long a dropout lasts [s]
 _SHORTEST = 1e-3  # hang below which a pendulum's angle is hardly seen [forearms]
 
@@ -70,7 +77,7 @@ class Perception:
 
         Parameters
         ----------
-        motion : SolidQuadratic or Pendulum
+        motion : PlanarQuadratic, SolidQuadratic or Pendulum
         forearm : float
             Length of the arm's forearm [lengths].
         """
@@ -79,9 +86,7 @@ class Perception:
             place /= max(motion.hang_distance, _SHORTEST * forearm)
         return place, self.faster * place
 
-    def told(
-        self, situation: Situation[SpatialArm], look: int, seed: int, *index: int
-    ) -> Percept | None:
+    def told(self, situation: AnySituation, look: int, seed: int, *index: int) -> Percept | None:
         """Return the percept at look number `look`, or None in a dropout.
 
         Parameters
@@ -99,11 +104,10 @@ class Perception:
         if seen < 0 or time >= situation.horizon or self.dark(seen, seed, *index):
             return None
         source = seeding.rng(seed, *index, seen)
-        then = later(situation, time, joints=situation.arm.joints)
-        forearm = math.hypot(*situation.arm.forearm)
+        forearm = LEADS.of(situation).forearm(situation.arm)
         bodies = tuple(
             replace(body, motion=self._blurred(body.motion, forearm, source))
-            for body in then.bodies
+            for body in bodies_later(situation.bodies, time)
         )
         return Percept(time, bodies, tuple(rests(body.motion) for body in situation.bodies))
 
@@ -126,19 +130,21 @@ class Perception:
             return replace(
                 motion, angle=motion.angle + place * off, rate=motion.rate + fast * faster
             )
-        assert isinstance(motion, SolidQuadratic)  # with a spatial arm bodies are solid
-        off, faster = place * source.normal(size=3), fast * source.normal(size=3)
+        assert isinstance(motion, Quadratic)
+        count = len(motion.position)
+        off, faster = place * source.normal(size=count), fast * source.normal(size=count)
         if rests(motion):
-            faster = np.zeros(3)
-        there = (np.array(motion.position) + off).tolist()
-        moving = (np.array(motion.velocity) + faster).tolist()
-        return replace(
-            motion, position=tuple(there), velocity=tuple(moving), acceleration=(0.0, 0.0, 0.0)
+            faster = np.zeros(count)
+        seen: Any = dict(
+            position=tuple((np.array(motion.position) + off).tolist()),
+            velocity=tuple((np.array(motion.velocity) + faster).tolist()),
+            acceleration=(0.0,) * count,
         )
+        return replace(motion, **seen)
 
 
 def rests(motion: Motion) -> bool:
     """Return whether a body's centre rests, and goes on to rest."""
-    if not isinstance(motion, SolidQuadratic):
+    if not isinstance(motion, Quadratic):
         return False
     return not any(motion.velocity) and not any(motion.acceleration)

@@ -17,15 +17,15 @@ from matplotlib.transforms import offset_copy
 
 from gcm_learn.evaluation import (
     DELAYS,
-    HABITS,
     Interval,
     Results,
-    blurred,
     charged_curve,
     log_of,
     measured,
     pairs,
+    under_noise,
 )
+from gcm_learn.execution import HABITS
 from gcm_learn.plots.figures import style
 
 _PAIRED = colormaps["tab20"].colors  # type: ignore[attr-defined]
@@ -56,7 +56,7 @@ def colour_of(results: Results, name: str) -> Colour:
 
 
 def catchable_strata(results: Results) -> list[str]:
-    """Those of which something can be caught."""
+    """Strata in which a catch is possible."""
     return [s for s in results.strata if s != "U"]
 
 
@@ -96,7 +96,7 @@ def _span(ax: Axes, row: float, share: Interval, colour: Colour) -> None:
 
 
 def _legend_beside(figure: Figure, ax: Axes) -> None:
-    """What the lines of a panel are called, right of all panels."""
+    """A legend of a panel's lines, right of all panels."""
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", fontsize=style.SMALL, frameon=False)
 
@@ -118,7 +118,7 @@ def rates_figure(results: Results) -> Figure:
 
 
 def outcomes_figure(results: Results) -> Figure:
-    """What becomes of the situations of every stratum, as bars that add up to all of them."""
+    """Outcomes in every stratum, as bars that add up to all situations."""
     strata, names = results.strata, results.methods
     figure, panels = _method_rows(names, len(strata), 2.6, 1.3)
     for ax, stratum in zip(panels, strata, strict=True):
@@ -189,7 +189,7 @@ def pairs_figure(results: Results, reference: str) -> Figure:
 
 
 def charged_strata(results: Results) -> list[str]:
-    """Those that can be caught and in which thinking was charged."""
+    """Situations that can be caught and in which thinking was charged."""
     names = results.methods
     return [
         s
@@ -262,7 +262,7 @@ def families_figure(results: Results, outcome: str = "caught") -> Figure:
 
 def noise_figure(noise: Results) -> Figure:
     """Catches over errors of perception by how they are dealt with, a panel for each planner."""
-    names, found = noise.methods, blurred(noise)
+    names, found = noise.methods, under_noise(noise)
     figure, panels = style.panel_grid(
         len(names), min(len(names), 4), (2.7, 2.5), (2.4, 0.5), shared=True
     )

@@ -52,7 +52,7 @@ def write_report(
     reference : str, optional
         Method that the others are compared with; by default the one that catches most.
     noise : Results, optional
-        Of `compare_blurred`.
+        Of `compare_under_noise`.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def write_report(
         _numbers(results, out),
         _paired(results, reference, out),
         *_thinking(results, out),
-        *_blurred(noise, out),
+        *_under_noise(noise, out),
         _by_family(results, out),
         *_failures(results, entries, out),
         *_learning(results, out),
@@ -113,7 +113,7 @@ def _who(results: Results) -> Section:
 
 
 def _numbers(results: Results, out: Path) -> Section:
-    """What becomes of the situations, and tables of everything measured."""
+    """Outcomes of the situations, and tables of all measures."""
     there = figures.reachable(results)
     pictures = [
         _kept(out, "outcomes", figures.outcomes_figure(results)),
@@ -151,7 +151,7 @@ def _thinking(results: Results, out: Path) -> list[Section]:
     return [section(WORDS, "thinking", listed, [_kept(out, "charged", figure)], told=told)]
 
 
-def _blurred(noise: Results | None, out: Path) -> list[Section]:
+def _under_noise(noise: Results | None, out: Path) -> list[Section]:
     """Inexact perception, if it was measured."""
     if noise is None:
         return []

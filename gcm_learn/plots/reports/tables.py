@@ -12,13 +12,13 @@ from gcm_learn.evaluation import (
     Interval,
     Measures,
     Results,
-    blurred,
     chance,
     charged_curve,
     costs_of,
     declines,
     measured,
     pairs,
+    under_noise,
 )
 from gcm_learn.plots.figures.comparison import catchable_strata, of_stratum, reachable
 from gcm_learn.plots.reports.page import Table, number
@@ -116,7 +116,7 @@ def noise_table(noise: Results) -> Table:
     rows = [
         [b.method, f"{b.noise:g}", b.way if b.noise else "exact", percent(b.caught),
          number(100 * b.collisions, ".1f"), number(100 * b.lost, ".1f")]
-        for b in blurred(noise)
+        for b in under_noise(noise)
     ]  # fmt: skip
     columns = (
         "method", "deviation [forearms]", "plans", "caught [%]", "touched [%]", "lost [points]",
@@ -125,7 +125,7 @@ def noise_table(noise: Results) -> Table:
 
 
 def costs_table(names: Sequence[str]) -> Table | None:
-    """What methods hold and what it took to make that; None if nobody holds anything.
+    """Stored data of methods and the cost of making it; None without any.
 
     Steps are those in the arena.
     """

@@ -1,4 +1,4 @@
-"""What is believed: exact without noise, else as near as theory says, and no nearer."""
+"""Belief: exact without noise, else as near as theory predicts, and no nearer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.stats import chi2, kstest
 from gcm_learn import families, seeding
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import Belief, Percept, Perception
-from gcm_learn.scene import later
+from gcm_learn.scene import bodies_later, later
 from gcm_learn.situation import Body, Pendulum, Situation, SolidQuadratic, Sphere
 
 PLACE, FASTER, PRIOR = 0.02, 5.0, 10.0
@@ -51,9 +51,9 @@ def flown(rng, forearm):
     return SolidQuadratic(tuple(place), tuple(velocity), tuple(pull * rng.normal(size=3)))
 
 
-@pytest.mark.parametrize("name", families.family_names("spatial"))
-def test_without_noise_two_looks_tell_all(name):
-    """From the second look on the world goes on as believed, to the end."""
+@pytest.mark.parametrize("name", families.family_names())
+def test_without_noise_two_percepts_suffice(name):
+    """From the second percept on the world goes on as believed, to the end."""
     situation = families.draw(name, 1400, 1)
     eyes, belief = Perception(), Belief(situation, Perception())
     told(belief, eyes, situation, 3, 0)
@@ -62,9 +62,9 @@ def test_without_noise_two_looks_tell_all(name):
         believed = belief.situation(now, situation.arm)
         assert believed.horizon == pytest.approx(situation.horizon - now, abs=1e-12)
         for t in (0.0, 0.4 * situation.horizon):
-            thought = later(believed, t, joints=situation.arm.joints)
-            true = later(situation, now + t, joints=situation.arm.joints)
-            for one, other in zip(thought.bodies, true.bodies, strict=True):
+            thought = bodies_later(believed.bodies, t)
+            true = bodies_later(situation.bodies, now + t)
+            for one, other in zip(thought, true, strict=True):
                 for field, value in vars(other.motion).items():
                     if value is not None:
                         assert getattr(one.motion, field) == pytest.approx(value, abs=1e-6)

@@ -1,4 +1,4 @@
-"""The closed loop: thinking takes time, plans begin where the arm will be, noise is outlived."""
+"""The closed loop: thinking takes time, plans begin where the arm will be, noise is survived."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import PLANAR, Arm, SpatialArm, kind_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
     CAUGHT,
@@ -26,7 +26,7 @@ from gcm_learn.execution import (
 )
 from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
 
 EXACT = Perception()
 ARM = SpatialArm(
@@ -36,14 +36,33 @@ ARM = SpatialArm(
 )  # fmt: skip
 
 
+PLANAR_ARM = Arm(hand=(1.6, 0.2), max_hand_speed=3.0, thickness=0.05)
+
+
 def falling(arm=ARM, shift=0.0):
-    """Return a ball that falls past the arm's reach."""
+    """Return a ball that falls past a spatial arm's reach."""
     motion = SolidQuadratic((1.2, 1.5 + shift, 1.2), (0.0, -1.2, 0.0), (0.0, 0.0, -2.0))
     return Situation("ball", 1.2, arm, (Body("target", "ball", Sphere(0.1), motion),))
 
 
+def flying(arm=PLANAR_ARM, shift=0.0):
+    """Return a disc that flies past a planar arm's reach."""
+    motion = PlanarQuadratic((-1.4, 1.3 + shift), (2.2, -0.4), (0.0, -2.0))
+    return Situation("disc", 1.2, arm, (Body("target", "disc", Disc(0.1), motion),))
+
+
+MADE = {"planar": flying, "spatial": falling}
+EACH = pytest.mark.parametrize("make", MADE.values(), ids=MADE)
+"""Situations with every kind of arm in the closed loop."""
+
+
+def state_of(arm):
+    """Return the posture of an arm, and its rates if it has limits of acceleration."""
+    return arm.hand if kind_of(arm) is PLANAR else (*arm.joints, *(arm.joint_rates or ()))
+
+
 class Noted:
-    """A planner that notes what it was asked."""
+    """A planner that notes its questions."""
 
     def __init__(self, planner=None):
         self.asked, self.answers = [], []
@@ -63,7 +82,7 @@ class Silent:
 
 
 class Watched(ExactPlant):
-    """A plant that notes what it was led along."""
+    """A plant that notes the trajectories that it follows."""
 
     def __init__(self, situation):
         super().__init__(situation)
@@ -72,13 +91,14 @@ class Watched(ExactPlant):
     def follow(self, trajectory, until):
         self.led.append(trajectory)
         super().follow(trajectory, until)
-        self.rows.append((self.time, *self.joints, *self.rates))
+        self.rows.append((self.time, *state_of(self.arm)))
 
 
+@EACH
 @pytest.mark.parametrize("thinking", [0.0, 0.01, 0.02, 0.05, 0.1])
-def test_a_plan_is_followed_when_it_is_thought_out(thinking):
+def test_a_plan_is_followed_when_it_is_thought_out(make, thinking):
     """It is for the world as it is then, from where the arm is then."""
-    situation, planner = falling(), Noted()
+    situation, planner = make(), Noted()
     plant = Watched(situation)
     course = run_closed_loop(
         Planning(planner, "once"), plant, situation, Loop(EXACT, 2, thinking=thinking), 0
@@ -87,11 +107,10 @@ def test_a_plan_is_followed_when_it_is_thought_out(thinking):
     periods = int(np.ceil(thinking / 0.02 - 1e-9))
     start = (2 + periods) * 0.02  # two looks, each told one period late
     assert planner.asked[0].horizon == pytest.approx(1.2 - start)
-    assert planner.asked[0].arm.joints == pytest.approx(ARM.joints)
+    rest = np.array(state_of(situation.arm))
+    assert state_of(planner.asked[0].arm)[: rest.size] == pytest.approx(rest)
     assert course.time <= start + planner.answers[0].catch_time + 1e-6
-    moves = [
-        t for t, *state in plant.rows if np.abs(np.subtract(state[:4], ARM.joints)).max() > 1e-9
-    ]
+    moves = [t for t, *state in plant.rows if np.abs(state[: rest.size] - rest).max() > 1e-9]
     assert moves[0] == pytest.approx(start + 0.02)
     (thought,) = course.thoughts
     assert thought.begun == pytest.approx(0.04)
@@ -144,9 +163,10 @@ def test_thinking_is_charged_as_long_as_it_takes():
         assert len(planner.asked) > 1  # it had to allow for more than a period
 
 
-def test_a_plan_that_holds_is_kept():
-    """Without noise one thought does, whatever the habit that asks whether it holds."""
-    situation = falling()
+@EACH
+def test_a_plan_that_holds_is_kept(make):
+    """Without noise one thought suffices for every habit that keeps good plans."""
+    situation = make()
     courses = [
         run_closed_loop(
             Planning(get_planner("layered"), habit), ExactPlant(situation), situation,
@@ -160,12 +180,13 @@ def test_a_plan_that_holds_is_kept():
     assert courses[0].time == courses[1].time
 
 
-def test_a_plan_that_breaks_is_replaced():
-    """With noise the first plan misses, one that is thought out again does not."""
+@EACH
+def test_a_plan_that_breaks_is_replaced(make):
+    """With noise the first plan misses, one that is made anew does not."""
     found = {"once": 0, "broken": 0}
     for habit in found:
         for k in range(12):
-            situation = falling(shift=0.02 * k)
+            situation = make(shift=0.02 * k)
             course = run_closed_loop(
                 Planning(get_planner("layered"), habit), ExactPlant(situation), situation,
                 Loop(Perception(place=0.04), 2, thinking=0.02), 5, k,
@@ -182,7 +203,7 @@ def test_nothing_is_done_without_a_plan():
         Planning(Silent(), "always"), plant, falling(arm), Loop(EXACT, 2, thinking=0.02), 0
     )
     assert course.outcome == LATE and course.time == pytest.approx(1.2)
-    assert not plant.rates.any() and not any(thought.found for thought in course.thoughts)
+    assert not any(plant.arm.joint_rates) and not any(thought.found for thought in course.thoughts)
     rises = SolidQuadratic((1.0, 0.0, -0.5), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     stone = replace(
         falling(), bodies=(*falling().bodies, Body("obstacle", "stone", Sphere(0.1), rises))
@@ -193,8 +214,9 @@ def test_nothing_is_done_without_a_plan():
     assert course.outcome == COLLIDED and course.time == pytest.approx(0.35, abs=1e-3)
 
 
-def test_the_same_seed_goes_the_same_way():
-    situation, loop = falling(), Loop(Perception(place=0.03, dropouts=1.0), 2, thinking=0.03)
+@EACH
+def test_the_same_seed_goes_the_same_way(make):
+    situation, loop = make(), Loop(Perception(place=0.03, dropouts=1.0), 2, thinking=0.03)
     mind = Planning(get_planner("layered"))
     courses = [
         run_closed_loop(mind, ExactPlant(situation), situation, loop, 9, k) for k in (1, 1, 2)
@@ -236,13 +258,18 @@ def test_commands_end_before_the_range_does():
     assert rows[-1, 2] > 1.9
 
 
-@pytest.mark.parametrize("name", families.family_names("spatial"))
-def test_exact_eyes_catch_what_is_planned(name):
-    """In every family: with exact looks and no thinking time, a plan is a catch."""
-    family = families.get_family(name)
-    family = replace(family, arm=replace(family.arm, ramp=(0.1, 0.1)))
+RAMPED = {
+    name: replace(family, arm=replace(family.arm, ramp=(0.1, 0.1)))
+    for name, family in ((n, families.get_family(n)) for n in families.family_names("spatial"))
+}
+"""Families of spatial arms, with limits of acceleration."""
+
+
+@pytest.mark.parametrize("name", families.family_names())
+def test_exact_perception_catches_what_is_planned(name):
+    """In every family: with exact percepts and no thinking time, a plan is a catch."""
     for k in range(2):
-        situation, planner = families.draw(family, 1401, k), Noted()
+        situation, planner = families.draw(RAMPED.get(name, name), 1401, k), Noted()
         course = run_closed_loop(
             Planning(planner, "once"),
             ExactPlant(situation),
@@ -283,5 +310,5 @@ def test_an_arm_with_mass_is_led_too():
     assert [course.outcome for course in courses] == [CAUGHT, CAUGHT]
     assert courses[1].time == pytest.approx(courses[0].time, abs=0.05)
     assert plants[1].catch_time == courses[1].time
-    off = np.abs(plants[1].joints_log[plants[1].steps] - plants[0].joints).max()
+    off = np.abs(plants[1].joints_log[plants[1].steps] - plants[0].arm.joints).max()
     assert 1e-6 < off < 0.3

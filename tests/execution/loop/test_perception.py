@@ -1,4 +1,4 @@
-"""What a look tells: exact without noise, errors as large as said, the same whenever asked."""
+"""Percepts: exact without noise, errors of the given size, the same for the same seed."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ import pytest
 from gcm_learn import families
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import Perception
-from gcm_learn.scene import later
+from gcm_learn.execution.loop.kinds import LEADS
+from gcm_learn.scene import bodies_later
 from gcm_learn.situation import Pendulum
 
-NAMES = ("falling-space", "pendulum-space", "crossing-swarm-space", "door-space")
+NAMES = (
+    "falling-space", "pendulum-space", "crossing-swarm-space", "door-space", "spinning", "pendulum",
+    "random-solid",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -55,21 +59,22 @@ def test_a_look_is_told_when_it_is_late(situations):
 def test_without_noise_all_but_accelerations_are_seen_as_they_are(situations):
     for situation in situations:
         percept = Perception().told(situation, 8, 0)
-        then = later(situation, percept.time, joints=situation.arm.joints)
-        for seen, body in zip(percept.bodies, then.bodies, strict=True):
+        for seen, body in zip(
+            percept.bodies, bodies_later(situation.bodies, percept.time), strict=True
+        ):
             if not isinstance(body.motion, Pendulum):
-                body = replace(body, motion=replace(body.motion, acceleration=(0.0, 0.0, 0.0)))
+                still = (0.0,) * len(body.motion.acceleration)
+                body = replace(body, motion=replace(body.motion, acceleration=still))
             assert seen == body
 
 
 def test_errors_are_as_large_as_said(situations):
-    """Of places and velocities in forearms of any arm; of pendulums along the arc; none at rest."""
+    """Errors count in forearms of any arm, along the arc for pendulums; rest is exact."""
     eyes = Perception(place=0.03, faster=4.0)
     for situation in situations:
-        forearm = math.hypot(*situation.arm.forearm)
+        forearm = LEADS.of(situation).forearm(situation.arm)
         told = [eyes.told(situation, 5, 7, k) for k in range(400)]
-        then = later(situation, told[0].time, joints=situation.arm.joints)
-        for b, body in enumerate(then.bodies):
+        for b, body in enumerate(bodies_later(situation.bodies, told[0].time)):
             motions = [percept.bodies[b].motion for percept in told]
             if isinstance(body.motion, Pendulum):
                 off = np.array([m.angle - body.motion.angle for m in motions])

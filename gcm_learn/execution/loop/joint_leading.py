@@ -1,4 +1,4 @@
-"""Trajectories of spatial arms that are followed, and what follows them.
+"""Spatial arms that are led along trajectories.
 
 Trajectories are on the world's clock here: the first sample is the beginning.
 """
@@ -6,43 +6,12 @@ Trajectories are on the world's clock here: the first sample is the beginning.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.motion import Movement, braked
-
-
-class LedPlant(Protocol):
-    """An arm in its world, which is led along trajectories."""
-
-    @property
-    def time(self) -> float:
-        """Since the start [s]."""
-
-    @property
-    def joints(self) -> np.ndarray:
-        """(4,) [rad]"""
-
-    @property
-    def rates(self) -> np.ndarray:
-        """(4,) [rad/s]"""
-
-    @property
-    def hand(self) -> np.ndarray:
-        """(3,), in the world."""
-
-    @property
-    def outcome(self) -> int:
-        """RUNNING, CAUGHT, COLLIDED or LATE of `world`."""
-
-    @property
-    def catch_time(self) -> float | None:
-        """[s]"""
-
-    def follow(self, trajectory: Movement, until: float, /) -> None:
-        """Let the world go on until a time [s], or until the episode is over."""
 
 
 def begun(arm: SpatialArm, plan: Movement, since: float) -> Movement:
@@ -73,6 +42,11 @@ def led(arm: SpatialArm, trajectory: Movement, t: float) -> SpatialArm:
     most = np.array(arm.max_joint_speed)
     moving: Any = tuple(np.clip(rates[0], -most, most).tolist())
     return replace(arm, joints=there, joint_rates=moving)
+
+
+def gap(arm: SpatialArm, trajectory: Movement, t: float) -> float:
+    """Largest difference between an arm's joints and a trajectory's at a time [rad]."""
+    return float(np.abs(trajectory.joints_at(t) - np.array(arm.joints)).max())
 
 
 def rest_of(trajectory: Movement, now: float) -> Movement:

@@ -1,4 +1,7 @@
-"""The comparison of planners that see inexactly: one row for each way to deal with it."""
+"""The comparison of planners under inexact perception: one row for each episode of the closed loop.
+
+Thinking takes no time here, so rows depend on nothing but the seed.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +13,25 @@ from typing import Any
 from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation.crew import Rows, rows_of
 from gcm_learn.evaluation.methods import Method, PlannerMethod, get_method
-from gcm_learn.evaluation.noise import Habit, Noise, under_noise
 from gcm_learn.evaluation.statistics import Interval, wilson
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
+from gcm_learn.execution import (
+    HABITS,
+    OUTCOMES,
+    ExactPlant,
+    Loop,
+    Perception,
+    Planning,
+    run_closed_loop,
+)
 
-HABITS = {
-    "plans once": (Habit(), 0.0),
-    "again at every look": (Habit(replan=True), 0.0),
-    "again, by all looks": (Habit(replan=True, remember=True), 0.0),
-    "again, by all looks, margin": (Habit(replan=True, remember=True), 2.0),
-}
-"""Ways to deal with inexact perception, with the margin in deviations of what is known."""
-EXACT = "plans once"  # says all if nothing is inexact
+EXACT = "once"  # habit of a planner with exact perception
+SEED = 0  # of the errors, the same for all planners
 _CHUNK = 5  # situations that a process takes at once
 
 
-def compare_blurred(
+def compare_under_noise(
     names: Sequence[str],
     entries: Sequence[Entry],
     deviations: Sequence[float],
@@ -35,24 +40,24 @@ def compare_blurred(
     cluster: str | None = None,
     progress: Callable[[int], object] = lambda count: None,
 ) -> Results:
-    """Let planners answer the same situations, seen with the same errors.
+    """Let planners act in the same situations, with the same errors of perception.
 
     Parameters
     ----------
     names : sequence of str
-        Planners; actors act on what they see and are not asked here.
+        Planners; trained actors are refused.
     entries : sequence of Entry
     deviations : sequence of float
-        Of places [forearms]; 0 is done too, for what is lost.
+        Of places [forearms], see `Perception`; exact perception is added.
     workers, cluster
         See `processes.crew_of`.
     progress : callable
-        Told how many episodes are new.
+        Called with the number of new episodes.
 
     Raises
     ------
     SuiteError
-        If a name is no planner, or a deviation negative.
+        If a name is no planner, or a deviation is not from 0 to 1.
     """
     for name in names:
         _planner_of(get_method(name))
@@ -61,17 +66,19 @@ def compare_blurred(
             raise SuiteError(f"noise: must be from 0 to 1 forearms (got {place})")
     ordered = sorted(entries, key=lambda entry: (entry.suite, entry.index))
     calls = [
-        partial(_answers, name, place, way, ordered[first : first + _CHUNK])
+        partial(_answers, name, place, habit, ordered[first : first + _CHUNK])
         for name in names
         for place in sorted({0.0, *deviations})
-        for way in (HABITS if place > 0.0 else (EXACT,))
+        for habit in (HABITS if place > 0.0 else (EXACT,))
         for first in range(0, len(ordered), _CHUNK)
     ]
     return Results.of(rows_of(calls, workers, cluster, progress))
 
 
-def episodes(names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]) -> int:
-    """How many episodes `compare_blurred` plays."""
+def noise_episodes(
+    names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]
+) -> int:
+    """Return the number of episodes of `compare_under_noise`."""
     return len(names) * len(entries) * (1 + len(HABITS) * len({*deviations} - {0.0}))
 
 
@@ -81,38 +88,45 @@ def _planner_of(made: Method) -> Any:
     return made.planner
 
 
-def _answers(name: str, place: float, way: str, entries: Sequence[Entry]) -> Rows:
+def _answers(name: str, place: float, habit: Any, entries: Sequence[Entry]) -> Rows:
     """A planner's rows for some situations."""
-    habit, caution = HABITS[way]
-    planner = _planner_of(get_method(name))
-    outcomes = under_noise(planner, entries, Noise(place, caution), habit)
+    mind = Planning(_planner_of(get_method(name)), habit)
+    loop = Loop(Perception(place), thinking=0.0)
     return [
         {
-            "entrant": name, "noise": place, "way": way, "suite": entry.suite,
+            "entrant": name, "noise": place, "way": habit, "suite": entry.suite,
             "index": entry.index, "family": entry.family, "stratum": entry.stratum,
-            "outcome": outcome,
+            "outcome": _outcome(mind, loop, entry),
         }
-        for entry, outcome in zip(entries, outcomes, strict=True)
+        for entry in entries
     ]  # fmt: skip
 
 
+def _outcome(mind: Planning, loop: Loop, entry: Entry) -> str:
+    """Outcome of an episode: caught, touched or late."""
+    situation = entry.situation
+    course = run_closed_loop(mind, ExactPlant(situation), situation, loop, SEED, entry.index)
+    return OUTCOMES[course.outcome]
+
+
 @dataclass(frozen=True)
-class Blurred:
-    """Catches of a planner that sees inexactly in some way."""
+class UnderNoise:
+    """Catches of a planner under inexact perception."""
 
     method: str
     noise: float
-    """Deviation of places [forearms]."""
+    """Standard deviation of places [forearms]."""
     way: str
+    """Habit of planning anew."""
     caught: Interval
     collisions: float
-    """Share that touches an obstacle."""
+    """Share that collides with an obstacle."""
     lost: float
-    """Share of all that is caught with exact perception, less that caught so."""
+    """Share caught with exact perception, less the share caught here."""
 
 
-def blurred(results: Results) -> list[Blurred]:
-    """Every planner, deviation and way, on reachable situations."""
+def under_noise(results: Results) -> list[UnderNoise]:
+    """Return every planner, deviation and habit, on reachable situations."""
     there = results.where(results["stratum"] != "U")
     out = []
     for name in results.methods:
@@ -127,5 +141,5 @@ def blurred(results: Results) -> list[Blurred]:
                 outcome = rows["outcome"]
                 caught = wilson(int((outcome == "caught").sum()), len(rows))
                 collisions = float((outcome == "touched").mean())
-                out.append(Blurred(name, place, way, caught, collisions, best - caught.value))
+                out.append(UnderNoise(name, place, way, caught, collisions, best - caught.value))
     return out

@@ -1,0 +1,55 @@
+"""The table of arms that are led along trajectories."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.execution.loop import hand_leading, joint_leading
+from gcm_learn.execution.loop.hand_leading import HandEvents
+from gcm_learn.execution.loop.joint_events import JointEvents
+from gcm_learn.scene import Scene
+
+
+class Events(Protocol):
+    """Events of an arm that follows trajectories exactly."""
+
+    def first(self, trajectory: Any, since: float, until: float, /) -> tuple[int, float]:
+        """Return the first event between two times [s], or RUNNING, and its time [s]."""
+
+
+@dataclass(frozen=True)
+class Lead:
+    """Functions of an arm that is led along trajectories on the world's clock."""
+
+    forearm: Callable[[Any], float]
+    """Length of an arm's forearm, the unit of perception."""
+    begun: Callable[[Any, Any, float], Any]
+    """Return the plan of an arm that begins at a time [s], with the way to rest after it."""
+    at_first: Callable[[Any], Any]
+    """Return the trajectory of an arm without a plan."""
+    led: Callable[[Any, Any, float], Any]
+    """Return an arm as it stands and moves at a time [s] of a trajectory."""
+    gap: Callable[[Any, Any, float], float]
+    """Return how far an arm is from a trajectory at a time [s], in rad or lengths."""
+    rest_of: Callable[[Any, float], Any]
+    """Return the rest of a trajectory from a time [s] on, on a clock that begins then."""
+    events: Callable[[Scene], Events]
+
+
+LEADS = ByKind(
+    {
+        PLANAR: Lead(
+            lambda arm: 1.0, hand_leading.begun, hand_leading.at_first, hand_leading.led,
+            hand_leading.gap, hand_leading.rest_of, HandEvents,
+        ),
+        SPATIAL: Lead(
+            lambda arm: math.hypot(*arm.forearm), joint_leading.begun, joint_leading.at_first,
+            joint_leading.led, joint_leading.gap, joint_leading.rest_of, JointEvents,
+        ),
+    },
+    who="the closed loop",
+)  # fmt: skip
