@@ -40,6 +40,7 @@ BOTH_WAYS = {
     "gcm_learn.planners.baselines",
     "gcm_learn.planners.oracle",
     "gcm_learn.planners.joints",
+    "gcm_learn.scene.shapes",
 }
 """Sub-folders that import files of their parent and are imported by them."""
 MOST_PARAMETERS, MANY_PARAMETERS = 12, 8  # of a compiled function: none over, few over

@@ -1,30 +1,16 @@
-"""How far a limb is from a body at its pose.
+"""Distances of a planar limb to a body at its pose.
 
-Coordinates are those of the arm's plane: the limb lies in z = 0.
+The limb lies in z = 0 of the arm's plane.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.collision.segments import segment_axis, segment_box, segment_cylinder
+from gcm_learn.collision.solids import bone_distance
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import (
-    BOX,
-    CAPSULE,
-    DISC,
-    FIRST,
-    HAND,
-    KIND,
-    LAST,
-    PART,
-    POLYGON,
-    REACH,
-    SIZE,
-    SPHERE,
-    centre_at,
-    rotate,
-)
+from gcm_learn.scene.bodies import BALL, HAND, PART, REACH, SIZE, centre_at, rotate
+from gcm_learn.scene.shapes.polygon import segments_cross
 
 _FAR = 0.15  # beyond this a body's ball is as good as the body [forearm lengths]
 
@@ -50,16 +36,6 @@ def limb_point2(x, y, hx, hy, ex, ey):
 
 
 @njit(_nrt=False)
-def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
-    """Tell whether the plane segments a-b and c-d properly cross."""
-    d1 = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-    d2 = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
-    d3 = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
-    d4 = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
-    return d1 * d2 < 0.0 and d3 * d4 < 0.0
-
-
-@njit(_nrt=False)
 def segments_distance2(ax, ay, bx, by, cx, cy, dx, dy):
     """Squared distance of the plane segments a-b and c-d, 0 if they cross."""
     if segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
@@ -76,81 +52,20 @@ def limb_segment2(hx, hy, ex, ey, ax, ay, bx, by):
     return min(upper_arm, segments_distance2(ex, ey, hx, hy, ax, ay, bx, by))
 
 
-@njit(_nrt=False, forceinline=True)
-def _off_edge2(wx, wy, dx, dy, inverse):
-    """Squared distance of w to the segment from the origin to d, whose inverse squared length."""
-    s = min(max((wx * dx + wy * dy) * inverse, 0.0), 1.0)
-    wx, wy = wx - s * dx, wy - s * dy
-    return wx * wx + wy * wy
-
-
-@njit(_nrt=False)
-def _segment_polygon(bodies, poses, b, ax, ay, bx, by):
-    """Distance of the plane segment a-b to a filled polygon (0 when they meet)."""
-    # Work in the body's frame: two points move instead of all vertices.
-    c, s = poses[b, 3], poses[b, 6]
-    ux, uy = ax - poses[b, 0], ay - poses[b, 1]
-    ax, ay = c * ux + s * uy, -s * ux + c * uy
-    ux, uy = bx - poses[b, 0], by - poses[b, 1]
-    bx, by = c * ux + s * uy, -s * ux + c * uy
-    dx, dy = bx - ax, by - ay
-    length2 = dx * dx + dy * dy
-    inverse = 1.0 / length2 if length2 > 0.0 else 0.0
-    first, last = int(bodies.rows[b, FIRST]), int(bodies.rows[b, LAST])
-    best = 1e300
-    inside = False
-    px, py = bodies.vertices[last - 1, 0], bodies.vertices[last - 1, 1]
-    for k in range(first, last):
-        qx, qy = bodies.vertices[k, 0], bodies.vertices[k, 1]
-        if segments_cross(ax, ay, bx, by, px, py, qx, qy):
-            return 0.0
-        ex, ey = qx - px, qy - py
-        edge = 1.0 / (ex * ex + ey * ey)
-        best = min(best, _off_edge2(px - ax, py - ay, dx, dy, inverse))
-        best = min(best, _off_edge2(ax - px, ay - py, ex, ey, edge))
-        best = min(best, _off_edge2(bx - px, by - py, ex, ey, edge))
-        if (py > ay) != (qy > ay) and ax < ex * (ay - py) / ey + px:
-            inside = not inside
-        px, py = qx, qy
-    return 0.0 if inside else np.sqrt(best)
-
-
-@njit(_nrt=False)
-def _to_body(poses, b, x, y):
-    """Coordinates of the plane point (x, y, 0) in body b's frame."""
-    dx, dy, dz = x - poses[b, 0], y - poses[b, 1], -poses[b, 2]
-    return (
-        poses[b, 3] * dx + poses[b, 6] * dy + poses[b, 9] * dz,
-        poses[b, 4] * dx + poses[b, 7] * dy + poses[b, 10] * dz,
-        poses[b, 5] * dx + poses[b, 8] * dy + poses[b, 11] * dz,
-    )
-
-
 @njit(_nrt=False)
 def segment_distance(bodies, poses, b, ax, ay, bx, by):
     """Distance of the plane segment a-b to body b at its pose; 0 when they meet."""
-    kind = bodies.rows[b, KIND]
-    radius, length = bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1]
-    if kind == POLYGON:
-        return _segment_polygon(bodies, poses, b, ax, ay, bx, by)
-    if kind == DISC or kind == SPHERE:
-        off = poses[b, 2] if kind == SPHERE else 0.0
+    if bodies.rows[b, BALL] > 0.0:  # without turning either end, which would take longer
         d2 = segment_point2(poses[b, 0], poses[b, 1], ax, ay, bx, by)
-        return max(np.sqrt(d2 + off * off) - radius, 0.0)
-    p = _to_body(poses, b, ax, ay)
-    q = _to_body(poses, b, bx, by)
-    if kind == BOX:
-        return segment_box(p, q, (radius, length, bodies.rows[b, SIZE + 2]))
-    if kind == CAPSULE:
-        return max(segment_axis(p, q, length) - radius, 0.0)
-    return segment_cylinder(p, q, radius, length)
+        return max(np.sqrt(d2 + poses[b, 2] * poses[b, 2]) - bodies.rows[b, SIZE], 0.0)
+    return bone_distance(bodies, poses, b, (ax, ay, 0.0), (bx, by, 0.0))
 
 
 @njit(_nrt=False)
 def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
-    """Distance of body b to the limb, the longer way round, for bodies that are no discs.
+    """Distance of body b to the limb, the longer way round, for bodies that are no balls.
 
-    What the ball that holds the body shows to be farther away than the other half is not asked.
+    The half that the ball about the body shows to be farther away is left out.
     """
     x, y, z2 = poses[b, 0], poses[b, 1], poses[b, 2] ** 2
     ball = bodies.rows[b, REACH]
@@ -180,10 +95,10 @@ def arm_distance(bodies, poses, b, hx, hy, ex, ey):
     """
     if bodies.rows[b, PART] == HAND:
         return segment_distance(bodies, poses, b, hx, hy, hx, hy)
-    if bodies.rows[b, KIND] != DISC:
+    if bodies.rows[b, BALL] == 0.0:
         return _limb_distance(bodies, poses, b, hx, hy, ex, ey)
-    x, y = poses[b, 0], poses[b, 1]
-    return max(np.sqrt(limb_point2(x, y, hx, hy, ex, ey)) - bodies.rows[b, SIZE], 0.0)
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    return max(np.sqrt(limb_point2(x, y, hx, hy, ex, ey) + z * z) - bodies.rows[b, SIZE], 0.0)
 
 
 @njit(_nrt=False)

@@ -16,9 +16,8 @@ from gcm_learn.collision.distance import (
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     ACCELERATION,
-    DISC,
+    BALL,
     HAND,
-    KIND,
     PART,
     REACH,
     SIZE,
@@ -43,7 +42,7 @@ class Postures(NamedTuple):
 
 
 def postures_of(bodies: Bodies, limb: np.ndarray, gap: np.ndarray) -> Postures:
-    """Postures with room for the bodies' poses."""
+    """Postures with arrays for the bodies' poses."""
     poses = np.zeros((len(bodies.rows), 12))
     return Postures(bodies, limb, gap, poses, np.zeros_like(poses))
 
@@ -116,7 +115,7 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND:
             continue
-        speed, disc = bodies.rows[b, TOP_SPEED], bodies.rows[b, KIND] == DISC
+        speed, ball = bodies.rows[b, TOP_SPEED], bodies.rows[b, BALL] > 0.0
         radius, reach = bodies.rows[b, SIZE], bodies.rows[b, REACH]
         x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
         for i in range(count):
@@ -125,8 +124,8 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
                 continue
             hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
             travel = speed * (now - since[i])
-            if disc:  # the common case, decided without a root or a call
-                d2 = limb_point2(x, y, hx, hy, ex, ey)
+            if ball:  # the common case, decided without a root or a call
+                d2 = limb_point2(x, y, hx, hy, ex, ey) + z * z
                 near, far = radius + gap[m], radius + gap[m] + travel
                 if d2 > far * far:
                     continue
@@ -169,14 +168,14 @@ def met_targets(postures, gap, cells, since, count, now, shortest, body, when):
         if bodies.rows[b, PART] != HAND:
             continue
         speed, radius = bodies.rows[b, TOP_SPEED], bodies.rows[b, REACH] + gap
-        disc = bodies.rows[b, KIND] == DISC
+        ball = bodies.rows[b, BALL] > 0.0
         x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
         for i in range(count):
             hx, hy = limb[cells[i], 0], limb[cells[i], 1]
             far = speed * (now - since[i])
             if (hx - x) ** 2 + (hy - y) ** 2 + z * z > (radius + far) ** 2:
                 continue
-            if not disc and arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
+            if not ball and arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
                 continue
             t = first_touch(bodies, b, hx, hy, hx, hy, gap, since[i], now, shortest, scratch)
             if t >= 0.0 and (body[i] < 0 or t < when[i]):

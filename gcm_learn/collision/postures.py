@@ -2,9 +2,9 @@
 
 Everything is in the frame of the limb's base. A *touch* is the distance of the bones at which an
 obstacle counts as touching the limb: its thickness, and what a planner keeps beyond. A move is a
-cubic in the joints (a straight line mostly) and is judged over all of its instants: the limb and
-every body are asked in the middle of a span, and bounds of their motion say for how much of it the
-answer holds; if not for all, both halves are asked.
+cubic in the joints (a straight line mostly) and is judged over all of its instants. The limb and
+every body are asked in the middle of a span. Bounds of their motion say for how much of the span
+the answer holds; if not for all, both halves are asked.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ from gcm_learn.arms.limbs import (
     swept,
 )
 from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.collision.solids import room_in_pose, solid_distance
+from gcm_learn.collision.solids import bone_distance, point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.scene.bodies import (
-    KIND,
+    BALL,
     LIMB,
     PART,
     REACH,
-    SPHERE,
     TOP_SPEED,
     centre_at,
     drift,
     rotate,
 )
+from gcm_learn.scene.shapes.ball import off_bone
 
 CHUNK = 60  # obstacles that one search asks after: the bits of an integer
 ITSELF = 60  # the bit of the limb itself
@@ -79,17 +79,6 @@ def desk_of(scene):
     )
 
 
-@njit(_nrt=False, forceinline=True)
-def off_bone(px, py, pz, dx, dy, dz):
-    """Distance of the point p to the segment from the origin to d."""
-    length2 = dx * dx + dy * dy + dz * dz
-    s = 0.0
-    if length2 > 0.0:
-        s = min(max((px * dx + py * dy + pz * dz) / length2, 0.0), 1.0)
-    x, y, z = px - s * dx, py - s * dy, pz - s * dz
-    return np.sqrt(x * x + y * y + z * z)
-
-
 @njit(_nrt=False)
 def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
     """Distance of body b at t [s] to a limb (elbow, hand: six numbers).
@@ -114,17 +103,17 @@ def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
     ex, ey, ez, hx, hy, hz = limb
     upper = off_bone(x, y, z, ex, ey, ez) - reach
     fore = off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez) - reach
-    if bodies.rows[b, KIND] != SPHERE:
+    if bodies.rows[b, BALL] == 0.0:
         near_upper, near_fore = upper - upper_slack <= enough, fore - fore_slack <= enough
         if turned and (near_upper or near_fore):
             rotate(bodies, b, t, poses)
         first = upper < fore  # the other bone needs not be asked after if its ball is farther
         if near_upper and first:
-            upper = solid_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
+            upper = bone_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
         if near_fore and (not first or fore < upper or fore - fore_slack < upper - upper_slack):
-            fore = solid_distance(bodies, poses, b, (ex, ey, ez), (hx, hy, hz))
+            fore = bone_distance(bodies, poses, b, (ex, ey, ez), (hx, hy, hz))
         if near_upper and not first and (upper < fore or upper - upper_slack < fore - fore_slack):
-            upper = solid_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
+            upper = bone_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
     upper, fore = max(upper, 0.0), max(fore, 0.0)
     room = upper - upper_slack
     if room <= enough and upper_slack > 0.0 and bodies.rows[b, TOP_SPEED] == 0.0:
@@ -141,9 +130,9 @@ def _hinged_room(bodies, b, elbow, slack, poses):
     along the bone, so beyond two of its points it is no less than the line through them.
     """
     ex, ey, ez = elbow
-    near = room_in_pose(bodies, b, _HINGE * ex, _HINGE * ey, _HINGE * ez, poses)
+    near = point_distance(bodies, poses, b, _HINGE * ex, _HINGE * ey, _HINGE * ez)
     far = 2.0 * _HINGE
-    slope = (room_in_pose(bodies, b, far * ex, far * ey, far * ez, poses) - near) / _HINGE
+    slope = (point_distance(bodies, poses, b, far * ex, far * ey, far * ez) - near) / _HINGE
     between = 0.5 * _HINGE * np.sqrt(ex * ex + ey * ey + ez * ez)  # those two it may be less
     return near - slope * _HINGE + min(0.0, slope - slack) - between
 
@@ -160,11 +149,11 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
         px, py, pz, qx, qy, qz, radius = link(limb, where, i)
         slip = slack_of(limb, slack, i) + off
         gap = off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radius
-        if bodies.rows[b, KIND] != SPHERE and gap - slip <= enough:
+        if bodies.rows[b, BALL] == 0.0 and gap - slip <= enough:
             if turned:
                 rotate(bodies, b, t, poses)
                 turned = False
-            gap = solid_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radius
+            gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radius
         best, room = min(best, gap), min(room, gap - slip)
     return best, room
 

@@ -4,21 +4,12 @@ from __future__ import annotations
 
 from gcm_learn.arms.limbs import place, self_gap, still
 from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.collision.postures import gap_to, off_bone
+from gcm_learn.collision.postures import gap_to
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
-from gcm_learn.scene.bodies import BOX, CAPSULE, KIND, SIZE, SPHERE, TOP_SPEED
-
-
-@njit(_nrt=False)
-def _shortest_radius(bodies, b):
-    """Radius of the largest ball about its centre that a solid holds."""
-    kind, size = bodies.rows[b, KIND], bodies.rows[b, SIZE]
-    if kind == BOX:
-        return min(size, bodies.rows[b, SIZE + 1], bodies.rows[b, SIZE + 2])
-    if kind == SPHERE or kind == CAPSULE:
-        return size
-    return min(size, bodies.rows[b, SIZE + 1])
+from gcm_learn.scene.bodies import TOP_SPEED
+from gcm_learn.scene.shapes.ball import off_bone
+from gcm_learn.scene.shapes.choice import inner_radius
 
 
 @njit(_nrt=False)
@@ -36,7 +27,7 @@ def _depth_in_bones(limb, where, bodies, b, found, touch, poses):
         off_bone(x, y, z, ex, ey, ez),
         off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez),
     )
-    return max(_shortest_radius(bodies, b) + touch - away, touch - found)
+    return max(inner_radius(bodies, b) + touch - away, touch - found)
 
 
 depth_of = by_type({None: _depth_in_links, SpatialLimb: _depth_in_bones})

@@ -16,18 +16,14 @@ from gcm_learn.arms import rotation_of
 from gcm_learn.checks import quote
 from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.errors import SituationError
+from gcm_learn.scene import entry_of
 from gcm_learn.situation import (
     AnySituation,
     Body,
-    Box,
-    Capsule,
-    Cylinder,
-    Disc,
     Pendulum,
     PlanarQuadratic,
-    Polygon,
     SolidQuadratic,
-    Sphere,
+    numbers_of,
 )
 
 DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]
@@ -51,7 +47,7 @@ def parameters_of(situation: AnySituation) -> np.ndarray:
     numbers = RECORDS.of(situation).numbers(arm, horizon)
     for body in _in_order(situation):
         numbers += _motion_numbers(body, horizon)
-        numbers += _shape_numbers(body)
+        numbers += numbers_of(body.shape)
     unit = RECORDS.of(situation).forearm(arm)
     return np.array(numbers if unit == 1.0 else [n / unit for n in numbers], dtype=np.float32)
 
@@ -87,7 +83,7 @@ def _distance(body: Body) -> float:
 
 def _kind(body: Body) -> str:
     shape = body.shape
-    corners = len(shape.vertices) if isinstance(shape, Polygon) else ""
+    corners = len(entry_of(shape).vertices(shape)) or ""
     swing = "~" if isinstance(body.motion, Pendulum) else ""
     return f"{shape.kind}{corners}{swing}"
 
@@ -104,26 +100,15 @@ def _motion_numbers(body: Body, horizon: float) -> list[float]:
     motion = _quadratic(body)
     numbers = [*motion.position, *(v * horizon for v in motion.velocity)]
     numbers += [0.5 * a * horizon**2 for a in motion.acceleration]
-    if isinstance(body.shape, Disc | Sphere):
-        return numbers  # nobody can see them turn
+    if entry_of(body.shape).is_ball:
+        return numbers  # no turn can be seen
     if isinstance(motion, PlanarQuadratic):
         c, s = math.cos(motion.angle), math.sin(motion.angle)
         return [*numbers, radius * c, radius * s, radius * motion.spin * horizon]
     axes = rotation_of(motion.orientation)
-    seen = axes[:, 2] if isinstance(body.shape, Capsule | Cylinder) else axes[:, ::2].ravel()
+    seen = axes[:, 2] if entry_of(body.shape).is_round else axes[:, ::2].ravel()
     turn = (radius * s * horizon for s in motion.spin)
     return [*numbers, *(radius * seen).tolist(), *turn]
-
-
-def _shape_numbers(body: Body) -> list[float]:
-    shape = body.shape
-    if isinstance(shape, Polygon):
-        return [value for corner in shape.vertices for value in corner]
-    if isinstance(shape, Box):
-        return list(shape.half_extents)
-    if isinstance(shape, Capsule | Cylinder):
-        return [shape.radius, shape.half_length]
-    return [shape.radius]
 
 
 def quantities_of(situation: AnySituation, top_speed: float) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Where hand and target can meet: along a path, or straight ahead."""
+"""Interceptions: meetings of hand and target along a path, or straight ahead."""
 
 from __future__ import annotations
 
@@ -7,51 +7,11 @@ import numpy as np
 from gcm_learn.collision.distance import segment_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import (
-    DISC,
-    FIRST,
-    HAND,
-    KIND,
-    LAST,
-    PART,
-    POLYGON,
-    REACH,
-    SIZE,
-    SPHERE,
-    TOP_SPEED,
-    pose_at,
-)
-from gcm_learn.scene.cuts import cut, point_polygon_distance, region_distance
+from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
+from gcm_learn.scene.shapes.choice import gap_in_plane
 
 NOWHERE = 1e300
 _PROBE = 1e-6  # finite difference for the direction of the nearest point [forearm lengths]
-
-
-@njit
-def target_distance(bodies, poses, b, x, y):
-    """Signed distance of a hand at (x, y) to a target's region in the plane; NOWHERE if empty.
-
-    The region of a solid is its cut with the arm plane.
-    """
-    kind = bodies.rows[b, KIND]
-    dx, dy = x - poses[b, 0], y - poses[b, 1]
-    radius = bodies.rows[b, SIZE]
-    if kind == DISC:
-        return np.sqrt(dx * dx + dy * dy) - radius
-    if kind == SPHERE:
-        left = radius * radius - poses[b, 2] ** 2
-        return np.sqrt(dx * dx + dy * dy) - np.sqrt(left) if left >= 0.0 else NOWHERE
-    if kind == POLYGON:
-        c, s = poses[b, 3], poses[b, 6]
-        vertices = bodies.vertices[int(bodies.rows[b, FIRST]) : int(bodies.rows[b, LAST])]
-        return point_polygon_distance(c * dx + s * dy, -s * dx + c * dy, vertices)
-    discs, polygon = cut(
-        int(kind),
-        bodies.rows[b, SIZE : SIZE + 3].copy(),
-        poses[b, :3].copy(),
-        poses[b, 3:].copy().reshape((3, 3)),
-    )
-    return region_distance(x, y, discs, polygon)
 
 
 @njit
@@ -83,7 +43,7 @@ def first_catch(bodies, time, hand, catch, shortest):
             y = hand[k, 1] + s * (hand[last, 1] - hand[k, 1])
             pose_at(bodies, b, t, poses)
             room = segment_distance(bodies, poses, b, x, y, x, y) - max(catch, 0.0)
-            if room <= 0.0 and target_distance(bodies, poses, b, x, y) <= catch:
+            if room <= 0.0 and gap_in_plane(bodies, poses, b, x, y) <= catch:
                 best, body = t, b
                 break
             if t >= time[-1]:
@@ -104,14 +64,14 @@ def first_catch(bodies, time, hand, catch, shortest):
 @njit
 def approach(bodies, poses, b, x, y, catch, far):
     """Point within `catch` of the target nearest to (x, y): (px, py, found)."""
-    d = target_distance(bodies, poses, b, x, y)
+    d = gap_in_plane(bodies, poses, b, x, y)
     if d >= NOWHERE:
         return x, y, False
     if d > catch:
-        gx = target_distance(bodies, poses, b, x + _PROBE, y)
-        gx -= target_distance(bodies, poses, b, x - _PROBE, y)
-        gy = target_distance(bodies, poses, b, x, y + _PROBE)
-        gy -= target_distance(bodies, poses, b, x, y - _PROBE)
+        gx = gap_in_plane(bodies, poses, b, x + _PROBE, y)
+        gx -= gap_in_plane(bodies, poses, b, x - _PROBE, y)
+        gy = gap_in_plane(bodies, poses, b, x, y + _PROBE)
+        gy -= gap_in_plane(bodies, poses, b, x, y - _PROBE)
         size = np.sqrt(gx * gx + gy * gy)
         if size == 0.0:
             return x, y, False
@@ -121,7 +81,7 @@ def approach(bodies, poses, b, x, y, catch, far):
     r = np.sqrt(x * x + y * y)
     if r > far:
         x, y = x * far / r, y * far / r
-    return x, y, target_distance(bodies, poses, b, x, y) <= catch
+    return x, y, gap_in_plane(bodies, poses, b, x, y) <= catch
 
 
 @njit
@@ -172,13 +132,13 @@ def first_interception(scene, rules, x, y, start, since, end):
 
 
 def anywhere(scene: Scene) -> Scene:
-    """The scene with an arm that reaches everywhere: its interceptions bound those of the arm."""
+    """Return the scene with an arm that reaches everywhere, whose interceptions come first."""
     return scene._replace(limb=scene.limb._replace(near=0.0, far=np.inf))
 
 
 @njit(_nrt=False)
 def _away_until(bodies, poses, b, catch, near, far):
-    """How long no hand can catch a target, by the ball that holds it [s].
+    """Bound the time in which no hand can catch a target, by the ball that holds it [s].
 
     It is above or below the plane, beyond the ring, or in its hole.
     """

@@ -16,7 +16,7 @@ from gcm_learn.arms.limbs import (
 )
 from gcm_learn.collision.postures import desk_of
 from gcm_learn.collision.rests import free_until
-from gcm_learn.collision.solids import room_in_pose
+from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.scene import AimedLimits, Scene
@@ -46,7 +46,7 @@ def target_room(scene, b, x, y, z, t, poses):
         Row b is filled with the body's pose.
     """
     pose_at(scene.bodies, b, t, poses)
-    return room_in_pose(scene.bodies, b, x, y, z, poses)
+    return point_distance(scene.bodies, poses, b, x, y, z)
 
 
 @njit(_nrt=False, forceinline=True)

@@ -13,11 +13,11 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion import joint_verification
 from gcm_learn.motion.clearance import RESOLUTION
 from gcm_learn.motion.failures import Failure, Reason
-from gcm_learn.motion.interception import target_distance
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import pose_at
+from gcm_learn.scene.shapes.choice import gap_in_plane
 
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured
@@ -217,7 +217,7 @@ def _judge(scene, touch, time, hand, joints, body):
     if fault == NOTHING:
         poses = np.zeros((scene.bodies.rows.shape[0], 12))
         pose_at(scene.bodies, body, time[last], poses)
-        away = target_distance(scene.bodies, poses, body, hand[last, 0], hand[last, 1])
+        away = gap_in_plane(scene.bodies, poses, body, hand[last, 0], hand[last, 1])
         if away > scene.limits.grasp - 0.5 * CATCH_SAFETY:
             fault = MISSED
     if fault != NOTHING:

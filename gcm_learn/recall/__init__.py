@@ -39,7 +39,7 @@ from gcm_learn.recall.planners import (
     shipped_memory,
     unverified,
 )
-from gcm_learn.recall.raw_features import Scale, own_axis
+from gcm_learn.recall.raw_features import Scale
 from gcm_learn.recall.store import Entry, Memory
 from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share
 
@@ -98,7 +98,6 @@ __all__ = [
     "load_encoder",
     "map_picture",
     "nearest_rows",
-    "own_axis",
     "passing",
     "passing_of",
     "path_of",

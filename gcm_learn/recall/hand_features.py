@@ -20,7 +20,7 @@ from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.rules import Rules
 from gcm_learn.recall.features import TOUCH, Features
 from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at, poses_at
+from gcm_learn.scene.bodies import BALL, HAND, PART, REACH, pose_at, poses_at
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
 
@@ -170,8 +170,8 @@ def _fill_ring(bodies, poses, b, limbs, k, i, first, last, out, o):
     """
     px, py, pz, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     ball, limit = reach + limbs.thickness + FREE, (LENGTHS[k] + SLACK) ** 2
-    disc, count, at = bodies.rows[b, KIND] == DISC, 0, (k * RINGS.size + i) * DIRECTIONS
-    z2 = 0.0 if disc else pz * pz
+    ball, count, at = bodies.rows[b, BALL] > 0.0, 0, (k * RINGS.size + i) * DIRECTIONS
+    z2 = pz * pz
     for turn in range(first, last + 1):
         j = turn % DIRECTIONS
         if limbs.away2[i, j] > limit:
@@ -181,7 +181,7 @@ def _fill_ring(bodies, poses, b, limbs, k, i, first, last, out, o):
         d2 = limb_point2(px, py, hx, hy, ex, ey) + z2
         if d2 >= ball * ball:
             continue
-        if disc:
+        if ball:
             out[o, at + j] = _closeness(np.sqrt(d2) - reach - limbs.thickness)
         else:
             limbs.close[count] = j

@@ -13,12 +13,13 @@ import numpy as np
 
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception import approach, target_distance
+from gcm_learn.motion.interception import approach
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.verification import PARTS, joint_turns, nearest_to_shoulder
 from gcm_learn.recall.styles import HURRY, POLAR, Chase
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
+from gcm_learn.scene.shapes.choice import gap_in_plane
 
 KNOTS = 24  # of a remembered path, see `gcm_learn.recall.waypoints`
 ANGLE, RING, TIME, EARLIEST = range(4)  # columns of a knot
@@ -344,7 +345,7 @@ def cut(query, work, body):
             limit = catch + bodies.rows[b, REACH]
             if dx * dx + dy * dy > limit * limit:
                 continue
-            if target_distance(bodies, work.poses, b, x, y) <= catch:
+            if gap_in_plane(bodies, work.poses, b, x, y) <= catch:
                 return k + 1, b
     return KNOTS + 1, body
 

@@ -47,7 +47,7 @@ def _clearance(query, g, x, y, enough):
         px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
         d2 = limb_point2(px, py, x, y, ex, ey)
         d = np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH]
-        if d <= enough and bodies.rows[b, KIND] != DISC:
+        if d <= enough and bodies.rows[b, KIND] != DISC:  # only discs count by their depth
             d = arm_distance(bodies, poses, b, x, y, ex, ey)
         least = min(least, d)
     return least

@@ -22,21 +22,14 @@ from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    FIRST,
     HAND,
-    KIND,
-    LAST,
     PART,
-    POLYGON,
     REACH,
-    SIZE,
     SPIN,
     pose_at,
 )
 from gcm_learn.scene.packing import pack
+from gcm_learn.scene.shapes.choice import long_axis
 from gcm_learn.situation import Situation, spatial_frame_of
 
 SLOTS = 4  # obstacles that are included, the nearest to hand, arm and path first
@@ -214,7 +207,7 @@ def _place_in_space(view, poses, b, out, at):
 @njit
 def _axis_by_hand(view, bodies, b, horizon, poses, out, at):
     """Write the axis of body b by twice its angle, since it has no head, and its turn (3)."""
-    dx, dy = long_axis(bodies, b, poses)
+    dx, dy = axis_in_plane(bodies, b, poses)
     dx, dy = view.c * dx + view.s * dy, view.side * (view.c * dy - view.s * dx)
     length = np.sqrt(dx * dx + dy * dy)
     if length > 0.0:
@@ -226,7 +219,7 @@ def _axis_by_hand(view, bodies, b, horizon, poses, out, at):
 @njit
 def _axis_in_space(view, bodies, b, _horizon, poses, out, at):
     """Write the axis of body b (3), which has no head."""
-    x, y, z = own_axis(bodies, b)
+    x, y, z = long_axis(bodies, b)
     for j in range(3):
         along = poses[b, 3 + 3 * j] * x + poses[b, 4 + 3 * j] * y + poses[b, 5 + 3 * j] * z
         out[at + j] = abs(along) / view.unit
@@ -286,35 +279,8 @@ def _places(view, bodies, b, horizon, poses, out, at):
 
 
 @njit
-def long_axis(bodies, b, poses):
+def axis_in_plane(bodies, b, poses):
     """In-plane part of a body's longest axis, as long as the body is longer than wide."""
-    x, y, z = own_axis(bodies, b)
+    x, y, z = long_axis(bodies, b)
     dx = poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z
     return dx, poses[b, 6] * x + poses[b, 7] * y + poses[b, 8] * z
-
-
-@njit
-def own_axis(bodies, b):
-    """A body's longest axis (3) in its own frame, as long as the body is longer than wide."""
-    kind = bodies.rows[b, KIND]
-    if kind == CAPSULE or kind == CYLINDER:
-        return 0.0, 0.0, bodies.rows[b, SIZE + 1]
-    if kind == BOX:
-        x, y, z = bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1], bodies.rows[b, SIZE + 2]
-        if z > x and z > y:
-            return 0.0, 0.0, z
-        return (0.0, y, 0.0) if y > x else (x, 0.0, 0.0)
-    if kind != POLYGON:
-        return 0.0, 0.0, 0.0
-    first, last = int(bodies.rows[b, FIRST]), int(bodies.rows[b, LAST])
-    mx, my = 0.0, 0.0
-    for k in range(first, last):
-        mx += bodies.vertices[k, 0] / (last - first)
-        my += bodies.vertices[k, 1] / (last - first)
-    xx, xy, yy = 0.0, 0.0, 0.0
-    for k in range(first, last):
-        dx, dy = bodies.vertices[k, 0] - mx, bodies.vertices[k, 1] - my
-        xx, xy, yy = xx + dx * dx, xy + dx * dy, yy + dy * dy
-    spread = np.sqrt(np.sqrt((xx - yy) ** 2 + 4.0 * xy * xy) / (last - first))
-    phi = 0.5 * np.arctan2(2.0 * xy, xx - yy)
-    return spread * np.cos(phi), spread * np.sin(phi), 0.0

@@ -34,7 +34,7 @@ from gcm_learn.rendering.limbs import (
 )
 from gcm_learn.rendering.paths import LINE, SAMPLES, path_faces, target_paths, tube_faces
 from gcm_learn.rendering.poses import JointSituation, body_poses, ground_of
-from gcm_learn.rendering.solids import faces, placed, tube
+from gcm_learn.rendering.solids import faces, has_edges, placed, tube
 from gcm_learn.rendering.spectator import Spectator
 from gcm_learn.rendering.staging import (
     PIXELS,
@@ -84,6 +84,7 @@ __all__ = [
     "floor_of",
     "from_above",
     "ground_of",
+    "has_edges",
     "limb_along",
     "limb_faces",
     "normals",

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,31 +33,40 @@ def faces(shape: SolidShape, tile: float = TILE) -> np.ndarray:
     (n, 4, 3) ndarray
         Quadrilaterals, counter-clockwise when seen from outside.
     """
-    if isinstance(shape, Box):
-        return _box(np.asarray(shape.half_extents), tile)
-    if isinstance(shape, Sphere):
-        return _turned(_arc(shape.radius, 0.0, tile))
-    if isinstance(shape, Capsule):
-        return _turned(_arc(shape.radius, shape.half_length, tile))
-    if isinstance(shape, Cylinder):
-        r, h = shape.radius, shape.half_length
-        return _turned(np.array([(0.0, -h), (r, -h), *_side(r, h, tile), (r, h), (0.0, h)]))
-    raise TypeError(f"not a solid shape: {shape!r}")
+    if type(shape) not in MESHES:
+        raise TypeError(f"not a solid shape: {shape!r}")
+    return MESHES[type(shape)].faces(shape, tile)
 
 
 def round_normals(shape: SolidShape, corners: np.ndarray) -> np.ndarray | None:
-    """Unit normals (n, 4, 3) at the corners of a solid's `faces`; None for a box, which is flat."""
-    if isinstance(shape, Box):
-        return None
-    if isinstance(shape, Cylinder):
-        flat = normals(corners)
-        side = np.abs(flat[:, 2]) < 0.5
-        axial = corners * (1.0, 1.0, 0.0) / shape.radius
-        return np.where(side[:, None, None], axial, flat[:, None])
-    half = shape.half_length if isinstance(shape, Capsule) else 0.0
+    """Unit normals (n, 4, 3) at the corners of a solid's `faces`; None for flat faces."""
+    rounded = MESHES[type(shape)].normals
+    return None if rounded is None else rounded(shape, corners)
+
+
+def has_edges(shape: SolidShape) -> bool:
+    """Return whether faces of a solid meet in edges."""
+    return MESHES[type(shape)].has_edges
+
+
+def _cylinder(shape: Cylinder, tile: float) -> np.ndarray:
+    r, h = shape.radius, shape.half_length
+    return _turned(np.array([(0.0, -h), (r, -h), *_side(r, h, tile), (r, h), (0.0, h)]))
+
+
+def _cylinder_normals(shape: Cylinder, corners: np.ndarray) -> np.ndarray:
+    flat = normals(corners)
+    side = np.abs(flat[:, 2]) < 0.5
+    axial = corners * (1.0, 1.0, 0.0) / shape.radius
+    return np.where(side[:, None, None], axial, flat[:, None])
+
+
+def _normals_from(half: float, radius: float, corners: np.ndarray) -> np.ndarray:
+    """Return normals that point away from a segment of the z axis."""
     core = np.zeros_like(corners)
     core[..., 2] = np.clip(corners[..., 2], -half, half)
-    return (corners - core) / shape.radius
+    away: np.ndarray = (corners - core) / radius
+    return away
 
 
 @lru_cache(maxsize=256)
@@ -147,3 +158,26 @@ def _box(half: np.ndarray, tile: float) -> np.ndarray:
                     corners[:, v] = (v0, v0, v1, v1)
                     out.append(corners[::sign])
     return np.array(out)
+
+
+class Mesh(NamedTuple):
+    """Functions that draw a shape."""
+
+    faces: Callable[[Any, float], np.ndarray]
+    normals: Callable[[Any, np.ndarray], np.ndarray] | None
+    has_edges: bool = False
+
+
+MESHES: dict[type, Mesh] = {
+    Box: Mesh(lambda box, tile: _box(np.asarray(box.half_extents), tile), None, has_edges=True),
+    Sphere: Mesh(
+        lambda ball, tile: _turned(_arc(ball.radius, 0.0, tile)),
+        lambda ball, corners: _normals_from(0.0, ball.radius, corners),
+    ),
+    Capsule: Mesh(
+        lambda rod, tile: _turned(_arc(rod.radius, rod.half_length, tile)),
+        lambda rod, corners: _normals_from(rod.half_length, rod.radius, corners),
+    ),
+    Cylinder: Mesh(_cylinder, _cylinder_normals, has_edges=True),
+}
+"""Drawings of solids by shape."""

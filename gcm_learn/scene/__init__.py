@@ -2,14 +2,14 @@
 
 from gcm_learn.scene.bodies import (
     ACCELERATION,
+    BALL,
     COLUMNS,
-    DISC,
     HAND,
-    KIND,
     LIMB,
     PART,
     POSITION,
     SIZE,
+    SWING,
     TOP_SPEED,
     VELOCITY,
     Bodies,
@@ -22,26 +22,30 @@ from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack, pack_bodies, pose
 from gcm_learn.scene.reversal import reverse_pieces
 from gcm_learn.scene.scene import AimedLimits, JointLimits, Limits, Scene
+from gcm_learn.scene.shapes.choice import gap
+from gcm_learn.scene.shapes.entries import entry_of
 from gcm_learn.scene.swings import integrate_swing
 
 __all__ = [
     "ACCELERATION",
+    "BALL",
     "AimedLimits",
     "Bodies",
     "COLUMNS",
-    "DISC",
     "HAND",
-    "KIND",
     "LIMB",
     "Limits",
     "PART",
     "POSITION",
     "SIZE",
+    "SWING",
     "Scene",
     "JointLimits",
     "TOP_SPEED",
     "VELOCITY",
     "bodies_later",
+    "entry_of",
+    "gap",
     "integrate_swing",
     "later",
     "no_bodies",

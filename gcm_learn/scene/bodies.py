@@ -1,7 +1,7 @@
 """Kernels for moving bodies: pose at a time, bounds on displacement, distances to solids.
 
-Everything is in arm-plane coordinates: x and y lie in the arm's plane, z along its normal, so the
-limb always lies in z = 0 and a planar body is one whose z never matters.  A pose is a row of
+Everything is in arm-plane coordinates: x and y lie in the arm's plane, z along its normal.  The
+limb always lies in z = 0, and the z of a planar body never matters.  A pose is a row of
 12 numbers: the centre (3) and the rotation body -> plane, row by row (9).
 
 Kernels take whole arrays and a body's index, never a row: in numba a view costs two atomic counts,
@@ -22,9 +22,9 @@ HAND, LIMB = 0, 1  # which part of the arm a body can touch: targets only meet t
 
 
 # Columns of a body's row.  One array instead of a dozen keeps calls between kernels cheap.
-KIND = 0  # DISC ... CYLINDER
+KIND = 0  # DISC ... CYLINDER; `shapes/choice.py` branches on it
 PART = 1  # HAND or LIMB
-SIZE = 2  # 3 columns: radius, 0, 0 | half extents | radius, half length, 0
+SIZE = 2  # 3 columns, whose meaning is that of the shape
 REACH = 5  # radius of the ball about the centre that holds the body
 POSITION = 6  # 3: centre at t = 0, or pivot of a pendulum
 VELOCITY = 9  # 3
@@ -41,7 +41,8 @@ TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
 APPROACH = 41  # 3: direction in the body's frame from which a target is caught; 0 if any will do
 WITHIN = 44  # largest angle of the hand's axis to it [rad]
 PIECES = 45  # number of pieces in the entry of `angles`; 0 for a pendulum
-COLUMNS = 46
+BALL = 46  # 1 if the body is all of the ball that holds it, so that no turn can be seen
+COLUMNS = 47
 
 # Numbers of a piece; from POSITION to TURN they are those of a body's row.  They lie in `angles`,
 # two in a row: a table of their own would be one array more to hand on, which slows all kernels.
@@ -132,7 +133,7 @@ def _piece_pose(bodies, b, t, out):
         way = of_piece(bodies, b, p, VELOCITY + k) * since
         way += of_piece(bodies, b, p, ACCELERATION + k) * half
         out[b, k] = of_piece(bodies, b, p, POSITION + k) + way
-    if bodies.rows[b, KIND] != SPHERE:
+    if bodies.rows[b, BALL] == 0.0:
         _turn(of_piece, bodies, b, p, since, out)
 
 
@@ -221,12 +222,11 @@ def centre_at(bodies, b, t, out):
 
     Returns whether `rotate` has still to write the rest of its pose.
     """
-    kind = bodies.rows[b, KIND]
     if bodies.rows[b, SWING] >= 0.0:
         _swing_pose(bodies, b, t, out)
         return False
     out[b, 0], out[b, 1], out[b, 2] = glide(bodies, b, t, out)
-    return kind != DISC and kind != SPHERE
+    return bodies.rows[b, BALL] == 0.0
 
 
 @njit(_nrt=False)

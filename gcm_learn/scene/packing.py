@@ -14,28 +14,15 @@ from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.laws import LAWS, Frame, Tables
 from gcm_learn.scene.scene import AimedLimits, JointLimits, Limits, Scene
+from gcm_learn.scene.shapes.entries import entry_of
 from gcm_learn.scene.swings import swing_tables
 from gcm_learn.situation import (
     FORMATS,
     AnySituation,
-    Box,
-    Capsule,
-    Cylinder,
-    Disc,
     Pendulum,
-    Polygon,
-    Sphere,
     arm_frame,
 )
 
-_KIND = {
-    Disc: k.DISC,
-    Polygon: k.POLYGON,
-    Sphere: k.SPHERE,
-    Box: k.BOX,
-    Capsule: k.CAPSULE,
-    Cylinder: k.CYLINDER,
-}
 _UNTURNED = np.eye(3)
 
 
@@ -80,7 +67,7 @@ _LIMITS: ByKind[Callable[[Any], Any]] = ByKind({PLANAR: _limits}, default=_joint
 
 
 def pack_bodies(situation: AnySituation) -> Bodies:
-    """Pack a situation's bodies into arrays, in arm-plane coordinates or those of the base.
+    """Pack a situation's bodies into arrays, in coordinates of the arm's plane or base.
 
     Parameters
     ----------
@@ -100,21 +87,22 @@ def pack_bodies(situation: AnySituation) -> Bodies:
     tables: Tables = []
     for body in situation.bodies:
         motion, shape, row = body.motion, body.shape, [0.0] * k.COLUMNS
-        row[k.KIND] = _KIND[type(shape)]
+        entry = entry_of(shape)
+        row[k.KIND], row[k.BALL] = entry.number, entry.is_ball
         row[k.PART] = k.HAND if body.role == "target" else k.LIMB
-        row[k.SIZE : k.SIZE + 3] = _size(shape)
+        row[k.SIZE : k.SIZE + 3] = entry.sizes(shape)
         row[k.REACH] = shape.bounding_radius
         if body.approach is not None:
             row[k.APPROACH : k.APPROACH + 3] = body.approach.axis
             row[k.WITHIN] = body.approach.within
         row[k.SWING] = -1.0
         LAWS[type(motion)].place(row, tables, motion, view)
-        if isinstance(shape, Disc | Sphere) and body.approach is None:  # nobody sees them spin
+        if entry.is_ball and body.approach is None:  # no spin can be seen
             row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
             for piece in tables[-1] if row[k.PIECES] else ():
                 piece[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
         row[k.FIRST] = len(vertices)
-        vertices.extend(shape.vertices if isinstance(shape, Polygon) else ())
+        vertices.extend(entry.vertices(shape))
         row[k.LAST] = len(vertices)
         made.append(row)
     rows = np.array(made, dtype=float).reshape(-1, k.COLUMNS)
@@ -162,16 +150,6 @@ def pose(situation: AnySituation, index: int, t: float) -> tuple[np.ndarray, np.
     poses[index, 3:] = np.eye(3).ravel()  # discs and spheres leave it so
     k.pose_at(bodies, index, t, poses)
     return poses[index, :3].copy(), poses[index, 3:].reshape(3, 3).copy()
-
-
-def _size(shape: object) -> tuple[float, float, float]:
-    if isinstance(shape, Disc | Sphere):
-        return (shape.radius, 0.0, 0.0)
-    if isinstance(shape, Capsule | Cylinder):
-        return (shape.radius, shape.half_length, 0.0)
-    if isinstance(shape, Box):
-        return shape.half_extents
-    return (0.0, 0.0, 0.0)
 
 
 @njit

@@ -41,7 +41,7 @@ def _reversed(piece: np.ndarray, until: float) -> np.ndarray:
     """Return a piece as it runs from its end back to its start."""
     span = until - piece[k.START]
     row = np.zeros((1, k.COLUMNS))
-    row[0, k.SWING], row[0, k.KIND] = -1.0, k.BOX
+    row[0, k.SWING] = -1.0
     row[0, k.POSITION : k.TURN + 9] = piece[k.POSITION : k.TURN + 9]
     poses = np.zeros((1, 12))
     pose_at(k.no_bodies()._replace(rows=row), 0, span, poses)

@@ -44,6 +44,7 @@ from gcm_learn.situation.shapes import (
     Shape,
     SolidShape,
     Sphere,
+    numbers_of,
 )
 from gcm_learn.situation.situation import AnySituation, Plane, Situation, planar, spatial
 from gcm_learn.situation.spatial_frame import SpatialFrame, spatial_frame_of
@@ -95,6 +96,7 @@ __all__ = [
     "carried",
     "frame_of",
     "line_of",
+    "numbers_of",
     "parse",
     "planar",
     "plane_frame",

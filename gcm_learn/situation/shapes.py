@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
 
 from gcm_learn.checks import positive, positive_vector, put, sequence, vector
 from gcm_learn.situation.polygons import check_polygon
@@ -173,3 +174,17 @@ Shape = PlanarShape | SolidShape
 
 PLANAR = (Disc, Polygon)
 SOLID = (Sphere, Box, Capsule, Cylinder)
+
+
+def numbers_of(shape: Shape) -> list[float]:
+    """Return the numbers of a shape, in the order of its fields."""
+    return list(_flat(tuple(getattr(shape, field.name) for field in fields(shape))))
+
+
+def _flat(value: float | tuple[Any, ...]) -> Iterator[float]:
+    """Yield the numbers of nested tuples."""
+    if isinstance(value, tuple):
+        for part in value:
+            yield from _flat(part)
+    else:
+        yield value

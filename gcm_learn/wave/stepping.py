@@ -13,12 +13,12 @@ from gcm_learn.charts import Lattice, hand_space
 from gcm_learn.collision import arm_distance
 from gcm_learn.scene import (
     ACCELERATION,
-    DISC,
+    BALL,
     HAND,
-    KIND,
     PART,
     POSITION,
     SIZE,
+    SWING,
     TOP_SPEED,
     VELOCITY,
     Bodies,
@@ -205,18 +205,19 @@ def distances(bodies: Bodies, b: int, limbs: np.ndarray, times: np.ndarray) -> n
     (c, m) ndarray
     """
     row = bodies.rows[b]
-    if row[KIND] != DISC:
+    if row[BALL] == 0.0 or row[SWING] >= 0.0:
         return np.array([[_kernel_distance(bodies, b, limb, t) for t in times] for limb in limbs])
     t = times[:, None]
-    centre = row[POSITION:][:2] + row[VELOCITY:][:2] * t
-    centre = centre + 0.5 * row[ACCELERATION:][:2] * t**2
+    centre = row[POSITION:][:3] + row[VELOCITY:][:3] * t
+    centre = centre + 0.5 * row[ACCELERATION:][:3] * t**2
+    centre, height = centre[:, :2], centre[:, 2]
     hand, elbow = limbs[:, None, :2], limbs[:, None, 2:]
     if row[PART] == HAND:
         away = np.linalg.norm(centre - hand, axis=-1)
     else:
         upper_arm = _from_segments(centre, 0.0 * elbow, elbow)
         away = np.minimum(_from_segments(centre, elbow, hand), upper_arm)
-    return np.maximum(away - row[SIZE], 0.0)
+    return np.maximum(np.hypot(away, height) - row[SIZE], 0.0)
 
 
 def _from_segments(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -228,7 +229,7 @@ def _from_segments(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarr
 
 
 def _kernel_distance(bodies: Bodies, b: int, limb: np.ndarray, t: float) -> float:
-    """As `distances`, for bodies that are no discs."""
+    """As `distances`, for bodies of any shape and law."""
     poses = np.zeros((bodies.rows.shape[0], 12))
     pose_at(bodies, b, t, poses)
     return float(arm_distance(bodies, poses, b, *limb))

@@ -14,6 +14,7 @@ from gcm_learn.collision import distance
 from gcm_learn.families.random_solid import random_rotation
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.scene.shapes.polygon import segments_cross
 from gcm_learn.situation import (
     Body,
     Box,
@@ -165,10 +166,10 @@ def test_an_obstacle_meets_the_limb_and_a_target_the_hand(shape):
 
 
 def test_segments_cross_only_properly():
-    assert distance.segments_cross(0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0, 0.0)
-    assert not distance.segments_cross(0.0, 0.0, 1.0, 1.0, 2.0, 3.0, 3.0, 2.0)
-    assert not distance.segments_cross(0.0, 0.0, 1.0, 0.0, 0.5, 0.0, 0.5, 1.0)  # one only touches
-    assert not distance.segments_cross(0.0, 0.0, 1.0, 0.0, 0.2, 0.0, 2.0, 0.0)  # in one line
+    assert segments_cross(0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0, 0.0)
+    assert not segments_cross(0.0, 0.0, 1.0, 1.0, 2.0, 3.0, 3.0, 2.0)
+    assert not segments_cross(0.0, 0.0, 1.0, 0.0, 0.5, 0.0, 0.5, 1.0)  # one only touches
+    assert not segments_cross(0.0, 0.0, 1.0, 0.0, 0.2, 0.0, 2.0, 0.0)  # in one line
 
 
 def poses_of(bodies, b, times):

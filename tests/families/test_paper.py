@@ -9,7 +9,7 @@ import pytest
 
 from gcm_learn.families import paper
 from gcm_learn.planners import solve
-from gcm_learn.scene.cuts import cut_outline
+from gcm_learn.scene.outlines import cut_outline
 from gcm_learn.scene.packing import pose
 from gcm_learn.situation import (
     Box,

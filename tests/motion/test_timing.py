@@ -19,7 +19,6 @@ from gcm_learn.motion.interception import (
     first_catch,
     first_interception,
     may_be_reached,
-    target_distance,
 )
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.timing import (
@@ -32,6 +31,7 @@ from gcm_learn.motion.timing import (
 )
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack, pack_bodies
+from gcm_learn.scene.shapes.choice import gap_in_plane
 from tests.referee import depths, place, point_distances, rates
 
 FAMILIES = {"planar": random_planar, "solid": random_solid}
@@ -136,7 +136,7 @@ def test_the_distance_to_a_target_is_that_to_its_cut(family, seed):
         centre, rotation = (part[0] for part in place(situation, body, np.array([t])))
         for _ in range(5):
             hand = centre[:2] + rng.uniform(-0.5, 0.5, 2)
-            d = target_distance(bodies, poses, b, *hand)
+            d = gap_in_plane(bodies, poses, b, *hand)
             if d >= NOWHERE:
                 grid = rng.uniform(-1.0, 1.0, (4000, 2)) * body.shape.bounding_radius
                 away = point_distances(body.shape, (centre, rotation), centre[:2] + grid)

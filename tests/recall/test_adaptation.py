@@ -11,13 +11,13 @@ from gcm_learn import seeding
 from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
-from gcm_learn.motion.interception import target_distance
 from gcm_learn.planners.completion import Problem, checked
 from gcm_learn.planners.layered import layered
 from gcm_learn.recall import Adaptation, adapt, path_of, transfer, waypoints_of
 from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.recall.planners import random_waypoints
 from gcm_learn.scene.bodies import pose_at
+from gcm_learn.scene.shapes.choice import gap_in_plane
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned
 
@@ -96,7 +96,7 @@ def test_paths_start_at_the_hand_and_end_at_the_target(catches, traces):
             way, poses = attempt.trajectory, np.zeros((len(situation.bodies), 12))
             pose_at(problem.bodies, attempt.body, way.duration, poses)
             assert tuple(way.hand[0]) == situation.arm.hand
-            last = target_distance(problem.bodies, poses, attempt.body, *way.hand[-1])
+            last = gap_in_plane(problem.bodies, poses, attempt.body, *way.hand[-1])
             assert last <= problem.rules.catch
             assert way.duration <= situation.horizon
             ends += 1

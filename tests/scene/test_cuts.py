@@ -9,14 +9,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from gcm_learn.scene.bodies import BOX, CAPSULE, CYLINDER, DISC, SPHERE
-from gcm_learn.scene.cuts import (
-    EMPTY_DISTANCE,
-    cut,
-    cut_outline,
-    point_polygon_distance,
-    region_distance,
-)
+from gcm_learn.scene.bodies import DISC
+from gcm_learn.scene.outlines import cut_outline
+from gcm_learn.scene.shapes import region
+from gcm_learn.scene.shapes.choice import cut
+from gcm_learn.scene.shapes.entries import entry_of
+from gcm_learn.scene.shapes.region import EMPTY_DISTANCE, region_distance
 from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Sphere
 from tests import strategies
 
@@ -37,19 +35,14 @@ def leaning(angle):
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
-def packed(shape):
-    """Kind and size as the kernels want them."""
-    if isinstance(shape, Sphere):
-        return SPHERE, np.array([shape.radius, 0.0, 0.0])
-    if isinstance(shape, Box):
-        return BOX, np.array(shape.half_extents)
-    kind = CAPSULE if isinstance(shape, Capsule) else CYLINDER
-    return kind, np.array([shape.radius, shape.half_length, 0.0])
-
-
 def cut_of(shape, centre=ORIGIN, rotation=UPRIGHT):
-    kind, size = packed(shape)
-    return cut(kind, size, np.array(centre, dtype=float), np.ascontiguousarray(rotation))
+    entry = entry_of(shape)
+    centre, rotation = np.array(centre, dtype=float), np.ascontiguousarray(rotation)
+    return cut(entry.number, np.array(entry.sizes(shape)), centre, rotation)
+
+
+def polygon_distance(x, y, vertices):
+    return region.polygon_distance(x, y, vertices, 0, len(vertices))
 
 
 def depth_outside(shape, points):
@@ -128,7 +121,7 @@ def test_outline_bounds_the_cut(placed):
     # circles of 64 points miss 0.2 % of their area
     assert area(outline) >= 0.997 * max(pieces) - 1e-12
     for x, y in np.concatenate((polygon, discs[:, :2])):
-        assert len(outline) == 0 or point_polygon_distance(x, y, outline) < 1e-9
+        assert len(outline) == 0 or polygon_distance(x, y, outline) < 1e-9
 
 
 @settings(max_examples=200)
@@ -230,7 +223,7 @@ def test_long_cylinder_is_cut_in_an_ellipse(angle):
     assert (1 - 1.5e-3) * exact < area(polygon) < exact
     arc = np.linspace(0, 2 * math.pi, 3001)
     ellipse = middle + np.column_stack((half_axis * np.cos(arc), 0.5 * np.sin(arc)))
-    missed = max(point_polygon_distance(x, y, polygon) for x, y in ellipse)
+    missed = max(polygon_distance(x, y, polygon) for x, y in ellipse)
     assert missed < ARC_ERROR * 0.5
 
 
@@ -352,14 +345,14 @@ U_SHAPE = np.array([[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 
     ],
 )
 def test_distance_to_a_polygon_that_is_not_convex(point, expected):
-    assert point_polygon_distance(*point, U_SHAPE) == pytest.approx(expected)
-    assert point_polygon_distance(*point, U_SHAPE[::-1].copy()) == pytest.approx(expected)
+    assert polygon_distance(*point, U_SHAPE) == pytest.approx(expected)
+    assert polygon_distance(*point, U_SHAPE[::-1].copy()) == pytest.approx(expected)
 
 
 def test_sign_survives_a_corner_that_is_level_with_the_point_up_to_rounding():
     # 1.5e-17 - 0.5 rounds to -0.5, which made one of two edges miss the ray
     kite = np.array([[0.5, 0.0], [3e-17, 0.5], [-0.125, 1.5e-17], [-9e-17, -0.5]])
-    assert point_polygon_distance(-0.5, 0.0, kite) == 0.375
+    assert polygon_distance(-0.5, 0.0, kite) == 0.375
 
 
 def winding(point, vertices):
@@ -373,7 +366,7 @@ def winding(point, vertices):
 @given(strategies.polygons(), strategies.vectors(2, st.floats(-0.6, 0.6)))
 def test_sign_is_the_winding_number_and_size_the_nearest_point(polygon, point):
     vertices = np.array(polygon.vertices)
-    found = point_polygon_distance(*point, vertices)
+    found = polygon_distance(*point, vertices)
     share = np.linspace(0.0, 1.0, 201)[:, None, None]
     boundary = (1 - share) * vertices + share * np.roll(vertices, -1, axis=0)
     nearest = np.hypot(*(boundary.reshape(-1, 2) - point).T).min()
@@ -384,9 +377,9 @@ def test_sign_is_the_winding_number_and_size_the_nearest_point(polygon, point):
 
 
 def test_distance_to_what_has_no_area():
-    assert point_polygon_distance(0.0, 0.0, np.empty((0, 2))) == EMPTY_DISTANCE
-    assert point_polygon_distance(3.0, 4.0, np.zeros((1, 2))) == 5.0
-    assert point_polygon_distance(0.5, 2.0, np.array([[0.0, 0.0], [1.0, 0.0]])) == 2.0
+    assert polygon_distance(0.0, 0.0, np.empty((0, 2))) == EMPTY_DISTANCE
+    assert polygon_distance(3.0, 4.0, np.zeros((1, 2))) == 5.0
+    assert polygon_distance(0.5, 2.0, np.array([[0.0, 0.0], [1.0, 0.0]])) == 2.0
 
 
 def test_distance_to_a_union_is_the_smaller_one():

@@ -18,7 +18,7 @@ import numpy as np
 
 from gcm_learn.arms import Base, SpatialArm, rotation_of
 from gcm_learn.errors import MissingExtraError, PhysicsError
-from gcm_learn.situation import ArmBody, Body, Box, Capsule, Cylinder, Shape, Sphere
+from gcm_learn.situation import ArmBody, Body, Shape, numbers_of
 
 STEP = 0.002
 """Of the physics [s]."""
@@ -30,6 +30,7 @@ SMALLEST = 1e-4
 """Radius of bones and hands that have none [m]."""
 STUCK = 1e-6
 """Turn of joints whose range is a single angle [rad]."""
+GEOMS = ("sphere", "box", "capsule", "cylinder")  # shapes whose names and sizes MuJoCo shares
 AXES = ("0 1 0", "0 0 1", "1 0 0", "0 0 1")
 LIMB, CATCHER = 1, 2  # bits of what may touch
 
@@ -162,15 +163,11 @@ def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float
          contype=0, conaffinity=CATCHER if free else LIMB)  # fmt: skip
 
 
-def _solid(thing: Body | Thing) -> tuple[str, tuple[float, ...]]:
-    shape = thing.shape
-    if isinstance(shape, Sphere):
-        return "sphere", (shape.radius,)
-    if isinstance(shape, Box):
-        return "box", shape.half_extents
-    if isinstance(shape, Capsule | Cylinder):
-        return shape.kind, (shape.radius, shape.half_length)
-    raise PhysicsError(f"body {thing.name!r}: physics has no {shape.kind}")
+def _solid(thing: Body | Thing) -> tuple[str, list[float]]:
+    """Return MuJoCo's name and sizes of a thing's shape, which are those of the shape."""
+    if thing.shape.kind not in GEOMS:
+        raise PhysicsError(f"body {thing.name!r}: physics has no {thing.shape.kind}")
+    return thing.shape.kind, numbers_of(thing.shape)
 
 
 def _add(parent: Xml.Element, tag: str, **fields: Any) -> Xml.Element:

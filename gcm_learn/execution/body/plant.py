@@ -8,7 +8,7 @@ import numpy as np
 
 from gcm_learn.arms import JOINTS, SpatialArm, SpatialLimb, forward_in_space
 from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.solids import room_in_pose
+from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
@@ -330,6 +330,6 @@ def _within(scene, b, joints, poses):
     for k in range(joints.shape[0]):
         room[b] = poses[k]
         _, _, _, x, y, z = limb_at(scene.limb, joints[k])
-        if room_in_pose(scene.bodies, b, x, y, z, room) > scene.limits.grasp:
+        if point_distance(scene.bodies, room, b, x, y, z) > scene.limits.grasp:
             return False
     return True

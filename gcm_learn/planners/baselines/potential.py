@@ -20,12 +20,13 @@ from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure
-from gcm_learn.motion.interception import first_interception, target_distance
+from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.baselines.joint_potential import potential_plan
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
+from gcm_learn.scene.shapes.choice import gap_in_plane
 from gcm_learn.situation import AnySituation
 
 STEP = 0.02  # how far the hand goes in a step at most [forearm lengths]
@@ -82,7 +83,7 @@ def descend_field(scene, rules, field, points):
         for b in range(bodies.rows.shape[0]):
             if bodies.rows[b, PART] != HAND:
                 continue
-            if target_distance(bodies, poses, b, x, y) <= rules.catch:
+            if gap_in_plane(bodies, poses, b, x, y) <= rules.catch:
                 return k + 1
         if k == steps:
             break

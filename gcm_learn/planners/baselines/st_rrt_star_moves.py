@@ -1,4 +1,4 @@
-"""What the tree planner asks about space-time: whether a straight leg holds, where goals are."""
+"""Questions of the tree planner about space-time: does a straight leg hold, where are goals."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ import numpy as np
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion.interception import target_distance
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.timing import JOINT_SLACK
 from gcm_learn.motion.verification import PARTS, joint_turns
 from gcm_learn.planners.oracle.moves import ANY
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, pose_at
+from gcm_learn.scene.shapes.choice import gap_in_plane
 
 SLACK = 1e-6  # of the bounds of places, which must not be empty [arm lengths]
 
 
 @dataclass(frozen=True)
 class HandTask:
-    """What to search, and for how long."""
+    """Task and duration of a search."""
 
     scene: Scene
     rules: Rules
@@ -58,7 +58,7 @@ class HandTask:
         return self.rules.speed
 
     def holds(self, p: Sequence[float], since: float, q: Sequence[float], until: float) -> bool:
-        """Whether the leg from p to q holds; see `leg_holds`."""
+        """Return whether the leg from p to q holds; see `leg_holds`."""
         legs = p[0], p[1], since, q[0], q[1], until
         return bool(leg_holds(self.scene, self.rules, self.hole, *legs))
 
@@ -124,7 +124,7 @@ def draw_goal(scene, rules, hole, since, until, chances):
             continue
         if not hole <= np.sqrt(px * px + py * py) <= scene.limb.far:
             continue
-        if target_distance(bodies, poses, b, px, py) > rules.catch:
+        if gap_in_plane(bodies, poses, b, px, py) > rules.catch:
             continue
         here[0, 0], here[0, 1] = px, py
         distance, _ = least_distance(scene, now, here, rules.touch, ANY)

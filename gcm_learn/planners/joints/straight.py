@@ -28,7 +28,7 @@ from gcm_learn.planners.joints.moves import (
 )
 from gcm_learn.planners.joints.pull import met_from
 from gcm_learn.planners.plan import Plan
-from gcm_learn.scene.bodies import HAND, KIND, PART, SPHERE
+from gcm_learn.scene.bodies import BALL, HAND, PART
 
 SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for
@@ -57,7 +57,7 @@ def add_straight(study, goals, b, t, swivels):
     """
     limb = study.scene.limb
     _keep(study, goals, b, t, limb.start)
-    for which in range(1 if study.scene.bodies.rows[b, KIND] == SPHERE else PLACES):
+    for which in range(1 if study.scene.bodies.rows[b, BALL] > 0.0 else PLACES):
         x, y, z, _ = place_on(study, b, t, which)
         for k in range(swivels):
             found = postures_at(
@@ -102,7 +102,7 @@ def hasten_straight(study, goals, before):
 
 @njit
 def straight_is_free(study, p, begin, end, until):
-    """Whether the limb may wait, go straight from the start to joints p (4,), and wait there.
+    """Return whether the limb may wait, go straight from its start to joints p (4,), and wait.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def _meetings(study: Study, instants: int) -> Iterator[tuple[float, Goals]]:
 
 
 def _room_for_goals(study: Study) -> Goals:
-    """Room for all goals of an instant."""
+    """Arrays for all goals of an instant."""
     targets = int((study.scene.bodies.rows[:, PART] == HAND).sum())
     most = targets * (1 + PLACES * SWIVELS * BRANCHES)
     return Goals(

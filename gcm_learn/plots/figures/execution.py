@@ -40,11 +40,10 @@ from gcm_learn.rendering import (
     turned_view,
     view_of,
 )
-from gcm_learn.situation import Box, Capsule, Cylinder
+from gcm_learn.scene import gap, pack_bodies
 
 if TYPE_CHECKING:
     from gcm_learn.execution import Execution, PhysicalPlant
-    from gcm_learn.situation import SolidShape
 
 WIDTH, HEIGHT = 6.6, 3.95  # [inches] of a film
 WIDER = 1.25  # times what shows the arm: targets are seen to come and go
@@ -179,23 +178,10 @@ def touched_at(situation: JointSituation, name: str, t: float, joints: np.ndarra
     share = np.linspace(0.0, 1.0, 60)[:, None]
     ends, _ = links_along(situation.arm, joints)
     bones = np.concatenate([a + share * (b - a) for a, b in ends[0]])
-    away = _outside(situation.bodies[k].shape, (bones - centres[0, k]) @ turns[0, k])  # type: ignore[arg-type]
-    nearest: np.ndarray = bones[away.argmin()]
+    bodies, inward = pack_bodies(situation), (bones - centres[0, k]) @ turns[0, k]
+    away = np.array([gap(bodies, k, *point) for point in inward.tolist()])
+    nearest: np.ndarray = bones[np.maximum(away, 0.0).argmin()]
     return nearest
-
-
-def _outside(shape: SolidShape, points: np.ndarray) -> np.ndarray:
-    """Distances of points (k, 3) from a solid, in its own frame."""
-    if isinstance(shape, Box):
-        beyond = np.abs(points) - shape.half_extents
-    elif isinstance(shape, Cylinder):
-        round_off = np.linalg.norm(points[:, :2], axis=1) - shape.radius
-        beyond = np.stack([round_off, np.abs(points[:, 2]) - shape.half_length], axis=1)
-    else:
-        half = shape.half_length if isinstance(shape, Capsule) else 0.0
-        lifted = points - np.clip(points * (0.0, 0.0, 1.0), -half, half)
-        beyond = np.linalg.norm(lifted, axis=1, keepdims=True) - shape.radius
-    return np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
 
 
 def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:

@@ -26,10 +26,11 @@ from gcm_learn.rendering import (
     drawn_scale,
     faces,
     ground_of,
+    has_edges,
     limb_along,
     target_paths,
 )
-from gcm_learn.situation import Box, Capsule, Cylinder, Sphere
+from gcm_learn.situation import Capsule, Sphere
 
 if TYPE_CHECKING:
     from gcm_learn.motion import Movement
@@ -133,7 +134,8 @@ def _bodies(situation: JointSituation, times: np.ndarray) -> list[dict[str, Any]
     (centres, turns), ground = body_poses(situation, times), ground_of(situation)
     out = []
     for k, body in enumerate(situation.bodies):
-        seen, flat = {"hands": body.role == "target"}, isinstance(body.shape, Box | Cylinder)
+        seen = {"hands": body.role == "target"}
+        flat = has_edges(body.shape)  # type: ignore[arg-type]
         corners = drawn_scale(situation, body) * faces(body.shape, np.inf)  # type: ignore[arg-type]
         poses = (centres[:, k], turns[:, k])
         level = ground is not None and body is ground.body

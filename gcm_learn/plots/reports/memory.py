@@ -33,8 +33,8 @@ from gcm_learn.recall import (
     path_of,
     shipped_memory,
 )
-from gcm_learn.scene import outline, pack_bodies, poses_at
-from gcm_learn.situation import PLANAR, Disc, Situation, canonical
+from gcm_learn.scene import entry_of, outline, pack_bodies, poses_at
+from gcm_learn.situation import PLANAR, Situation, canonical
 from gcm_learn.wave import MarchingParams
 
 SHOWN = 600  # memories on a page
@@ -154,7 +154,7 @@ def _unit_square(places: np.ndarray) -> np.ndarray:
 
 
 def _point(memory: Memory, k: int) -> Values:
-    """What the page tells of memory k."""
+    """Return the texts and numbers of memory k."""
     entry = memory[k]
     situation, waypoints = entry.situation, entry.waypoints
     sides = [SIDES[letter] for letter in passing_of(situation, waypoints).sides]
@@ -169,7 +169,7 @@ def _point(memory: Memory, k: int) -> Values:
 
 
 def _question(memory: Memory, situation: Situation) -> Values:
-    """What is recalled in a situation, in its canonical form, and how it is adapted."""
+    """Return the recalled path in a canonical situation, and its adaptation."""
     turned, _ = canonical(situation)
     planner = RecallPlanner(memory)
     found = planner.recollect(turned)
@@ -218,10 +218,10 @@ def _bodies(situation: Situation, times: np.ndarray) -> list[Values]:
         if isinstance(body.shape, PLANAR):
             turn = np.unwrap(np.arctan2(all_poses[:, b, 6], all_poses[:, b, 3]))
             told["at"] = _whole(all_poses[:, b, :2])
-            if isinstance(body.shape, Disc):
-                told["radius"] = round(UNIT * body.shape.radius)
+            if entry_of(body.shape).is_ball:
+                told["radius"] = round(UNIT * body.shape.bounding_radius)
             else:
-                told["shape"] = _whole(np.asarray(body.shape.vertices))
+                told["shape"] = _whole(np.asarray(entry_of(body.shape).vertices(body.shape)))
                 told["turn"] = np.rint(UNIT * turn).astype(int).tolist()
         else:
             cuts = [outline(situation, b, float(t)) for t in times]

@@ -10,7 +10,7 @@ from gcm_learn.collision.distance import arm_distance
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.execution.arena.kernels.hands import nearness as near
 from gcm_learn.motion.interception import first_catch
-from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, pose_at
+from gcm_learn.scene.bodies import BALL, HAND, KIND, PART, pose_at
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
 
@@ -79,7 +79,7 @@ def test_rooms_are_distances_where_bodies_are_near(turned, rng):
                     true = arm_distance(bodies, poses, b, x, y, *elbow_of(x, y, rho, 1.0))
                     room = max(moments[k, near.ROOM], 0.0)
                     assert room <= true + 1e-12
-                    if room <= 0.15 or bodies.rows[b, KIND] == DISC:
+                    if room <= 0.15 or bodies.rows[b, BALL] > 0.0:
                         assert room == pytest.approx(true, abs=1e-12)
                         kinds.add(bodies.rows[b, KIND])
     assert len(kinds) > 2

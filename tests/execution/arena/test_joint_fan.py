@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space, rotation_of
-from gcm_learn.collision.solids import solid_distance
+from gcm_learn.collision.solids import bone_distance
 from gcm_learn.execution import (
     AIM,
     COMMANDS,
@@ -21,7 +21,7 @@ from gcm_learn.execution.arena.kernels.joints import fan
 from gcm_learn.motion.joint_interception import fastest_hand
 from gcm_learn.motion.rules import opening
 from gcm_learn.scene import pack, poses_at
-from gcm_learn.scene.bodies import KIND, LIMB, PART, REACH, SPHERE
+from gcm_learn.scene.bodies import LIMB, PART, REACH
 
 SETTINGS = SpatialSettings(fan=True, slots=2)
 
@@ -132,17 +132,12 @@ def room_of(situation, q, t):
     bodies, least, gap = scene.bodies, np.inf, np.inf
     poses = np.zeros((len(bodies.rows), 12))
     poses_at(bodies, t, poses)
-    s = np.linspace(0.0, 1.0, 2001)[:, None]
-    points = np.concatenate([s * elbow, elbow + s * (hand - elbow)])
     for b in range(len(bodies.rows)):
         if bodies.rows[b, PART] != LIMB:
             gap = np.linalg.norm(poses[b, :3] - hand) - bodies.rows[b, REACH]
-        elif bodies.rows[b, KIND] == SPHERE:
-            away = np.linalg.norm(points - poses[b, :3], axis=1).min() - bodies.rows[b, 2]
-            least = min(least, max(away, 0.0))
         else:
             for p, r in ((np.zeros(3), elbow), (elbow, hand)):
-                least = min(least, solid_distance(bodies, poses, b, tuple(p), tuple(r)))
+                least = min(least, bone_distance(bodies, poses, b, tuple(p), tuple(r)))
     return least, gap
 
 

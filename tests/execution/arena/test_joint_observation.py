@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import Base, forward_in_space, rotation_of
-from gcm_learn.collision.solids import solid_distance
+from gcm_learn.collision.solids import bone_distance
 from gcm_learn.execution import AIM, KinematicPlant, Pool, SpatialSettings
 from gcm_learn.execution.arena.kernels.joints import nearness
 from gcm_learn.execution.arena.kernels.joints.observation import ARM, OBSTACLE, TARGET
 from gcm_learn.motion.joint_interception import fastest_hand, target_room
 from gcm_learn.motion.rules import opening
 from gcm_learn.scene import pack, pack_bodies, poses_at
-from gcm_learn.scene.bodies import BOX, KIND, SPHERE
+from gcm_learn.scene.bodies import BOX, KIND
 from gcm_learn.situation import carried
 
 
@@ -152,14 +152,9 @@ def on_bone(point, p, q):
 
 def sampled(bodies, poses, b, elbow, hand):
     """Return the distance of a limb to a body: the least of many short pieces of it."""
-    if bodies.rows[b, KIND] == SPHERE:
-        centre, radius = poses[b, :3], bodies.rows[b, 2]
-        s = np.linspace(0.0, 1.0, 400)[:, None]
-        points = np.concatenate([s * elbow, elbow + s * (hand - elbow)])
-        return max(np.linalg.norm(points - centre, axis=1).min() - radius, 0.0)
     zero = (0.0, 0.0, 0.0)
-    upper = solid_distance(bodies, poses, b, zero, tuple(elbow))
-    return min(upper, solid_distance(bodies, poses, b, tuple(elbow), tuple(hand)))
+    upper = bone_distance(bodies, poses, b, zero, tuple(elbow))
+    return min(upper, bone_distance(bodies, poses, b, tuple(elbow), tuple(hand)))
 
 
 def test_nearest_points_are_the_nearest(arms, rng):
@@ -170,13 +165,11 @@ def test_nearest_points_are_the_nearest(arms, rng):
         poses = np.zeros((len(bodies.rows), 12))
         poses_at(bodies, 0.3, poses)
         for b in range(len(bodies.rows)):
-            if bodies.rows[b, KIND] == SPHERE:
-                continue
             kinds.add(bodies.rows[b, KIND])
             size = bodies.rows[b, 5]
             p, q = (poses[b, :3] + rng.normal(size=3) * size * 1.5 for _ in range(2))
             s, x, y, z = nearness.nearest_on_bone(bodies, b, poses, tuple(p), tuple(q))
-            true = solid_distance(bodies, poses, b, tuple(p), tuple(q))
+            true = bone_distance(bodies, poses, b, tuple(p), tuple(q))
             assert np.sqrt(x * x + y * y + z * z) == pytest.approx(true, abs=1e-4 * size)
             assert 0.0 <= s <= 1.0
     assert len(kinds) > 2 and BOX in kinds

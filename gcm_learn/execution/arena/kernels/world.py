@@ -9,16 +9,16 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.motion.rules import Rules
-from gcm_learn.recall import own_axis
 from gcm_learn.scene import LIMB, PART, Scene
 from gcm_learn.scene.bodies import COLUMNS, FIRST, LAST, SWING, Bodies
+from gcm_learn.scene.shapes.choice import long_axis
 
 HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # meanings of an action
 RUNNING, CAUGHT, COLLIDED, LATE = range(4)  # states of an episode
 EXTREME = 10.0  # largest number of an observation
 
 # Columns that a world adds to a body's row.
-LONG = COLUMNS  # 3: the longest axis in the body's own frame, see `own_axis`
+LONG = COLUMNS  # 3: the longest axis in the body's own frame, see `long_axis`
 ROW_COLUMNS = COLUMNS + 3
 
 
@@ -117,7 +117,7 @@ def _side_by_side(packed: Sequence[Bodies]) -> dict[str, np.ndarray]:
     for bodies in packed:
         row = np.zeros((len(bodies.rows), ROW_COLUMNS))
         row[:, :LONG] = bodies.rows
-        row[:, LONG:] = [own_axis(bodies, b) for b in range(len(row))]
+        row[:, LONG:] = [long_axis(bodies, b) for b in range(len(row))]
         row[:, [FIRST, LAST]] += corners
         row[row[:, SWING] >= 0.0, SWING] += swings
         angles[swings : swings + len(bodies.angles), : bodies.angles.shape[1]] = bodies.angles

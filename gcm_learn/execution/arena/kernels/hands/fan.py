@@ -7,7 +7,7 @@ import numpy as np
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, pose_at
+from gcm_learn.scene.bodies import BALL, HAND, PART, REACH, pose_at
 
 RAY = 2  # numbers of a ray
 RAYS = 25  # directions, the first to the meeting with the target, and last to rest
@@ -61,7 +61,7 @@ def tell_fan(scene, floor, view, dx, dy, poses, row, at):
                 px, py, pz = table[j * n + b, 0], table[j * n + b, 1], table[j * n + b, 2]
                 d2 = limb_point2(px, py, hx, hy, ex, ey)
                 gap = np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH] - floor
-                if bodies.rows[b, KIND] == DISC:
+                if bodies.rows[b, BALL] > 0.0:
                     room = min(room, gap)
                 else:
                     gaps[b] = gap

@@ -15,9 +15,8 @@ from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.collision.sweep import limb_sweep
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
-    DISC,
+    BALL,
     HAND,
-    KIND,
     PART,
     REACH,
     SWING,
@@ -60,7 +59,7 @@ def follow(bodies, b, count, moments):
         t = moments[k, TIME]
         moments[k, X], moments[k, Y], moments[k, Z] = glide(bodies, b, t, moments)
     _rooms(bodies, b, count, moments)
-    enough = bodies.rows[b, KIND] == DISC
+    enough = bodies.rows[b, BALL] > 0.0
     if not enough:
         enough = True
         for k in range(count):
@@ -82,7 +81,7 @@ def exactly(bodies, b, count, moments, poses, least_only):
             t = moments[k, TIME]
             moments[k, X], moments[k, Y], moments[k, Z] = glide(bodies, b, t, poses)
     _rooms(bodies, b, count, moments)
-    if bodies.rows[b, KIND] == DISC:
+    if bodies.rows[b, BALL] > 0.0:
         return
     least = 1e300
     for k in range(count):

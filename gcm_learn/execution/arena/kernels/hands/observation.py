@@ -32,9 +32,8 @@ from gcm_learn.execution.arena.kernels.hands.scene import MOMENTS, scene_of
 from gcm_learn.execution.arena.kernels.world import EXTREME, LONG, rules_in
 from gcm_learn.scene.bodies import (
     ACCELERATION,
-    DISC,
+    BALL,
     HAND,
-    KIND,
     PART,
     REACH,
     SPIN,
@@ -319,7 +318,7 @@ def _tell_obstacles(scene, floor, view, slots, workspace, row):
 def _tell_obstacle(scene, floor, b, view, workspace, row, at):
     bodies, speed, poses = scene.bodies, scene.limits.speed, workspace.poses
     moments, gaps = workspace.moments, workspace.gaps
-    if bodies.rows[b, KIND] == DISC and bodies.rows[b, SWING] < 0.0:
+    if bodies.rows[b, BALL] > 0.0 and bodies.rows[b, SWING] < 0.0:
         poses[b, 0], poses[b, 1], poses[b, 2] = glide(bodies, b, view.t, poses)
     else:
         pose_at(bodies, b, view.t, poses)

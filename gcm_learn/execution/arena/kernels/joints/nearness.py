@@ -9,13 +9,9 @@ from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     ACCELERATION,
     AXIS,
-    BOX,
-    CAPSULE,
-    KIND,
+    BALL,
     PIECES,
     POSITION,
-    SIZE,
-    SPHERE,
     SPIN,
     SWING,
     VELOCITY,
@@ -23,49 +19,30 @@ from gcm_learn.scene.bodies import (
     piece_velocity,
     swing_angle,
 )
+from gcm_learn.scene.shapes.choice import from_nearest
 
 _NEARLY = 1e-6  # share of a bone to which its nearest point is found
 _MOMENT = 1e-3  # over which what swings is differentiated [s]
 
 
 @njit(_nrt=False)
-def _off_solid(rows, b, x, y, z):
-    """From the nearest point of solid b to a point, in the solid's frame; 0 from inside."""
-    kind, radius, length = rows[b, KIND], rows[b, SIZE], rows[b, SIZE + 1]
-    if kind == BOX:
-        return (
-            x - min(max(x, -radius), radius),
-            y - min(max(y, -length), length),
-            z - min(max(z, -rows[b, SIZE + 2]), rows[b, SIZE + 2]),
-        )
-    if kind == SPHERE or kind == CAPSULE:
-        dz = z if kind == SPHERE else z - min(max(z, -length), length)
-        far = np.sqrt(x * x + y * y + dz * dz)
-        out = max(far - radius, 0.0) / max(far, 1e-300)
-        return out * x, out * y, out * dz
-    side = np.sqrt(x * x + y * y)
-    out = max(side - radius, 0.0) / max(side, 1e-300)
-    return out * x, out * y, z - min(max(z, -length), length)
-
-
-@njit(_nrt=False)
-def _slope(rows, b, p, d, s):
+def _slope(bodies, b, p, d, s):
     """Half the derivative by s of the squared distance of p + s d to solid b."""
-    x, y, z = _off_solid(rows, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
+    x, y, z = from_nearest(bodies, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
     return x * d[0] + y * d[1] + z * d[2]
 
 
 @njit(_nrt=False)
-def _share_of(rows, b, p, d):
+def _share_of(bodies, b, p, d):
     """Return s in [0, 1] at which p + s d is nearest to solid b: the root of the slope.
 
-    By the Illinois rule, and bisection every third step, as `segment_cylinder` has it.
+    By the Illinois rule, and bisection every third step, as for cylinders.
     """
-    if rows[b, KIND] == SPHERE:
+    if bodies.rows[b, BALL] > 0.0:
         along = p[0] * d[0] + p[1] * d[1] + p[2] * d[2]
         length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
         return min(max(-along / max(length2, 1e-300), 0.0), 1.0)
-    below, above = _slope(rows, b, p, d, 0.0), _slope(rows, b, p, d, 1.0)
+    below, above = _slope(bodies, b, p, d, 0.0), _slope(bodies, b, p, d, 1.0)
     if below >= 0.0 or above <= 0.0:
         return 0.0 if below >= 0.0 else 1.0
     low, high, turn = 0.0, 1.0, 0
@@ -74,7 +51,7 @@ def _share_of(rows, b, p, d):
         s = 0.5 * (low + high)
         if turn % 3:
             s = low - below * (high - low) / (above - below)
-        slope = _slope(rows, b, p, d, s)
+        slope = _slope(bodies, b, p, d, s)
         if slope == 0.0 or s <= low or s >= high:
             return s
         if slope < 0.0:
@@ -98,15 +75,12 @@ def nearest_on_bone(bodies, b, poses, p, q):
         From that point to the nearest one of the body; 0 where they meet.
     """
     rows = bodies.rows
-    if rows[b, KIND] == SPHERE:  # which has no turn
-        p = (p[0] - poses[b, 0], p[1] - poses[b, 1], p[2] - poses[b, 2])
-        q = (q[0] - poses[b, 0], q[1] - poses[b, 1], q[2] - poses[b, 2])
-    else:
-        p, q = to_body(poses, b, p[0], p[1], p[2]), to_body(poses, b, q[0], q[1], q[2])
+    p = to_body(bodies, poses, b, p[0], p[1], p[2])
+    q = to_body(bodies, poses, b, q[0], q[1], q[2])
     d = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
-    s = _share_of(rows, b, p, d)
-    x, y, z = _off_solid(rows, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
-    if rows[b, KIND] == SPHERE:
+    s = _share_of(bodies, b, p, d)
+    x, y, z = from_nearest(bodies, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
+    if rows[b, BALL] > 0.0:
         return s, -x, -y, -z
     return (
         s,

@@ -27,7 +27,8 @@ from gcm_learn.execution.arena.kernels.joints.nearness import (
 )
 from gcm_learn.execution.arena.kernels.world import EXTREME
 from gcm_learn.motion.joint_interception import target_room
-from gcm_learn.scene.bodies import BOX, CAPSULE, KIND, REACH, SIZE, SPHERE, centre_at, pose_at
+from gcm_learn.scene.bodies import REACH, centre_at, pose_at
+from gcm_learn.scene.shapes.choice import inner_radius
 
 ARM, TARGET, OBSTACLE = 35, 30, 20  # numbers of the arm, the target, an obstacle
 MEETING_AT = ARM + 21  # where the direction of the first meeting is told, three numbers
@@ -194,7 +195,7 @@ def _tell_obstacle(view, b, time, place, ahead, row, at):
     _put_vector(row, at + 8, vx - lx, vy - ly, vz - lz, view.pace)
     _put_vector(row, at + 11, cx - hx, cy - hy, cz - hz, reach)
     _put(row, at + 14, bodies.rows[b, REACH] / reach)
-    _put(row, at + 15, _inside(bodies, b) / reach)
+    _put(row, at + 15, inner_radius(bodies, b) / reach)
     for k in range(2):
         later = min(time + AHEAD[k] * reach / view.pace, view.scene.limits.horizon)
         row[at + 16 + k] = _room(view, b, later, place)
@@ -209,13 +210,3 @@ def _room(view, b, time, place):
         view.scene.bodies, b, time, place, 0.0, 0.0, enough, view.desk.poses
     )  # fmt: skip
     return min((room - view.rules.touch) / view.reach, EXTREME)
-
-
-@njit(_nrt=False)
-def _inside(bodies, b):
-    """Radius of the largest ball about its centre that a solid holds."""
-    rows, size = bodies.rows, bodies.rows[b, SIZE]
-    if rows[b, KIND] == SPHERE or rows[b, KIND] == CAPSULE:
-        return size
-    size = min(size, rows[b, SIZE + 1])
-    return min(size, rows[b, SIZE + 2]) if rows[b, KIND] == BOX else size

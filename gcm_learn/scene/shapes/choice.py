@@ -1,0 +1,141 @@
+"""The choice between shapes: kernels that ask any body, and branch on its shape here only.
+
+Points are in the body's own frame unless a pose is given.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+from gcm_learn.scene.bodies import BALL, BOX, CAPSULE, CYLINDER, KIND, POLYGON, SIZE, SPHERE
+from gcm_learn.scene.shapes import ball, box, capsule, cylinder, polygon
+from gcm_learn.scene.shapes.region import region_distance
+
+
+@njit(_nrt=False)
+def gap(bodies, b, x, y, z):
+    """Signed distance of a point to body b, negative inside."""
+    kind = bodies.rows[b, KIND]
+    if kind == BOX:
+        return box.gap(bodies, b, x, y, z)
+    if kind == CAPSULE:
+        return capsule.gap(bodies, b, x, y, z)
+    if kind == CYLINDER:
+        return cylinder.gap(bodies, b, x, y, z)
+    if kind == POLYGON:
+        return polygon.gap(bodies, b, x, y, z)
+    return ball.gap(bodies, b, x, y, z)
+
+
+@njit(_nrt=False)
+def gap_of_bone(bodies, b, p, q):
+    """Distance of the segment p-q to body b, 0 when they meet; p and q are tuples of 3 floats."""
+    kind = bodies.rows[b, KIND]
+    if kind == POLYGON:
+        return polygon.gap_of_bone(bodies, b, p, q)
+    if kind == BOX:
+        return box.gap_of_bone(bodies, b, p, q)
+    if kind == CAPSULE:
+        return capsule.gap_of_bone(bodies, b, p, q)
+    if kind == CYLINDER:
+        return cylinder.gap_of_bone(bodies, b, p, q)
+    return ball.gap_of_bone(bodies, b, p, q)
+
+
+@njit(_nrt=False)
+def from_nearest(bodies, b, x, y, z):
+    """Vector (3) from the nearest point of solid b to a point; 0 from inside."""
+    kind = bodies.rows[b, KIND]
+    if kind == BOX:
+        return box.from_nearest(bodies, b, x, y, z)
+    if kind == CAPSULE:
+        return capsule.from_nearest(bodies, b, x, y, z)
+    if kind == CYLINDER:
+        return cylinder.from_nearest(bodies, b, x, y, z)
+    return ball.from_nearest(bodies, b, x, y, z)
+
+
+@njit(_nrt=False)
+def inner_radius(bodies, b):
+    """Radius of the largest ball about its centre that solid b holds."""
+    kind = bodies.rows[b, KIND]
+    if kind == BOX:
+        return box.inner_radius(bodies, b)
+    if kind == CAPSULE:
+        return capsule.inner_radius(bodies, b)
+    if kind == CYLINDER:
+        return cylinder.inner_radius(bodies, b)
+    return ball.inner_radius(bodies, b)
+
+
+@njit(_nrt=False)
+def long_axis(bodies, b):
+    """Longest axis (3) of body b, as long as the body is longer than wide."""
+    kind = bodies.rows[b, KIND]
+    if kind == BOX:
+        return box.long_axis(bodies, b)
+    if kind == CAPSULE:
+        return capsule.long_axis(bodies, b)
+    if kind == CYLINDER:
+        return cylinder.long_axis(bodies, b)
+    if kind == POLYGON:
+        return polygon.long_axis(bodies, b)
+    return ball.long_axis(bodies, b)
+
+
+@njit
+def cut(
+    kind: int, size: np.ndarray, centre: np.ndarray, rotation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cut a solid with the plane z = 0.
+
+    Parameters
+    ----------
+    kind : int
+        SPHERE, BOX, CAPSULE or CYLINDER of `gcm_learn.scene.bodies`.
+    size : (3,) ndarray
+        Numbers in the columns from SIZE on.
+    centre : (3,) ndarray
+        Centre of the body, in arm-plane coordinates.
+    rotation : (3, 3) ndarray
+        Body frame to arm-plane frame; capsules and cylinders lie along the last column.
+
+    Returns
+    -------
+    discs : (k, 3) ndarray
+        x, y and radius; k <= 3. A plane that touches a ball gives radius 0.
+    polygon : (m, 2) ndarray
+        Convex, counter-clockwise; m = 0 when there is none, and 1 or 2 (or no area) when the
+        plane only touches the solid.
+    """
+    if kind == SPHERE:
+        return ball.cut(size, centre, rotation)
+    if kind == BOX:
+        return box.cut(size, centre, rotation)
+    if kind == CYLINDER:
+        return cylinder.cut(size, centre, rotation)
+    if kind == CAPSULE:
+        return capsule.cut(size, centre, rotation)
+    raise ValueError("kind must be SPHERE, BOX, CAPSULE or CYLINDER")
+
+
+@njit
+def gap_in_plane(bodies, poses, b, x, y):
+    """Signed distance of the point (x, y) to what body b covers of the arm's plane.
+
+    `EMPTY_DISTANCE` if that is nothing. The region of a solid is its cut with the plane.
+    """
+    if bodies.rows[b, BALL] > 0.0:
+        return ball.gap_in_plane(bodies, poses, b, x, y)
+    if bodies.rows[b, KIND] == POLYGON:
+        dx, dy = x - poses[b, 0], y - poses[b, 1]
+        c, s = poses[b, 3], poses[b, 6]
+        return polygon.gap(bodies, b, c * dx + s * dy, -s * dx + c * dy, 0.0)
+    discs, corners = cut(
+        int(bodies.rows[b, KIND]),
+        bodies.rows[b, SIZE : SIZE + 3].copy(),
+        poses[b, :3].copy(),
+        poses[b, 3:].copy().reshape((3, 3)),
+    )
+    return region_distance(x, y, discs, corners)
