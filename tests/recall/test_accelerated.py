@@ -29,7 +29,7 @@ from tests.planners.test_joint_fuzz import answered, wild_situations
 from tests.recall.conftest import memory_in_space
 from tests.recall.worlds import LIMITED, catches_of, memory_of
 from tests.referee_of_spatial_arms import judge
-from tests.situation.test_spatial_arm import MOVING
+from tests.situation.scenes import MOVING
 
 
 @pytest.fixture(scope="module")
