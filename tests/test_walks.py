@@ -108,7 +108,8 @@ def test_from_json_to_a_solution(kind, planner, called, tmp_path):
     (read,) = situation.read_situations(tmp_path / "scene.jsonl")
     answer = planners.plan_to_json(planners.get_planner(planner).plan(read), read)
     assert answer["status"] == "caught"
-    assert seen == walk_of(title, kind)
+    once = seen if kind == "planar" else list(dict.fromkeys(seen))  # a straight line is tried first
+    assert once == walk_of(title, kind)
 
 
 @pytest.mark.parametrize(
