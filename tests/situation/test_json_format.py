@@ -68,10 +68,7 @@ def test_example_of_the_contract_means_what_it_says():
         arm=Arm(hand=(1.1, -0.4), max_hand_speed=3.1),
         bodies=(
             Body(
-                "target",
-                "ball",
-                Disc(0.08),
-                PlanarQuadratic((1.6, 1.2), (-0.4, -0.6), (0.0, -1.5)),
+                "target", "ball", Disc(0.08), PlanarQuadratic((1.6, 1.2), (-0.4, -0.6), (0.0, -1.5))
             ),
             situation.bodies[1],
         ),
@@ -145,10 +142,7 @@ def test_line_is_counted_past_strings_that_look_like_fields(in_folder):
     [
         (b"", "scene.jsonl:1: no situation in the file"),
         (b"\n \r\n\t\n", "scene.jsonl:1: no situation in the file"),
-        (
-            b"\n{]\n",
-            "scene.jsonl:2: not valid JSON: Expecting property name",
-        ),
+        (b"\n{]\n", "scene.jsonl:2: not valid JSON: Expecting property name"),
         (b"\n\n\xff\n", "scene.jsonl:3: is not UTF-8 text (invalid start byte)"),
         (b"\xff\xfe{\x00}\x00", "scene.jsonl:1: is not UTF-8 text (invalid start byte)"),
         (b"\x00", "scene.jsonl:1: not valid JSON: Expecting value (column 1)"),

@@ -10,15 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from gcm_learn.arms import (
-    Base,
-    Chain,
-    ChainJoint,
-    ChainModel,
-    Hand,
-    Link,
-    hands_along,
-)
+from gcm_learn.arms import Base, Chain, ChainJoint, ChainModel, Hand, Link, hands_along
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation import (
     FORMATS,
