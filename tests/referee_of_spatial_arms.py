@@ -668,11 +668,7 @@ def _lowest(knots, curve, geo, rows, tables, gaps, patience):
                 second = math.sqrt(over[0, 2] ** 2 + over[0, 3] ** 2)
                 t = knots[piece] + m
                 body = _body_way(rows[b], t, half)
-                ways = (
-                    half * first * upper,
-                    half * (first * (upper + fore) + second * fore),
-                    body,
-                )
+                ways = (half * first * upper, half * (first * (upper + fore) + second * fore), body)
                 pose = _pose(rows[b], tables[b], t)
                 bound, room = _limb_room(
                     rows[b], pose, _world(elbow, geo), _world(hand, geo), geo, ways

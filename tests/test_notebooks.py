@@ -21,19 +21,25 @@ def test_there_are_five():
     assert [path.stem[:2] for path in NOTEBOOKS] == list(PICTURES)
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
-def test_notebook_shows_its_pictures(path):
+def test_notebooks_show_their_pictures():
+    """All in one process, emptied of names between them."""
     jupytext, nbclient = pytest.importorskip("jupytext"), pytest.importorskip("nbclient")
-    require(path)
-    notebook = jupytext.read(path)
+    shelf = jupytext.reads("", "py:percent")
+    shelf.metadata["kernelspec"] = {"name": "python3"}
+    cells: dict[str, list[Any]] = {}
+    for path in NOTEBOOKS:
+        require(path)
+        cells[path.stem[:2]] = jupytext.read(path).cells
+        emptied = jupytext.reads("%reset -f", "py:percent").cells
+        shelf.cells += [*emptied, *cells[path.stem[:2]]]
     place = {"metadata": {"path": str(ROOT)}}
-    nbclient.NotebookClient(notebook, kernel_name="python3", resources=place).execute(env=FAST)
-    assert pictures(notebook) == PICTURES[path.stem[:2]]
+    nbclient.NotebookClient(shelf, kernel_name="python3", resources=place).execute(env=FAST)
+    assert {name: pictures(part) for name, part in cells.items()} == PICTURES
 
 
-def pictures(notebook: Any) -> int:
-    """Number of pictures that an executed notebook shows."""
-    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+def pictures(cells: list[Any]) -> int:
+    """Number of pictures that executed cells show."""
+    outputs = [output for cell in cells for output in cell.get("outputs", ())]
     return sum("image/png" in output.get("data", {}) for output in outputs)
 
 

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,54 +9,40 @@ import pytest
 from tests.skips import ALLOWED
 
 TESTS = Path(__file__).parent
-MODULE = """
-import pytest
-def test_allowed(): pytest.skip("nothing to reach")
-def test_not_allowed(): pytest.importorskip("nothing_of_that_name")
-@pytest.mark.skipif(True, reason="no reason")
-def test_marked(): pass
-@pytest.mark.xfail(reason="known", strict=True)
-def test_known(): assert False
-"""
 
 
-@pytest.fixture
-def folder(tmp_path):
-    """Tests that skip, with our rules."""
-    tests = tmp_path / "tests"
-    tests.mkdir()
-    for name in ("conftest.py", "skips.py"):
-        shutil.copy(TESTS / name, tests)
-    (tests / "test_some.py").write_text(MODULE)
-    (tests / "test_none.py").write_text("import pytest\npytest.importorskip('nothing_like_it')\n")
-    return tmp_path
+def report(outcome, why, **more):
+    """A report of a test, as pytest makes it."""
+    where = ("test_some.py", 1, f"Skipped: {why}")
+    return pytest.TestReport("test", ("", 0, ""), {}, outcome, where, "call", **more)
 
 
-def outcome(folder: Path, **environment: str) -> str:
-    """Last line of a run, and how often the rule is named."""
-    command = [sys.executable, "-m", "pytest", "-q", "-c", os.devnull, "--rootdir", ".", "tests"]
-    kept = {name: value for name, value in os.environ.items() if name != "CI"}
-    paths = os.pathsep.join((str(folder), str(TESTS.parent)))
-    done = subprocess.run(
-        command,
-        cwd=folder,
-        env={**kept, "PYTHONPATH": paths, **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return done.stdout
-
-
-def test_at_a_desk_a_skip_is_a_skip(folder):
-    assert "4 skipped, 1 xfailed" in outcome(folder)
-
-
-def test_in_continuous_integration_it_is_a_failure(folder):
-    told = outcome(folder, CI="1")
-    assert "not allowed here" in told and "nothing_like_it" in told and "1 error" in told
-    (folder / "tests" / "test_none.py").unlink()
-    assert "1 failed, 1 skipped, 1 xfailed, 1 error" in outcome(folder, CI="1")
+@pytest.mark.parametrize(
+    ("given", "becomes"),
+    [
+        (report("skipped", "nothing to reach"), "skipped"),
+        (report("skipped", "could not import 'nothing_of_that_name'"), "failed"),
+        (report("skipped", "known", wasxfail="known"), "skipped"),
+        (report("passed", ""), "passed"),
+        (
+            pytest.CollectReport("test", "skipped", ("", 1, "Skipped: nothing like it"), []),
+            "failed",
+        ),
+    ],
+)
+def test_only_allowed_skips_stay_skips(given, becomes, request, monkeypatch):
+    """In continuous integration; elsewhere all do."""
+    conftest = request.config.pluginmanager.get_plugin(str(TESTS / "conftest.py"))
+    collected = isinstance(given, pytest.CollectReport)
+    hook = "pytest_make_collect_report" if collected else "pytest_runtest_makereport"
+    for continuous, wanted in ((False, given.outcome), (True, becomes)):
+        monkeypatch.setattr(conftest, "CI", continuous)
+        made = getattr(conftest, hook)()
+        next(made)
+        with pytest.raises(StopIteration) as ended:
+            made.send(given)
+        assert ended.value.value is given and given.outcome == wanted
+    assert given.outcome != "failed" or "not allowed here" in given.longrepr
 
 
 def test_every_allowance_is_used_and_explained():

@@ -14,6 +14,9 @@ import numpy as np
 import pytest
 
 from gcm_learn import families, get_planner, write_situations
+from gcm_learn.execution import PhysicalSettings, Settings, SpatialSettings
+from gcm_learn.situation import situation_from_json
+from tests.chains import drawn
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "ARCHITECTURE.md").read_text("utf-8").split("## Five walks\n")[1].split("\n## ")[0]
@@ -29,12 +32,18 @@ name = "one"
 seed = 3
 count = 1
 shard_size = 1
-map = "marching"
-planners = ["marching"]
+map = "{}"
+planners = ["{}"]
 rungs = 1
 [[families]]
-family = "random-planar"
+family = "{}"
 """
+PLANAR_ONLY = {("maps", "build_map"), ("maps", "descend"), ("planners", "attempt_of")}
+DRAWN = {
+    "planar": lambda planner: detour(planner),
+    "spatial": lambda _: families.draw("window-space", 1, 0),
+    "chain": lambda _: situation_from_json(drawn("planar-2", 0)),
+}
 
 
 @pytest.fixture
@@ -78,60 +87,97 @@ def detour(planner: str) -> Any:
     raise AssertionError("no such situation")
 
 
+def walk_of(title: str, kind: str) -> list[tuple[str, str]]:
+    """Return the doors of a walk, but for those of maps and of hand paths where there are none."""
+    return [door for door in WALKS[title] if kind == "planar" or door not in PLANAR_ONLY]
+
+
 def test_there_are_five():
     assert len(WALKS) == 5 and all(len(doors) >= 3 for doors in WALKS.values())
 
 
-def test_from_json_to_a_solution(called, tmp_path):
-    write_situations(tmp_path / "scene.jsonl", [detour("gcm")])
-    seen = called(WALKS["From JSON to a solution"])
+@pytest.mark.parametrize(
+    ("kind", "planner"), [("planar", "gcm"), ("spatial", "search"), ("chain", "search")]
+)
+def test_from_json_to_a_solution(kind, planner, called, tmp_path):
+    write_situations(tmp_path / "scene.jsonl", [DRAWN[kind](planner)])
+    title = "From JSON to a solution"
+    seen = called(WALKS[title])
     from gcm_learn import planners, situation
 
     (read,) = situation.read_situations(tmp_path / "scene.jsonl")
-    planner = planners.get_planner("gcm")
-    answer = planners.plan_to_json(planner.plan(read))
+    answer = planners.plan_to_json(planners.get_planner(planner).plan(read), read)
     assert answer["status"] == "caught"
-    assert seen == WALKS["From JSON to a solution"]
+    once = seen if kind == "planar" else list(dict.fromkeys(seen))  # a straight line is tried first
+    assert once == walk_of(title, kind)
 
 
-def test_from_a_specification_to_a_shard(called, tmp_path):
-    spec_file = tmp_path / "one.toml"
-    spec_file.write_text(SPEC)
-    seen = called(WALKS["From a specification to a shard"])
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("planar", ("marching", "marching", "random-planar")),
+        ("spatial", ("none", "straight", "window-space")),
+    ],
+)
+def test_from_a_specification_to_a_shard(kind, words, called, tmp_path):
+    spec_file, title = tmp_path / "one.toml", "From a specification to a shard"
+    spec_file.write_text(SPEC.format(*words))
+    seen = called(WALKS[title])
     from gcm_learn import dataset
 
     (tmp_path / "shards").mkdir()
     dataset.make_shard(dataset.read_spec(spec_file), 0, str(tmp_path))
-    assert seen == WALKS["From a specification to a shard"]
+    assert seen == walk_of(title, kind)
 
 
-def test_from_a_situation_to_a_recalled_plan(called):
-    situation = detour("recall-1")
-    seen = called(WALKS["From a situation to a recalled plan"])
+@pytest.mark.parametrize("kind", ["planar", "spatial"])
+def test_from_a_situation_to_a_recalled_plan(kind, called):
+    situation, title = DRAWN[kind]("recall-1"), "From a situation to a recalled plan"
+    seen = called(WALKS[title])
     from gcm_learn import planners
 
     assert planners.get_planner("recall").plan(situation).caught
-    assert seen == WALKS["From a situation to a recalled plan"]
+    assert seen == walk_of(title, kind)
 
 
-def test_from_an_observation_to_an_action(called):
-    situations = [families.draw("gate", 5, k) for k in range(3)]
-    seen = called(WALKS["From an observation to an action"])
+@pytest.mark.parametrize(
+    ("name", "family", "settings"),
+    [
+        ("clone", "gate", Settings()),
+        ("ppo-space", "crossing-swarm-space", SpatialSettings()),
+        ("ppo-space", "crossing-swarm-space", PhysicalSettings()),
+    ],
+    ids=["planar", "spatial", "body"],
+)
+def test_from_an_observation_to_an_action(name, family, settings, called):
+    title = "From an observation to an action"
+    seen = called(WALKS[title])
     from gcm_learn import execution, policies
 
-    actor = policies.shipped_actor("clone")
-    pool = execution.pool_of(situations, 3, 0)
+    actor = policies.shipped_actor(name)
+    pool = execution.pool_of(family, 3, 0, settings)
     episodes = actor.play(pool, np.arange(len(pool.situations)))
     assert len(episodes.outcomes) == len(pool.situations)
-    assert seen == WALKS["From an observation to an action"]
+    assert seen == WALKS[title]
 
 
-def test_from_an_evaluation_to_a_report(called, tmp_path):
+@pytest.mark.parametrize(
+    ("kind", "planners"),
+    [
+        ("planar", ["straight", "marching"]),
+        ("spatial", ["straight", "layered"]),
+        ("chain", ["search", "straight-wait"]),
+    ],
+)
+def test_from_an_evaluation_to_a_report(kind, planners, called, tmp_path):
     pytest.importorskip("pyarrow")
     from gcm_learn import evaluation, plots
 
-    seen = called(WALKS["From an evaluation to a report"])
+    title = "From an evaluation to a report"
+    seen = called(WALKS[title])
     entries = evaluation.draw_suite("demo", 50)[:4]
-    results = evaluation.compare(["straight", "marching"], entries, charge=0, workers=1)
+    if kind != "planar":
+        entries = [evaluation.Entry("mine", 0, DRAWN[kind](""), "mine", "W", 1.0)]
+    results = evaluation.compare(planners, entries, charge=0, workers=1)
     assert plots.write_report(results, entries, tmp_path).exists()
-    assert seen == WALKS["From an evaluation to a report"]
+    assert seen == WALKS[title]

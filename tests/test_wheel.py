@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from gcm_learn import artifacts
+from gcm_learn import artifacts, compiled
 from gcm_learn.evaluation.suites import FROZEN
 
 ROOT = Path(__file__).parents[1]
@@ -84,6 +84,7 @@ assert len(draw_suite("demo", {max(FROZEN["demo"])})) == {max(FROZEN["demo"])}
     before = sorted(path for path in installed.rglob("*") if path.is_file())
     env = {name: text for name, text in os.environ.items() if not name.startswith("GCM_LEARN")}
     env |= {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
+    env["NUMBA_CACHE_DIR"] = str(compiled.folder())  # the same sources, so the same kernels
     env |= dict.fromkeys(("XDG_DATA_HOME", "LOCALAPPDATA", "HOME"), str(tmp_path))
     subprocess.run([sys.executable, "-c", code], check=True, env=env, cwd=tmp_path)
     assert sorted(path for path in installed.rglob("*") if path.is_file()) == before

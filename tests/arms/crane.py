@@ -56,6 +56,12 @@ class Crane:
         pairs = tuple((float(low), float(high)) for low, high in self.joint_range)
         object.__setattr__(self, "joint_range", pairs)
 
+    @property
+    def reach(self) -> float:
+        """Largest distance of the hand from the base, over all postures."""
+        out, below = np.abs(np.array(self.joint_range).T).max(axis=0)[1:]
+        return math.hypot(out, self.height + below)
+
 
 class CraneLimb(NamedTuple):
     """A crane as kernels read it, its base at the origin."""
@@ -73,11 +79,8 @@ class CraneLimb(NamedTuple):
 def crane_limb_of(arm: Crane, bodies: tuple[str, ...] = ()) -> CraneLimb:
     """Return a crane as kernels read it."""
     low, high = np.array(arm.joint_range).T.copy()
-    out, below = np.abs([low, high]).max(axis=0)[1:]
-    reach = math.hypot(out, arm.height + below)
-    return CraneLimb(
-        arm.height, low, high, np.array(arm.joints), np.zeros(3), arm.thickness, ROD, reach
-    )
+    start, still = np.array(arm.joints), np.zeros(3)
+    return CraneLimb(arm.height, low, high, start, still, arm.thickness, ROD, arm.reach)
 
 
 @njit(_nrt=False)

@@ -133,7 +133,6 @@ def test_it_is_compared():
     assert results["charged_50"][0] == "caught"
 
 
-@pytest.mark.xfail(strict=True, reason="pictures know planar and spatial arms only")
 def test_it_is_drawn(tmp_path):
     situation = behind_a_post()
     plan = solve(situation, "search")

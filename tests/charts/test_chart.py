@@ -17,8 +17,7 @@ from gcm_learn.charts import (
 )
 from gcm_learn.errors import ArmKindError, LatticeError
 from gcm_learn.situation import situation_from_json
-from tests.situation.test_json_format import PLANAR
-from tests.situation.test_spatial_arm import NAO
+from tests.situation.scenes import NAO, PLANAR
 
 BALL = {"kind": "sphere", "radius": 0.1}
 STILL = {"kind": "quadratic", "position": [1, 0, 0], "velocity": [0] * 3, "acceleration": [0] * 3}

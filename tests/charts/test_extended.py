@@ -10,12 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from gcm_learn.arms import Arm
-from gcm_learn.charts import (
-    Lattice,
-    extended_obstacle,
-    occupied_cells,
-    upper_arm_image,
-)
+from gcm_learn.charts import Lattice, extended_obstacle, occupied_cells, upper_arm_image
 from gcm_learn.charts.extended import reach_angle
 from gcm_learn.charts.lattice import hand_space
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation

@@ -126,8 +126,7 @@ def interrupted(command: str, moment: float, folder: Path) -> tuple[int, str]:
 @pytest.mark.parametrize(
     ("command", "moment"),
     [
-        ("solve", 0.2), ("solve", 2.5), ("generate", 1.2), ("generate", 2.0), ("demo", 1.6),
-        ("demo", 4.0), ("evaluate", 2.0),
+        ("solve", 0.2), ("solve", 2.5), ("generate", 2.0), ("demo", 1.6), ("evaluate", 2.0),
     ],
 )  # fmt: skip
 def test_a_command_ends_in_one_line(command, moment, tmp_path):

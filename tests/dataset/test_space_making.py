@@ -61,7 +61,7 @@ def test_effort_is_for_space_and_old_specifications_keep_their_digest():
 
 def test_who_may_not_search_goes_straight_or_gives_up():
     caught = {0.0: 0, 1.0: 0}
-    for k in range(24):
+    for k in range(12):
         situation, _ = canonical(draw("window-space", 3, k))
         for effort in caught:
             caught[effort] += case(situation, effort=effort).plan("layered").caught

@@ -217,6 +217,6 @@ def test_what_is_shipped_can_be_compared(tmp_path):
     from gcm_learn.plots import build_comparison, shipped_methods
 
     assert {"layered", "clone", "clone@20"} <= set(shipped_methods())
-    page = build_comparison(tmp_path, 4, lambda step: None, workers=1)
+    page = build_comparison(tmp_path, 2, lambda step: None, workers=1)
     text = page.read_text()
     assert all(name in text for name in shipped_methods())

@@ -36,9 +36,3 @@ def test_an_actor():
     assert cost.start == "clone"
     assert cost.situations == sum(share["count"] for share in config["situations"])
     assert cost.steps == max(row["steps"] for row in module.log_of("ppo-clone"))
-
-
-def test_a_course_that_was_taken_up_again_took_all_its_parts():
-    rows = [{"seconds": s} for s in (10.0, 50.0, 5.0, 8.0, 2.0)]
-    assert module._minutes(rows) == pytest.approx((50.0 + 8.0 + 2.0) / 60)
-    assert module._minutes([]) is None

@@ -11,7 +11,7 @@ from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
 from gcm_learn.wave import MarchingParams, WaveParams, fastest
 from tests.charts.test_chart import CHAIN
-from tests.situation.test_spatial_arm import NAO
+from tests.situation.scenes import NAO
 
 SPACE, LINKS = situation_from_json(NAO), situation_from_json(CHAIN)
 WAVE, MARCHING = WaveParams(), MarchingParams()

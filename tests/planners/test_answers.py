@@ -329,10 +329,7 @@ def test_the_mirror_image_has_the_mirrored_answer(planner):
 
 def test_a_quarter_turn_changes_nothing(planner):
     compare(
-        planner,
-        lambda s: turned(s, 0.5 * math.pi),
-        73,
-        1e-6 if planner == "straight" else 0.02,
+        planner, lambda s: turned(s, 0.5 * math.pi), 73, 1e-6 if planner == "straight" else 0.02
     )
 
 

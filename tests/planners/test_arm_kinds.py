@@ -14,8 +14,7 @@ from gcm_learn.execution import Settings, pool_for, pool_of
 from gcm_learn.planners.plan import takes
 from gcm_learn.situation import situation_from_json
 from tests.extras import planner_params
-from tests.situation.test_json_format import PLANAR
-from tests.situation.test_spatial_arm import NAO
+from tests.situation.scenes import NAO, PLANAR
 
 SPATIAL = situation_from_json(NAO)
 

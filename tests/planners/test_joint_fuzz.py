@@ -38,10 +38,9 @@ from gcm_learn.situation.motion import MOST_PERIODS
 from tests import strategies
 from tests.planners.test_fuzz import numbers, sizes, wild, wild_motions
 from tests.referee_of_spatial_arms import judge
+from tests.situation.scenes import MOVING, PLANAR
+from tests.situation.scenes import SOLID as IN_PLANE
 from tests.situation.test_fuzz_reader import paths, spoiled_objects
-from tests.situation.test_json_format import PLANAR
-from tests.situation.test_json_format import SOLID as IN_PLANE
-from tests.situation.test_spatial_arm import MOVING
 
 LONGEST = 20.0  # [s] of processor time for one plan; the usual ones take milliseconds
 QUICK = ["layered", "straight", "straight-wait"]

@@ -30,7 +30,7 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 from tests import referee_of_spatial_arms
-from tests.situation.test_spatial_arm import NAO
+from tests.situation.scenes import NAO
 from tests.spatial import EXAMPLES
 
 SPATIAL = situation_from_json(NAO)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import pytest
 from PIL import Image
 
 from gcm_learn.families import family_names
 from gcm_learn.planners import solve
 from gcm_learn.plots import style
+from gcm_learn.plots.reports import solid_documents
 from gcm_learn.plots.reports.documents import (
     draw_case,
     families_figure,
@@ -34,7 +36,9 @@ def test_a_shown_case_needs_more_than_a_straight_line():
     assert len(ax.patches) >= 4 * bodies  # at four instants
 
 
-def test_gallery_writes_readable_pictures(tmp_path):
+@pytest.mark.parametrize("frames", [3, pytest.param(24, marks=pytest.mark.slow)])
+def test_gallery_writes_readable_pictures(frames, tmp_path, monkeypatch):
+    monkeypatch.setattr(solid_documents, "FRAMES", frames)
     files = write_gallery(tmp_path / "images")
     assert [f.name for f in files] == [
         "situation.png",

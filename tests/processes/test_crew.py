@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-import signal
 import socket
 import sys
+from functools import partial
 
 import pytest
 
@@ -14,6 +14,7 @@ pytest.importorskip("distributed")
 from gcm_learn.cli import main
 from gcm_learn.errors import ClusterError, MissingExtraError
 from gcm_learn.processes import ClusterCrew, Here, LocalCrew, cluster, crew_of
+from tests.processes.work import deadly, late, wrong
 
 
 @pytest.fixture(params=["here", "local", "cluster"])
@@ -22,14 +23,6 @@ def crew(request, scheduler):
     kinds = {"here": Here, "local": lambda: LocalCrew(2), "cluster": lambda: ClusterCrew(scheduler)}
     with kinds[request.param]() as made:
         yield made
-
-
-def late(task):
-    """The square; the first take longest."""
-    import time
-
-    time.sleep(0.1 if task < 2 else 0.0)
-    return task * task
 
 
 def test_results_come_in_order_or_with_their_numbers(crew):
@@ -48,28 +41,12 @@ def test_what_is_left_early_is_left(crew):
     assert list(crew.map(late, [4])) == [16]
 
 
-def wrong(task):
-    """Fail at one task."""
-    if task == 3:
-        raise ZeroDivisionError("three")
-    return task
-
-
 def test_errors_of_the_work_come_through(crew):
     with pytest.raises(ZeroDivisionError, match="three"):
         list(crew.map(wrong, range(5)))
 
 
-def deadly(home, task):
-    """Kill any process but the one at home."""
-    if task == 1 and os.getpid() != home:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return task
-
-
 def test_what_kills_its_process_is_done_at_home():
-    from functools import partial
-
     with LocalCrew(1, ahead=1) as crew:
         assert list(crew.map(partial(deadly, os.getpid()), range(3))) == [0, 1, 2]
         assert crew.rebuilt == 3

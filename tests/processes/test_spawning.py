@@ -16,6 +16,7 @@ from gcm_learn.errors import PlatformError
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.processes import spawning
+from tests.processes.work import compile_something, say
 
 NOT_EVERYWHERE = [
     (os, "sched_getaffinity"), (os, "fork"), (signal, "pthread_sigmask"), (signal, "setitimer"),
@@ -116,16 +117,6 @@ def test_an_interrupt_waits_until_it_may_come(heard):
         time.sleep(0.01)
         assert heard == []
     assert heard == [signal.SIGINT]
-
-
-def say() -> None:
-    print("compiling", file=sys.stderr, flush=True)
-
-
-def compile_something(seconds) -> None:
-    while compiled.on_compile:
-        compiled.on_compile.pop()()
-    time.sleep(seconds)
 
 
 def test_of_many_processes_that_compile_one_says_so(monkeypatch, capfd):

@@ -11,10 +11,7 @@ from hypothesis import assume, given, settings
 
 from gcm_learn import get_planner, solve
 from gcm_learn.planners import plan_to_json
-from gcm_learn.recall import (
-    RecallPlanner,
-    waypoints_of,
-)
+from gcm_learn.recall import RecallPlanner, waypoints_of
 from gcm_learn.recall.joint_moves import EARLIEST, TIME
 from gcm_learn.situation import (
     Body,
@@ -29,7 +26,7 @@ from tests.planners.test_joint_fuzz import answered, wild_situations
 from tests.recall.conftest import memory_in_space
 from tests.recall.worlds import LIMITED, catches_of, memory_of
 from tests.referee_of_spatial_arms import judge
-from tests.situation.test_spatial_arm import MOVING
+from tests.situation.scenes import MOVING
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +152,7 @@ def _compiled():
 
 
 @pytest.mark.parametrize("planner", ["recall", "hybrid"])
-@settings(max_examples=40)
+@settings(max_examples=15)
 @given(situation=strategies.spatial_situations())
 def test_valid_situations_get_an_answer_that_holds(_compiled, planner, situation):
     assume(situation.arm.max_joint_acceleration is not None)
@@ -164,7 +161,7 @@ def test_valid_situations_get_an_answer_that_holds(_compiled, planner, situation
         assert judge(situation_to_json(situation), record).complaints == []
 
 
-@settings(max_examples=40)
+@settings(max_examples=15)
 @given(situation=wild_situations())
 def test_wild_situations_get_an_answer(_compiled, situation):
     assume(situation.arm.max_joint_acceleration is not None)

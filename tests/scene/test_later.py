@@ -13,8 +13,7 @@ from gcm_learn.scene.later import later
 from gcm_learn.scene.packing import pose
 from gcm_learn.situation import situation_from_json
 from tests import strategies
-from tests.situation.test_json_format import PLANAR
-from tests.situation.test_spatial_arm import MOVING, NAO
+from tests.situation.scenes import MOVING, NAO, PLANAR
 
 
 @pytest.mark.parametrize("name", ["random-planar", "spinning", "spinning-solid", "pendulum"])

@@ -40,10 +40,7 @@ SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
         ([(0, 0), (2, 0), (1, 0), (0, 1)], "vertices: the edges at point 1 (2.0, 0.0) overlap"),
         ([(0, 0), (1, 0), (0, 1), (0, 2)], "vertices: the edges at point 3 (0.0, 2.0) overlap"),
         # a corner on another edge, and on another corner
-        (
-            [(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)],
-            "vertices: edges 0 and 3 of 5 cross or touch",
-        ),
+        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "vertices: edges 0 and 3 of 5 cross or touch"),
         (
             [(0, 0), (2, 0), (1, 1), (2, 2), (0, 2), (1, 1)],
             "vertices: edges 1 and 4 of 6 cross or touch",

@@ -50,14 +50,8 @@ def test_errors_are_ours_and_value_errors():
     ("change", "expected"),
     [
         ({"hand": (2.4, 0)}, "hand: (2.4, 0.0) is out of reach (max 2.0)"),
-        (
-            {"hand": (0.2, 0.0), "upper_arm": 0.5},
-            "hand: (0.2, 0.0) is out of reach (min 0.5)",
-        ),
-        (
-            {"hand": (0.2, 0.0), "upper_arm": 1.5},
-            "hand: (0.2, 0.0) is out of reach (min 0.5)",
-        ),
+        ({"hand": (0.2, 0.0), "upper_arm": 0.5}, "hand: (0.2, 0.0) is out of reach (min 0.5)"),
+        ({"hand": (0.2, 0.0), "upper_arm": 1.5}, "hand: (0.2, 0.0) is out of reach (min 0.5)"),
         ({"hand": (1, 0, 0)}, "hand: must be a list of 2 numbers (got 3)"),
         ({"max_hand_speed": 0}, "max_hand_speed: must be positive (got 0.0)"),
         ({"upper_arm": -1}, "upper_arm: must be positive (got -1.0)"),
@@ -127,10 +121,7 @@ def test_plane_normal_is_the_cross_product(plane):
 @pytest.mark.parametrize(
     ("values", "expected"),
     [
-        (
-            ("goal", "a", Disc(1), REST),
-            'role: must be "target" or "obstacle" (got "goal")',
-        ),
+        (("goal", "a", Disc(1), REST), 'role: must be "target" or "obstacle" (got "goal")'),
         (("target", 7, Disc(1), REST), "name: must be a string (got 7)"),
         (
             ("target", "\ud800", Disc(1), REST),

@@ -14,7 +14,7 @@ from gcm_learn.arms import Base, forward_in_space, quaternion_of, rotation_of
 from gcm_learn.scene import pose
 from gcm_learn.situation import Pendulum, SpatialFrame, canonical, situation_from_json
 from tests import strategies
-from tests.situation.test_spatial_arm import MOVING, NAO
+from tests.situation.scenes import MOVING, NAO
 from tests.transforms import carried_motion
 
 MIRROR = np.diag([1.0, -1.0, 1.0])

@@ -46,8 +46,11 @@ VARIANTS = [
 ]
 
 
-@pytest.mark.parametrize("params", VARIANTS, ids=range(len(VARIANTS)))
-def test_moving_discs(params):
+@pytest.mark.parametrize(
+    "number", [*range(5), *(pytest.param(k, marks=pytest.mark.slow) for k in (5, 6))]
+)
+def test_moving_discs(number):
+    params = VARIANTS[number]
     situation = three_discs(seeding.rng(21, params.n))
     front = compare(setting_of(situation, params.n), params)
     assert np.count_nonzero(state_of(front) == FROZEN) >= (20 if params.until == EXPLORE else 1)

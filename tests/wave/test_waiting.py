@@ -158,9 +158,9 @@ VARIANTS = [
 ]
 
 
-@pytest.mark.parametrize("params", VARIANTS, ids=range(len(VARIANTS)))
-@pytest.mark.parametrize("k", [3, 6])
-def test_against_the_plain_version(params, k):
+@pytest.mark.parametrize(("number", "k"), [(0, 3), (1, 6), (2, 3), (3, 6), (4, 3)])
+def test_against_the_plain_version(number, k):
+    params = VARIANTS[number]
     front = compare(setting_of(three_discs(seeding.rng(21, k)), params.n), params)
     assert len(front.cells) > 200 and front.refused.sum() > 10
 
@@ -217,13 +217,13 @@ def test_states_are_free_for_as_long_as_they_say_and_follow_from_each_other(k):
 
 def test_no_two_states_share_an_interval():
     several = 0
-    for k in range(20):
+    for k in range(8):
         setting = setting_of(random_planar(seeding.rng(64, k), (3, 6)), 48)
         front = propagate_layers(*setting, WaveParams(n=48, laplacian=9, until=EXPLORE))
         for spans in by_cell(front).values():
             assert all(a[1] < b[0] for a, b in itertools.pairwise(spans))
             several += len(spans) > 1
-    assert several > 50
+    assert several > 20
 
 
 def test_a_target_that_comes_in_behind_the_front_is_met():

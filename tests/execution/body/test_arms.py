@@ -33,8 +33,7 @@ COUNT = 12
 def pool():
     """Situations of arms that have a body."""
     return pool_for(
-        PhysicalSettings(),
-        situations_of("crossing-swarm-space", COUNT, 0, PhysicalSettings()),
+        PhysicalSettings(), situations_of("crossing-swarm-space", COUNT, 0, PhysicalSettings())
     )
 
 
