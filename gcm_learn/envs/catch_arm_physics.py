@@ -13,8 +13,8 @@ class CatchArmPhysics(OneArm):
     (`execution.PhysicalPlant`). ``gymnasium.make("gcm_learn:CatchArmPhysics-v0")`` makes it (extra
     ``sim``); arguments of the constructor go to `make`.
 
-    **Action**, ``Box(-1, 1, (4,))``, for the next `dt` seconds. With `control` "joint": rates of
-    the joints, 1 being the joint's greatest speed, to which motors servo them, the arm's weight
+    **Action**, in the box of `CatchArm3D`, for the next `dt` seconds. With `control` "joint": rates
+    of the joints, 1 being the joint's greatest speed, to which motors servo them, the arm's weight
     being held. With "torque": torques, 1 being the motor's greatest; weight is not held. A
     motor pushes its joint up to its greatest speed only. Nothing keeps the limit of the hand's
     speed that a situation may have: that is for planners.
