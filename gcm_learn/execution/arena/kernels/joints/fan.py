@@ -2,7 +2,7 @@
 
 Commands of joints, in shares of their greatest speeds, are vectors in four dimensions. The fan has
 a frame there. Its first vectors are the straight command, the command that moves only the elbow,
-and the command that moves the hand outward; the last one is orthogonal to these. The straight
+and the command that moves the hand outward. The last one is orthogonal to these. The straight
 command turned towards the other three by some angles gives the rays. Two more are half of it, and
 rest.
 """
