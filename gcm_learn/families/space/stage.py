@@ -82,7 +82,7 @@ class Stage(NamedTuple):
         return np.concatenate([share * elbow, elbow + share[1:] * (hand - elbow)], axis=-2)
 
     def room(self, joints: np.ndarray, bodies: Sequence[Body], t: float = 0.0) -> np.ndarray:
-        """Estimate the clearances of limbs at joints (..., dof) from bodies at time t [forearms]."""
+        """Estimate clearances of limbs at joints (..., dof) from bodies at time t [forearms]."""
         points = self.points(joints)
         gaps = [gap(points, body, t).min(axis=-1) for body in bodies if body.role == "obstacle"]
         return np.min([np.full(points.shape[:-2], np.inf), *gaps], axis=0) - self.thickness
