@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.arms import JOINTS, Arm, Base, SpatialArm
+from gcm_learn.arms import Arm, Base, SpatialArm
 from gcm_learn.motion import Movement, fastest_hand
 from gcm_learn.scene import pack
 from gcm_learn.situation import Frame, Situation, SpatialFrame
@@ -52,10 +52,10 @@ def hand_path(arm: Arm, cells: Mapping[str, Any]) -> Movement:
 def joint_path(arm: SpatialArm, cells: Mapping[str, Any]) -> Movement:
     """Return the joint movement in the cells of a plan."""
     time, joints = (np.asarray(cells[name], dtype=float) for name in ("time", "joints"))
-    rates = cells["rates"]
+    rates, dof = cells["rates"], len(arm.joints)
     if rates is not None:
-        rates = np.asarray(rates, dtype=float).reshape(-1, JOINTS)
-    return Movement(arm, time, joints.reshape(-1, JOINTS), rates)
+        rates = np.asarray(rates, dtype=float).reshape(-1, dof)
+    return Movement(arm, time, joints.reshape(-1, dof), rates)
 
 
 # --- frames ----------------------------------------------------------------------------------

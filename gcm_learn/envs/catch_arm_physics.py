@@ -13,8 +13,8 @@ class CatchArmPhysics(OneArm):
     (`execution.PhysicalPlant`). ``gymnasium.make("gcm_learn:CatchArmPhysics-v0")`` makes it (extra
     ``sim``); arguments of the constructor go to `make`.
 
-    **Action**, ``Box(-1, 1, (4,))``, for the next `dt` seconds. With `control` "joint": rates of
-    the joints, 1 being the joint's greatest speed, to which motors servo them, the arm's weight
+    **Action**, in the box of `CatchArm3D`, for the next `dt` seconds. With `control` "joint": rates
+    of the joints, 1 being the joint's greatest speed, to which motors servo them, the arm's weight
     being held. With "torque": torques, 1 being the motor's greatest; weight is not held. A
     motor pushes its joint up to its greatest speed only. Nothing keeps the limit of the hand's
     speed that a situation may have: that is for planners.
@@ -39,10 +39,9 @@ class CatchArmPhysics(OneArm):
     -4    the action that servos the joints to the rates at 61 (4)       -1 ... 1       action
     ===== ============================================================== ============== =======
 
-    **End.** A catch (the hand within grasp of a target, by the package's distance at every step of
-    the physics, 0.002 s) or a touch (MuJoCo's first contact of limb and obstacle) terminates the
-    episode, the horizon truncates it. A catch is one of physics, not one that is verified in
-    continuous time.
+    **End.** A catch or a touch terminates the episode, the horizon truncates it. In a catch the
+    hand is within grasp of a target, by the package's distance at a step of the physics (0.002 s);
+    continuous time is not verified. A touch is MuJoCo's first contact of limb and obstacle.
 
     **Reward** and **info** are as in `CatchArm3D`: the sum of ``info["reward_terms"]`` (catch,
     touch, haste, guide); `time`, `hand`, `outcome` and at the end `is_success`.

@@ -55,7 +55,7 @@ class Actor:
     squash: bool
     """If true, the velocity is the tanh of the last layer."""
     spread: np.ndarray
-    """Logarithm of the deviations of sampled actions (2,), in space (4,); of no use to choices."""
+    """Logarithm of the deviations of sampled actions (commands,); of no use to choices."""
     settings: ArenaSettings
     """Of the arms with which it was trained."""
 
@@ -74,7 +74,7 @@ class Actor:
         return x @ weights.T + bias
 
     def act(self, observations: np.ndarray, rng: np.random.Generator | None = None) -> np.ndarray:
-        """Actions (n, 2), in space (n, 4): the most likely, or drawn if there is a generator."""
+        """Actions (n, commands): the most likely, or drawn if there is a generator."""
         scores = self.scores(observations)
         if self.head == "choice":
             if rng is not None:  # Gumbel's trick draws from the softmax

@@ -152,15 +152,17 @@ LANGUAGES: ByKind[_Hands | _Joints] = ByKind({PLANAR: _Hands(), SPATIAL: _Joints
 
 
 def _straight_command(settings: ArenaSettings, observations: np.ndarray) -> np.ndarray:
-    """Return the command (n, 4) that goes straight, from the observations."""
-    found: np.ndarray = observations[:, settings.straight : settings.straight + 4].astype(float)
+    """Return commands (n, commands) that go straight, from the observations."""
+    until = settings.straight + settings.commands
+    found: np.ndarray = observations[:, settings.straight : until].astype(float)
     return found
 
 
 def _frame(settings: ArenaSettings, observations: np.ndarray) -> np.ndarray:
-    """Return frames (n, 4, 4) of fans, their vectors as rows."""
-    told = observations[:, settings.fan_at : settings.fan_at + 16].astype(float)
-    return told.reshape(-1, 4, 4)
+    """Return frames (n, commands, commands) of fans, their vectors as rows."""
+    size = settings.commands
+    told = observations[:, settings.fan_at : settings.fan_at + size * size].astype(float)
+    return told.reshape(-1, size, size)
 
 
 def _rotated(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:

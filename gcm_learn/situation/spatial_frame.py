@@ -1,9 +1,9 @@
 """One form for spatial situations that differ only by where the base is, or by a mirror.
 
 A mirror in the xz-plane of the base makes a left arm of a right one.  It reverses the sense of
-rotations about x and z, and keeps that of rotations about y: q1 stays, q2, q3 and q4 change their
-signs, their ranges are turned round, and the bones' y coordinates change their signs.  Nothing
-else is symmetry here, because joints have ranges.
+rotations about x and z, and keeps that of rotations about y.  So the first joint stays, and the
+others change their signs.  Their ranges are turned round, and the bones' y coordinates change their
+signs.  Nothing else is symmetry here, because joints have ranges.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class SpatialFrame:
     base: Base = IDENTITY
     """Pose of the shoulder in the world."""
     mirrored: bool = False
-    """Whether the arm is a right one."""
+    """True for a right arm."""
 
     def canonical(self, points: ArrayLike) -> np.ndarray:
         """Points (..., 3) of the world in canonical coordinates."""
@@ -48,12 +48,12 @@ class SpatialFrame:
         return there @ rotation_of(self.base.rotation).T + self.base.origin
 
     def canonical_joints(self, joints: ArrayLike) -> np.ndarray:
-        """Joint angles or rates (..., 4) of the situation, as those of the canonical one."""
+        """Joint angles or rates (..., dof) of the situation in canonical coordinates."""
         values = np.asarray(joints, dtype=float)
         return values * _TURNS + 0.0 if self.mirrored else values.copy()
 
     def original_joints(self, joints: ArrayLike) -> np.ndarray:
-        """Joint angles or rates (..., 4) of the canonical situation, as those of this one."""
+        """Joint angles or rates (..., dof) in canonical coordinates, in the situation."""
         return self.canonical_joints(joints)  # a mirror is its own inverse
 
     @property
@@ -64,9 +64,8 @@ class SpatialFrame:
 def spatial_frame_of(situation: Situation[SpatialArm]) -> SpatialFrame:
     """How a situation lies.
 
-    It is mirrored where the first of these that has a side is negative: the middles of the ranges
-    of q2, q3 and q4, the bones' y; where the arm has no side, its joints and rates at t = 0, and
-    then what the bodies do.
+    The first number that has a side decides; a negative one is mirrored.  The order: the middles of
+    the ranges of all joints but the first, the bones' y, joints and rates at t = 0, the bodies.
     """
     arm = situation.arm
     small = NOTHING * arm.reach

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind
 from gcm_learn.execution.arena.kernels.hands import fan as hand_fan
 from gcm_learn.execution.arena.kernels.hands import observation as hand_observation
 from gcm_learn.execution.arena.kernels.hands import playing as hand_playing
@@ -76,7 +76,7 @@ def _hands(count: int) -> State:
 
 
 def _joints(count: int) -> State:
-    posture, hand = np.zeros((count, 2 * JOINTS)), np.zeros((count, 3))
+    posture, hand = np.zeros((count, 2 * joint_fan.COMMAND)), np.zeros((count, 3))
     return State(np.zeros(count, np.int64), posture, hand, np.zeros(count))
 
 
@@ -104,7 +104,7 @@ KERNELS = ByKind(
             play=hand_playing.play,
         ),
         SPATIAL: Kernels(
-            commands=JOINTS,
+            commands=joint_fan.COMMAND,
             layout=Layout(
                 joint_observation.ARM, joint_observation.TARGET, joint_observation.OBSTACLE,
                 joint_fan.FRAME + joint_fan.COMMANDS * joint_fan.RAY, joint_observation.AIM,

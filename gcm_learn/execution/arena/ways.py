@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, PLANAR, SPATIAL, Arm, ByKind, SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, SpatialArm
 from gcm_learn.motion import Movement
 
 
@@ -22,7 +22,8 @@ def _way_of_hand(arm: Arm, time: np.ndarray, posture: np.ndarray) -> Movement:
 
 def _way_of_joints(arm: SpatialArm, time: np.ndarray, posture: np.ndarray) -> Movement:
     new = np.append(True, np.diff(time) > 0.0)  # a catch at t = 0 takes no time
-    joints, rates = posture[new, :JOINTS], posture[new, JOINTS:]
+    dof = len(arm.joints)
+    joints, rates = posture[new, :dof], posture[new, dof:]
     limited = arm.max_joint_acceleration is not None
     return Movement(arm, time[new], joints, rates if limited else None)
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.batch import Batch
 from gcm_learn.execution.arena.kernels.joints.observation import AIM
@@ -60,10 +59,10 @@ class PhysicalArms(Batch):
         return self.plants[e].movement
 
     def _begin(self, arms: np.ndarray, places: np.ndarray) -> None:
-        posture = self.state.posture
+        posture, dof = self.state.posture, self.settings.commands
         for e, s in zip(arms.tolist(), np.asarray(places).tolist(), strict=True):
             plant = self._take(e, s)
-            posture[e, :JOINTS], posture[e, JOINTS:] = plant.joints, plant.rates
+            posture[e, :dof], posture[e, dof:] = plant.joints, plant.rates
 
     def _take(self, e: int, s: int) -> PhysicalPlant:
         """Return the plant of situation s for arm e, whose old one is kept for another arm."""
@@ -95,7 +94,7 @@ class PhysicalArms(Batch):
 
     def _step(self, e: int, command: np.ndarray) -> int:
         """Move arm e on by a step: the outcome; the state is that at a catch or a touch."""
-        plant, state = self.plants[e], self.state
+        plant, state, dof = self.plants[e], self.state, len(command)
         horizon = plant.situation.horizon
         if state.time[e] >= horizon:  # it is held
             return LATE
@@ -106,8 +105,8 @@ class PhysicalArms(Batch):
             else:
                 plant.turn(command * plant.fastest, until)
         last = plant.ended
-        state.posture[e, :JOINTS] = plant.joints_log[last]
-        state.posture[e, JOINTS:] = plant.rates_log[last]
+        state.posture[e, :dof] = plant.joints_log[last]
+        state.posture[e, dof:] = plant.rates_log[last]
         state.time[e] = horizon if plant.outcome == LATE else min(last * STEP, horizon)
         return plant.outcome
 
@@ -118,7 +117,8 @@ class PhysicalArms(Batch):
         for e in arms:
             plant, row = self.plants[e], self.observations[e]
             joints, rates = np.split(self.state.posture[e], 2)
+            dof = len(joints)
             holding = plant.motors.holding(joints)
-            servo = plant.motors.kd * (row[AIM : AIM + JOINTS] * plant.fastest - rates)
-            row[-2 * JOINTS : -JOINTS] = np.clip(holding / plant.strongest, -EXTREME, EXTREME)
-            row[-JOINTS:] = np.clip((holding + servo) / plant.strongest, -1.0, 1.0)
+            servo = plant.motors.kd * (row[AIM : AIM + dof] * plant.fastest - rates)
+            row[-2 * dof : -dof] = np.clip(holding / plant.strongest, -EXTREME, EXTREME)
+            row[-dof:] = np.clip((holding + servo) / plant.strongest, -1.0, 1.0)

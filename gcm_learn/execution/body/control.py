@@ -13,7 +13,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.body.model import rested
 from gcm_learn.execution.body.motors import Dynamics, load_of
@@ -62,19 +62,19 @@ class Following:
         self._dynamics = Dynamics(arm, body)
         self._computed = controller.feedforward == "computed-torque"
         self.inertia = np.median(np.einsum("njj->nj", load_of(arm, body).inertia), axis=0)
-        """That joints feel alone (4,) [kg m^2]"""
+        """That joints feel alone (dof,) [kg m^2]"""
         self.kp = controller.bandwidth**2 * self.inertia
-        """(4,) [N m/rad]"""
+        """(dof,) [N m/rad]"""
         self.kd = 2.0 * controller.bandwidth * self.inertia
-        """(4,) [N m s]"""
+        """(dof,) [N m s]"""
 
     def holding(self, joints: np.ndarray) -> np.ndarray:
-        """Torques (4,) that hold the arm's weight at joints (4,) [N m]."""
-        still = np.zeros((1, JOINTS))
+        """Torques (dof,) that hold the arm's weight at joints (dof,) [N m]."""
+        still = np.zeros((1, len(joints)))
         return self._dynamics.torques(joints[None], still, still)[0]
 
     def commands(self, joints: np.ndarray, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Return commands of the motors (n, 4) [N m], from wanted angles, rates, accelerations."""
+        """Commands of the motors (n, dof) [N m], from wanted angles, rates, accelerations."""
         if not self._computed:
             still = np.zeros_like(rates)
             torques = self._dynamics.torques(joints, still, still)

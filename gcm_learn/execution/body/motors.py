@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.body.model import compiled, model_xml, mujoco, rested
 from gcm_learn.situation import ArmBody, Situation
@@ -27,11 +27,11 @@ class Load:
     """Load of an arm's motors, over its postures."""
 
     inertia: np.ndarray
-    """(n, 4, 4): mass matrices [kg m^2]."""
+    """(n, dof, dof): mass matrices [kg m^2]."""
     bias: np.ndarray
-    """(n, 4): torques against gravity, damping and what rotation adds [N m]."""
+    """(n, dof): torques against gravity, damping and what rotation adds [N m]."""
     gravity: np.ndarray
-    """(n, 4): against gravity alone [N m]."""
+    """(n, dof): against gravity alone [N m]."""
 
 
 class Dynamics:
@@ -48,11 +48,11 @@ class Dynamics:
         self._data = mujoco().MjData(self._model)
 
     def torques(self, joints: np.ndarray, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Torques (n, 4) [N m] that give accelerations.
+        """Torques (n, dof) [N m] that give accelerations.
 
         Parameters
         ----------
-        joints, rates, forces : (n, 4) ndarray
+        joints, rates, forces : (n, dof) ndarray
             Angles, rates and accelerations.
         """
         model, data, inverse = self._model, self._data, mujoco().mj_inverse
@@ -65,21 +65,23 @@ class Dynamics:
         return out
 
     def inertia(self, joints: np.ndarray) -> np.ndarray:
-        """Mass matrix (4, 4) at joints (4,) [kg m^2]."""
-        rest = np.zeros((JOINTS, JOINTS))
+        """Mass matrix (dof, dof) at joints (dof,) [kg m^2]."""
+        dof = len(joints)
+        rest = np.zeros((dof, dof))
         here = np.broadcast_to(joints, rest.shape)
         weight = self.torques(here[:1], rest[:1], rest[:1])
-        return self.torques(here, rest, np.eye(JOINTS)) - weight
+        return self.torques(here, rest, np.eye(dof)) - weight
 
 
 def load_of(arm: SpatialArm, body: ArmBody) -> Load:
     """Return the load of the motors at postures and rates spread over the arm's ranges."""
     rng = seeding.rng(0, SAMPLES)
     low, high = np.array(arm.joint_range).T
-    joints = rng.uniform(low, high, (SAMPLES, JOINTS))
+    shape = SAMPLES, len(low)
+    joints = rng.uniform(low, high, shape)
     top = np.array(arm.max_joint_speed)
-    rates = rng.uniform(-top, top, (SAMPLES, JOINTS))
-    dynamics, still = Dynamics(arm, body), np.zeros((SAMPLES, JOINTS))
+    rates = rng.uniform(-top, top, shape)
+    dynamics, still = Dynamics(arm, body), np.zeros(shape)
     return Load(
         np.array([dynamics.inertia(q) for q in joints]),
         dynamics.torques(joints, rates, still),
@@ -88,7 +90,7 @@ def load_of(arm: SpatialArm, body: ArmBody) -> Load:
 
 
 def motor_accelerations(arm: SpatialArm, body: ArmBody) -> np.ndarray:
-    """Limits of the joints' accelerations (4,) that come from the motors [rad/s^2].
+    """Limits of the joints' accelerations (dof,) that come from the motors [rad/s^2].
 
     Each joint gets the same share of the acceleration that its motor gives to its own inertia. It
     is the largest share with which motors need at most `SHARE` of their torques, gravity included,

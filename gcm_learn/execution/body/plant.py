@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, SpatialArm, SpatialLimb, forward_in_space
+from gcm_learn.arms import SpatialArm, SpatialLimb, forward_in_space
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
@@ -76,9 +76,9 @@ class PhysicalPlant:
             raise PhysicsError(f"body {body.name!r}: does not fit: {misfit}")
         self.situation, self.body = situation, body
         self.fastest = np.array(situation.arm.max_joint_speed)
-        """Of the joints (4,) [rad/s]."""
+        """Of the joints (dof,) [rad/s]."""
         self.strongest = np.array([motor.torque for motor in body.joints])
-        """Torques of the motors (4,) [N m]."""
+        """Torques of the motors (dof,) [N m]."""
         self.motors = following(controller, situation.arm, believed or body)
         self._model = model_of(situation.arm, body, situation.bodies)
         self._data = mujoco().MjData(self._model)
@@ -88,10 +88,11 @@ class PhysicalPlant:
         self._laws = laws(self._scene, times, body.metres)
         self._parts = tuple(map(tuple, self._scene))  # of named ones, finding the types takes long
         self._poses = np.zeros((len(situation.bodies), 12))
-        self.joints_log = np.empty((count, JOINTS))
+        dof = len(self.fastest)
+        self.joints_log = np.empty((count, dof))
         """Joints at every step until now (`steps` + 1 rows are filled) [rad]."""
-        self.rates_log = np.empty((count, JOINTS))
-        self.torques_log = np.empty((count, JOINTS))
+        self.rates_log = np.empty((count, dof))
+        self.torques_log = np.empty((count, dof))
         """Torques during every step [N m]."""
         self.targets_log = np.empty((count, self._laws.targets.shape[1]))
         """Of every target position [m] and quaternion, in the frame of the base."""
@@ -112,11 +113,11 @@ class PhysicalPlant:
         self.later_contact: Contact | None = None
         """After it."""
         self._free = False  # whether targets go their own way
-        arm, data = self.situation.arm, self._data
-        data.qpos[:JOINTS] = arm.joints
-        data.qvel[:JOINTS] = arm.joint_rates or (0.0,) * JOINTS
-        data.qpos[JOINTS:], data.qvel[JOINTS:] = self._laws.targets[0], self._laws.moves[0]
-        self.joints_log[0], self.rates_log[0] = data.qpos[:JOINTS], data.qvel[:JOINTS]
+        arm, data, dof = self.situation.arm, self._data, len(self.fastest)
+        data.qpos[:dof] = arm.joints
+        data.qvel[:dof] = arm.joint_rates or (0.0,) * dof
+        data.qpos[dof:], data.qvel[dof:] = self._laws.targets[0], self._laws.moves[0]
+        self.joints_log[0], self.rates_log[0] = data.qpos[:dof], data.qvel[:dof]
         self.targets_log[0] = self._laws.targets[0]
         self._judge(0, None)
 
@@ -127,12 +128,12 @@ class PhysicalPlant:
 
     @property
     def joints(self) -> np.ndarray:
-        """(4,) [rad]"""
+        """(dof,) [rad]"""
         return self.joints_log[self.steps].copy()
 
     @property
     def rates(self) -> np.ndarray:
-        """(4,) [rad/s]"""
+        """(dof,) [rad/s]"""
         return self.rates_log[self.steps].copy()
 
     @property
@@ -171,20 +172,21 @@ class PhysicalPlant:
                 return
 
     def push(self, torques: np.ndarray, until: float) -> None:
-        """Apply torques (4,) [N m], cut at the motors' limits.
+        """Apply torques (dof,) [N m], cut at the motors' limits.
 
         A motor never pushes a joint beyond its `max_joint_speed`: near it the torque outward falls
         to none. Gravity, other joints and what was before may still be faster.
         """
-        self._gains(np.zeros(JOINTS), np.zeros(JOINTS))
+        free = np.zeros(len(self.fastest))
+        self._gains(free, free)
         given = np.tile(torques, (self._steps_until(until) - self.steps, 1))
         self._advance(given, pushed=True)
 
     def turn(self, rates: np.ndarray, until: float) -> None:
-        """Servo the joints to rates (4,) [rad/s], the arm's weight being held."""
+        """Servo the joints to rates (dof,) [rad/s], the arm's weight being held."""
         rates = np.clip(rates, -self.fastest, self.fastest)
         torques = self.motors.holding(self.joints) + self.motors.kd * rates
-        self._gains(np.zeros(JOINTS), self.motors.kd)
+        self._gains(np.zeros(len(self.fastest)), self.motors.kd)
         self._advance(np.tile(torques, (self._steps_until(until) - self.steps, 1)))
 
     def holds(self, first: int, last: int) -> bool:
@@ -210,7 +212,7 @@ class PhysicalPlant:
         self._model.actuator_biasprm[:, 1], self._model.actuator_biasprm[:, 2] = -kp, -kd
 
     def _advance(self, commands: np.ndarray, pushed: bool = False) -> None:
-        """Steps with commands (n, 4), until the episode is over; beyond it all of them."""
+        """Steps with commands (n, dof), until the episode is over; beyond it all of them."""
         library = mujoco()
         library.set_mju_user_warning(_quiet)  # what goes wrong becomes an error
         try:
@@ -236,7 +238,8 @@ class PhysicalPlant:
         first, last = self.steps, self.steps + len(commands)
         inside, after = slice(first, last), slice(first + 1, last + 1)
         qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
-        places, turns, at, moving = data.mocap_pos, data.mocap_quat, qpos[JOINTS:], qvel[JOINTS:]
+        places, turns, dof = data.mocap_pos, data.mocap_quat, len(self.fastest)
+        at, moving = qpos[dof:], qvel[dof:]
         found, law, held = (
             None,
             [table[inside] for table in self._laws],
@@ -261,9 +264,9 @@ class PhysicalPlant:
                 if found is None and limb >= 0:
                     found = limb, k
         self.steps, n = last, last - first
-        self.joints_log[after] = self._states[:n, :JOINTS]
-        self.rates_log[after] = self._speeds[:n, :JOINTS]
-        self.targets_log[after] = self._states[:n, JOINTS:]
+        self.joints_log[after] = self._states[:n, :dof]
+        self.rates_log[after] = self._speeds[:n, :dof]
+        self.targets_log[after] = self._states[:n, dof:]
         self.targets_log[first + 1 : held + 1] = self._laws.targets[first + 1 : held + 1]
         if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
             raise PhysicsError(f"physics: some numbers are not finite at t = {self.time:.3f} s")
@@ -302,7 +305,7 @@ class PhysicalPlant:
 
 @njit
 def _spare(torques, rates, top, slope):
-    """Cut torques (4,) that would push joints beyond their greatest speeds (4,)."""
+    """Cut torques (dof,) that would push joints beyond their greatest speeds (dof,)."""
     for j in range(torques.size):
         high, low = slope[j] * (top[j] - rates[j]), -slope[j] * (top[j] + rates[j])
         torques[j] = min(max(torques[j], min(low, 0.0)), max(high, 0.0))
@@ -325,7 +328,7 @@ def _first_met(parts, joints, first, last, step, poses):
 
 @njit
 def _within(scene, b, joints, poses):
-    """Return whether the hand grasps body b at all joints (n, 4) and poses of it (n, 12)."""
+    """Return whether the hand grasps body b at all joints (n, dof) and poses of it (n, 12)."""
     room = np.zeros((b + 1, 12))
     for k in range(joints.shape[0]):
         room[b] = poses[k]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from gcm_learn.arms import JOINTS
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.pool import Pool, of_one_kind
 from gcm_learn.execution.arena.settings import SpatialSettings
@@ -34,12 +33,12 @@ class PhysicalSettings(SpatialSettings):
     @property
     def width(self) -> int:
         """Length of an observation."""
-        return super().width + (2 * JOINTS if self.pushed else 0)
+        return super().width + (2 * self.commands if self.pushed else 0)
 
     @property
     def straight(self) -> int:
         """Index of the command that leads straight to the target."""
-        return self.width - JOINTS if self.pushed else super().straight
+        return self.width - self.commands if self.pushed else super().straight
 
     def prepared(self, pool: Pool) -> Pool:
         """Return the pool, whose arms stop as well as they can; refuse arms without mass."""

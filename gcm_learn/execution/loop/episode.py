@@ -31,7 +31,7 @@ class Agent(Protocol):
     """Agent that sees a moment and gives commands."""
 
     def act(self, moment: Moment) -> np.ndarray:
-        """Commands (n, 2), in space (n, 4); those to arms whose episode is over do not matter."""
+        """Commands (n, k); those to arms whose episode is over do not matter."""
 
 
 class Plant(Protocol):

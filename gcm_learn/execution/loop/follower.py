@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind
 from gcm_learn.execution.arena.pool import Pool
 from gcm_learn.execution.loop.episode import Agent, Moment, into_frame
 from gcm_learn.motion import Movement
@@ -74,8 +74,9 @@ class JointFollower:
         self._dt = dt
         self._top = np.array([plan.arm.max_joint_speed for plan in plans])
         most = int(np.ceil(max(plan.duration for plan in plans) / dt)) + 1
-        self._joints = np.empty((len(plans), most + 1, JOINTS))
-        self._rates = np.full((len(plans), most + 1, JOINTS), np.nan)
+        dof = self._top.shape[1]
+        self._joints = np.empty((len(plans), most + 1, dof))
+        self._rates = np.full((len(plans), most + 1, dof), np.nan)
         for row, plan in enumerate(plans):
             times = dt * np.arange(most + 1)
             inside = np.minimum(times, plan.duration)
@@ -90,14 +91,14 @@ class JointFollower:
                 self._rates[row] = rates
 
     def act(self, moment: Moment) -> np.ndarray:
-        """Rates (n, 4) that bring joints to where they should be in a step, in greatest speeds.
+        """Rates (n, dof) that bring joints to where they should be in a step, in greatest speeds.
 
         Under limits of acceleration these are the rates of the plans at that time.
         """
-        rows = np.arange(len(moment.time))
+        rows, dof = np.arange(len(moment.time)), self._top.shape[1]
         k = np.rint(moment.time / self._dt).astype(int) + 1
         k = np.minimum(k, self._joints.shape[1] - 1)
-        even = (self._joints[rows, k] - moment.posture[:, :JOINTS]) / self._dt
+        even = (self._joints[rows, k] - moment.posture[:, :dof]) / self._dt
         rates = self._rates[rows, k]
         return np.where(np.isnan(rates), even, rates) / self._top
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
 from gcm_learn.arms.curves import hermite, line, part
 from gcm_learn.collision.postures import desk_of, least_on
 from gcm_learn.compiled import njit
@@ -42,9 +41,10 @@ class JointEvents:
 
 
 def _move(trajectory: Movement, since: float, until: float) -> np.ndarray:
-    """The move (4, 4) between two times; between them, or at one of them, there is no sample."""
+    """The move (dof, 4) between two times; between them, or at one of them, there is no sample."""
     time, joints, rates = trajectory.time, trajectory.joints, trajectory.rates
-    move, whole = np.empty((JOINTS, 4)), np.empty((JOINTS, 4))
+    dof = joints.shape[1]
+    move, whole = np.empty((dof, 4)), np.empty((dof, 4))
     if since >= time[-1] or until <= time[0]:
         rest = joints[-1 if since >= time[-1] else 0]
         line(rest, rest, move)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.arms import SpatialArm
 from gcm_learn.motion import Movement, braked
 
 
@@ -54,7 +54,7 @@ def rest_of(trajectory: Movement, now: float) -> Movement:
     joints, rates, _ = trajectory.states_at(np.array([now]))
     after, moving = trajectory.time > now, None
     if trajectory.rates is not None:
-        moving = np.vstack([rates.reshape(1, JOINTS), trajectory.rates[after]])
+        moving = np.vstack([rates.reshape(1, -1), trajectory.rates[after]])
     return Movement(
         trajectory.arm,
         np.append(0.0, trajectory.time[after] - now),

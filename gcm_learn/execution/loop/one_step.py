@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.arms import SpatialArm
+from gcm_learn.arms.limbs import dof
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.playing import observe_all
 from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
@@ -36,23 +37,23 @@ class OneStep:
         self.told = np.zeros((1, settings.width), np.float32)
         """As `envs.CatchArm3D` lists it (1, width)."""
         self.posture = posture[0]
-        """Joints [rad] and their rates [rad/s] (8,)."""
+        """Joints [rad] and their rates [rad/s] (2 dof,)."""
         self._world, self._arm = tuple(world), state
         self._options = settings.options
         observe_all(self._world, tuple(state), np.zeros(1, np.int64), self._options, self.told)
 
     def after(self, command: np.ndarray) -> np.ndarray:
-        """The posture (8,) after the step, as nearly as the limits allow what is commanded (4,)."""
-        out = np.empty(2 * JOINTS)
+        """Posture (2 dof,) after the step, as near to a command (dof,) as the limits allow."""
+        out = np.empty(self.posture.size)
         _after(self._world, tuple(self._arm), command[None].astype(float), self._options, out)
         return out
 
 
 @njit
 def _after(world, state, command, options, out):
-    """Write the posture (8,) after a step of the only arm."""
+    """Write the posture (2 dof,) after a step of the only arm."""
     worlds, states, how = World(*world), State(*state), Options(*options)
     view = view_in(worlds, 0, views_for(worlds, states, 0, 1))
-    end, speed = view.joints[0], view.rules.speed
+    end, speed, n = view.joints[0], view.rules.speed, dof(view.scene.limb)
     reach_out(view.scene, speed, states.posture, 0, command, how.dt, end, view)
-    out[:4], out[4:] = end, view.rates[0]
+    out[:n], out[n:] = end, view.rates[0]

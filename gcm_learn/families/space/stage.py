@@ -1,4 +1,4 @@
-"""Where families in space put things: an arm, what belongs to it, and postures to aim at."""
+"""Stage of families in space: an arm, its torso, and postures to aim at."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Way(NamedTuple):
     """From a start to a posture that catches, in a straight line of the joints."""
 
     start: np.ndarray
-    """Joints (4,) [rad]."""
+    """Joints (dof,) [rad]."""
     end: np.ndarray
     takes: float
     """At full speed [s]."""
@@ -38,7 +38,7 @@ class Way(NamedTuple):
         return max(horizon - left * self.takes, self.takes)
 
     def at(self, share: float) -> np.ndarray:
-        """Joints (4,) at a share of the way."""
+        """Joints (dof,) at a share of the way."""
         return self.start + share * (self.end - self.start)
 
 
@@ -53,7 +53,7 @@ class Stage(NamedTuple):
     torso: tuple[Body, ...]
     """None or one."""
     joints: np.ndarray
-    """Postures (n, 4) within the joints' ranges, free of the torso [rad]."""
+    """Postures (n, dof) within the joints' ranges, free of the torso [rad]."""
 
     @property
     def thickness(self) -> float:
@@ -71,7 +71,7 @@ class Stage(NamedTuple):
         return 1.0 + float(np.linalg.norm(self.build.upper_arm)) / self.build.unit
 
     def limb(self, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Elbows and hands (..., 3) of joints (..., 4) [forearms]."""
+        """Elbows and hands (..., 3) of joints (..., dof) [forearms]."""
         elbow, hand = forward_in_space(self.arm, joints)
         return elbow / self.build.unit, hand / self.build.unit
 
@@ -82,7 +82,7 @@ class Stage(NamedTuple):
         return np.concatenate([share * elbow, elbow + share[1:] * (hand - elbow)], axis=-2)
 
     def room(self, joints: np.ndarray, bodies: Sequence[Body], t: float = 0.0) -> np.ndarray:
-        """How far limbs at joints (..., 4) are from bodies at time t: a good guess [forearms]."""
+        """Estimate clearances of limbs at joints (..., dof) from bodies at time t [forearms]."""
         points = self.points(joints)
         gaps = [gap(points, body, t).min(axis=-1) for body in bodies if body.role == "obstacle"]
         return np.min([np.full(points.shape[:-2], np.inf), *gaps], axis=0) - self.thickness
@@ -90,7 +90,7 @@ class Stage(NamedTuple):
     def lines(
         self, first: np.ndarray, last: np.ndarray, bodies: Sequence[Body], t: float
     ) -> np.ndarray:
-        """Which straight lines of joints (m, 4) are free of bodies as they are at time t (m,)."""
+        """Which straight lines of joints (m, dof) are free of bodies as they are at time t (m,)."""
         shares = np.linspace(0.0, 1.0, CHECKS)[:, None, None]
         return np.all(self.room(first + shares * (last - first), bodies, t) > 0.0, axis=0)
 

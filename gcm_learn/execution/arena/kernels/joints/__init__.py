@@ -1,1 +1,1 @@
-"""Spatial arms: commands are rates of the four joints."""
+"""Spatial arms: commands are rates of the joints."""

@@ -2,7 +2,7 @@
 
 Commands of joints, in shares of their greatest speeds, are vectors in four dimensions. The fan has
 a frame there. Its first vectors are the straight command, the command that moves only the elbow,
-and the command that moves the hand outward; the last one is orthogonal to these. The straight
+and the command that moves the hand outward. The last one is orthogonal to these. The straight
 command turned towards the other three by some angles gives the rays. Two more are half of it, and
 rest.
 """
@@ -13,6 +13,7 @@ import itertools
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
@@ -40,7 +41,7 @@ def _directions() -> np.ndarray:
 
 
 DIRECTIONS = _directions()
-COMMANDS = len(DIRECTIONS)
+COMMANDS, COMMAND = DIRECTIONS.shape  # rays, and numbers of a command
 STRAIGHT, HALF, REST = 0, COMMANDS - 2, COMMANDS - 1
 
 
@@ -101,10 +102,10 @@ def _lay_frame(view, posture, e, place, row, at):
     limits, jacobian = view.scene.limits, view.jacobian
     aim, still, outward, unit = view.rates[AIM_ROW], view.rates[0], view.rates[1], view.rates[2]
     _, _, _, hx, hy, hz = place
-    for j in range(4):
+    for j in range(dof(view.scene.limb)):
         view.joints[1, j] = posture[e, j]
     hand_jacobian(view.scene.limb, view.joints[1], jacobian)
-    for j in range(4):
+    for j in range(dof(view.scene.limb)):
         for i in range(3):
             jacobian[i, j] *= limits.joint_speed[j]
         outward[j] = jacobian[0, j] * hx + jacobian[1, j] * hy + jacobian[2, j] * hz
@@ -153,7 +154,7 @@ def tell_fan(view, time, posture, e, body, place, aim, row, at):
         The aim is in its rates, and is lost.
     time : float
         [s]
-    posture : (arms, 8) ndarray
+    posture : (arms, 2 dof) ndarray
     e : int
         The arm.
     body : int
@@ -203,25 +204,25 @@ def _look(view, time, posture, e, body, aim, ray, row, at):
 
 @njit(_nrt=False)
 def _slow_down(view, rates):
-    """Make a command (4,) rates [rad/s], none of which makes the hand too fast."""
-    limits, jacobian = view.scene.limits, view.jacobian
+    """Make a command (dof,) rates [rad/s], none of which makes the hand too fast."""
+    limits, jacobian, n = view.scene.limits, view.jacobian, dof(view.scene.limb)
     x = y = z = 0.0
-    for j in range(4):
+    for j in range(n):
         rates[j] *= limits.joint_speed[j]
         x, y = x + jacobian[0, j] * rates[j], y + jacobian[1, j] * rates[j]
         z += jacobian[2, j] * rates[j]
     speed = np.sqrt(x * x + y * y + z * z)
     if speed > limits.speed:
-        for j in range(4):
+        for j in range(n):
             rates[j] *= limits.speed / speed
 
 
 @njit(_nrt=False)
 def _turn(scene, posture, e, rates, after, out):
-    """Write the joints (4,) `after` so long of going to rates (4,) and then with them."""
-    limb, limits = scene.limb, scene.limits
-    for j in range(4):
-        q, v = posture[e, j], posture[e, 4 + j]
+    """Write the joints (dof,) `after` so long of going to rates (dof,) and then with them."""
+    limb, limits, n = scene.limb, scene.limits, dof(scene.limb)
+    for j in range(n):
+        q, v = posture[e, j], posture[e, n + j]
         if limits.joint_acceleration[j] == np.inf:
             way = rates[j] * after
         else:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
@@ -34,10 +35,10 @@ class Meeting(NamedTuple):
 
 
 @njit(_nrt=False)
-def _solve(matrix, damping, x, y, z):
-    """(M M^T + damping^2)^-1 (x, y, z) of a matrix M (3, 4), by Cramer's rule."""
+def _solve(limb, matrix, damping, x, y, z):
+    """(M M^T + damping^2)^-1 (x, y, z) of a matrix M (3, dof), by Cramer's rule."""
     a = b = c = d = e = f = 0.0
-    for j in range(4):
+    for j in range(dof(limb)):
         p, q, r = matrix[0, j], matrix[1, j], matrix[2, j]
         a, b, c = a + p * p, b + p * q, c + p * r
         d, e, f = d + q * q, e + q * r, f + r * r
@@ -66,16 +67,16 @@ def aim_along(view, posture, e, x, y, z):
     """
     scene, jacobian, aim = view.scene, view.jacobian, view.rates[AIM_ROW]
     limb, limits = scene.limb, scene.limits
-    for j in range(4):
+    for j in range(dof(limb)):
         view.rates[0, j] = posture[e, j]
     hand_jacobian(limb, view.rates[0], jacobian)
-    for j in range(4):
+    for j in range(dof(limb)):
         for i in range(3):
             jacobian[i, j] *= limits.joint_speed[j]
-    for _ in range(4):
-        u, v, w = _solve(jacobian, _DAMPING * view.pace, x, y, z)
+    for _ in range(dof(limb)):
+        u, v, w = _solve(limb, jacobian, _DAMPING * view.pace, x, y, z)
         stuck = False
-        for j in range(4):
+        for j in range(dof(limb)):
             aim[j] = jacobian[0, j] * u + jacobian[1, j] * v + jacobian[2, j] * w
             up = posture[e, j] >= limb.high[j] - _AT_END and aim[j] > 0.0
             down = posture[e, j] <= limb.low[j] + _AT_END and aim[j] < 0.0
@@ -85,16 +86,18 @@ def aim_along(view, posture, e, x, y, z):
                     jacobian[i, j] = 0.0
         if not stuck:
             break
-    top = max(abs(aim[0]), abs(aim[1]), abs(aim[2]), abs(aim[3]))
+    top = abs(aim[0])
+    for j in range(1, dof(limb)):
+        top = max(top, abs(aim[j]))
     hx = hy = hz = 0.0
-    for j in range(4):
+    for j in range(dof(limb)):
         aim[j] /= max(top, 1e-12)
         hx, hy, hz = (
             hx + jacobian[0, j] * aim[j], hy + jacobian[1, j] * aim[j], hz + jacobian[2, j] * aim[j]
         )  # fmt: skip
     speed = np.sqrt(hx * hx + hy * hy + hz * hz)
     if speed > limits.speed:
-        for j in range(4):
+        for j in range(dof(limb)):
             aim[j] *= limits.speed / speed
         return limits.speed
     return max(hx * x + hy * y + hz * z, 0.0)
@@ -118,7 +121,7 @@ def _missing(view, b, hand, t, wait, pace):
 def _meeting_with(view, since, posture, e, b):
     """The meeting with target b."""
     end, poses = view.scene.limits.horizon, view.desk.poses
-    for j in range(4):
+    for j in range(dof(view.scene.limb)):
         view.rates[0, j] = posture[e, j]
     _, _, _, hx, hy, hz = limb_at(view.scene.limb, view.rates[0])
     hand = (hx, hy, hz)
@@ -167,7 +170,7 @@ def first_meeting_in_view(view, since, posture, e):
 def way_to_go(view, since, posture, e):
     """Way of the hand to the first meeting, as a share of the arm's span: what a guide shortens."""
     first = first_meeting_in_view(view, since, posture, e)
-    for j in range(4):
+    for j in range(dof(view.scene.limb)):
         view.rates[0, j] = posture[e, j]
     _, _, _, x, y, z = limb_at(view.scene.limb, view.rates[0])
     way = np.sqrt((first.x - x) ** 2 + (first.y - y) ** 2 + (first.z - z) ** 2)

@@ -136,7 +136,7 @@ def centre_motion(bodies, b, t, poses):
 
 @njit(_nrt=False)
 def limb_velocity(joints, rates, elbow, x, y, z, on_forearm):
-    """Velocity (3) of the point (x, y, z) of a limb whose joints (4,) turn at `rates` (4,).
+    """Velocity (3) of the point (x, y, z) of a limb with joints and `rates` (dof,).
 
     Parameters
     ----------

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
@@ -32,7 +33,7 @@ from gcm_learn.scene.shapes.choice import inner_radius
 
 ARM, TARGET, OBSTACLE = 35, 30, 20  # numbers of the arm, the target, an obstacle
 MEETING_AT = ARM + 21  # where the direction of the first meeting is told, three numbers
-AIM = ARM + 26  # where the command that leads straight there is told, four numbers
+AIM = ARM + 26  # where the command that leads straight there is told, a number for each joint
 MOMENTS = (0.5, 1.0, 2.0)  # units of time after which the target's place is told
 AHEAD = (0.5, 1.0)  # units of time after which obstacles are looked at
 _EXACTLY = 0.5  # farther than this [reaches], distances are those of the balls that hold bodies
@@ -61,12 +62,12 @@ def observe(view, time, posture, e, options, row):
         Of its situation; overwritten but for the situation.
     time : float
         [s]
-    posture : (arms, 8) ndarray
+    posture : (arms, 2 dof) ndarray
         Row `e` has the arm's joints [rad] and their rates [rad/s].
     options : Options
     row : (width,) ndarray
     """
-    for j in range(4):
+    for j in range(dof(view.scene.limb)):
         view.joints[0, j] = posture[e, j]
     place = limb_at(view.scene.limb, view.joints[0])
     _tell_arm(view, time, posture, e, place, options.dt, row)
@@ -82,22 +83,23 @@ def observe(view, time, posture, e, options, row):
 def _tell_arm(view, time, posture, e, place, dt, row):
     limb, limits = view.scene.limb, view.scene.limits
     ex, ey, ez, hx, hy, hz = place
-    unit = view.reach / view.pace
-    for j in range(4):
+    unit, n = view.reach / view.pace, dof(limb)
+    ends, sizes = 2 * n + 6, 6 * n + 6
+    for j in range(n):
         q, top = posture[e, j], limits.joint_speed[j]
         _put(row, j, q)
-        _put(row, 4 + j, posture[e, 4 + j] / top)
-        _put(row, 14 + j, q - limb.low[j])
-        _put(row, 18 + j, limb.high[j] - q)
-        _put(row, 22 + j, top * unit)
-        _put(row, 26 + j, top / limits.joint_acceleration[j] / unit)
-    _put_vector(row, 8, hx, hy, hz, view.reach)
-    _put_vector(row, 11, ex, ey, ez, view.reach)
-    row[30] = limb.rho / view.reach
-    _put(row, 31, limb.thickness / view.reach)
-    _put(row, 32, view.rules.catch / view.reach)
-    _put(row, 33, (limits.horizon - time) / unit)
-    _put(row, 34, dt / unit)
+        _put(row, n + j, posture[e, n + j] / top)
+        _put(row, ends + j, q - limb.low[j])
+        _put(row, ends + n + j, limb.high[j] - q)
+        _put(row, ends + 2 * n + j, top * unit)
+        _put(row, ends + 3 * n + j, top / limits.joint_acceleration[j] / unit)
+    _put_vector(row, 2 * n, hx, hy, hz, view.reach)
+    _put_vector(row, 2 * n + 3, ex, ey, ez, view.reach)
+    row[sizes] = limb.rho / view.reach
+    _put(row, sizes + 1, limb.thickness / view.reach)
+    _put(row, sizes + 2, view.rules.catch / view.reach)
+    _put(row, sizes + 3, (limits.horizon - time) / unit)
+    _put(row, sizes + 4, dt / unit)
 
 
 @njit(_nrt=False)
@@ -133,7 +135,7 @@ def _tell_target(view, time, posture, e, place, row):
     _put(row, ARM + 25, np.sqrt(first.x**2 + first.y**2 + first.z**2) / reach)
     way = max(np.sqrt(wx * wx + wy * wy + wz * wz), 1e-12)
     aim_along(view, posture, e, wx / way, wy / way, wz / way)
-    for j in range(4):
+    for j in range(dof(scene.limb)):
         row[AIM + j] = view.rates[AIM_ROW, j]
     return b
 
@@ -142,7 +144,7 @@ def _tell_target(view, time, posture, e, place, row):
 def _ahead(view, k):
     """Elbow and hand of a limb that follows its aim until moment k ahead."""
     limb, limits, unit = view.scene.limb, view.scene.limits, view.reach / view.pace
-    for j in range(4):
+    for j in range(dof(limb)):
         turn = view.rates[AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit
         view.joints[1, j] = min(max(view.joints[0, j] + turn, limb.low[j]), limb.high[j])
     return limb_at(limb, view.joints[1])
@@ -155,8 +157,9 @@ def _tell_obstacles(view, time, posture, e, place, ahead, slots, row):
     enough, at = _EXACTLY * view.reach, ARM + TARGET
     for k in range(which.size):
         gaps[k], _ = body_distance(bodies, which[k], time, place, 0.0, 0.0, enough, view.desk.poses)
-    for j in range(4):
-        view.rates[0, j] = posture[e, 4 + j]
+    n = dof(view.scene.limb)
+    for j in range(n):
+        view.rates[0, j] = posture[e, n + j]
     for _ in range(slots):
         nearest = 0
         for k in range(1, which.size):

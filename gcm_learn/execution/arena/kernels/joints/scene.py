@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import SpatialLimb
+from gcm_learn.arms.limbs import dof
 from gcm_learn.collision.postures import Desk, desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.world import bodies_in, rules_in
@@ -27,9 +28,9 @@ class View(NamedTuple):
     reach: float  # of the arm [lengths]
     pace: float  # fastest that its hand can be [lengths/s]
     desk: Desk
-    joints: np.ndarray  # (2, 4): the present ones, and room for others
-    rates: np.ndarray  # (4, 4): room for rates
-    jacobian: np.ndarray  # (3, 4)
+    joints: np.ndarray  # (2, dof): the present ones, and room for others
+    rates: np.ndarray  # (4, dof): room for rates
+    jacobian: np.ndarray  # (3, dof)
     gaps: np.ndarray  # (n,): distances of bodies
 
 
@@ -47,7 +48,8 @@ def views_for(world, state, first, last):
         np.zeros((most, 12)), spare.curve, spare.joints, spare.spans, spare.waiting,
         spare.obstacles,
     )  # fmt: skip
-    joints, rates, jacobian = np.zeros((2, 4)), np.zeros((4, 4)), np.zeros((3, 4))
+    n = dof(scene.limb)
+    joints, rates, jacobian = np.zeros((2, n)), np.zeros((4, n)), np.zeros((3, n))
     return View(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, np.empty(most))
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.curves import hermite, line, on_curve
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import hand_rate, limb_at
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
@@ -56,14 +57,14 @@ def _fastest_towards(room, most):
 
 @njit(_nrt=False)
 def wish(scene, posture, e, command, span, out):
-    """Write into `out` (4,) the rates nearest to a command (4,) that keep the joints' limits.
+    """Write into `out` (dof,) the rates nearest to a command (dof,) that keep the joints' limits.
 
     Under limits of acceleration these are the rates after the step, and leave the joint the way to
     stop before its range ends. Otherwise rates hold during the step and end at the range.
     """
-    limb, limits = scene.limb, scene.limits
-    for j in range(4):
-        q, v = posture[e, j], posture[e, 4 + j]
+    limb, limits, n = scene.limb, scene.limits, dof(scene.limb)
+    for j in range(n):
+        q, v = posture[e, j], posture[e, n + j]
         top = limits.joint_speed[j] * (1.0 - _HAIR)
         rate = min(max(command[e, j], -1.0), 1.0) * top
         most = limits.joint_acceleration[j] * span * (1.0 - _SOFTER)
@@ -77,10 +78,11 @@ def wish(scene, posture, e, command, span, out):
 
 @njit(_nrt=False)
 def lay(scene, posture, e, rates, span, end, curve):
-    """Write a step that ends with `rates` (4,): its end into `end` (4,), its curve (4, 4)."""
-    limb, q, v = scene.limb, posture[e, :4], posture[e, 4:]
+    """Write a step that ends with `rates` (dof,): its end (dof,) and its curve (dof, 4)."""
+    limb, n = scene.limb, dof(scene.limb)
+    q, v = posture[e, :n], posture[e, n:]
     free = scene.limits.joint_acceleration[0] == np.inf
-    for j in range(4):
+    for j in range(n):
         mean = rates[j] if free else 0.5 * (v[j] + rates[j])
         end[j] = min(max(q[j] + mean * span, limb.low[j]), limb.high[j])
     if free:
@@ -95,9 +97,9 @@ def stays_slow(scene, speed, end, rates, span, curve, work):
 
     Parameters
     ----------
-    end, rates : (4,) ndarray
+    end, rates : (dof,) ndarray
         After the step.
-    work : (4,) ndarray
+    work : (dof,) ndarray
         Overwritten.
     """
     limb, limits = scene.limb, scene.limits
@@ -117,13 +119,13 @@ def stays_slow(scene, speed, end, rates, span, curve, work):
 
 @njit(_nrt=False)
 def _slowed(scene, speed, span, rates, curve, work):
-    """Scale rates (4,) that hold during a step so that the hand keeps its speed."""
+    """Scale rates (dof,) that hold during a step so that the hand keeps its speed."""
     limb = scene.limb
     before, middle = hand_rate(limb, curve, 0.0, work), hand_rate(limb, curve, 0.5, work)
     after = hand_rate(limb, curve, 1.0, work)
     top = max(before, middle, after) + _CURVATURE * abs(before - 2.0 * middle + after)
     share = min(speed * span * (1.0 - _SLOWER) / top, 1.0) if top > 0.0 else 1.0
-    for j in range(4):
+    for j in range(dof(limb)):
         rates[j] *= share
 
 
@@ -135,11 +137,11 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
     ----------
     speed : float
         That the hand keeps [lengths/s].
-    posture : (arms, 8) ndarray
+    posture : (arms, 2 dof) ndarray
         Row `e` is that of the arm.
-    command : (arms, 4) ndarray
+    command : (arms, dof) ndarray
         Likewise, in greatest joint speeds.
-    end : (4,) ndarray
+    end : (dof,) ndarray
         Gets the joints.
     room : View
         Its first rates get those after the step, its desk the curve.
@@ -155,22 +157,23 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
         lay(scene, posture, e, rates, span, end, curve)
         if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
             return
-    for j in range(4):
+    n = dof(scene.limb)
+    for j in range(n):
         wanted[j] = rates[j]
         most = scene.limits.joint_acceleration[j] * span * (1.0 - _SOFTER)
-        v = posture[e, 4 + j]
+        v = posture[e, n + j]
         rest[j] = 0.0 if free else min(max(0.0, v - most), v + most)
     low, high = 0.0, 1.0
     for _ in range(_TRIES):
         share = 0.5 * (low + high)
-        for j in range(4):
+        for j in range(n):
             rates[j] = rest[j] + share * (wanted[j] - rest[j])
         lay(scene, posture, e, rates, span, end, curve)
         if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
             low = share
         else:
             high = share
-    for j in range(4):
+    for j in range(n):
         rates[j] = rest[j] + low * (wanted[j] - rest[j])
     lay(scene, posture, e, rates, span, end, curve)
 
@@ -182,7 +185,7 @@ def advance(view, state, e, command, dt):
     Parameters
     ----------
     view : View
-    command : (arms, 4) ndarray
+    command : (arms, dof) ndarray
 
     Returns
     -------
@@ -215,8 +218,9 @@ def advance(view, state, e, command, dt):
         until = when
     if outcome == RUNNING and over:
         outcome = LATE
-    for j in range(4):
-        state.posture[e, j], state.posture[e, 4 + j] = end[j], rates[j]
+    n = dof(scene.limb)
+    for j in range(n):
+        state.posture[e, j], state.posture[e, n + j] = end[j], rates[j]
     state.time[e] = until
     _, _, _, state.hand[e, 0], state.hand[e, 1], state.hand[e, 2] = limb_at(scene.limb, end)
     return outcome
@@ -226,15 +230,16 @@ def advance(view, state, e, command, dt):
 def _cut(scene, state, e, took, span, view):
     """End the step in the view's curve after `took` of `span` [s]: its end, rates and curve."""
     curve, end, rates = view.desk.curve, view.joints[0], view.rates[0]
+    n = dof(scene.limb)
     s = took / span if span > 0.0 else 0.0
     on_curve(curve, s, end)
     if scene.limits.joint_acceleration[0] == np.inf:
-        line(state.posture[e, :4], end, curve)
+        line(state.posture[e, :n], end, curve)
         return
-    for j in range(4):
+    for j in range(n):
         rates[j] = curve[j, 1] + s * (2.0 * curve[j, 2] + s * 3.0 * curve[j, 3])
         rates[j] /= span
-    hermite(state.posture[e, :4], state.posture[e, 4:], end, rates, took, curve)
+    hermite(state.posture[e, :n], state.posture[e, n:], end, rates, took, curve)
 
 
 @njit
@@ -243,7 +248,7 @@ def step(world, state, e, commands, options, told, room):
 
     Parameters
     ----------
-    commands : (arms, 4) ndarray
+    commands : (arms, dof) ndarray
         In greatest joint speeds.
     options : Options
     told : Told
@@ -285,16 +290,21 @@ def can_stop(scene: Scene, speed: float, dt: float) -> bool:
 
 @njit
 def _can_stop(scene, speed, dt):
-    limb, limits = scene.limb, scene.limits
-    posture, curve, end, work = np.empty((1, 8)), np.zeros((4, 4)), np.empty(4), np.empty(4)
-    posture[0, :4], posture[0, 4:] = limb.start, limb.rates
-    rates, none, longest = np.empty(4), np.zeros((1, 4)), 0.0
-    for j in range(4):
+    limb, limits, n = scene.limb, scene.limits, dof(scene.limb)
+    posture, curve, end, work = (
+        np.empty((1, 2 * n)),
+        np.zeros((dof(limb), 4)),
+        np.empty(n),
+        np.empty(n),
+    )
+    posture[0, :n], posture[0, n:] = limb.start, limb.rates
+    rates, none, longest = np.empty(n), np.zeros((1, n)), 0.0
+    for j in range(n):
         longest = max(longest, abs(limb.rates[j]) / limits.joint_acceleration[j])
     for _ in range(int(longest / dt) + 2):
         wish(scene, posture, 0, none, dt, rates)
         lay(scene, posture, 0, rates, dt, end, curve)
         if piece_fault(scene, curve, dt, work) != NOTHING:
             return False
-        posture[0, :4], posture[0, 4:] = end, rates
+        posture[0, :n], posture[0, n:] = end, rates
     return np.abs(rates).max() == 0.0
