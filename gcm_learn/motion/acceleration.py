@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.compiled import njit
 from gcm_learn.motion.movement import Movement
 
@@ -30,9 +31,9 @@ def dash(scene, goal, until, joints, rates):
 
     Parameters
     ----------
-    goal : (4,) ndarray
+    goal : (dof,) ndarray
         Joints [rad] at the time `until` [s].
-    joints, rates : (3, 4) ndarray
+    joints, rates : (3, dof) ndarray
         Filled with the samples at 0, at the switch and at `until`.
 
     Returns
@@ -41,7 +42,7 @@ def dash(scene, goal, until, joints, rates):
         When the acceleration ends [s]; -1 if no such movement keeps the limits of the joints.
     """
     limb, limits, switch = scene.limb, scene.limits, until
-    for j in range(4):  # the longer the acceleration lasts, the faster the end
+    for j in range(dof(limb)):  # the longer the acceleration lasts, the faster the end
         far = goal[j] - limb.start[j] - limb.rates[j] * until
         most = limits.joint_speed[j] * (1.0 - HAIR)
         spare = most - limb.rates[j] if far > 0.0 else most + limb.rates[j]
@@ -50,7 +51,7 @@ def dash(scene, goal, until, joints, rates):
         if abs(far) > 0.5 * spare * until:
             switch = min(switch, 2.0 * (until - abs(far) / spare))
     lever = switch * (until - 0.5 * switch)
-    for j in range(4):
+    for j in range(dof(limb)):
         far = goal[j] - limb.start[j] - limb.rates[j] * until
         if abs(far) > limits.joint_acceleration[j] * (1.0 - HAIR) * lever:
             return -1.0
@@ -72,7 +73,7 @@ def braked(plan: Movement, limits: np.ndarray) -> Movement:
     Parameters
     ----------
     plan : Movement
-    limits : (4,) ndarray
+    limits : (dof,) ndarray
         Of the accelerations [rad/s^2].
     """
     if plan.rates is None:
@@ -109,25 +110,27 @@ def tracked(
     ----------
     time : (n,) ndarray
         [s], from 0.
-    path : (n, 4) ndarray
+    path : (n, dof) ndarray
         Joints, linear between the times [rad].
-    rates : (4,) ndarray
+    rates : (dof,) ndarray
         Of the joints at the start [rad/s].
-    limits : (4,) ndarray
+    limits : (dof,) ndarray
         Of the accelerations [rad/s^2].
 
     Returns
     -------
     time : (m,) ndarray
-    joints, rates : (m, 4) ndarray
+    joints, rates : (m, dof) ndarray
         Samples of the cubic Hermite curve.
     """
     end = time[-1]
     at, speeds, places, weights = _tracking(knots)
-    wanted = np.stack([np.interp(at * end, time, path[:, j]) for j in range(4)], axis=-1)
-    joints, moving = np.empty((knots + 1, 4)), np.empty((knots + 1, 4))
+    wanted = np.stack(
+        [np.interp(at * end, time, path[:, j]) for j in range(path.shape[1])], axis=-1
+    )
+    joints, moving = np.empty((2, knots + 1, path.shape[1]))
     share = np.linspace(0.0, 1.0, knots + 1)
-    for j in range(4):
+    for j in range(path.shape[1]):
         off = wanted[:, j] - path[0, j] - rates[j] * end * at
         most = limits[j] * (1.0 - HAIR) * end * end
         force = lsq_linear(

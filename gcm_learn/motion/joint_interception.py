@@ -149,8 +149,8 @@ The joints' rates are at most `rate` (n,).
 def first_meeting(scene, curve, since, until, catch, shortest, poses):
     """First moment of a move at which a target is within `catch` of the hand.
 
-    Conservative advancement over the move in ``curve`` (n, 4), see `arms.curves`, with steps of at
-    least `shortest` [s].
+    Conservative advancement over the move in ``curve`` (dof, 4), see `arms.curves`, with steps of
+    at least `shortest` [s].
 
     Returns
     -------

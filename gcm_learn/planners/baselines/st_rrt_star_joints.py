@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.arms.swivels import inverse
 from gcm_learn.collision.postures import distance_at
@@ -38,7 +38,7 @@ _SLACK = 1e-6  # of the bounds of places, which must not be empty [s]
 
 @njit(_nrt=False)
 def leg_holds_in_space(study, q, since, p, until):
-    """Tell whether the joints may go straight from q at `since` to p (4,) at `until` [s]."""
+    """Tell whether the joints may go straight from q at `since` to p (dof,) at `until` [s]."""
     took, pieces = time_of(study, q, p)
     if until - since < took or until <= since:
         return False
@@ -47,7 +47,7 @@ def leg_holds_in_space(study, q, since, p, until):
 
 @njit(_nrt=False)
 def draw_posture(study, since, until, chances, q):
-    """Draw an interception: an instant, and joints (4,) whose hand is then on a target, into q.
+    """Draw an interception: an instant, and joints (dof,) whose hand is then on a target, into q.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def draw_posture(study, since, until, chances, q):
         if found == 0:
             continue
         branch = int(chances[k, 6] * found)
-        for j in range(4):
+        for j in range(dof(limb)):
             q[j] = study.branches[branch, j]
         _, _, _, x, y, z = limb_at(limb, q)  # the inverse is exact but for rounding
         if target_room(scene, b, x, y, z, t, poses) > study.catch:
@@ -132,9 +132,9 @@ class JointTask:
         return tuple((max(a, s - end) - _SLACK, min(b, s + end) + _SLACK) for a, b, s in ends)
 
     def joints(self, place: Sequence[float]) -> np.ndarray:
-        """Joints (4,) of a place; those at t = 0 to the bit."""
+        """Joints (dof,) of a place; those at t = 0 to the bit."""
         limb, rate = self.scene.limb, self.scene.limits.joint_speed
-        here = np.array([place[0], place[1], place[2], place[3]])
+        here = np.array([place[j] for j in range(limb.start.size)])
         if (here == self.start).all():
             return np.array(limb.start)
         return np.clip(here * rate, limb.low, limb.high)
@@ -146,7 +146,7 @@ class JointTask:
 
     def draw(self, until: float, chances: np.ndarray) -> tuple[float, ...]:
         """An interception before `until` [s]: when (-1 if all tries fail) and where."""
-        q = np.zeros(JOINTS)
+        q = np.zeros_like(self.scene.limb.start)
         time = draw_posture(self.study, self.unhindered, until, chances, q)
         return (float(time), *(q / self.scene.limits.joint_speed).tolist())
 
@@ -161,13 +161,13 @@ def task_in_space(
 
 
 def ways_along(problem: SpatialProblem, paths: list[np.ndarray]) -> list[Attempt]:
-    """Paths between states (n, 5), the earliest catch first: some meet a target on their way."""
+    """Paths between states (n, dof + 1), the earliest catch first; targets may cut them short."""
     study, limb = study_of(problem.scene, problem.rules), problem.scene.limb
     body = int(np.flatnonzero(problem.bodies.rows[:, PART] == HAND)[0])
     attempts = []
     for path in paths:
-        joints = path[:, :JOINTS] * problem.scene.limits.joint_speed
+        joints = path[:, :-1] * problem.scene.limits.joint_speed
         joints = np.clip(joints, limb.low, limb.high)
         joints[0] = limb.start
-        attempts.append(attempt_along(problem, study, path[:, JOINTS], joints, body))
+        attempts.append(attempt_along(problem, study, path[:, -1], joints, body))
     return sorted(attempts, key=lambda attempt: attempt.trajectory.duration)

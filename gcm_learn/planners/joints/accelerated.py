@@ -15,6 +15,7 @@ import numpy as np
 
 from gcm_learn.arms import SpatialArm
 from gcm_learn.arms.curves import hermite
+from gcm_learn.arms.limbs import dof
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, Movement, Reason
@@ -53,8 +54,8 @@ HURRIES = (1.0, 0.7, 0.45)
 class Dash(NamedTuple):
     """Room for the samples of a dash."""
 
-    joints: np.ndarray  # (3, 4) [rad]
-    rates: np.ndarray  # (3, 4) [rad/s]
+    joints: np.ndarray  # (3, dof) [rad]
+    rates: np.ndarray  # (3, dof) [rad/s]
     time: np.ndarray  # (3,) [s]
 
 
@@ -94,7 +95,7 @@ def _attempts(
 ) -> Iterator[Attempt]:
     arm, scene = problem.situation.arm, problem.scene
     study = study_of(scene, problem.rules)
-    found = Dash(np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(3))
+    found = Dash(*np.zeros((2, 3, len(arm.joints))), np.zeros(3))
     body = first_dash(study, *tried, swivels, np.array(HURRIES), found)
     if body >= 0:
         yield Attempt(_samples(arm, found), int(body))
@@ -161,7 +162,7 @@ def first_dash(study, goals, times, swivels, hurries, found):
         The body that is caught, -1 if there is no such dash.
     """
     scene, moving = study.scene, False
-    for j in range(4):
+    for j in range(dof(scene.limb)):
         moving = moving or scene.limb.rates[j] != 0.0
     for n in range(times.size):
         k = goals.size[0]
@@ -188,7 +189,7 @@ def _dash_is_free(study, goal, leave, took, found):
         # the rest is the first piece: an acceleration all the way leaves no third one
         if switch < took:
             return False
-        for j in range(4):
+        for j in range(dof(scene.limb)):
             found.joints[1, j], found.rates[1, j] = found.joints[0, j], 0.0
         found.time[1] = leave
     else:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.charts.joint_lattice import nearest, posture_of
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.goals import Goals
@@ -53,7 +54,7 @@ def plant_goals(study, lattice, goals, home, tree, weight):
     count = goals.size[0]
     places.size[0] = count
     for k in range(count):
-        for j in range(4):
+        for j in range(dof(study.scene.limb)):
             places.joints[k, j] = goals.joints[k, j]
         spans_at(study, places, k)
     for k in range(count):
@@ -62,7 +63,7 @@ def plant_goals(study, lattice, goals, home, tree, weight):
         if span < 0 or places.spans[k, span, 0] > time:
             continue
         state = note(tree, k, span, -1, 0.0, time)
-        for corner in range(16):
+        for corner in range(1 << dof(study.scene.limb)):
             node = nearest(lattice, places.joints[k], corner)
             if node < 0:
                 continue

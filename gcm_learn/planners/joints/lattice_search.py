@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.charts.joint_lattice import neighbour, posture_of
 from gcm_learn.collision.rests import free_spans
 from gcm_learn.compiled import njit
@@ -40,7 +41,7 @@ class Places(NamedTuple):
 
     of_node: np.ndarray  # (nodes,) int32: index of a node in the other arrays, -1 if not tried
     tried: np.ndarray  # (nodes,) bool: whether a try of it was queued
-    joints: np.ndarray  # (p, 4)
+    joints: np.ndarray  # (p, dof)
     spans: np.ndarray  # (p, SPANS, 2): in which it is free [s]
     found: np.ndarray  # (p,): how many spans there are
     closed: np.ndarray  # (p, SPANS): the state that reached it, -1 if none has
@@ -80,13 +81,15 @@ class Tree(NamedTuple):
     tries: Tries
 
 
-def new_tree(nodes: int, most: int) -> Tree:
+def new_tree(nodes: int, joints: int, most: int) -> Tree:
     """An empty tree.
 
     Parameters
     ----------
     nodes : int
         Of the lattice.
+    joints : int
+        Of the arm.
     most : int
         Tries that are looked at before the search gives up.
     """
@@ -94,7 +97,7 @@ def new_tree(nodes: int, most: int) -> Tree:
     places = Places(
         np.full(nodes, -1, np.int32),
         np.zeros(nodes, np.bool_),
-        np.empty((most + 1, 4)),
+        np.empty((most + 1, joints)),
         np.empty((most + 1, SPANS, 2)),
         np.empty(most + 1, np.int8),
         np.empty((most + 1, SPANS), np.int32),
@@ -146,7 +149,7 @@ def _remove(tries):
 
 @njit(_nrt=False)
 def prospect(study, goals, q, t, bound, weight):
-    """The goal that a limb at joints q (4,) at time t [s] does best to make for.
+    """The goal that a limb at joints q (dof,) at time t [s] does best to make for.
 
     Parameters
     ----------
@@ -290,7 +293,7 @@ def note(tree, place, span, via, left, time):
 def _expand(study, lattice, goals, tree, state, node, bound, weight):
     """Queue moves from a state to the neighbours of its node."""
     places, states, rate = tree.places, tree.states, study.scene.limits.joint_speed
-    for j in range(4):
+    for j in range(dof(study.scene.limb)):
         for way in (-1, 1):
             there = neighbour(lattice, node, j, way)
             if there < 0:

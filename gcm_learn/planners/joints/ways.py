@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
 from gcm_learn.arms.curves import line
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import first_meeting
@@ -32,7 +31,7 @@ class Way(NamedTuple):
     size: np.ndarray  # (1,): how many postures there are
 
 
-def new_way(dof: int = JOINTS) -> Way:
+def new_way(dof: int) -> Way:
     """Return a way without postures."""
     return Way(
         np.zeros((MOST, dof)),
@@ -45,7 +44,7 @@ def new_way(dof: int = JOINTS) -> Way:
 
 @njit(_nrt=False)
 def write(way, k, q, reached, left):
-    """Make joints q (4,) posture k of a way, and the last."""
+    """Make joints q (dof,) posture k of a way, and the last."""
     for j in range(q.size):
         way.joints[k, j] = q[j]
     way.reached[k], way.left[k] = reached, left
@@ -134,7 +133,7 @@ def samples_of(study, way):
     -------
     time : (n,) ndarray
         [s]
-    joints : (n, 4) ndarray
+    joints : (n, dof) ndarray
         [rad]
     body : int
         That is caught.
