@@ -1,9 +1,9 @@
 """Timing of spatial arms under limits of acceleration.
 
-Two ways to come from the start, with its rates, to a posture at a given time: at once, with one
-constant acceleration and then at constant rates; or along a given path, as near to it as the
-limits allow.  A catch asks for a place and a time, not for rates at its end, so these are free;
-generators of motion from point to point (ruckig) want them given.
+An arm comes from its start, with its rates, to a posture at a given time in one of two ways.  A
+dash has one constant acceleration and then constant rates.  A tracked movement keeps as near to a
+given path as the limits allow.  A catch has a place and a time, while the rates at its end are
+free.  Generators of motion from point to point (ruckig) want these given.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def dash(scene, goal, until, joints, rates):
 def braked(plan: Movement, limits: np.ndarray) -> Movement:
     """A movement that goes on after its end until each joint rests, as soon as it can.
 
-    Where a joint would leave its range its end takes the rest of its speed: it brakes harder than
+    A joint that would leave its range loses the rest of its speed at the end: it brakes harder than
     the limits.  A movement that is linear between samples knows no accelerations, and stops at its
     end.
 
@@ -143,16 +143,16 @@ def tracked(
 
 @lru_cache(maxsize=8)
 def _tracking(knots: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Where a path of duration 1 is sampled, and what accelerations at the knots do.
+    """Samples of a path of duration 1, and the effect of accelerations at the knots.
 
     Returns
     -------
     at : (m,) ndarray
-        Times of the samples; every SAMPLES-th is a knot.
+        Samples; every SAMPLES-th is a knot.
     speeds : (knots + 1, knots + 1) ndarray
-        Rates at the knots from accelerations at the knots.
+        Rates at knots from accelerations there.
     places : (m, knots + 1) ndarray
-        Joints at the samples from the same.
+        Joints at samples.
     weights : (m,) ndarray
         Of the samples.
     """

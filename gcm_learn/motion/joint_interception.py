@@ -155,7 +155,7 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
     Returns
     -------
     time : float
-        -1 if there is none [s].
+        -1 without one [s].
     body : int
     """
     limb, span, t = scene.limb, until - since, since

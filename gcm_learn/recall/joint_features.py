@@ -2,8 +2,8 @@
 
 Everything is known at t = 0. A straight movement in the joints leads from the start to the target.
 Postures lie about it, and all over the joints' ranges. At some instants the clearance of the limb,
-in each posture, to each body is computed. Shapes and motions of bodies are not seen, only what they
-forbid, and their number does not matter.
+in each posture, to each body is computed. Shapes and motions of bodies stay hidden behind what they
+forbid, and their number may vary.
 """
 
 from __future__ import annotations

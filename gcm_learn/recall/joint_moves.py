@@ -217,11 +217,11 @@ def lateness(query, b, t, rough, close, _style, work):
     Returns
     -------
     late : float
-        Time by which the movement comes late [s].
+        Delay of the movement [s].
     rough : bool
         True if only turns were compared.
     found : bool
-        False if no posture near the movement's end catches.
+        False if no posture near the end catches.
     """
     study, late = query.study, 0.0
     seed_end(study, work)
@@ -258,11 +258,11 @@ def check(query, work, _count, _body):
     Returns
     -------
     count : int
-        Samples until the first target is met, written into the buffers.
+        Samples until the first catch, in the buffers.
     free : bool
         True if no piece touches an obstacle.
     body : int
-        Target that is met first.
+        Target caught first.
     """
     time, joints, body = samples_of(query.study, work.way)
     count = time.size
@@ -283,7 +283,7 @@ def first_touch(study, time, joints):
 
 @njit
 def failures(query, most):
-    """Return an array for notes of `most` movements."""
+    """Return an array that records `most` movements."""
     return np.empty((most, KNOTS, dof(query.study.scene.limb) + 1))
 
 

@@ -1,8 +1,8 @@
 """An artificial potential field over the joints of a spatial arm, step by step.
 
 Joints count in what each turns in a second, so that the field leads where the arm is quick.  It
-pulls towards the posture in which a target can be met soonest, as it looks from where the arm is,
-and pushes by the distance of the whole limb to every obstacle (Khatib's potential).
+pulls towards the posture of the soonest interception, as seen from the present posture.  It pushes
+by the distance of the whole limb to every obstacle (Khatib's potential).
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def aim(study, q, t):
 
 @njit
 def descend_in_space(study, field, points):
-    """Follow the field from the start until a target is met.
+    """Follow the field from the start to the first target within reach.
 
     Parameters
     ----------

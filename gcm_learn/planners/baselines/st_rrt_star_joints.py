@@ -1,4 +1,4 @@
-"""What the tree planner asks about joints and time: whether a straight leg holds, where goals are.
+"""Questions of the tree planner about joints and time: if a straight leg holds, where goals are.
 
 Places are joints in units of what each turns in a second, so that distances are times.
 """
@@ -101,7 +101,7 @@ def draw_posture(study, since, until, chances, q):
 
 @dataclass(frozen=True)
 class JointTask:
-    """What to search, and for how long."""
+    """Task of the search and its budget."""
 
     study: Study
     unhindered: float
@@ -116,7 +116,7 @@ class JointTask:
 
     @property
     def scene(self) -> Scene:
-        """What is planned for."""
+        """Scene of the task."""
         return self.study.scene
 
     @property
@@ -140,7 +140,7 @@ class JointTask:
         return np.clip(here * rate, limb.low, limb.high)
 
     def holds(self, p: Sequence[float], since: float, q: Sequence[float], until: float) -> bool:
-        """Whether the leg from p to q holds; see `leg_holds_in_space`."""
+        """Return whether the leg from p to q holds; see `leg_holds_in_space`."""
         ends = self.joints(p), since, self.joints(q), until
         return bool(leg_holds_in_space(self.study, *ends))
 
@@ -154,7 +154,7 @@ class JointTask:
 def task_in_space(
     problem: SpatialProblem, seed: int, budget_ms: float, iterations: int
 ) -> JointTask:
-    """What to search, and for how long."""
+    """Return the task of the search."""
     study = study_of(problem.scene, problem.rules)
     soonest = max(soonest_straight(study) - problem.rules.instant, 0.0)
     return JointTask(study, soonest, seed, budget_ms, iterations)

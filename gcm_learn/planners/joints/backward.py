@@ -1,7 +1,7 @@
 """The same search from the goals to the start, through a scene whose time runs backwards.
 
-What is hard to enter is easy to leave: where goals lie behind a gap, a search from there finds the
-gap at once, and where they are shut in it ends soon.
+A place that is hard to enter is easy to leave.  If goals lie behind a gap, a search from there
+finds the gap at once.  If they are shut in, it ends soon.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def plant_goals(study, lattice, goals, home, tree, weight):
 
 @njit(_nrt=False)
 def trace_back(study, goals, tree, state, ends, way):
-    """Write the way from the start through a state to a goal; whether there is room for it.
+    """Write the way from the start through a state to a goal; return whether it fits.
 
     Parameters
     ----------

@@ -1,13 +1,13 @@
 """Search for a catch over a lattice of postures and the spans of time in which they are free.
 
 A* over pairs of a node and a free span of it (Phillips and Likhachev, ICRA 2011), so that waiting
-pays. What is queued are tries: moves from a posture that was reached to a node, not yet looked at.
-A node's geometry is asked for when it is first tried, a move when its turn has come; the first try
-of a node comes straight from where its neighbour came from (lazy Theta*, Nash et al. 2010).
+pays. The queue holds tries: unchecked moves from a posture that was reached to a node.  A node's
+geometry is computed when it is first tried, a move is checked when its turn has come.  The first
+try of a node comes straight from where its neighbour came from (lazy Theta*, Nash et al. 2010).
 
 The key of a try is the time of the catch that it may lead to plus the motion that is left until
 then. The second term breaks ties: whoever can still meet the target at the last moment is equal in
-the first. A node from which no goal can be met in time is never queued.
+the first. Nodes that come too late for every goal are left out.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def prospect(study, goals, q, t, bound, weight):
 
 @njit(_nrt=False)
 def spans_at(study, places, k):
-    """Ask when the limb may be at place k, no sooner and no later than a movement can be."""
+    """Find the spans in which the limb may be at place k and a movement can be there."""
     scene, q = study.scene, places.joints[k]
     end, away = scene.limits.horizon, turning_time(scene.limits.joint_speed, scene.limb.start, q)
     since, until = (0.0, end - away) if study.backward else (away, end)
@@ -195,7 +195,7 @@ def spans_at(study, places, k):
 
 @njit(_nrt=False)
 def span_of(places, k, time):
-    """Index of the span of place k that holds a time, or of the next one; -1 if there is none."""
+    """Index of the span of place k that holds a time, or of the next one; -1 after the last."""
     for i in range(places.found[k]):
         if time <= places.spans[k, i, 1]:
             return i
@@ -204,7 +204,7 @@ def span_of(places, k, time):
 
 @njit(_nrt=False)
 def _place(study, lattice, places, node):
-    """Index of a node among the places; its posture and free spans are asked for at first."""
+    """Index of a node among the places; its posture and free spans are found at its first use."""
     k = places.of_node[node]
     if k < 0:
         k = np.int32(places.size[0])

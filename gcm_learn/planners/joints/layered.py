@@ -32,7 +32,7 @@ FINE = Effort(10**4, (2000, 8000))
 SPREAD = 72
 """Postures that are pulled to a target without goals, at each of four times as many instants."""
 INSTANTS, GOALS = 16, 100
-"""At and to which goals are spread or straight moves tried between two looks at the clock."""
+"""Instants and goals that are tried between two readings of the clock."""
 
 
 @dataclass(frozen=True)

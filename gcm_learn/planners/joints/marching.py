@@ -56,7 +56,7 @@ class FrontInSpace:
         if answer is None and problem.accelerates:
             targets = int((problem.bodies.rows[:, PART] == HAND).sum())
             times = problem.situation.horizon * np.arange(1, INSTANTS + 1) / INSTANTS
-            tried = no_goals(len(situation.arm.joints), targets, INSTANTS, SWIVELS), times
+            tried = no_goals(len(problem.situation.arm.joints), targets, INSTANTS, SWIVELS), times
             answer = plan_accelerated(problem, tried, SWIVELS, self.plan)
         return self._search(problem) if answer is None else answer
 

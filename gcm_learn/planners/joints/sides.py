@@ -51,7 +51,7 @@ class Side:
     caught: Goals
     """The goals of the search from the start."""
     over: bool = False
-    """Whether nothing is left to try."""
+    """True if all tries are spent."""
 
     def go_on(self, problem: SpatialProblem, tries: int) -> Way | None:
         """Look at so many moves more, or until the deadline: the way to a catch, if any."""

@@ -52,8 +52,8 @@ def _keep(study, goals, b, t, q):
 def add_straight(study, goals, b, t, swivels):
     """Add postures that catch body b at t [s] and to which there is a straight move in time.
 
-    One is what the start is pulled to, the others are what the closed-form inverse gives for
-    places of the target, put where the joints can be by then and pulled from there.
+    One is pulled from the start.  The others come from the closed-form inverse for places of the
+    target: they are put where the joints can be by then and pulled from there.
     """
     limb = study.scene.limb
     _keep(study, goals, b, t, limb.start)
@@ -235,7 +235,7 @@ def _attempt(
 def attempt_along(
     problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
 ) -> Attempt:
-    """Straight legs between postures, up to where a target is met first.
+    """Straight legs between postures, up to the first target within reach.
 
     A leg takes the time it is given, and goes as evenly as the limit of the hand's speed lets it.
 
@@ -263,7 +263,7 @@ def attempt_along(
 def _cut(
     problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
 ) -> Attempt:
-    """A timed path (n,), (n, dof), up to where a target is met first."""
+    """A timed path (n,), (n, dof), up to the first target within reach."""
     for k in range(len(time) - 1):
         line(joints[k], joints[k + 1], study.desk.curve)
         t, b = first_meeting(

@@ -53,7 +53,7 @@ def write(way, k, q, reached, left):
 
 @njit(_nrt=False)
 def trace(study, goals, tree, state, goal, ends, way):
-    """Write the way that leads through a state to a goal; whether there is room for it."""
+    """Write the way that leads through a state to a goal; return whether it fits."""
     places, states = tree.places, tree.states
     k, s = 1, state
     while states.via[s] >= 0:
@@ -127,7 +127,7 @@ def hasten(study, way):
 
 @njit
 def samples_of(study, way):
-    """A way as samples: it is cut where a target is met first.
+    """A way as samples, cut at the first target within reach.
 
     Returns
     -------

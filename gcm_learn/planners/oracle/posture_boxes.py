@@ -1,9 +1,9 @@
-"""Whether any free posture in reach meets a target: what no movement of a spatial arm gets round.
+"""A bound on all movements of a spatial arm: a free posture in reach must meet a target.
 
 Boxes of joints and time are split until each is excluded for certain, or one holds a posture that
 is free, in reach and on a target.  A box is excluded if its hands are off all targets, if the
 hand's limit of speed forbids them, or if all its limbs are inside one obstacle.  Joints that cannot
-have turned so far by then are cut off.  What is between the start and the posture is not asked.
+have turned so far by then are cut off.  The way from the start to the posture is left out.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def ways_in_box(study, low, high, q):
 
 @njit(_nrt=False)
 def may_meet(study, since, until, place, way):
-    """Whether a hand that is at most `way` from that of `place` may be on a target in a span."""
+    """Return if a hand that is at most `way` from that of `place` may be on a target in a span."""
     scene, t, hand = study.scene, 0.5 * (since + until), place[3:]
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] != LIMB:
@@ -63,7 +63,7 @@ def may_meet(study, since, until, place, way):
 
 @njit(_nrt=False)
 def is_blocked(study, since, until, place, upper, fore):
-    """Whether one obstacle touches all limbs whose points are so near to those of `place`."""
+    """Return whether one obstacle touches all limbs whose points are so near to `place`."""
     scene, t = study.scene, 0.5 * (since + until)
     ex, ey, ez, hx, hy, hz = place
     for k in range(study.desk.obstacles.size):
@@ -97,7 +97,7 @@ def _widest(study, low, high, since, until, farthest):
 
 @njit(_nrt=False)
 def _is_witness(study, q, t, place):
-    """Whether joints q (dof,) meet a target at t [s], free, and in reach of a straight move."""
+    """Return if joints q (dof,) meet a target at t [s], free, and in reach of a straight move."""
     scene = study.scene
     if turning_time(scene.limits.joint_speed, scene.limb.start, q) > t:
         return False
@@ -108,7 +108,7 @@ def _is_witness(study, q, t, place):
 
 @njit(_nrt=False)
 def slice_is_ruled_out(study, since, until, most, stack):
-    """Whether no catch is possible in a span of time, and how many boxes were looked at.
+    """Return whether every catch in a span of time is excluded, and how many boxes that took.
 
     Parameters
     ----------
@@ -171,8 +171,8 @@ def slice_is_ruled_out(study, since, until, most, stack):
 def earliest_possible(study: Study, most: int = MOST) -> float:
     """A moment before which no movement catches; infinite if none does at all [s].
 
-    It holds for every movement that keeps the limits of joints and hand and touches nothing. That
-    it is late enough to be useful is not promised.
+    It holds for every movement that keeps the limits of joints and hand and touches nothing.  It
+    may be too early to be useful.
     """
     end, stack = study.scene.limits.horizon, np.zeros((_DEEPEST, 10))
     for k in range(SLICES):
