@@ -1,4 +1,4 @@
-"""A lattice over the four joints of a spatial arm: each node is one posture.
+"""A lattice over the joints of an arm: each node is one posture.
 
 Neighbouring values of a joint are as far apart as it turns in one `step` of time, and the start is
 a node. Postures that no movement reaches before the horizon are left out.
@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
 
@@ -20,9 +19,9 @@ MOST_VALUES = 64  # of one joint
 class JointLattice(NamedTuple):
     """Nodes of a lattice over the joints; node k of joint values i is the dot of i and strides."""
 
-    values: np.ndarray  # (4, most): of every joint [rad]
-    counts: np.ndarray  # (4,): how many there are
-    strides: np.ndarray  # (4,)
+    values: np.ndarray  # (dof, most): of every joint [rad]
+    counts: np.ndarray  # (dof,): how many there are
+    strides: np.ndarray  # (dof,)
     start: int  # node of the posture at t = 0
     step: float  # time of a step of one joint [s]
 
@@ -35,7 +34,7 @@ def joint_lattice(scene: Scene, nodes: int) -> JointLattice:
     step = _step((high - low) / speed, nodes)
     axes = [_axis(*ends) for ends in zip(limb.start, low, high, speed * step, strict=True)]
     counts = np.array([axis.size for axis, _ in axes])
-    values = np.zeros((JOINTS, counts.max()))
+    values = np.zeros((counts.size, counts.max()))
     for row, (axis, _) in zip(values, axes, strict=True):
         row[: axis.size] = axis
     strides = np.cumprod(np.concatenate([[1], counts[:-1]]))
@@ -44,7 +43,7 @@ def joint_lattice(scene: Scene, nodes: int) -> JointLattice:
 
 
 def _step(spans: np.ndarray, nodes: int) -> float:
-    """Time of a step [s] with which spans (4,) [s] make so many nodes."""
+    """Time of a step [s] with which spans (dof,) [s] make so many nodes."""
     least = spans.max() / (MOST_VALUES - 3)
     wide = spans[spans > 0.0]
     while wide.size:
@@ -69,8 +68,8 @@ def _axis(start: float, low: float, high: float, width: float) -> tuple[np.ndarr
 
 @njit(_nrt=False)
 def posture_of(lattice, node, q):
-    """Write the joints at a node into q (4,)."""
-    for j in range(4):
+    """Write the joints at a node into q (dof,)."""
+    for j in range(q.size):
         q[j] = lattice.values[j, node // lattice.strides[j] % lattice.counts[j]]
 
 
@@ -83,12 +82,12 @@ def neighbour(lattice, node, j, way):
 
 @njit(_nrt=False)
 def nearest(lattice, q, corner):
-    """One of the 16 nodes about joints q (4,): bit j of `corner` says above or below in joint j.
+    """One of the nodes about joints q (dof,): bit j of `corner` says above or below in joint j.
 
     -1 where that is the node of another corner.
     """
     node = 0
-    for j in range(4):
+    for j in range(q.size):
         last, k = lattice.counts[j] - 1, 0
         while k < last and lattice.values[j, k + 1] <= q[j]:
             k += 1

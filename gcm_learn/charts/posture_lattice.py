@@ -8,7 +8,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, SPATIAL, Kind, SpatialArm, rotation_of
+from gcm_learn.arms import SPATIAL, Kind, SpatialArm, rotation_of
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, spatial_limb_of
 from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.charts.postures import Rule, leap_of, posture_of, rule_of
@@ -32,9 +33,9 @@ class Nodes(NamedTuple):
     n: int  # cells along a side
     spacing: float  # of cells
     leap: float  # a step in which no joint turns farther is one [rad]
-    joints: np.ndarray  # (nodes, 4) float32 [rad], NOWHERE where there is none
+    joints: np.ndarray  # (nodes, dof) float32 [rad], NOWHERE where there is none
     known: np.ndarray  # (nodes,) uint8: UNSEEN, THERE or MISSING
-    scratch: np.ndarray  # (4,)
+    scratch: np.ndarray  # (dof,)
 
 
 @njit(_nrt=False)
@@ -56,7 +57,7 @@ def is_there(nodes, node):
     if nodes.known[node] == UNSEEN:
         x, y, z = hand_of_node(nodes, node)
         found = posture_of(nodes.rule, node % nodes.rule.postures, x, y, z, nodes.scratch)
-        for j in range(4):
+        for j in range(dof(nodes.rule.limb)):
             nodes.joints[node, j] = nodes.scratch[j] if found else NOWHERE
         nodes.known[node] = THERE if found else MISSING
     return nodes.known[node] == THERE
@@ -121,10 +122,10 @@ class PostureLattice(Chart):
     @cached_property
     def nodes(self) -> Nodes:
         """The nodes as kernels read them; postures that were found once are kept."""
-        rule, count = rule_of(self.limb, self.postures), self.size
-        joints, known = np.empty((count, JOINTS), np.float32), np.zeros(count, np.uint8)
+        rule, shape = rule_of(self.limb, self.postures), (self.size, len(self.arm.joints))
+        joints, known = np.empty(shape, np.float32), np.zeros(self.size, np.uint8)
         leap = leap_of(self.limb, self.spacing)
-        return Nodes(rule, self.n, self.spacing, leap, joints, known, np.empty(JOINTS))
+        return Nodes(rule, self.n, self.spacing, leap, joints, known, np.empty(shape[1]))
 
     @property
     def hands(self) -> np.ndarray:
@@ -152,13 +153,13 @@ class PostureLattice(Chart):
 
     @property
     def joints(self) -> np.ndarray:
-        """Joints (nodes, 4) float32 of every node; NOWHERE if it has no posture [rad]."""
+        """Joints (nodes, dof) float32 of every node; NOWHERE if it has no posture [rad]."""
         look_at_all(self.nodes)
         return self.nodes.joints
 
     def joints_at(self, nodes: np.ndarray) -> np.ndarray:
-        """Joints (m, 4) of some nodes to full precision; NOWHERE if there is no posture [rad]."""
-        out = np.empty((len(nodes), JOINTS))
+        """Joints (m, dof) of some nodes to full precision; NOWHERE if there is no posture [rad]."""
+        out = np.empty((len(nodes), len(self.arm.joints)))
         for row, node in zip(out, nodes, strict=True):
             place = hand_of_node(self.nodes, node)
             if not posture_of(self.nodes.rule, node % self.postures, *place, row):

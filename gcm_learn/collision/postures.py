@@ -52,7 +52,7 @@ class Desk(NamedTuple):
     """Arrays for intermediate results, made once per scene by `desk_of`."""
 
     poses: np.ndarray  # (bodies, 12)
-    curve: np.ndarray  # (n, 4): coefficients of a move's joints, over its share s in [0, 1]
+    curve: np.ndarray  # (dof, 4): coefficients of a move's joints, over its share s in [0, 1]
     joints: np.ndarray  # (n,)
     spans: np.ndarray  # (_DEEPEST + 2, 2): shares of a move still to be looked at
     waiting: np.ndarray  # (_DEEPEST + 2,): the obstacles that are to be looked at there

@@ -1,9 +1,9 @@
 """Timing of spatial arms under limits of acceleration.
 
-Two ways to come from the start, with its rates, to a posture at a given time: at once, with one
-constant acceleration and then at constant rates; or along a given path, as near to it as the
-limits allow.  A catch asks for a place and a time, not for rates at its end, so these are free;
-generators of motion from point to point (ruckig) want them given.
+An arm comes from its start, with its rates, to a posture at a given time in one of two ways.  A
+dash has one constant acceleration and then constant rates.  A tracked movement keeps as near to a
+given path as the limits allow.  A catch has a place and a time, while the rates at its end are
+free.  Generators of motion from point to point (ruckig) want these given.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.compiled import njit
 from gcm_learn.motion.movement import Movement
 
@@ -30,9 +31,9 @@ def dash(scene, goal, until, joints, rates):
 
     Parameters
     ----------
-    goal : (4,) ndarray
+    goal : (dof,) ndarray
         Joints [rad] at the time `until` [s].
-    joints, rates : (3, 4) ndarray
+    joints, rates : (3, dof) ndarray
         Filled with the samples at 0, at the switch and at `until`.
 
     Returns
@@ -41,7 +42,7 @@ def dash(scene, goal, until, joints, rates):
         When the acceleration ends [s]; -1 if no such movement keeps the limits of the joints.
     """
     limb, limits, switch = scene.limb, scene.limits, until
-    for j in range(4):  # the longer the acceleration lasts, the faster the end
+    for j in range(dof(limb)):  # the longer the acceleration lasts, the faster the end
         far = goal[j] - limb.start[j] - limb.rates[j] * until
         most = limits.joint_speed[j] * (1.0 - HAIR)
         spare = most - limb.rates[j] if far > 0.0 else most + limb.rates[j]
@@ -50,7 +51,7 @@ def dash(scene, goal, until, joints, rates):
         if abs(far) > 0.5 * spare * until:
             switch = min(switch, 2.0 * (until - abs(far) / spare))
     lever = switch * (until - 0.5 * switch)
-    for j in range(4):
+    for j in range(dof(limb)):
         far = goal[j] - limb.start[j] - limb.rates[j] * until
         if abs(far) > limits.joint_acceleration[j] * (1.0 - HAIR) * lever:
             return -1.0
@@ -65,14 +66,14 @@ def dash(scene, goal, until, joints, rates):
 def braked(plan: Movement, limits: np.ndarray) -> Movement:
     """A movement that goes on after its end until each joint rests, as soon as it can.
 
-    Where a joint would leave its range its end takes the rest of its speed: it brakes harder than
+    A joint that would leave its range loses the rest of its speed at the end: it brakes harder than
     the limits.  A movement that is linear between samples knows no accelerations, and stops at its
     end.
 
     Parameters
     ----------
     plan : Movement
-    limits : (4,) ndarray
+    limits : (dof,) ndarray
         Of the accelerations [rad/s^2].
     """
     if plan.rates is None:
@@ -109,25 +110,27 @@ def tracked(
     ----------
     time : (n,) ndarray
         [s], from 0.
-    path : (n, 4) ndarray
+    path : (n, dof) ndarray
         Joints, linear between the times [rad].
-    rates : (4,) ndarray
+    rates : (dof,) ndarray
         Of the joints at the start [rad/s].
-    limits : (4,) ndarray
+    limits : (dof,) ndarray
         Of the accelerations [rad/s^2].
 
     Returns
     -------
     time : (m,) ndarray
-    joints, rates : (m, 4) ndarray
+    joints, rates : (m, dof) ndarray
         Samples of the cubic Hermite curve.
     """
     end = time[-1]
     at, speeds, places, weights = _tracking(knots)
-    wanted = np.stack([np.interp(at * end, time, path[:, j]) for j in range(4)], axis=-1)
-    joints, moving = np.empty((knots + 1, 4)), np.empty((knots + 1, 4))
+    wanted = np.stack(
+        [np.interp(at * end, time, path[:, j]) for j in range(path.shape[1])], axis=-1
+    )
+    joints, moving = np.empty((2, knots + 1, path.shape[1]))
     share = np.linspace(0.0, 1.0, knots + 1)
-    for j in range(4):
+    for j in range(path.shape[1]):
         off = wanted[:, j] - path[0, j] - rates[j] * end * at
         most = limits[j] * (1.0 - HAIR) * end * end
         force = lsq_linear(
@@ -140,16 +143,16 @@ def tracked(
 
 @lru_cache(maxsize=8)
 def _tracking(knots: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Where a path of duration 1 is sampled, and what accelerations at the knots do.
+    """Samples of a path of duration 1, and the effect of accelerations at the knots.
 
     Returns
     -------
     at : (m,) ndarray
-        Times of the samples; every SAMPLES-th is a knot.
+        Samples; every SAMPLES-th is a knot.
     speeds : (knots + 1, knots + 1) ndarray
-        Rates at the knots from accelerations at the knots.
+        Rates at knots from accelerations there.
     places : (m, knots + 1) ndarray
-        Joints at the samples from the same.
+        Joints at samples.
     weights : (m,) ndarray
         Of the samples.
     """

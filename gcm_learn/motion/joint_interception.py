@@ -149,13 +149,13 @@ The joints' rates are at most `rate` (n,).
 def first_meeting(scene, curve, since, until, catch, shortest, poses):
     """First moment of a move at which a target is within `catch` of the hand.
 
-    Conservative advancement over the move in ``curve`` (n, 4), see `arms.curves`, with steps of at
-    least `shortest` [s].
+    Conservative advancement over the move in ``curve`` (dof, 4), see `arms.curves`, with steps of
+    at least `shortest` [s].
 
     Returns
     -------
     time : float
-        -1 if there is none [s].
+        -1 without one [s].
     body : int
     """
     limb, span, t = scene.limb, until - since, since

@@ -15,7 +15,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
 from gcm_learn.motion import SPACING, Movement, first_interception, refine, spread
 from gcm_learn.planners import (
     Attempt,
@@ -184,7 +183,7 @@ class JointTries(Tries):
         frame = spatial_frame_of(self.problem.situation)
         study = study_of(self.problem.scene, self.problem.rules)
         made = TimedQuery if self.problem.accelerates else JointQuery
-        return made(study, frame.canonical_joints(np.ones(JOINTS)))
+        return made(study, frame.canonical_joints(np.ones(study.goal.size)))
 
     @property
     def styles(self) -> np.ndarray:
@@ -198,7 +197,7 @@ class JointTries(Tries):
 
     def work(self) -> JointWork:
         """Return buffers of kernels."""
-        return joint_work()
+        return joint_work(len(self.problem.situation.arm.joints))
 
     def attempt(self, work: JointWork, count: int, body: int) -> Attempt:
         """Return the movement in the buffers as an attempt."""

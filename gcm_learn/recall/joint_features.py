@@ -2,15 +2,16 @@
 
 Everything is known at t = 0. A straight movement in the joints leads from the start to the target.
 Postures lie about it, and all over the joints' ranges. At some instants the clearance of the limb,
-in each posture, to each body is computed. Shapes and motions of bodies are not seen, only what they
-forbid, and their number does not matter.
+in each posture, to each body is computed. Shapes and motions of bodies stay hidden behind what they
+forbid, and their number may vary.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS, SpatialArm
+from gcm_learn.arms import SpatialArm
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
@@ -51,8 +52,8 @@ def _spread(count: int, numbers: int) -> np.ndarray:
     return out
 
 
-EVERYWHERE = LOW + _spread(POSTURES, JOINTS) * (HIGH - LOW)
-BESIDE = _spread(ROUND, JOINTS + 1)
+EVERYWHERE = LOW + _spread(POSTURES, LOW.size) * (HIGH - LOW)
+BESIDE = _spread(ROUND, LOW.size + 1)
 """Shares of the straight way, and where to from there (-1 to 1 in each joint)."""
 BESIDE[:, 1:] = 2.0 * BESIDE[:, 1:] - 1.0
 AGAIN = np.concatenate(
@@ -71,7 +72,7 @@ def posture_features(situation: Situation[SpatialArm], scene: Scene | None = Non
         The situation packed, if the caller has it at hand.
     """
     scene = pack(situation) if scene is None else scene
-    turns = spatial_frame_of(situation).canonical_joints(np.ones(JOINTS))
+    turns = spatial_frame_of(situation).canonical_joints(np.ones(len(situation.arm.joints)))
     return Features(*_features(scene, turns, situation.arm.reach))
 
 
@@ -83,9 +84,8 @@ def _features(scene, turns, reach):
     context, obstacles = np.zeros(CONTEXT, dtype=np.float32), study.desk.obstacles
     cells = np.zeros((obstacles.size, CELLS), dtype=np.float32)
     target = _nearest_target(study)
-    end, when = np.empty(4), _meeting(study, target)
-    for j in range(4):
-        end[j] = study.goal[j]
+    when = _meeting(study, target)
+    end = study.goal.copy()
     _fill_context(study, target, turns, reach, end, when, context)
     limbs, times = _looked_at(study, turns, end, abs(when))
     far = FREE * reach
@@ -132,19 +132,19 @@ def _meeting(study, target):
     Negative where it comes late: then the end is the last posture that would catch, or the start.
     """
     limb, goal, last = study.scene.limb, study.goal, study.posture
-    for j in range(4):
+    for j in range(dof(limb)):
         study.low[j], study.high[j], last[j] = limb.low[j], limb.high[j], limb.start[j]
     horizon = study.scene.limits.horizon
     for k in range(1, MEETINGS + 1):
         t = horizon * k / MEETINGS
-        for j in range(4):
+        for j in range(dof(limb)):
             goal[j] = limb.start[j]
         if pulled(study, target, t, goal):
             if turning_time(study.scene.limits.joint_speed, limb.start, goal) <= t:
                 return t
-            for j in range(4):
+            for j in range(dof(limb)):
                 last[j] = goal[j]
-    for j in range(4):
+    for j in range(dof(limb)):
         goal[j] = last[j]
     return -horizon
 
@@ -155,7 +155,7 @@ def _looked_at(study, turns, end, when):
     limb, horizon, q = study.scene.limb, study.scene.limits.horizon, study.near
     limbs, times, c = np.empty((CELLS, 6)), np.empty(CELLS), 0
     for p in range(POSTURES):
-        for j in range(4):
+        for j in range(dof(limb)):
             q[j] = min(max(turns[j] * EVERYWHERE[p, j], limb.low[j]), limb.high[j])
         row = limb_at(limb, q)
         for k in range(TIMES.size):
@@ -166,7 +166,7 @@ def _looked_at(study, turns, end, when):
     for p in range(ROUND):
         share = BESIDE[p, 0]
         aside = ASIDE + BENT * 4.0 * share * (1.0 - share)
-        for j in range(4):
+        for j in range(dof(limb)):
             q[j] = limb.start[j] + share * (end[j] - limb.start[j])
             q[j] = min(max(q[j] + turns[j] * aside * BESIDE[p, 1 + j], limb.low[j]), limb.high[j])
         row = limb_at(limb, q)
@@ -182,7 +182,7 @@ def _looked_at(study, turns, end, when):
 def _fill_context(study, target, turns, reach, end, when, out):
     """Fill in where the target is, what the arm is, and how it could go straight."""
     scene, poses, side, at = study.scene, study.desk.poses, turns[3], 0
-    limb, limits = scene.limb, scene.limits
+    limb, limits, n = scene.limb, scene.limits, dof(scene.limb)
     for k in range(TRACKED.size):
         pose_at(scene.bodies, target, min(TRACKED[k], limits.horizon), poses)
         x, y, z = poses[target, 0] / reach, poses[target, 1] / reach, poses[target, 2] / reach
@@ -191,14 +191,14 @@ def _fill_context(study, target, turns, reach, end, when, out):
         out[at], out[at + 1], out[at + 2] = x * scale, side * y * scale, z * scale
         out[at + 3], out[at + 4] = min(far, 2.0), 1.0 if far < 1.0 else 0.0
         at += TRACK
-    for j in range(4):
+    for j in range(n):
         low, high = turns[j] * limb.low[j], turns[j] * limb.high[j]
-        out[at + j], out[at + 4 + j] = turns[j] * limb.start[j], turns[j] * end[j]
-        out[at + 8 + j], out[at + 12 + j] = min(low, high), max(low, high)
-        out[at + 16 + j] = np.cos(limb.start[j])
-        out[at + 20 + j] = turns[j] * np.sin(limb.start[j])
-        out[at + 24 + j] = 0.2 * limits.joint_speed[j]
-    at += 28
+        out[at + j], out[at + n + j] = turns[j] * limb.start[j], turns[j] * end[j]
+        out[at + 2 * n + j], out[at + 3 * n + j] = min(low, high), max(low, high)
+        out[at + 4 * n + j] = np.cos(limb.start[j])
+        out[at + 5 * n + j] = turns[j] * np.sin(limb.start[j])
+        out[at + 6 * n + j] = 0.2 * limits.joint_speed[j]
+    at += 7 * n
     place = limb_at(limb, limb.start)
     for i in range(6):
         out[at + i] = place[i] / reach

@@ -1,6 +1,6 @@
 """Kernels of remembered joint movements: load, move, time and check them.
 
-A remembered movement is `KNOTS` rows (four joints of a left arm, time, earliest).  Its start is
+A remembered movement is `KNOTS` rows (joints of a left arm, time, earliest).  Its start is
 moved to the joints at t = 0, its end to a posture that catches the target just in time.  In between
 it is moved by as much of each as is left of it.
 """
@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import move_is_free
 from gcm_learn.compiled import njit
@@ -37,16 +38,16 @@ class JointQuery(NamedTuple):
     """A situation, as adaptations of joint movements need it."""
 
     study: Study
-    turns: np.ndarray  # (4,): signs that make joints of a left arm those of this one
+    turns: np.ndarray  # (dof,): signs that make joints of a left arm those of this one
 
 
 class Track(NamedTuple):
     """A movement under limits of acceleration, and the arm that follows it."""
 
-    aims: np.ndarray  # (STEPS + 1, 4): the movement [rad]
+    aims: np.ndarray  # (STEPS + 1, dof): the movement [rad]
     time: np.ndarray  # (STEPS + 1,) [s]
-    joints: np.ndarray  # (STEPS + 1, 4) [rad]
-    rates: np.ndarray  # (STEPS + 1, 4) [rad/s]
+    joints: np.ndarray  # (STEPS + 1, dof) [rad]
+    rates: np.ndarray  # (STEPS + 1, dof) [rad/s]
     least: np.ndarray  # (KNOTS,): least times of the movement's pieces [s]
     until: np.ndarray  # (1,): end of the movement [s]
     body: np.ndarray  # (1,) int64: target caught without contact, -1 if there is none
@@ -56,32 +57,32 @@ class JointWork(NamedTuple):
     """Buffers for one adaptation after the other."""
 
     share: np.ndarray  # (KNOTS,): of its length that lies behind it
-    base: np.ndarray  # (KNOTS, 4): the movement with its start where the arm is [rad]
+    base: np.ndarray  # (KNOTS, dof): the movement with its start where the arm is [rad]
     wanted: np.ndarray  # (KNOTS,): when it may be there at the earliest [s]
-    end: np.ndarray  # (4,): joints that catch [rad]
-    path: np.ndarray  # (KNOTS, 4): the movement that was adapted last [rad]
+    end: np.ndarray  # (dof,): joints that catch [rad]
+    path: np.ndarray  # (KNOTS, dof): the movement that was adapted last [rad]
     time: np.ndarray  # (KNOTS,): of it [s]
     way: Way  # the best so far
     best_time: np.ndarray  # (MOST,): samples of the best movement [s]
-    best_joints: np.ndarray  # (MOST, 4) [rad]
-    from_base: np.ndarray  # (KNOTS, 4): base of the movement before a change
+    best_joints: np.ndarray  # (MOST, dof) [rad]
+    from_base: np.ndarray  # (KNOTS, dof): base of the movement before a change
     from_wanted: np.ndarray  # (KNOTS,)
-    least_base: np.ndarray  # (KNOTS, 4): base of the change with the least contact
+    least_base: np.ndarray  # (KNOTS, dof): base of the change with the least contact
     least_wanted: np.ndarray  # (KNOTS,)
     track: Track
 
 
-def joint_work() -> JointWork:
-    """Return buffers for adaptations."""
+def joint_work(n: int) -> JointWork:
+    """Return buffers for adaptations of movements of n joints."""
     share, wanted, time, from_wanted, least_wanted, least = np.zeros((6, KNOTS))
-    base, path, from_base, least_base = np.zeros((4, KNOTS, 4))
-    aims, joints, rates = np.zeros((3, STEPS + 1, 4))
+    base, path, from_base, least_base = np.zeros((4, KNOTS, n))
+    aims, joints, rates = np.zeros((3, STEPS + 1, n))
     followed = aims, np.zeros(STEPS + 1), joints, rates
     track = Track(*followed, least, np.zeros(1), np.zeros(1, np.int64))
-    sampled = np.zeros(MOST), np.zeros((MOST, 4))
+    sampled = np.zeros(MOST), np.zeros((MOST, n))
     kept = from_base, from_wanted, least_base, least_wanted
     return JointWork(
-        share, base, wanted, np.zeros(4), path, time, new_way(), *sampled, *kept, track
+        share, base, wanted, np.zeros(n), path, time, new_way(n), *sampled, *kept, track
     )
 
 
@@ -109,7 +110,7 @@ def load(query, paths, m, style, work):
     limb, rate = study.scene.limb, study.scene.limits.joint_speed
     share[0] = 0.0
     for k in range(KNOTS):
-        for j in range(4):
+        for j in range(dof(limb)):
             base[k, j] = query.turns[j] * np.float64(knots[m, k, j])
         work.wanted[k] = knots[m, k, EARLIEST if style.tempo == HURRY else TIME]
         if k > 0:
@@ -118,7 +119,7 @@ def load(query, paths, m, style, work):
     for k in range(KNOTS):
         share[k] = knots[m, k, TIME] / last if total < _STILL else share[k] / total
     share[KNOTS - 1] = 1.0
-    for j in range(4):
+    for j in range(dof(limb)):
         off = limb.start[j] - base[0, j]
         for k in range(KNOTS):
             base[k, j] += (1.0 - share[k]) * off
@@ -131,7 +132,7 @@ def _soonest_end(study, work):
     t = 0.0
     for k in range(1, KNOTS):
         step, took = share[k] - share[k - 1], 0.0
-        for j in range(4):
+        for j in range(dof(study.scene.limb)):
             turn = base[k, j] - base[k - 1, j] + step * (end[j] - base[KNOTS - 1, j])
             took = max(took, abs(turn) / rate[j])
         t = max(t + took, work.wanted[k])
@@ -142,7 +143,7 @@ def _soonest_end(study, work):
 def write_path(study, edge, work):
     """Write the movement to the end, between its ends by `edge` [rad] within the joints' ranges."""
     limb, base, share, end, path = study.scene.limb, work.base, work.share, work.end, work.path
-    for j in range(4):
+    for j in range(dof(limb)):
         off, room = end[j] - base[KNOTS - 1, j], min(edge, 0.5 * (limb.high[j] - limb.low[j]))
         low, high = limb.low[j] + room, limb.high[j] - room
         for k in range(KNOTS):
@@ -180,7 +181,7 @@ def _away(study, b, fast, t):
 def seed_end(study, work):
     """Begin with the end of the memory, within the joints' ranges."""
     limb = study.scene.limb
-    for j in range(4):
+    for j in range(dof(limb)):
         study.low[j], study.high[j] = limb.low[j], limb.high[j]
         work.end[j] = min(max(work.base[KNOTS - 1, j], limb.low[j]), limb.high[j])
 
@@ -216,11 +217,11 @@ def lateness(query, b, t, rough, close, _style, work):
     Returns
     -------
     late : float
-        Time by which the movement comes late [s].
+        Delay of the movement [s].
     rough : bool
         True if only turns were compared.
     found : bool
-        False if no posture near the movement's end catches.
+        False if no posture near the end catches.
     """
     study, late = query.study, 0.0
     seed_end(study, work)
@@ -257,11 +258,11 @@ def check(query, work, _count, _body):
     Returns
     -------
     count : int
-        Samples until the first target is met, written into the buffers.
+        Samples until the first catch, in the buffers.
     free : bool
         True if no piece touches an obstacle.
     body : int
-        Target that is met first.
+        Target caught first.
     """
     time, joints, body = samples_of(query.study, work.way)
     count = time.size
@@ -281,30 +282,31 @@ def first_touch(study, time, joints):
 
 
 @njit
-def failures(_query, most):
-    """Return an array for notes of `most` movements."""
-    return np.empty((most, KNOTS, 5))
+def failures(query, most):
+    """Return an array that records `most` movements."""
+    return np.empty((most, KNOTS, dof(query.study.scene.limb) + 1))
 
 
 @njit(_nrt=False)
-def note(_query, row, work, _count):
+def note(query, row, work, _count):
     """Note the best movement."""
+    n = dof(query.study.scene.limb)
     for k in range(KNOTS):
-        for j in range(4):
+        for j in range(n):
             row[k, j] = work.way.joints[k, j]
-        row[k, 4] = work.way.reached[k]
+        row[k, n] = work.way.reached[k]
 
 
 @njit(_nrt=False)
-def is_near(_query, row, work, _count, novelty):
+def is_near(query, row, work, _count, novelty):
     """Return whether the best movement stays within `novelty` [rad] of a noted one.
 
     A second counts as much as ten radians.
     """
-    way, apart = work.way, 0.0
+    way, apart, n = work.way, 0.0, dof(query.study.scene.limb)
     for k in range(KNOTS):
-        apart = max(apart, 10.0 * abs(row[k, 4] - way.reached[k]))
-        for j in range(4):
+        apart = max(apart, 10.0 * abs(row[k, n] - way.reached[k]))
+        for j in range(n):
             apart = max(apart, abs(row[k, j] - way.joints[k, j]))
         if apart > novelty:
             return False
@@ -313,7 +315,7 @@ def is_near(_query, row, work, _count, novelty):
 
 @njit
 def least_times(study, joints):
-    """Least times (n - 1,) of the moves between postures (n, 4) [s]."""
+    """Least times (n - 1,) of the moves between postures (n, dof) [s]."""
     out = np.empty(joints.shape[0] - 1)
     for k in range(out.size):
         out[k], _ = time_of(study, joints[k], joints[k + 1])

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import motion_bounds
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
@@ -27,7 +28,7 @@ PROBE = 1e-3  # finite difference for the direction away from obstacles [rad]
 
 
 def _directions() -> np.ndarray:
-    """Pushes that are tried besides that away from the obstacle (12, 4)."""
+    """Pushes that are tried besides that away from the obstacle (12, dof)."""
     single = np.vstack([np.eye(4), -np.eye(4)])
     pairs = np.array([[a, b, 0.0, 0.0] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
     return np.vstack([single, 0.8 * pairs])
@@ -41,8 +42,8 @@ class JointTouch(NamedTuple):
 
     share: np.ndarray  # (n,): of the movement that lies behind it
     time: np.ndarray  # (n,) [s]
-    joints: np.ndarray  # (n, 4) [rad]
-    sides: np.ndarray  # (13, 4): directions of pushes, first that away from the obstacle
+    joints: np.ndarray  # (n, dof) [rad]
+    sides: np.ndarray  # (13, dof): directions of pushes, first that away from the obstacle
     knots: np.ndarray  # (2,) int64: the last one before it touches, and the one after the start
     times: np.ndarray  # (2,): of these [s]
 
@@ -73,7 +74,7 @@ def caught_at(_query, work):
 
 @njit(_nrt=False)
 def _posture(way, t, q):
-    """Write the joints of a movement at t [s] into q (4,); knot before, and share from there."""
+    """Write the joints of a movement at t [s] into q (dof,); knot before, and share from there."""
     k = 0
     while k < KNOTS - 2 and way.reached[k + 1] <= t:
         k += 1
@@ -115,7 +116,7 @@ def touch_of(query, work, _count, first, last):
     """Return where the best movement touches, from instant `first` to `last`."""
     study, way = query.study, work.way
     n, step = min(last - first + 1, INSTANTS), study.scene.limits.horizon / LOOKS
-    share, time, joints = np.empty(n), np.empty(n), np.empty((n, 4))
+    share, time, joints = np.empty(n), np.empty(n), np.empty((n, dof(study.scene.limb)))
     knot = 1
     for i in range(n):
         t = min((first + (last - first) * i // max(n - 1, 1)) * step, way.left[KNOTS - 1])
@@ -132,8 +133,8 @@ def touch_of(query, work, _count, first, last):
 
 @njit
 def sides_of(study, q, t):
-    """Directions of pushes for a limb that is about to touch, with joints q (4,) at t [s]."""
-    sides = np.empty((_SIDES.shape[0] + 1, 4))
+    """Directions of pushes for a limb that is about to touch, with joints q (dof,) at t [s]."""
+    sides = np.empty((_SIDES.shape[0] + 1, _SIDES.shape[1]))
     sides[1:] = _SIDES
     _uphill(study, q, t, sides[0])
     return sides
@@ -143,7 +144,7 @@ def sides_of(study, q, t):
 def _uphill(study, q, t, out):
     """Write the direction in the joints in which the limb's distance grows fastest into `out`."""
     size = 0.0
-    for j in range(4):
+    for j in range(dof(study.scene.limb)):
         angle = q[j]
         q[j] = angle + PROBE
         rise = distance_at(study.scene, q, t, study.desk)
@@ -152,7 +153,7 @@ def _uphill(study, q, t, out):
         q[j] = angle
         out[j] = rise
         size += rise * rise
-    for j in range(4):
+    for j in range(dof(study.scene.limb)):
         out[j] = out[j] / np.sqrt(size) if size > 0.0 else 0.0
 
 
@@ -162,7 +163,7 @@ def pushed(query, work, touch, wide, side):
 
     Parameters
     ----------
-    side : (4,) ndarray
+    side : (dof,) ndarray
         Push before, to the other side of which it has to be; overwritten with this one.
 
     Returns
@@ -178,14 +179,14 @@ def pushed(query, work, touch, wide, side):
         best, chosen = study.touch + CLEARANCE * limb.length, -1
         for d in range(touch.sides.shape[0]):
             along = 0.0
-            for j in range(4):
+            for j in range(dof(limb)):
                 along += touch.sides[d, j] * side[j]
             if along > 0.0:
                 continue
             least = 1e300
             for i in range(n):
                 height = push * bump(touch.share[i], top, wide)
-                for j in range(4):
+                for j in range(dof(limb)):
                     q[j] = touch.joints[i, j] + height * touch.sides[d, j]
                     q[j] = min(max(q[j], limb.low[j]), limb.high[j])
                 least = min(least, distance_at(study.scene, q, touch.time[i], study.desk))
@@ -194,7 +195,7 @@ def pushed(query, work, touch, wide, side):
             if least > best:
                 best, chosen = least, d
         if chosen >= 0:
-            for j in range(4):
+            for j in range(dof(limb)):
                 side[j] = touch.sides[chosen, j]
                 for k in range(1, KNOTS):
                     work.base[k, j] += push * bump(work.share[k], top, wide) * side[j]

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms.curves import hermite
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
@@ -49,7 +50,7 @@ class TimedQuery(NamedTuple):
     """A situation with limits of acceleration, as adaptations of joint movements need it."""
 
     study: Study
-    turns: np.ndarray  # (4,): signs that make joints of a left arm those of this one
+    turns: np.ndarray  # (dof,): signs that make joints of a left arm those of this one
 
 
 @njit(_nrt=False)
@@ -92,9 +93,9 @@ def _sampled(work):
             k += 1
         span = when[k + 1] - when[k]
         s = min((t - when[k]) / span, 1.0) if span > 0.0 else 1.0
-        for j in range(4):
+        for j in range(path.shape[1]):
             track.aims[i, j] = path[k, j] + s * (path[k + 1, j] - path[k, j])
-    for j in range(4):
+    for j in range(path.shape[1]):
         track.aims[STEPS, j] = path[KNOTS - 1, j]
 
 
@@ -103,7 +104,7 @@ def _follow(study, track):
     """Follow the movement as nearly as the limits of rates and accelerations allow."""
     limb, limits, aims = study.scene.limb, study.scene.limits, track.aims
     h = track.time[STEPS] / STEPS
-    for j in range(4):
+    for j in range(dof(limb)):
         top = limits.joint_speed[j] * (1.0 - HAIR)
         most = limits.joint_acceleration[j] * (1.0 - HAIR)
         track.joints[0, j], track.rates[0, j], add = limb.start[j], limb.rates[j], 0.0
@@ -126,7 +127,7 @@ def _follow(study, track):
 
 @njit(_nrt=False)
 def _piece(track, k, curve):
-    """Write piece k of the track into `curve` (4, 4); how long it takes [s]."""
+    """Write piece k of the track into `curve` (dof, 4); how long it takes [s]."""
     q, v, span = track.joints, track.rates, track.time[k + 1] - track.time[k]
     hermite(q[k], v[k], q[k + 1], v[k + 1], span, curve)
     return span
@@ -272,7 +273,7 @@ def touch_of(query, work, _count, first, last):
     """Return where the movement that is followed touches, from piece `first` to `last`."""
     study, track = query.study, work.track
     n = min(last - first + 2, INSTANTS)
-    share, time, joints = np.empty(n), np.empty(n), np.empty((n, 4))
+    share, time, joints = np.empty(n), np.empty(n), np.empty((n, dof(study.scene.limb)))
     for i in range(n):
         k = first + (last + 1 - first) * i // (n - 1)
         time[i], joints[i] = track.time[k], track.joints[k]

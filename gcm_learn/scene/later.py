@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from gcm_learn.arms import JOINTS, Arm, SpatialArm
+from gcm_learn.arms import Arm, SpatialArm
 from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.scene.laws import LAWS
 from gcm_learn.situation import Body, Situation
@@ -31,10 +31,10 @@ def later(
         From 0 to less than the horizon [s].
     hand : (2,) tuple of float, optional
         Where the hand of a planar arm is then; by default it has rested.
-    joints : (4,) sequence of float, optional
+    joints : (dof,) sequence of float, optional
         How a spatial arm stands then [rad]; by default it has rested, which only one can that
         rests at t = 0.
-    rates : (4,) sequence of float, optional
+    rates : (dof,) sequence of float, optional
         Rates of its joints then [rad/s]; 0 by default.
 
     Returns
@@ -71,7 +71,7 @@ def _stands(
     if joints is None:
         raise SituationError("joints", "are to be told of an arm that moves")
     if rates is None and arm.max_joint_acceleration is not None:
-        rates = (0.0,) * JOINTS
+        rates = (0.0,) * len(arm.joints)
     there: Any = tuple(joints)
     moving: Any = None if rates is None else tuple(rates)
     return replace(arm, joints=there, joint_rates=moving)

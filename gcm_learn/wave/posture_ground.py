@@ -33,7 +33,7 @@ class SpaceGround(NamedTuple):
 
     B: np.ndarray  # the buffer of `wave.posture_stencil`
     n: int
-    joint_speed: np.ndarray  # (4,) [rad/s]
+    joint_speed: np.ndarray  # (dof,) [rad/s]
     speed: float  # of the fastest front [lengths/s]
     found: Found
     known: np.ndarray  # (n + 2, n + 2, blocks + 2) uint8: ASLEEP, SEEN or AWAKE
@@ -103,6 +103,6 @@ def is_step(joints, leap, m, p):
     The function takes arrays because handing the whole ground on costs as much again.
     """
     far = 0.0
-    for j in range(4):
+    for j in range(joints.shape[1]):
         far = max(far, abs(joints[m, j] - joints[p, j]))
     return far <= leap

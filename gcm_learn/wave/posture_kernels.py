@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.charts.posture_lattice import NOWHERE, is_there
 from gcm_learn.charts.postures import posture_of, turning_time
@@ -50,7 +51,7 @@ def _ask(iz, iy, b, ground):
         if not is_there(nodes, m):
             state = GAPS
             continue
-        for j in range(4):
+        for j in range(dof(nodes.rule.limb)):
             q[j] = nodes.joints[m, j]
         elbows[m, 0], elbows[m, 1], elbows[m, 2], _, _, _ = limb_at(nodes.rule.limb, q)
     ground.found.asked[iz, iy, b] = state

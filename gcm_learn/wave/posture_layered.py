@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.charts.posture_lattice import hand_of_node, is_there
 from gcm_learn.collision.intervals import NEVER, last_use, target_ways
 from gcm_learn.collision.postures import move_is_free
@@ -117,7 +118,7 @@ def look(ask, table, states, node, now):
         x, y, z = hand_of_node(ask.nodes, node)
         if now > last_use(table.ways, terms.end, terms.speed, x, y, z):
             return
-    for j in range(4):
+    for j in range(dof(ask.scene.limb)):
         ask.far[j] = ask.nodes.joints[node, j]
     touch, room = ask.scene.limb.thickness, states.span[k : k + SPANS]
     found = free_spans(ask.scene, ask.far, now, terms.end, touch, terms.shortest, ask.desk, room)
@@ -178,7 +179,7 @@ def _step_is_free(ask, states, home, s, time, code):
     if ask.widening.size > 0:
         wide += ask.widening[other]
     touch = ask.scene.limb.thickness + 0.5 * wide * moved
-    for j in range(4):
+    for j in range(dof(ask.scene.limb)):
         ask.near[j], ask.far[j] = ask.nodes.joints[node, j], ask.nodes.joints[other, j]
     return move_is_free(ask.scene, ask.near, time - took, ask.far, time, touch, ask.desk)
 

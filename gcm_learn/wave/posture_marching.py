@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.charts.posture_lattice import THERE, Nodes, hand_of_node, is_there
 from gcm_learn.collision.postures import Desk, distance_at, move_is_free
 from gcm_learn.compiled import njit
@@ -37,7 +38,7 @@ NEVER, LOST = np.float32(1e30), np.float32(-1.0)
 class Pace(NamedTuple):
     """Times of steps."""
 
-    slowness: np.ndarray  # (4,) float32 of the joints [s/rad]
+    slowness: np.ndarray  # (dof,) float32 of the joints [s/rad]
     offsets: np.ndarray  # (26, 3): of neighbours along z, y and x [cells]
     ahead: np.ndarray  # (26,): of their nodes
     hops: np.ndarray  # (28,): how far they are
@@ -66,8 +67,8 @@ class Ask(NamedTuple):
     widening: np.ndarray  # (nodes,) or none: margin beyond `margin`
     margin: float  # of the limb, in halves of what it moves on a step
     quick: float  # top speed of obstacles [lengths/s]
-    near: np.ndarray  # (4,): joints
-    far: np.ndarray  # (4,)
+    near: np.ndarray  # (dof,): joints
+    far: np.ndarray  # (dof,)
 
 
 @njit(_nrt=False)
@@ -214,14 +215,14 @@ def judge(ask, field, node):
         wide += ask.widening[node]
     touch += 0.5 * wide * moved
     if room - bent <= touch:
-        for j in range(4):
+        for j in range(dof(scene.limb)):
             ask.far[j] = nodes.joints[node, j]
         room = distance_at(scene, ask.far, now, ask.desk)
         if room <= touch:
             return FROZEN
         if home >= 0 and least_between(field.room[home], room, ways) - bent <= touch:
             since = field.arrival[home]
-            for j in range(4):
+            for j in range(dof(scene.limb)):
                 ask.near[j] = nodes.joints[home, j]
             field.room[home] = distance_at(scene, ask.near, since, ask.desk)
             if least_between(field.room[home], room, ways) - bent <= touch:

@@ -6,7 +6,7 @@ The paper expects no more than larger computations there.  Three things are diff
   ball smaller than 4 cells shrinks: a front is slower the more it is curved, and in space it is
   curved twice.  So a ball around the hand is excited at the start, as far as it is free.
 - For the same reason fronts come late: at a radius of 20 cells by about a fifth.
-- A hand in space has four joints, and what limits it is mostly they.  A wave's speed knows no
+- The joints are mostly what limits a hand in space.  A wave's speed knows no
   direction, so a cell is as quick as the hand is on average over the six steps from it (q of
   Eq. 10).  The difference is lost: a path is timed by the joints' limits once more.
 """

@@ -1,8 +1,8 @@
 """An artificial potential field over the joints of a spatial arm, step by step.
 
 Joints count in what each turns in a second, so that the field leads where the arm is quick.  It
-pulls towards the posture in which a target can be met soonest, as it looks from where the arm is,
-and pushes by the distance of the whole limb to every obstacle (Khatib's potential).
+pulls towards the posture of the soonest interception, as seen from the present posture.  It pushes
+by the distance of the whole limb to every obstacle (Khatib's potential).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure
@@ -37,7 +38,7 @@ class SpatialField(NamedTuple):
 
 @njit(_nrt=False)
 def push(study, field, q, t):
-    """Khatib's repulsive potential of the nearest obstacle at joints q (4,) and time t [s]."""
+    """Khatib's repulsive potential of the nearest obstacle at joints q (dof,) and time t [s]."""
     unit = study.scene.limb.length
     away = distance_at(study.scene, q, t, study.desk) - study.scene.limb.thickness
     d = max(away / unit, _NEAREST)
@@ -48,7 +49,7 @@ def push(study, field, q, t):
 
 @njit(_nrt=False)
 def aim(study, q, t):
-    """Write the posture of the soonest interception from joints q (4,) at t [s] to ``study.goal``.
+    """Write the posture of the soonest interception from joints q at t [s] to ``study.goal``.
 
     Returns
     -------
@@ -66,11 +67,11 @@ def aim(study, q, t):
 
 @njit
 def descend_in_space(study, field, points):
-    """Follow the field from the start until a target is met.
+    """Follow the field from the start to the first target within reach.
 
     Parameters
     ----------
-    points : (m, 4) ndarray
+    points : (m, dof) ndarray
         Filled with the joints after every step of horizon / (m - 1), the start included.
 
     Returns
@@ -80,7 +81,8 @@ def descend_in_space(study, field, points):
     """
     scene, steps = study.scene, points.shape[0] - 1
     limb, rate, fast = scene.limb, scene.limits.joint_speed, fastest_hand(scene)
-    dt, q, goal, force = scene.limits.horizon / steps, limb.start.copy(), study.goal, np.zeros(4)
+    dt, q, goal = scene.limits.horizon / steps, limb.start.copy(), study.goal
+    force = np.zeros(dof(limb))
     for k in range(steps + 1):
         t = k * dt
         points[k] = q
@@ -89,10 +91,10 @@ def descend_in_space(study, field, points):
         if k == steps or not aim(study, q, t):
             return -1
         most = 0.0
-        for j in range(4):
+        for j in range(dof(limb)):
             most = max(most, abs(goal[j] - q[j]) / rate[j])
         strongest = 1.0
-        for j in range(4):
+        for j in range(dof(limb)):
             here, probe = q[j], _PROBE * rate[j]
             q[j] = here + probe
             up = push(study, field, q, t + dt)
@@ -102,19 +104,20 @@ def descend_in_space(study, field, points):
             away = (up - down) / (2.0 * _PROBE) * limb.length / fast
             force[j] = (goal[j] - here) / rate[j] / max(most, dt) - away
             strongest = max(strongest, abs(force[j]))
-        for j in range(4):
+        for j in range(dof(limb)):
             there = q[j] + dt * rate[j] * force[j] / strongest
             goal[j] = min(max(there, limb.low[j]), limb.high[j])
         took = time_of(study, q, goal)[0]
         share = min(1.0, dt / took) if took > 0.0 else 1.0
-        for j in range(4):
+        for j in range(dof(limb)):
             q[j] += share * (goal[j] - q[j])
     return -1
 
 
 def potential_plan(problem: SpatialProblem, influence: float, gain: float) -> Plan:
     """Roll the field out in the known world and verify what comes of it."""
-    study, points = study_of(problem.scene, problem.rules), np.empty((STEPS + 1, 4))
+    study = study_of(problem.scene, problem.rules)
+    points = np.empty((STEPS + 1, study.goal.size))
     count = descend_in_space(study, SpatialField(influence, gain), points)
     if count < 0:
         return problem.answer(Failure.NO_FIELD_LINE)

@@ -1,4 +1,4 @@
-"""What the tree planner asks about joints and time: whether a straight leg holds, where goals are.
+"""Questions of the tree planner about joints and time: if a straight leg holds, where goals are.
 
 Places are joints in units of what each turns in a second, so that distances are times.
 """
@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.arms.swivels import inverse
 from gcm_learn.collision.postures import distance_at
@@ -38,7 +38,7 @@ _SLACK = 1e-6  # of the bounds of places, which must not be empty [s]
 
 @njit(_nrt=False)
 def leg_holds_in_space(study, q, since, p, until):
-    """Tell whether the joints may go straight from q at `since` to p (4,) at `until` [s]."""
+    """Tell whether the joints may go straight from q at `since` to p (dof,) at `until` [s]."""
     took, pieces = time_of(study, q, p)
     if until - since < took or until <= since:
         return False
@@ -47,7 +47,7 @@ def leg_holds_in_space(study, q, since, p, until):
 
 @njit(_nrt=False)
 def draw_posture(study, since, until, chances, q):
-    """Draw an interception: an instant, and joints (4,) whose hand is then on a target, into q.
+    """Draw an interception: an instant, and joints (dof,) whose hand is then on a target, into q.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def draw_posture(study, since, until, chances, q):
         if found == 0:
             continue
         branch = int(chances[k, 6] * found)
-        for j in range(4):
+        for j in range(dof(limb)):
             q[j] = study.branches[branch, j]
         _, _, _, x, y, z = limb_at(limb, q)  # the inverse is exact but for rounding
         if target_room(scene, b, x, y, z, t, poses) > study.catch:
@@ -101,7 +101,7 @@ def draw_posture(study, since, until, chances, q):
 
 @dataclass(frozen=True)
 class JointTask:
-    """What to search, and for how long."""
+    """Task of the search and its budget."""
 
     study: Study
     unhindered: float
@@ -116,7 +116,7 @@ class JointTask:
 
     @property
     def scene(self) -> Scene:
-        """What is planned for."""
+        """Scene of the task."""
         return self.study.scene
 
     @property
@@ -132,21 +132,21 @@ class JointTask:
         return tuple((max(a, s - end) - _SLACK, min(b, s + end) + _SLACK) for a, b, s in ends)
 
     def joints(self, place: Sequence[float]) -> np.ndarray:
-        """Joints (4,) of a place; those at t = 0 to the bit."""
+        """Joints (dof,) of a place; those at t = 0 to the bit."""
         limb, rate = self.scene.limb, self.scene.limits.joint_speed
-        here = np.array([place[0], place[1], place[2], place[3]])
+        here = np.array([place[j] for j in range(limb.start.size)])
         if (here == self.start).all():
             return np.array(limb.start)
         return np.clip(here * rate, limb.low, limb.high)
 
     def holds(self, p: Sequence[float], since: float, q: Sequence[float], until: float) -> bool:
-        """Whether the leg from p to q holds; see `leg_holds_in_space`."""
+        """Return whether the leg from p to q holds; see `leg_holds_in_space`."""
         ends = self.joints(p), since, self.joints(q), until
         return bool(leg_holds_in_space(self.study, *ends))
 
     def draw(self, until: float, chances: np.ndarray) -> tuple[float, ...]:
         """An interception before `until` [s]: when (-1 if all tries fail) and where."""
-        q = np.zeros(JOINTS)
+        q = np.zeros_like(self.scene.limb.start)
         time = draw_posture(self.study, self.unhindered, until, chances, q)
         return (float(time), *(q / self.scene.limits.joint_speed).tolist())
 
@@ -154,20 +154,20 @@ class JointTask:
 def task_in_space(
     problem: SpatialProblem, seed: int, budget_ms: float, iterations: int
 ) -> JointTask:
-    """What to search, and for how long."""
+    """Return the task of the search."""
     study = study_of(problem.scene, problem.rules)
     soonest = max(soonest_straight(study) - problem.rules.instant, 0.0)
     return JointTask(study, soonest, seed, budget_ms, iterations)
 
 
 def ways_along(problem: SpatialProblem, paths: list[np.ndarray]) -> list[Attempt]:
-    """Paths between states (n, 5), the earliest catch first: some meet a target on their way."""
+    """Paths between states (n, dof + 1), the earliest catch first; targets may cut them short."""
     study, limb = study_of(problem.scene, problem.rules), problem.scene.limb
     body = int(np.flatnonzero(problem.bodies.rows[:, PART] == HAND)[0])
     attempts = []
     for path in paths:
-        joints = path[:, :JOINTS] * problem.scene.limits.joint_speed
+        joints = path[:, :-1] * problem.scene.limits.joint_speed
         joints = np.clip(joints, limb.low, limb.high)
         joints[0] = limb.start
-        attempts.append(attempt_along(problem, study, path[:, JOINTS], joints, body))
+        attempts.append(attempt_along(problem, study, path[:, -1], joints, body))
     return sorted(attempts, key=lambda attempt: attempt.trajectory.duration)

@@ -1,8 +1,8 @@
 """Catches under limits of acceleration.
 
-A straight dash to a posture that catches comes first.  Where none is free, a way is planned
-without these limits for joints that are slower than they might be, and tracked as nearly as
-the limits allow; the slower the joints, the nearer.  Either is verified like everything else.
+A straight dash to a posture that catches comes first.  If every dash is blocked, a way is planned
+for slower joints that ignore these limits.  It is tracked as nearly as the limits allow: the slower
+the joints, the nearer.  Either is verified like everything else.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 
 from gcm_learn.arms import SpatialArm
 from gcm_learn.arms.curves import hermite
+from gcm_learn.arms.limbs import dof
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, Movement, Reason
@@ -43,7 +44,7 @@ PACES = (
 MISSES = 2
 """Of these for which there is no way, before the slower ones are left out."""
 ROOM = 0.05
-"""What such a way keeps to obstacles where it can, since it is not tracked exactly [forearms]."""
+"""Clearance of such a way where it can have it, since it is not tracked exactly [forearms]."""
 TURNS = 0.03
 """And to the ends of the joints' ranges [rad]."""
 HURRIES = (1.0, 0.7, 0.45)
@@ -51,10 +52,10 @@ HURRIES = (1.0, 0.7, 0.45)
 
 
 class Dash(NamedTuple):
-    """Room for the samples of a dash."""
+    """Buffers for the samples of a dash."""
 
-    joints: np.ndarray  # (3, 4) [rad]
-    rates: np.ndarray  # (3, 4) [rad/s]
+    joints: np.ndarray  # (3, dof) [rad]
+    rates: np.ndarray  # (3, dof) [rad/s]
     time: np.ndarray  # (3,) [s]
 
 
@@ -94,7 +95,8 @@ def _attempts(
 ) -> Iterator[Attempt]:
     arm, scene = problem.situation.arm, problem.scene
     study = study_of(scene, problem.rules)
-    found = Dash(np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(3))
+    joints, rates = np.zeros((2, 3, len(arm.joints)))
+    found = Dash(joints, rates, np.zeros(3))
     body = first_dash(study, *tried, swivels, np.array(HURRIES), found)
     if body >= 0:
         yield Attempt(_samples(arm, found), int(body))
@@ -161,7 +163,7 @@ def first_dash(study, goals, times, swivels, hurries, found):
         The body that is caught, -1 if there is no such dash.
     """
     scene, moving = study.scene, False
-    for j in range(4):
+    for j in range(dof(scene.limb)):
         moving = moving or scene.limb.rates[j] != 0.0
     for n in range(times.size):
         k = goals.size[0]
@@ -179,7 +181,7 @@ def first_dash(study, goals, times, swivels, hurries, found):
 
 @njit(_nrt=False)
 def _dash_is_free(study, goal, leave, took, found):
-    """Whether a dash that begins at `leave` and takes `took` [s] keeps all limits and is free."""
+    """Return if a dash that begins at `leave` and takes `took` [s] keeps limits and is free."""
     scene, desk = study.scene, study.desk
     switch = dash(scene, goal, took, found.joints, found.rates)
     if switch < 0.0:
@@ -188,7 +190,7 @@ def _dash_is_free(study, goal, leave, took, found):
         # the rest is the first piece: an acceleration all the way leaves no third one
         if switch < took:
             return False
-        for j in range(4):
+        for j in range(dof(scene.limb)):
             found.joints[1, j], found.rates[1, j] = found.joints[0, j], 0.0
         found.time[1] = leave
     else:

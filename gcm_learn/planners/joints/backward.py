@@ -1,13 +1,14 @@
 """The same search from the goals to the start, through a scene whose time runs backwards.
 
-What is hard to enter is easy to leave: where goals lie behind a gap, a search from there finds the
-gap at once, and where they are shut in it ends soon.
+A place that is hard to enter is easy to leave.  If goals lie behind a gap, a search from there
+finds the gap at once.  If they are shut in, it ends soon.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.charts.joint_lattice import nearest, posture_of
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.goals import Goals
@@ -53,7 +54,7 @@ def plant_goals(study, lattice, goals, home, tree, weight):
     count = goals.size[0]
     places.size[0] = count
     for k in range(count):
-        for j in range(4):
+        for j in range(dof(study.scene.limb)):
             places.joints[k, j] = goals.joints[k, j]
         spans_at(study, places, k)
     for k in range(count):
@@ -62,7 +63,7 @@ def plant_goals(study, lattice, goals, home, tree, weight):
         if span < 0 or places.spans[k, span, 0] > time:
             continue
         state = note(tree, k, span, -1, 0.0, time)
-        for corner in range(16):
+        for corner in range(1 << dof(study.scene.limb)):
             node = nearest(lattice, places.joints[k], corner)
             if node < 0:
                 continue
@@ -74,7 +75,7 @@ def plant_goals(study, lattice, goals, home, tree, weight):
 
 @njit(_nrt=False)
 def trace_back(study, goals, tree, state, ends, way):
-    """Write the way from the start through a state to a goal; whether there is room for it.
+    """Write the way from the start through a state to a goal; return whether it fits.
 
     Parameters
     ----------

@@ -39,16 +39,16 @@ class Goals(NamedTuple):
     """Postures that catch, in order of time."""
 
     time: np.ndarray  # (m,) [s]
-    joints: np.ndarray  # (m, 4) [rad]
+    joints: np.ndarray  # (m, dof) [rad]
     body: np.ndarray  # (m,)
     size: np.ndarray  # (1,): how many there are
 
 
-def no_goals(targets: int, instants: int, swivels: int) -> Goals:
+def no_goals(dof: int, targets: int, instants: int, swivels: int) -> Goals:
     """Room for goals."""
     most = targets * instants * (2 * swivels + 1) * PLACES
     return Goals(
-        np.empty(most), np.empty((most, 4)), np.empty(most, np.int64), np.zeros(1, np.int64)
+        np.empty(most), np.empty((most, dof)), np.empty(most, np.int64), np.zeros(1, np.int64)
     )
 
 
@@ -160,7 +160,7 @@ def add_spread(study, goals, times, count):
 
 @njit(_nrt=False)
 def reach(study, q, since, until, p, t):
-    """A straight move from joints q to p (4,), free and over at t [s].
+    """A straight move from joints q to p (dof,), free and over at t [s].
 
     Parameters
     ----------
@@ -249,13 +249,13 @@ def straight_to(study, goals, first, last, ends):
 
 @njit(_nrt=False)
 def earlier(study, q, since, b, p, t):
-    """Make a straight move from joints q (4,) catch body b before t [s], as early as it can.
+    """Make a straight move from joints q (dof,) catch body b before t [s], as early as it can.
 
     Parameters
     ----------
     since : float
         When the limb is at q [s].
-    p : (4,) ndarray
+    p : (dof,) ndarray
         Where the move ends; changed to where it ends then.
 
     Returns

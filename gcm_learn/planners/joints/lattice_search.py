@@ -1,13 +1,13 @@
 """Search for a catch over a lattice of postures and the spans of time in which they are free.
 
 A* over pairs of a node and a free span of it (Phillips and Likhachev, ICRA 2011), so that waiting
-pays. What is queued are tries: moves from a posture that was reached to a node, not yet looked at.
-A node's geometry is asked for when it is first tried, a move when its turn has come; the first try
-of a node comes straight from where its neighbour came from (lazy Theta*, Nash et al. 2010).
+pays. The queue holds tries: unchecked moves from a posture that was reached to a node.  A node's
+geometry is computed when it is first tried, a move is checked when its turn has come.  The first
+try of a node comes straight from where its neighbour came from (lazy Theta*, Nash et al. 2010).
 
 The key of a try is the time of the catch that it may lead to plus the motion that is left until
 then. The second term breaks ties: whoever can still meet the target at the last moment is equal in
-the first. A node from which no goal can be met in time is never queued.
+the first. Nodes that come too late for every goal are left out.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.charts.joint_lattice import neighbour, posture_of
 from gcm_learn.collision.rests import free_spans
 from gcm_learn.compiled import njit
@@ -40,7 +41,7 @@ class Places(NamedTuple):
 
     of_node: np.ndarray  # (nodes,) int32: index of a node in the other arrays, -1 if not tried
     tried: np.ndarray  # (nodes,) bool: whether a try of it was queued
-    joints: np.ndarray  # (p, 4)
+    joints: np.ndarray  # (p, dof)
     spans: np.ndarray  # (p, SPANS, 2): in which it is free [s]
     found: np.ndarray  # (p,): how many spans there are
     closed: np.ndarray  # (p, SPANS): the state that reached it, -1 if none has
@@ -80,13 +81,15 @@ class Tree(NamedTuple):
     tries: Tries
 
 
-def new_tree(nodes: int, most: int) -> Tree:
+def new_tree(nodes: int, joints: int, most: int) -> Tree:
     """An empty tree.
 
     Parameters
     ----------
     nodes : int
         Of the lattice.
+    joints : int
+        Of the arm.
     most : int
         Tries that are looked at before the search gives up.
     """
@@ -94,7 +97,7 @@ def new_tree(nodes: int, most: int) -> Tree:
     places = Places(
         np.full(nodes, -1, np.int32),
         np.zeros(nodes, np.bool_),
-        np.empty((most + 1, 4)),
+        np.empty((most + 1, joints)),
         np.empty((most + 1, SPANS, 2)),
         np.empty(most + 1, np.int8),
         np.empty((most + 1, SPANS), np.int32),
@@ -146,7 +149,7 @@ def _remove(tries):
 
 @njit(_nrt=False)
 def prospect(study, goals, q, t, bound, weight):
-    """The goal that a limb at joints q (4,) at time t [s] does best to make for.
+    """The goal that a limb at joints q (dof,) at time t [s] does best to make for.
 
     Parameters
     ----------
@@ -177,7 +180,7 @@ def prospect(study, goals, q, t, bound, weight):
 
 @njit(_nrt=False)
 def spans_at(study, places, k):
-    """Ask when the limb may be at place k, no sooner and no later than a movement can be."""
+    """Find the spans in which the limb may be at place k and a movement can be there."""
     scene, q = study.scene, places.joints[k]
     end, away = scene.limits.horizon, turning_time(scene.limits.joint_speed, scene.limb.start, q)
     since, until = (0.0, end - away) if study.backward else (away, end)
@@ -192,7 +195,7 @@ def spans_at(study, places, k):
 
 @njit(_nrt=False)
 def span_of(places, k, time):
-    """Index of the span of place k that holds a time, or of the next one; -1 if there is none."""
+    """Index of the span of place k that holds a time, or of the next one; -1 after the last."""
     for i in range(places.found[k]):
         if time <= places.spans[k, i, 1]:
             return i
@@ -201,7 +204,7 @@ def span_of(places, k, time):
 
 @njit(_nrt=False)
 def _place(study, lattice, places, node):
-    """Index of a node among the places; its posture and free spans are asked for at first."""
+    """Index of a node among the places; its posture and free spans are found at its first use."""
     k = places.of_node[node]
     if k < 0:
         k = np.int32(places.size[0])
@@ -290,7 +293,7 @@ def note(tree, place, span, via, left, time):
 def _expand(study, lattice, goals, tree, state, node, bound, weight):
     """Queue moves from a state to the neighbours of its node."""
     places, states, rate = tree.places, tree.states, study.scene.limits.joint_speed
-    for j in range(4):
+    for j in range(dof(study.scene.limb)):
         for way in (-1, 1):
             there = neighbour(lattice, node, j, way)
             if there < 0:

@@ -32,7 +32,7 @@ FINE = Effort(10**4, (2000, 8000))
 SPREAD = 72
 """Postures that are pulled to a target without goals, at each of four times as many instants."""
 INSTANTS, GOALS = 16, 100
-"""At and to which goals are spread or straight moves tried between two looks at the clock."""
+"""Instants and goals that are tried between two readings of the clock."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,8 @@ class LayeredInSpace:
 
     def _room_for_goals(self, problem: SpatialProblem, more: int = 1) -> Goals:
         targets = int((problem.bodies.rows[:, PART] == HAND).sum())
-        return no_goals(targets, more * self.instants, more * self.swivels)
+        joints = len(problem.situation.arm.joints)
+        return no_goals(joints, targets, more * self.instants, more * self.swivels)
 
     def _way(
         self, problem: SpatialProblem, study: Study, end: float, *, thorough: bool
@@ -157,7 +158,7 @@ class LayeredInSpace:
             way = two_sided(problem, study, goals, effort)
         if way is None:
             return None
-        short = new_way()
+        short = new_way(study.goal.size)
         shorten(study, way, short)
         return short
 
@@ -194,7 +195,7 @@ def posture_layered(effort: float = 1.0) -> LayeredInSpace:
 
 def _direct(study: Study, goals: Goals, goal: int, ends: np.ndarray) -> Way:
     """The straight move from the start to a goal that begins and ends (2,) when it should [s]."""
-    way = new_way()
+    way = new_way(study.goal.size)
     write(way, 0, study.scene.limb.start, 0.0, ends[0])
     write(way, 1, goals.joints[goal], ends[1], goals.time[goal])
     way.body[0] = goals.body[goal]

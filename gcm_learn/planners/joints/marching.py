@@ -56,7 +56,7 @@ class FrontInSpace:
         if answer is None and problem.accelerates:
             targets = int((problem.bodies.rows[:, PART] == HAND).sum())
             times = problem.situation.horizon * np.arange(1, INSTANTS + 1) / INSTANTS
-            tried = no_goals(targets, INSTANTS, SWIVELS), times
+            tried = no_goals(len(problem.situation.arm.joints), targets, INSTANTS, SWIVELS), times
             answer = plan_accelerated(problem, tried, SWIVELS, self.plan)
         return self._search(problem) if answer is None else answer
 
@@ -118,7 +118,7 @@ def followed(
     joints = chart.joints_at(states % chart.size)
     times = found.sheets.ravel()[states].filled(0.0).astype(float)
     body = [b.name for b in problem.situation.bodies].index(found.interception.body)
-    way, out = new_way(), new_way()
+    way, out = new_way(joints.shape[1]), new_way(joints.shape[1])
     if len(states) + 2 > MOST or not lay(study, joints, times, found.engine == "layered", way):
         return None, Reason(Failure.NO_ENDING)
     later = LATER * chart.spacing / fastest(problem.scene)
@@ -134,7 +134,7 @@ def followed(
 
 @njit(_nrt=False)
 def lay(study: Study, joints: np.ndarray, times: np.ndarray, waits: bool, way: Way) -> bool:
-    """Write the way through joints (m, 4), wanted at times (m,), as soon as limits allow.
+    """Write the way through joints (m, dof), wanted at times (m,), as soon as limits allow.
 
     If time is left, the limb waits before the move, or moves more slowly without `waits`.
     Returns whether it comes before the horizon.

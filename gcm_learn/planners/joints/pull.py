@@ -158,7 +158,7 @@ def _stepped(study, rate, depth, angle, q):
 
 @njit(_nrt=False)
 def box(study, q, span):
-    """Write the joints that a straight move from q (4,) can reach in a time into low and high.
+    """Write the joints that a straight move from q (dof,) can reach in a time into low and high.
 
     A hair less, so that by `time_of` no joint is too slow.
     """
@@ -170,9 +170,9 @@ def box(study, q, span):
 
 @njit(_nrt=False)
 def met_from(study, q, since, b, p, t):
-    """Write the joints near p (4,) that catch body b at t [s] into ``study.goal``.
+    """Write the joints near p (dof,) that catch body b at t [s] into ``study.goal``.
 
-    They are such that a straight move from joints q (4,) gets there in time.
+    They are such that a straight move from joints q (dof,) gets there in time.
 
     Parameters
     ----------

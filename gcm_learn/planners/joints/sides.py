@@ -51,11 +51,12 @@ class Side:
     caught: Goals
     """The goals of the search from the start."""
     over: bool = False
-    """Whether nothing is left to try."""
+    """True if all tries are spent."""
 
     def go_on(self, problem: SpatialProblem, tries: int) -> Way | None:
         """Look at so many moves more, or until the deadline: the way to a catch, if any."""
-        ends, way, study, tree, state = np.zeros(2), new_way(), self.study, self.tree, -1
+        study, tree, state = self.study, self.tree, -1
+        ends, way = np.zeros(2), new_way(study.goal.size)
         while state < 0 and tries > 0 and not self.over:
             if problem.over:
                 return None
@@ -77,7 +78,7 @@ class Side:
 def from_start(study: Study, goals: Goals, effort: Effort) -> Side:
     """The search from the start to the goals."""
     lattice = joint_lattice(study.scene, effort.nodes)
-    tree = new_tree(int(lattice.counts.prod()), sum(effort.tries))
+    tree = new_tree(int(lattice.counts.prod()), study.goal.size, sum(effort.tries))
     side = Side(study, goals, lattice, tree, effort.weight, goals)
     side.over = not plant(study, lattice, goals, tree, NEVER, effort.weight)
     return side
@@ -87,7 +88,9 @@ def from_goals(study: Study, goals: Goals, effort: Effort) -> Side:
     """The search from the goals to the start, in time that runs backwards."""
     back = study._replace(scene=reversed_scene(study.scene), backward=True)
     lattice, home = joint_lattice(back.scene, effort.nodes), goal_at_start(back)
-    tree = new_tree(int(lattice.counts.prod()), sum(effort.tries) + int(goals.size[0]))
+    tree = new_tree(
+        int(lattice.counts.prod()), study.goal.size, sum(effort.tries) + int(goals.size[0])
+    )
     plant_goals(back, lattice, goals, home, tree, effort.weight)
     return Side(back, home, lattice, tree, effort.weight, goals)
 

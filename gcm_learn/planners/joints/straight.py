@@ -38,7 +38,7 @@ SHORTEST = 1e-9  # a leg that takes less is one piece [s]
 
 @njit(_nrt=False)
 def _keep(study, goals, b, t, q):
-    """Note the joints near q (4,) that catch body b, if a straight move gets there by t [s]."""
+    """Note the joints near q (dof,) that catch body b, if a straight move gets there by t [s]."""
     k = goals.size[0]
     if k == goals.time.size or met_from(study, study.scene.limb.start, 0.0, b, q, t) == 0:
         return
@@ -52,8 +52,8 @@ def _keep(study, goals, b, t, q):
 def add_straight(study, goals, b, t, swivels):
     """Add postures that catch body b at t [s] and to which there is a straight move in time.
 
-    One is what the start is pulled to, the others are what the closed-form inverse gives for
-    places of the target, put where the joints can be by then and pulled from there.
+    One is pulled from the start.  The others come from the closed-form inverse for places of the
+    target: they are put where the joints can be by then and pulled from there.
     """
     limb = study.scene.limb
     _keep(study, goals, b, t, limb.start)
@@ -102,7 +102,7 @@ def hasten_straight(study, goals, before):
 
 @njit
 def straight_is_free(study, p, begin, end, until):
-    """Return whether the limb may wait, go straight from its start to joints p (4,), and wait.
+    """Return whether the limb may wait, go straight from its start to joints p (dof,), and wait.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ def _attempt(
 def attempt_along(
     problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
 ) -> Attempt:
-    """Straight legs between postures, up to where a target is met first.
+    """Straight legs between postures, up to the first target within reach.
 
     A leg takes the time it is given, and goes as evenly as the limit of the hand's speed lets it.
 
@@ -243,7 +243,7 @@ def attempt_along(
     ----------
     time : (n,) ndarray
         When the postures are reached; legs that take no time are left out [s].
-    joints : (n, 4) ndarray
+    joints : (n, dof) ndarray
     body : int
         What is caught at the end, if nothing is before.
     """
@@ -263,7 +263,7 @@ def attempt_along(
 def _cut(
     problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
 ) -> Attempt:
-    """A timed path (n,), (n, 4), up to where a target is met first."""
+    """A timed path (n,), (n, dof), up to the first target within reach."""
     for k in range(len(time) - 1):
         line(joints[k], joints[k + 1], study.desk.curve)
         t, b = first_meeting(

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import JOINTS
 from gcm_learn.arms.curves import line
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import first_meeting
@@ -32,7 +31,7 @@ class Way(NamedTuple):
     size: np.ndarray  # (1,): how many postures there are
 
 
-def new_way(dof: int = JOINTS) -> Way:
+def new_way(dof: int) -> Way:
     """Return a way without postures."""
     return Way(
         np.zeros((MOST, dof)),
@@ -45,7 +44,7 @@ def new_way(dof: int = JOINTS) -> Way:
 
 @njit(_nrt=False)
 def write(way, k, q, reached, left):
-    """Make joints q (4,) posture k of a way, and the last."""
+    """Make joints q (dof,) posture k of a way, and the last."""
     for j in range(q.size):
         way.joints[k, j] = q[j]
     way.reached[k], way.left[k] = reached, left
@@ -54,7 +53,7 @@ def write(way, k, q, reached, left):
 
 @njit(_nrt=False)
 def trace(study, goals, tree, state, goal, ends, way):
-    """Write the way that leads through a state to a goal; whether there is room for it."""
+    """Write the way that leads through a state to a goal; return whether it fits."""
     places, states = tree.places, tree.states
     k, s = 1, state
     while states.via[s] >= 0:
@@ -128,13 +127,13 @@ def hasten(study, way):
 
 @njit
 def samples_of(study, way):
-    """A way as samples: it is cut where a target is met first.
+    """A way as samples, cut at the first target within reach.
 
     Returns
     -------
     time : (n,) ndarray
         [s]
-    joints : (n, 4) ndarray
+    joints : (n, dof) ndarray
         [rad]
     body : int
         That is caught.

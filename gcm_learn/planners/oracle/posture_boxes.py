@@ -1,15 +1,16 @@
-"""Whether any free posture in reach meets a target: what no movement of a spatial arm gets round.
+"""A bound on all movements of a spatial arm: a free posture in reach must meet a target.
 
 Boxes of joints and time are split until each is excluded for certain, or one holds a posture that
 is free, in reach and on a target.  A box is excluded if its hands are off all targets, if the
 hand's limit of speed forbids them, or if all its limbs are inside one obstacle.  Joints that cannot
-have turned so far by then are cut off.  What is between the start and the posture is not asked.
+have turned so far by then are cut off.  The way from the start to the posture is left out.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
@@ -32,13 +33,13 @@ def ways_in_box(study, low, high, q):
 
     Parameters
     ----------
-    low, high : (4,) ndarray
+    low, high : (dof,) ndarray
         Ends of the box in the joints.
-    q : (4,) ndarray
+    q : (dof,) ndarray
         Filled with its middle.
     """
     limb = study.scene.limb
-    for j in range(4):
+    for j in range(dof(limb)):
         q[j] = 0.5 * (low[j] + high[j])
     h0, h1, h2, h3 = high[0] - q[0], high[1] - q[1], high[2] - q[2], high[3] - q[3]
     _, _, _, x, y, z = limb_at(limb, q)
@@ -49,7 +50,7 @@ def ways_in_box(study, low, high, q):
 
 @njit(_nrt=False)
 def may_meet(study, since, until, place, way):
-    """Whether a hand that is at most `way` from that of `place` may be on a target in a span."""
+    """Return if a hand that is at most `way` from that of `place` may be on a target in a span."""
     scene, t, hand = study.scene, 0.5 * (since + until), place[3:]
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] != LIMB:
@@ -62,7 +63,7 @@ def may_meet(study, since, until, place, way):
 
 @njit(_nrt=False)
 def is_blocked(study, since, until, place, upper, fore):
-    """Whether one obstacle touches all limbs whose points are so near to those of `place`."""
+    """Return whether one obstacle touches all limbs whose points are so near to `place`."""
     scene, t = study.scene, 0.5 * (since + until)
     ex, ey, ez, hx, hy, hz = place
     for k in range(study.desk.obstacles.size):
@@ -87,7 +88,7 @@ def _widest(study, low, high, since, until, farthest):
     scene, axis, most = study.scene, 4, 0.0
     for b in range(scene.bodies.rows.shape[0]):
         most = max(most, 0.5 * drift(scene.bodies, b, since, until))
-    for j in range(4):
+    for j in range(dof(scene.limb)):
         arm = farthest if j < 2 else scene.limb.length
         if 0.5 * (high[j] - low[j]) * arm > most:
             axis, most = j, 0.5 * (high[j] - low[j]) * arm
@@ -96,7 +97,7 @@ def _widest(study, low, high, since, until, farthest):
 
 @njit(_nrt=False)
 def _is_witness(study, q, t, place):
-    """Whether joints q (4,) meet a target at t [s], free, and in reach of a straight move."""
+    """Return if joints q (dof,) meet a target at t [s], free, and in reach of a straight move."""
     scene = study.scene
     if turning_time(scene.limits.joint_speed, scene.limb.start, q) > t:
         return False
@@ -107,7 +108,7 @@ def _is_witness(study, q, t, place):
 
 @njit(_nrt=False)
 def slice_is_ruled_out(study, since, until, most, stack):
-    """Whether no catch is possible in a span of time, and how many boxes were looked at.
+    """Return whether every catch in a span of time is excluded, and how many boxes that took.
 
     Parameters
     ----------
@@ -120,7 +121,7 @@ def slice_is_ruled_out(study, since, until, most, stack):
     limb, rate, low, high = scene.limb, scene.limits.joint_speed, study.low, study.high
     reach, looks, depth = limb.rho + limb.length, 0, 1
     _, _, _, sx, sy, sz = limb_at(limb, limb.start)
-    for j in range(4):
+    for j in range(dof(limb)):
         hair = _GRANTED * max(abs(limb.low[j]), abs(limb.high[j]))
         stack[0, j], stack[0, 5 + j] = limb.low[j] - hair, limb.high[j] + hair
     stack[0, 4], stack[0, 9] = since, until
@@ -129,7 +130,7 @@ def slice_is_ruled_out(study, since, until, most, stack):
         looks += 1
         begin, end = stack[depth, 4], stack[depth, 9]
         empty = False
-        for j in range(4):
+        for j in range(dof(limb)):
             turn = rate[j] * end * (1.0 + _GRANTED)
             low[j] = max(stack[depth, j], limb.start[j] - turn)
             high[j] = min(stack[depth, 5 + j], limb.start[j] + turn)
@@ -156,7 +157,7 @@ def slice_is_ruled_out(study, since, until, most, stack):
         axis, widest = _widest(study, low, high, begin, end, farthest)
         if widest < FINEST * reach:
             return False, looks
-        for j in range(4):
+        for j in range(dof(limb)):
             stack[depth, j], stack[depth, 5 + j] = low[j], high[j]
         for i in range(10):
             stack[depth + 1, i] = stack[depth, i]
@@ -170,8 +171,8 @@ def slice_is_ruled_out(study, since, until, most, stack):
 def earliest_possible(study: Study, most: int = MOST) -> float:
     """A moment before which no movement catches; infinite if none does at all [s].
 
-    It holds for every movement that keeps the limits of joints and hand and touches nothing. That
-    it is late enough to be useful is not promised.
+    It holds for every movement that keeps the limits of joints and hand and touches nothing.  It
+    may be too early to be useful.
     """
     end, stack = study.scene.limits.horizon, np.zeros((_DEEPEST, 10))
     for k in range(SLICES):
