@@ -170,7 +170,7 @@ def _fill_ring(bodies, poses, b, limbs, k, i, first, last, out, o):
     """
     px, py, pz, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     ball, limit = reach + limbs.thickness + FREE, (LENGTHS[k] + SLACK) ** 2
-    ball, count, at = bodies.rows[b, BALL] > 0.0, 0, (k * RINGS.size + i) * DIRECTIONS
+    is_ball, count, at = bodies.rows[b, BALL] > 0.0, 0, (k * RINGS.size + i) * DIRECTIONS
     z2 = pz * pz
     for turn in range(first, last + 1):
         j = turn % DIRECTIONS
@@ -181,7 +181,7 @@ def _fill_ring(bodies, poses, b, limbs, k, i, first, last, out, o):
         d2 = limb_point2(px, py, hx, hy, ex, ey) + z2
         if d2 >= ball * ball:
             continue
-        if ball:
+        if is_ball:
             out[o, at + j] = _closeness(np.sqrt(d2) - reach - limbs.thickness)
         else:
             limbs.close[count] = j

@@ -91,7 +91,7 @@ def test_rests_close_together_share_a_mark(waiting_case):
     way = dataclasses.replace(
         plan.trajectory,
         time=np.array([0.0, 0.3, 0.5, 0.51, 0.71, 1.0]),
-        hand=np.array([[1.0, 0], [1.4, 0], [1.4, 0], [1.42, 0], [1.42, 0], [1.8, 0]]),
+        path=np.array([[1.0, 0], [1.4, 0], [1.4, 0], [1.42, 0], [1.42, 0], [1.8, 0]]),
         joints=np.zeros((6, 2)),
     )
     assert len(notable_waits(way)) == 2
