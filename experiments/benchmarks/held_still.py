@@ -310,14 +310,18 @@ def memories() -> Iterator[Group]:
         return waypoints_of(situation, plan) if plan.caught else plan.status
 
     def raw(situation: Any) -> Any:
-        from gcm_learn.recall.kinds import raw_numbers
+        from gcm_learn.recall import kinds
 
-        return raw_numbers(situation)
+        # Former checkouts have other names.
+        ask: Any = kinds.raw_features if hasattr(kinds, "raw_features") else kinds.raw_numbers
+        return ask(situation)
 
     def features(situation: Any) -> Any:
-        from gcm_learn.recall.kinds import kind_of
+        from gcm_learn.recall import kinds
 
-        return kind_of(situation).look(situation)
+        if hasattr(kinds, "MEMORIES"):
+            return kinds.MEMORIES.of(situation).features(situation)
+        return kinds.kind_of(situation).look(situation)
 
     def recalled(situation: Any) -> Any:
         kept = memory("spatial" if situation.is_spatial else "planar")
