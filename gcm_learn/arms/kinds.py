@@ -17,9 +17,9 @@ from gcm_learn.errors import ArmKindError
 Entry = TypeVar("Entry")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind:
-    """One kind of arm.
+    """One kind of arm; equal to itself only, so that tables find it quickly.
 
     Parameters
     ----------
@@ -69,13 +69,13 @@ SPATIAL = Kind(
 CHAIN = Kind("chain", "chains", Chain, ChainLimb, chain_limb_of, ("gcm-learn/situation@3",))
 
 _BY_ARM: dict[type, Kind] = {}
-_BY_LIMB: dict[type, Kind] = {}
+_BY_TYPE: dict[type, Kind] = {}  # of records and of limbs
 
 
 def register_kind(kind: Kind) -> None:
     """Make a kind of arm known by its record and its limb."""
     _BY_ARM[kind.arm] = kind
-    _BY_LIMB[kind.limb] = kind
+    _BY_TYPE[kind.arm] = _BY_TYPE[kind.limb] = kind
 
 
 for _kind in (PLANAR, SPATIAL, CHAIN):
@@ -95,12 +95,13 @@ def kind_of(subject: Any) -> Kind:
     ArmKindError
         If the subject is not an arm of a registered kind, and has none.
     """
+    kind = _BY_TYPE.get(type(subject))
+    if kind is None:
+        kind = _BY_TYPE.get(type(getattr(subject, "limb", None) or getattr(subject, "arm", None)))
+    if kind is not None:
+        return kind
     if isinstance(subject, Kind):
         return subject
-    for name, table in (("arm", _BY_ARM), ("limb", _BY_LIMB)):
-        kind = table.get(type(getattr(subject, name, subject)))
-        if kind is not None:
-            return kind
     raise ArmKindError(f"arm: {type(subject).__name__} is not a registered kind of arm")
 
 

@@ -15,7 +15,7 @@ from gcm_learn.situation import Situation
 def cell_clearances(
     situation: Situation[SpatialArm], lattice: PostureLattice, t: float
 ) -> np.ndarray:
-    """How far the limb is from touching an obstacle, in every cell's posture, at time t.
+    """Clearance of the limb in every cell's posture at time t.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What "caught" promises of a spatial arm, at every instant of its curve."""
+"""Verification of movements in the joints, at every instant of their curves."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _piece(time, joints, rates, k, curve):
 
 @njit(_nrt=False)
 def _fault_at_ends(scene, time, joints, rates, body, desk):
-    """Whether it begins where the arm is, and ends at the target in time."""
+    """Check that a movement begins where the arm is, and ends at the target in time."""
     limb, last = scene.limb, time.size - 1
     for j in range(dof(limb)):
         if time[0] != 0.0 or joints[0, j] != limb.start[j]:
@@ -136,7 +136,7 @@ def _fault_at_ends(scene, time, joints, rates, body, desk):
 
 @njit(_nrt=False)
 def _starts_too_fast(scene, joints, rates, desk):
-    """Whether the hand is too fast at t = 0; where a movement goes on, its first piece tells."""
+    """Return whether the hand is too fast at t = 0, in a movement of one sample."""
     limb, curve = scene.limb, desk.curve
     for j in range(dof(limb)):
         curve[j, 0], curve[j, 1], curve[j, 2], curve[j, 3] = joints[j], rates[j], 0.0, 0.0
@@ -193,7 +193,7 @@ def _top_rate(curve, j):
 
 @njit(_nrt=False)
 def hand_too_fast(limb, curve, most, q):
-    """Whether the hand's way per share of a move exceeds `most` anywhere.
+    """Return whether the hand's way per share of a move exceeds `most` anywhere.
 
     The hand's velocity strays from a straight line between those at the ends of a span by at most
     an eighth of its width squared times what bounds the second derivative: each turns the arm once

@@ -46,7 +46,7 @@ PLANNERS = ("search", "straight", "straight-wait")
 def _registered(monkeypatch):
     """Register the kind for a test: others read all kinds that there are."""
     kinds = import_module("gcm_learn.arms.kinds")
-    for table in ("_BY_ARM", "_BY_LIMB"):
+    for table in ("_BY_ARM", "_BY_TYPE"):
         monkeypatch.setattr(kinds, table, dict(getattr(kinds, table)))
     register_kind(CRANE)
 

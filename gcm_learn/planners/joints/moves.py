@@ -24,7 +24,7 @@ NEVER = 1e300
 
 
 class Study(NamedTuple):
-    """A scene that is planned for, what to keep, and room to work in."""
+    """A scene to plan for, the rules to keep, and scratch arrays."""
 
     scene: Scene
     touch: float  # distance at which an obstacle counts as touching the limb
@@ -106,7 +106,7 @@ def between(q, p, share, out):
 
 @njit(_nrt=False)
 def timed_move_is_free(study, q, since, p, until, pieces):
-    """Whether the move that was timed last is free, if it begins and ends when it should."""
+    """Return whether the last timed move is free, if it begins and ends when it should."""
     if pieces == 1:
         return move_is_free(study.scene, q, since, p, until, study.touch, study.desk)
     stretch = (until - since) / study.pace[pieces - 1]
@@ -124,7 +124,7 @@ def timed_move_is_free(study, q, since, p, until, pieces):
 
 @njit(_nrt=False)
 def rest_is_free(study, q, since, until):
-    """Whether a limb that rests at joints q (n,) is not touched."""
+    """Return whether a limb that rests at joints q (n,) stays free."""
     if until <= since:
         return True
     return move_is_free(study.scene, q, since, q, until, study.touch, study.desk)

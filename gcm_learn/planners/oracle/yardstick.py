@@ -42,7 +42,7 @@ SpatialPlan = Plan
 
 @dataclass(frozen=True)
 class Yardstick:
-    """What is known of the catches of a situation with a spatial arm."""
+    """Knowledge about the catches of a situation with a spatial arm."""
 
     lower: float
     """No movement catches before [s]; infinite if none does within the horizon."""
@@ -61,7 +61,7 @@ class Yardstick:
 
     @property
     def decided(self) -> bool:
-        """Whether it is known that there is a catch, or that there is none."""
+        """Return whether a catch is known to exist, or known not to exist."""
         return self.plan.caught or math.isinf(self.lower)
 
     @property
