@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms import SpatialArm
-from gcm_learn.arms.limbs import dof
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.playing import observe_all
 from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
@@ -54,6 +53,6 @@ def _after(world, state, command, options, out):
     """Write the posture (2 dof,) after a step of the only arm."""
     worlds, states, how = World(*world), State(*state), Options(*options)
     view = view_in(worlds, 0, views_for(worlds, states, 0, 1))
-    end, speed, n = view.joints[0], view.rules.speed, dof(view.scene.limb)
+    end, speed, n = view.joints[0], view.rules.speed, view.joints.shape[1]
     reach_out(view.scene, speed, states.posture, 0, command, how.dt, end, view)
     out[:n], out[n:] = end, view.rates[0]
