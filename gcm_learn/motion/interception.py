@@ -9,8 +9,9 @@ from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, pose_at
 from gcm_learn.scene.shapes.choice import gap_in_plane
+from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
 
-NOWHERE = 1e300
+NEVER = 1e300  # [s]
 _PROBE = 1e-6  # finite difference for the direction of the nearest point [forearm lengths]
 
 
@@ -65,7 +66,7 @@ def first_catch(bodies, time, hand, catch, shortest):
 def approach(bodies, poses, b, x, y, catch, far):
     """Point within `catch` of the target nearest to (x, y): (px, py, found)."""
     d = gap_in_plane(bodies, poses, b, x, y)
-    if d >= NOWHERE:
+    if d >= EMPTY_DISTANCE:
         return x, y, False
     if d > catch:
         gx = gap_in_plane(bodies, poses, b, x + _PROBE, y)
@@ -148,7 +149,7 @@ def _away_until(bodies, poses, b, catch, near, far):
     room = max(abs(poses[b, 2]) - ball, away - margin - far, near - margin - away)
     if room <= 0.0:
         return 0.0
-    return room / top if top > 0.0 else NOWHERE
+    return room / top if top > 0.0 else NEVER
 
 
 @njit
@@ -172,7 +173,7 @@ def may_be_reached(scene):
             way = segment_distance(bodies, poses, b, x, y, x, y) - grasp - speed * t
             wait = way / (top + speed)
             if ring > 0.0:
-                wait = max(wait, ring / top if top > 0.0 else NOWHERE)
+                wait = max(wait, ring / top if top > 0.0 else NEVER)
             if wait <= tiny:  # now, or too soon to be told apart from now
                 return True
             t += wait
