@@ -14,12 +14,7 @@ from gcm_learn.arms import Arm, forward, joint_angles
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.motion import Movement
-from gcm_learn.motion.interception import (
-    NOWHERE,
-    first_catch,
-    first_interception,
-    may_be_reached,
-)
+from gcm_learn.motion.interception import first_catch, first_interception, may_be_reached
 from gcm_learn.motion.rules import Rules
 from gcm_learn.motion.timing import (
     SPACING,
@@ -32,6 +27,7 @@ from gcm_learn.motion.timing import (
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack, pack_bodies
 from gcm_learn.scene.shapes.choice import gap_in_plane
+from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
 from tests.referee import depths, place, point_distances, rates
 
 FAMILIES = {"planar": random_planar, "solid": random_solid}
@@ -137,7 +133,7 @@ def test_the_distance_to_a_target_is_that_to_its_cut(family, seed):
         for _ in range(5):
             hand = centre[:2] + rng.uniform(-0.5, 0.5, 2)
             d = gap_in_plane(bodies, poses, b, *hand)
-            if d >= NOWHERE:
+            if d >= EMPTY_DISTANCE:
                 grid = rng.uniform(-1.0, 1.0, (4000, 2)) * body.shape.bounding_radius
                 away = point_distances(body.shape, (centre, rotation), centre[:2] + grid)
                 assert away.min() > 0.0

@@ -124,7 +124,7 @@ def families_of_plans():
         yield replace(family, arm=replace(family.arm, ramp=(0.1, 0.1)))
 
 
-@pytest.mark.parametrize("family", families_of_plans(), ids=str)
+@pytest.mark.parametrize("family", list(families_of_plans()), ids=str)
 def test_what_is_planned_happens(family):
     """A verified catch is caught at its time or before; however long the steps are."""
     seen = 0
