@@ -20,7 +20,7 @@ def gap(bodies, b, x, y, z):
     return np.sqrt(x * x + y * y + w * w) - bodies.rows[b, SIZE]
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap_of_bone(bodies, b, p, q):
     """Distance of the segment p-q, 0 when they meet."""
     return max(_off_axis(p, q, bodies.rows[b, SIZE + 1]) - bodies.rows[b, SIZE], 0.0)

@@ -28,7 +28,7 @@ def gap(bodies, b, x, y, z):
     return ball.gap(bodies, b, x, y, z)
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap_of_bone(bodies, b, p, q):
     """Distance of the segment p-q to body b, 0 when they meet; p and q are tuples of 3 floats."""
     kind = bodies.rows[b, KIND]

@@ -31,7 +31,7 @@ def gap(bodies, b, x, y, z):
     return np.sqrt(u * u + w * w) + inside
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap_of_bone(bodies, b, p, q):
     """Distance of the segment p-q, 0 when they meet."""
     return _off_cylinder(p, q, bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1])

@@ -37,7 +37,7 @@ def gap(bodies, b, x, y, z):
     return polygon_distance(x, y, bodies.vertices, int(rows[b, FIRST]), int(rows[b, LAST]))
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def gap_of_bone(bodies, b, p, q):
     """Distance of the segment p-q in the plane, 0 when they meet."""
     ax, ay, _ = p
