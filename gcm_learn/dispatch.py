@@ -1,6 +1,6 @@
 """Functions that kernels call by the type of their first argument: one kernel for all arms.
 
-Numba picks the entry when it compiles, so a call costs as much as one of the entry.
+Numba picks the entry when it compiles, and calls it directly.
 """
 
 from __future__ import annotations
@@ -8,25 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from numba.extending import overload
+from numba.core import types
+from numba.core.typing.templates import AbstractTemplate, infer_global
 
 _TABLES: dict[Callable[..., Any], dict[type | None, Callable[..., Any]]] = {}
-
-_CALLS: tuple[Callable[..., Any], ...] = (
-    lambda f: lambda a: f(a),
-    lambda f: lambda a, b: f(a, b),
-    lambda f: lambda a, b, c: f(a, b, c),
-    lambda f: lambda a, b, c, d: f(a, b, c, d),
-    lambda f: lambda a, b, c, d, e: f(a, b, c, d, e),
-    lambda f: lambda a, b, c, d, e, g: f(a, b, c, d, e, g),
-    lambda f: lambda a, b, c, d, e, g, h: f(a, b, c, d, e, g, h),
-    lambda f: lambda a, b, c, d, e, g, h, i: f(a, b, c, d, e, g, h, i),
-    lambda f: lambda a, b, c, d, e, g, h, i, j: f(a, b, c, d, e, g, h, i, j),
-)
-"""Calls of a compiled function by the number of arguments less one.
-
-A thin call shares the function's code, which is kept on disk; its body would be compiled anew.
-"""
 
 
 def by_type(table: Mapping[type | None, Callable[..., Any]]) -> Any:
@@ -45,9 +30,8 @@ def by_type(table: Mapping[type | None, Callable[..., Any]]) -> Any:
         entries = _TABLES[chosen]
         return entries.get(type(first), entries.get(None))(first, *rest)  # type: ignore[misc]
 
-    _TABLES[chosen] = {}
-    for kind, kernel in table.items():
-        register(chosen, kind, kernel)
+    _TABLES[chosen] = dict(table)
+    infer_global(chosen, types.Function(_template(chosen)))
     return chosen
 
 
@@ -63,13 +47,33 @@ def register(function: Any, kind: type | None, kernel: Any) -> None:
     kernel : callable
         Compiled function.
     """
-    table = _TABLES[function]
-    table[kind] = kernel
+    _TABLES[function][kind] = kernel
 
-    def entry(first: Any, *rest: Any) -> Any:
-        made = getattr(first, "instance_class", None)
-        mine = kind is (made if made in table else None)
-        return _CALLS[len(rest)](kernel) if mine else None
 
-    counts = getattr(kernel, "targetoptions", {}).get("_nrt", True)
-    overload(function, jit_options={"_nrt": counts, "no_cfunc_wrapper": True}, strict=False)(entry)
+def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
+    """Return numba's question for the type and the code of a call, answered by an entry.
+
+    An `overload` would put a function around the entry.  Numba would optimise all code below once
+    more for it.
+    """
+
+    table: Mapping[type | None, Any] = _TABLES[function]
+
+    class Template(AbstractTemplate):  # type: ignore[misc]
+        key = function
+        codes: dict[tuple[Any, ...], Any] = {}
+
+        def generic(self, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+            kind = getattr(args[0], "instance_class", None)
+            kernel = table.get(kind, table.get(None))
+            if kernel is None:
+                return None
+            called = types.Dispatcher(kernel)
+            signature = called.get_call_type(self.context, args, kws)
+            self.codes[signature.args] = called.get_impl_key(signature)
+            return signature
+
+        def get_impl_key(self, signature: Any) -> Any:
+            return self.codes[signature.args]
+
+    return Template
