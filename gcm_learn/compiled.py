@@ -13,15 +13,16 @@ import os
 import re
 import time
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-import numba
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.registry import CPUDispatcher
 
 from gcm_learn import storage
+from gcm_learn.parts import PartCompiler, loading
 
 PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code
@@ -46,11 +47,49 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     if function is None:
         return lambda later: njit(later, **options)
     options.setdefault("no_cfunc_wrapper", True)  # for callers in C, and a seventh of compiling
-    made = numba.njit(**options)(function)
-    module = function.__module__
-    if not config.DISABLE_JIT and _is_ours(module) and not is_edited(module):
+    if config.DISABLE_JIT:
+        return function
+    made = _Kernel(function, targetoptions={"nopython": True, "boundscheck": None} | options)
+    if _is_kept(function):
         made._cache = _Cache(function)
     return made
+
+
+class _Kernel(CPUDispatcher):  # type: ignore[misc]
+    """Compiled function with two codes: one for Python, and a part for functions that call it.
+
+    Each is compiled at its first call.  A function must not call itself.
+    """
+
+    @cached_property
+    def _part(self) -> CPUDispatcher:
+        """The part, without a wrapper for Python."""
+        options = self.targetoptions | {"no_cpython_wrapper": True}
+        made = CPUDispatcher(self.py_func, targetoptions=options, pipeline_class=PartCompiler)
+        if _is_kept(self.py_func):
+            made._cache = _PartCache(self.py_func)
+        return made
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return the types of a call by another function; compile the part for it."""
+        return self._part.get_call_template(args, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """Return the key of the part."""
+        return self._part.get_overload(sig)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile the function for Python, and load the environments of its parts."""
+        entry = super().compile(sig)
+        made = self.overloads[tuple(_arguments(sig))]
+        for environment in made._find_referenced_environments():
+            made.codegen.set_env(environment.env_name, environment)
+        return entry
+
+
+def _is_kept(function: Callable[..., Any]) -> bool:
+    """Return whether a function's code is kept on disk."""
+    return _is_ours(function.__module__) and not is_edited(function.__module__)
 
 
 def _is_ours(module: str) -> bool:
@@ -216,6 +255,25 @@ class _Cache(FunctionCache):
         if _all_ours(_arguments(sig)):
             with contextlib.suppress(OSError):
                 super().save_overload(sig, data)
+
+
+class _PartImpl(_CacheImpl):
+    """Parts lie beside the code for Python."""
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        return f"part-{super().get_filename_base(fullname, abiflags)}"
+
+    def check_cachable(self, cres: Any) -> bool:
+        """Return whether a part may be kept, and warn of nothing: what links it may still be."""
+        return not cres.library.has_dynamic_globals and super().check_cachable(cres)
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        with loading(target_context):
+            return super().rebuild(target_context, payload)
+
+
+class _PartCache(_Cache):
+    _impl_class = _PartImpl
 
 
 def _arguments(sig: Any) -> tuple[Any, ...]:

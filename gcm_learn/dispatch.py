@@ -6,7 +6,7 @@ Numba picks the entry when it compiles, and calls it directly.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from numba.core import types
 from numba.core.typing.templates import AbstractTemplate, infer_global
@@ -56,12 +56,11 @@ def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
     An `overload` would put a function around the entry.  Numba would optimise all code below once
     more for it.
     """
-
     table: Mapping[type | None, Any] = _TABLES[function]
 
     class Template(AbstractTemplate):  # type: ignore[misc]
         key = function
-        codes: dict[tuple[Any, ...], Any] = {}
+        codes: ClassVar[dict[tuple[Any, ...], Any]] = {}  # by the types of arguments
 
         def generic(self, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
             kind = getattr(args[0], "instance_class", None)
@@ -69,7 +68,7 @@ def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
             if kernel is None:
                 return None
             called = types.Dispatcher(kernel)
-            signature = called.get_call_type(self.context, args, kws)
+            signature: Any = called.get_call_type(self.context, args, kws)
             self.codes[signature.args] = called.get_impl_key(signature)
             return signature
 
