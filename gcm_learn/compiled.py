@@ -22,7 +22,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from numba.core.registry import CPUDispatcher
 
 from gcm_learn import storage
-from gcm_learn.parts import PartCompiler, loading
+from gcm_learn.parts import PartCompiler, WholeCompiler, loading
 
 PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code
@@ -49,7 +49,8 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     options.setdefault("no_cfunc_wrapper", True)  # for callers in C, and a seventh of compiling
     if config.DISABLE_JIT:
         return function
-    made = _Kernel(function, targetoptions={"nopython": True, "boundscheck": None} | options)
+    options = {"nopython": True, "boundscheck": None} | options
+    made = _Kernel(function, targetoptions=options, pipeline_class=WholeCompiler)
     if _is_kept(function):
         made._cache = _Cache(function)
     return made

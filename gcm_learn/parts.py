@@ -1,32 +1,45 @@
-"""Code that compiled functions link: the part of another compiled function.
+"""Numba's compiler in two kinds: for functions that Python calls, and for parts that they link.
 
 Numba optimises a function together with all code below it, and makes machine code of that, once
 for each level of calls.  Parts are only simplified and kept as LLVM's bitcode.  A function that
-Python calls is optimised together with its parts, once.
+Python calls is optimised together with its parts.  It is optimised twice: counts of references go
+at the end of the first time, and only then some loops are simple enough.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, ClassVar
 
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 
 
-class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """Library of one part: others link it, Python cannot call it."""
+class _Library(JITCodeLibrary):  # type: ignore[misc]
+    """Code of one compiled function."""
 
-    def _optimize_final_module(self) -> None:
-        made = self._codegen._module_pass_manager(
-            loop_vectorize=self._codegen._loopvect,
-            slp_vectorize=False,
-            opt=self._codegen._opt_level,
-            cost="cheap",
-        )
+    def _run(self, **options: Any) -> None:
+        """Run numba's passes over the code."""
+        made = self._codegen._module_pass_manager(**options)
         passes, *builder = made if isinstance(made, tuple) else (made,)  # by numba's version
         passes.run(self._final_module, *builder)
+
+
+class WholeLibrary(_Library):
+    """Code of a function that Python calls, with that of its parts."""
+
+    def _optimize_final_module(self) -> None:
+        super()._optimize_final_module()
+        self._run()
+
+
+class PartLibrary(_Library):
+    """Code of one part: others link it, Python cannot call it."""
+
+    def _optimize_final_module(self) -> None:
+        levels = {"opt": self._codegen._opt_level, "loop_vectorize": self._codegen._loopvect}
+        self._run(cost="cheap", slp_vectorize=False, **levels)
 
     def _finalize_final_module(self) -> None:
         """Leave out what numba does here: make machine code and load it."""
@@ -35,7 +48,7 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Return 0, which tells numba that there is no such function in memory."""
+        """Return 0: no such function is in memory."""
         return 0
 
     def serialize_using_object_code(self) -> Any:
@@ -44,21 +57,30 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
 
     @property
     def codegen(self) -> PartLibrary:
-        """The library, which is asked for `set_env` only."""
+        """The library itself: numba takes `set_env` from here."""
         return self
 
     def set_env(self, name: str, environment: Any) -> None:
         """Do nothing: environments lie in the functions that link the part."""
 
 
-class PartCompiler(Compiler):  # type: ignore[misc]
-    """Numba's compiler, with a library of parts."""
+class WholeCompiler(Compiler):  # type: ignore[misc]
+    """Compiler of functions that Python calls."""
+
+    library: ClassVar[type[_Library]] = WholeLibrary
 
     def define_pipelines(self) -> Any:
         """Return numba's passes; they write to the library that is there."""
         name = self.state.func_id.func_qualname
-        self.state.library = PartLibrary(self.state.targetctx.codegen(), name)
+        self.state.library = self.library(self.state.targetctx.codegen(), name)
+        self.state.library.enable_object_caching()
         return super().define_pipelines()
+
+
+class PartCompiler(WholeCompiler):
+    """Compiler of parts."""
+
+    library = PartLibrary
 
 
 @contextmanager
