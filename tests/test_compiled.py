@@ -56,6 +56,46 @@ def doubled(x):
     return x + x
 
 
+def test_what_calls_a_function_links_a_part_of_it(ours):
+    """The part is no code for Python; both are kept, and found by another process's functions."""
+    function, folder = ours
+    for found in (False, True):
+        inner = compiled.njit(function)
+
+        @numba.njit
+        def outer(x, inner=inner):
+            return inner(x) + 1
+
+        assert outer(2) == 5 and not inner.overloads
+        assert bool(inner._part.stats.cache_hits) == found
+    assert inner(2) == 4 and inner.signatures == inner._part.signatures
+    assert sorted(path.name[:5] for path in folder.rglob("*.nbc")) == ["part-", "test_"]
+
+
+def halved(x):
+    if x < 0:
+        raise ValueError("below zero", x)
+    return x / 2
+
+
+def test_errors_of_parts_name_their_numbers(monkeypatch, tmp_path):
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    for function in (halved, quartered):
+        monkeypatch.setattr(function, "__module__", "gcm_learn.wave.halved")
+    for _ in range(2):
+        half = compiled.njit(halved)
+        monkeypatch.setitem(globals(), "half", half)
+        quarter = compiled.njit(quartered)
+        assert quarter(2) == 0.5
+        with pytest.raises(ValueError, match="below zero") as error:
+            quarter(-3)
+        assert error.value.args == ("below zero", -3)
+
+
+def quartered(x):
+    return half(x) / 2  # noqa: F821 -- set by the test
+
+
 def test_numba_itself_is_left_as_it_is():
     plain = numba.njit(cache=True)(lambda x: x)
     assert type(plain._cache) is numba.core.caching.FunctionCache
