@@ -45,6 +45,7 @@ CHUNK = 60  # obstacles that one search asks after: the bits of an integer
 ITSELF = 60  # the bit of the limb itself
 _HINGE = 1e-5  # share of the upper arm that is near the shoulder
 _DEEPEST = 40  # halvings of a move before it counts as touching
+UNLIMITED = 1 << 62
 _MOST = 200_000  # looks at a move before it counts as touching: bodies may spin absurdly fast
 
 
@@ -57,6 +58,7 @@ class Desk(NamedTuple):
     spans: np.ndarray  # (_DEEPEST + 2, 2): shares of a move still to be looked at
     waiting: np.ndarray  # (_DEEPEST + 2,): the obstacles that are to be looked at there
     obstacles: np.ndarray  # (k,): indices of the bodies that the limb must not touch
+    budget: np.ndarray  # (1,): distances along moves that may still be computed
 
 
 @njit
@@ -76,6 +78,7 @@ def desk_of(scene):
         np.zeros((_DEEPEST + 2, 2)),
         np.zeros(_DEEPEST + 2, dtype=np.int64),
         which[:count].copy(),
+        np.full(1, UNLIMITED),
     )
 
 
@@ -237,8 +240,9 @@ def _least_of(scene, since, until, floor, resolution, best, first, desk):
                 if room <= max(floor, best - resolution):
                     left |= np.int64(1) << k
         looks += 1
+        desk.budget[0] -= 1
         if left:
-            if looks >= _MOST or depth + 2 > _DEEPEST:
+            if looks >= _MOST or desk.budget[0] < 0 or depth + 2 > _DEEPEST:
                 return floor, t
             desk.spans[depth, 0], desk.spans[depth, 1], desk.waiting[depth] = s, high, left
             desk.spans[depth + 1, 0], desk.spans[depth + 1, 1] = low, s

@@ -282,7 +282,7 @@ def least_in_segment(scene, work, b, k, d0, d1, best, when, looks):
 
 
 @njit(_nrt=False)
-def leg_is_free(scene, work, sweeps):
+def leg_is_free(scene, work, sweeps, budget):
     """Tell whether the limb stays farther than `work.floor` from all obstacles on one segment.
 
     What comes within HAIR of the floor may count as touching.
@@ -294,6 +294,8 @@ def leg_is_free(scene, work, sweeps):
         Of a path of two samples, with a resolution that does not count.
     sweeps : (m,) ndarray
         Room for how far the limb moves on pieces of the segment, which all bodies ask for.
+    budget : (1,) ndarray of int64
+        Distances that may still be computed. Each lowers it; below 0 a leg counts as touching.
     """
     bodies, limb, time, hand, poses = scene.bodies, scene.limb, work.time, work.hand, work.poses
     x0, y0 = hand[0, 0], hand[0, 1]
@@ -312,13 +314,13 @@ def leg_is_free(scene, work, sweeps):
         d = arm_distance(bodies, poses, b, x0, y0, ex, ey)
         if d - slip - sweep > work.floor:
             continue
-        if not _keeps_away(scene, b, work, sweeps, d, slip):
+        if not _keeps_away(scene, b, work, sweeps, budget, d, slip):
             return False
     return True
 
 
 @njit(_nrt=False)
-def _keeps_away(scene, b, work, sweeps, d0, slip):
+def _keeps_away(scene, b, work, sweeps, budget, d0, slip):
     """`leg_is_free` of body b, at d0 when the leg begins, by bisection.
 
     The whole leg is piece 1, the halves of piece k are 2 k and 2 k + 1.  On each share of the leg
@@ -334,7 +336,8 @@ def _keeps_away(scene, b, work, sweeps, d0, slip):
         if d1 < 0.0:
             t = time[0] + s1 * (time[1] - time[0])
             d1 = stack[top - 1, 1] = limb_distance(scene, b, t, x, y, poses)
-            if d1 <= work.floor + HAIR:
+            budget[0] -= 1
+            if d1 <= work.floor + HAIR or budget[0] < 0:
                 return False
         way = sweeps[int(piece)] if piece < sweeps.size else -1.0
         if way < 0.0:

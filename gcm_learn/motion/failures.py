@@ -22,6 +22,7 @@ class Failure(Enum):
     NO_VALID_ROLLOUT = "none of {count} tried ways catches"
     IMPOSSIBLE = "certainly unreachable: no movement meets a target within the horizon"
     OUT_OF_TIME = "no catch was found by the deadline"
+    OUT_OF_WORK = "no catch was found within the limit of work"
     UNDECIDED = "no verified catch was found, though none is ruled out from {since:.3f} s on"
     TOO_SLOW = "not with accelerations up to {limit:g}: {reason}"
     LATE = "the catch at {when:.3f} s comes after the horizon"

@@ -30,11 +30,13 @@ from gcm_learn.motion import (
     verify,
 )
 from gcm_learn.planners.deadline import GAIN, Deadline
+from gcm_learn.planners.joints.moves import Study, study_of
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.situation import AnySituation, Situation, planar
 
 CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
+WORK = 5_000_000  # distances along moves that one plan may compute, a hundred times the usual
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 
@@ -55,6 +57,8 @@ class Task:
         """See `Plan`."""
         self.gain = GAIN * situation.horizon
         """By how much a catch must be earlier to be looked for [s]."""
+        self.budget = np.full(1, WORK)
+        """Distances (1,) along moves that may still be computed; negative when they are spent."""
         self.situation = situation
         self.planner = planner
         self.scene: Scene = pack(situation) if scene is None else scene
@@ -96,6 +100,8 @@ class Task:
         """A plan without a catch."""
         reason = why if isinstance(why, Reason) else Reason(why)
         blocked = reason.failure is Failure.START_BLOCKED
+        if self.budget[0] < 0:
+            reason = Reason(Failure.OUT_OF_WORK)
         return Plan(
             name=self.situation.name,
             planner=self.planner,
@@ -168,6 +174,12 @@ class SpatialProblem(Task):
     """A situation of a spatial arm on its way to a plan."""
 
     situation: Situation[SpatialArm]
+
+    @cached_property
+    def study(self) -> Study:
+        """The scene, the rules and buffers for planning moves, within the limit of work."""
+        made = study_of(self.scene, self.rules)
+        return made._replace(desk=made.desk._replace(budget=self.budget))
 
     @property
     def accelerates(self) -> bool:

@@ -51,8 +51,10 @@ def found(problem: Problem, n: int) -> Plan | None:
     """
     if problem.situation.arm.max_joint_speed is not None:
         return None
+    cut = False
     for size, most in ((n, MOST), (min(FINER * n // 2, LARGEST_LATTICE), BRIEF)):
         ground, labels, catches = searched(problem, size, most)
+        cut = cut or problem.nodes >= MOST
         for caught in reversed(catches):
             attempt = _attempt(problem, ground, labels, caught)
             plan = None if attempt is None else judged(problem, attempt)[0]
@@ -62,7 +64,7 @@ def found(problem: Problem, n: int) -> Plan | None:
             return None
         if problem.over:
             return problem.answer(Failure.OUT_OF_TIME)
-    return problem.answer(Failure.NO_INTERCEPTION)
+    return problem.answer(Failure.OUT_OF_WORK if cut else Failure.NO_INTERCEPTION)
 
 
 def searched(problem: Problem, n: int, most: int = MOST) -> tuple[Ground, Labels, list[Catch]]:
@@ -108,6 +110,7 @@ def ground_of(problem: Problem, lattice: Lattice) -> Ground:
         hole=hole_of(problem.situation.arm),
         sweep=leg_room(bodies, touch),
         sweeps=np.empty(PIECES),
+        budget=problem.budget,
         first=first,
         size=size,
         soonest=soonest,

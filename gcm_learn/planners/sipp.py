@@ -93,7 +93,7 @@ def leg(ground, t0, x0, y0, t1, x1, y1):
         return False
     time[0], time[1] = t0, t1
     hand[0, 0], hand[0, 1], hand[1, 0], hand[1, 1] = x0, y0, x1, y1
-    return leg_is_free(ground.scene, ground.sweep, ground.sweeps)
+    return leg_is_free(ground.scene, ground.sweep, ground.sweeps, ground.budget)
 
 
 @njit(_nrt=False)

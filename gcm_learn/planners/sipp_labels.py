@@ -29,6 +29,7 @@ class Ground(NamedTuple):
     hole: float  # distance that legs keep from the shoulder
     sweep: Sweep  # room to ask for a leg
     sweeps: np.ndarray  # (PIECES,): and for what its pieces sweep
+    budget: np.ndarray  # (1,): distances along legs that may still be computed
     first: np.ndarray  # (n * n + 1,) int: a node's first label, -1 before it is asked for
     size: np.ndarray  # (n * n + 1,) int: of its labels
     soonest: np.ndarray  # (n * n + 1,): when it is queued to be asked for

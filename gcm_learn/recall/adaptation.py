@@ -23,7 +23,6 @@ from gcm_learn.planners import (
     SpatialProblem,
     at_once,
     attempt_of,
-    study_of,
 )
 from gcm_learn.recall import trials
 from gcm_learn.recall.hand_paths import HandQuery, HandWork, hand_work
@@ -181,7 +180,7 @@ class JointTries(Tries):
     def query(self) -> JointQuery | TimedQuery:
         """The situation, as adaptations of joint movements need it."""
         frame = spatial_frame_of(self.problem.situation)
-        study = study_of(self.problem.scene, self.problem.rules)
+        study = self.problem.study
         made = TimedQuery if self.problem.accelerates else JointQuery
         return made(study, frame.canonical_joints(np.ones(study.goal.size)))
 

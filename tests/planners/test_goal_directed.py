@@ -140,7 +140,7 @@ def legs(k):
         if np.hypot(*hand[1]) > scene.limb.far or np.hypot(*hand[1]) < scene.limb.near:
             continue
         work = Sweep(time, hand, floor, 1e9, np.zeros((bodies, 12)), np.empty((DEEPEST + 2, 3)))
-        ours = leg_is_free(scene, work, np.empty(64))
+        ours = leg_is_free(scene, work, np.empty(64), np.full(1, 1000))
         least = least_distance(scene, time, hand, -1.0, 1e-6)[0]
         assert not ours or least > floor - 1e-9
         assert ours or least <= floor + 1e-3

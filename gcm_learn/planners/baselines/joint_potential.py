@@ -17,7 +17,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure
 from gcm_learn.motion.joint_interception import fastest_hand, met_at
 from gcm_learn.planners.completion import SpatialProblem, checked
-from gcm_learn.planners.joints.moves import study_of, time_of
+from gcm_learn.planners.joints.moves import time_of
 from gcm_learn.planners.joints.pull import met_from
 from gcm_learn.planners.joints.straight import attempt_along
 from gcm_learn.planners.plan import Plan
@@ -116,7 +116,7 @@ def descend_in_space(study, field, points):
 
 def potential_plan(problem: SpatialProblem, influence: float, gain: float) -> Plan:
     """Roll the field out in the known world and verify what comes of it."""
-    study = study_of(problem.scene, problem.rules)
+    study = problem.study
     points = np.empty((STEPS + 1, study.goal.size))
     count = descend_in_space(study, SpatialField(influence, gain), points)
     if count < 0:

@@ -20,7 +20,6 @@ from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.planners.completion import Attempt, SpatialProblem
 from gcm_learn.planners.joints.moves import (
     Study,
-    study_of,
     time_of,
     timed_move_is_free,
     turning_time,
@@ -155,14 +154,14 @@ def task_in_space(
     problem: SpatialProblem, seed: int, budget_ms: float, iterations: int
 ) -> JointTask:
     """Return the task of the search."""
-    study = study_of(problem.scene, problem.rules)
+    study = problem.study
     soonest = max(soonest_straight(study) - problem.rules.instant, 0.0)
     return JointTask(study, soonest, seed, budget_ms, iterations)
 
 
 def ways_along(problem: SpatialProblem, paths: list[np.ndarray]) -> list[Attempt]:
     """Paths between states (n, dof + 1), the earliest catch first; targets may cut them short."""
-    study, limb = study_of(problem.scene, problem.rules), problem.scene.limb
+    study, limb = problem.study, problem.scene.limb
     body = int(np.flatnonzero(problem.bodies.rows[:, PART] == HAND)[0])
     attempts = []
     for path in paths:

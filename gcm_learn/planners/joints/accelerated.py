@@ -23,7 +23,6 @@ from gcm_learn.motion.acceleration import dash, tracked
 from gcm_learn.motion.joint_verification import NOTHING, piece_fault
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.joints.goals import CENTRE, Goals, add_goals
-from gcm_learn.planners.joints.moves import study_of
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene.bodies import HAND as TARGET
 from gcm_learn.scene.bodies import PART
@@ -94,7 +93,7 @@ def _attempts(
     unlimited: Callable[[Situation[SpatialArm]], Plan],
 ) -> Iterator[Attempt]:
     arm, scene = problem.situation.arm, problem.scene
-    study = study_of(scene, problem.rules)
+    study = problem.study
     joints, rates = np.zeros((2, 3, len(arm.joints)))
     found = Dash(joints, rates, np.zeros(3))
     body = first_dash(study, *tried, swivels, np.array(HURRIES), found)

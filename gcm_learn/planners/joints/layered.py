@@ -19,7 +19,7 @@ from gcm_learn.planners.joints.goals import (
     straight,
     straight_to,
 )
-from gcm_learn.planners.joints.moves import Study, study_of
+from gcm_learn.planners.joints.moves import Study
 from gcm_learn.planners.joints.sides import Effort, two_sided
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten, write
@@ -113,7 +113,7 @@ class LayeredInSpace:
         line = earliest_straight(problem)
         if line.catch_time is not None and line.catch_time <= end:
             return line
-        study = study_of(problem.scene, problem.rules)
+        study = problem.study
         best: Plan | None = None
         while True:
             thorough, way = best is None, None

@@ -13,7 +13,7 @@ from gcm_learn.motion import Failure, Movement, Reason
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
 from gcm_learn.planners.joints.accelerated import plan_accelerated
 from gcm_learn.planners.joints.goals import no_goals, reach
-from gcm_learn.planners.joints.moves import Study, study_of, time_of
+from gcm_learn.planners.joints.moves import Study, time_of
 from gcm_learn.planners.joints.pull import met_from
 from gcm_learn.planners.joints.straight import at_once
 from gcm_learn.planners.joints.ways import (
@@ -62,7 +62,7 @@ class FrontInSpace:
 
     def _search(self, problem: SpatialProblem) -> Plan:
         situation = problem.situation
-        study, scene = study_of(problem.scene, problem.rules), kept(problem)
+        study, scene = problem.study, kept(problem)
         reason: Reason | None = None
         for params, postures in self.levels:
             chart, ignore = posture_lattice_of(situation.arm, params.n, postures), 0.0

@@ -22,7 +22,6 @@ from gcm_learn.planners.joints.goals import PLACES, Goals, place_on
 from gcm_learn.planners.joints.moves import (
     Study,
     rest_is_free,
-    study_of,
     time_of,
     timed_move_is_free,
 )
@@ -132,7 +131,7 @@ def at_once(problem: SpatialProblem) -> Plan | None:
 
 def earliest_straight(problem: SpatialProblem) -> Plan:
     """Go straight to the earliest interception, in any posture in which it can be met."""
-    plan, study = at_once(problem), study_of(problem.scene, problem.rules)
+    plan, study = at_once(problem), problem.study
     if plan is not None:
         return plan
     goals, reason = _earliest(study), None
@@ -186,7 +185,7 @@ def any_straight(
         Shares of the spare time that are spent before leaving; what is left of it after arriving.
         Without them the spare time is spread over the move.
     """
-    plan, study = at_once(problem), study_of(problem.scene, problem.rules)
+    plan, study = at_once(problem), problem.study
     if plan is not None:
         return plan
     start = problem.scene.limb.start

@@ -9,7 +9,6 @@ from gcm_learn.motion import Failure
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.joints.layered import finished
 from gcm_learn.planners.joints.meeting_trees import new_trees, search_trees
-from gcm_learn.planners.joints.moves import study_of
 from gcm_learn.planners.joints.straight import at_once
 from gcm_learn.planners.joints.ways import new_way, shorten
 from gcm_learn.planners.plan import Plan, in_joints
@@ -36,7 +35,7 @@ class TreeSearch:
         early = problem.early_answer() or at_once(problem)
         if early is not None:
             return early
-        study = study_of(problem.scene, problem.rules)
+        study = problem.study
         trees = new_trees(study, self.rounds + 2, self.seed)
         way = new_way(study.goal.size)
         if not search_trees(study, trees, self.rounds, situation.horizon, way):

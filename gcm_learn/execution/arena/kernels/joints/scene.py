@@ -46,7 +46,7 @@ def views_for(world, state, first, last):
     spare = desk_of(scene)
     desk = Desk(
         np.zeros((most, 12)), spare.curve, spare.joints, spare.spans, spare.waiting,
-        spare.obstacles,
+        spare.obstacles, spare.budget,
     )  # fmt: skip
     n = dof(scene.limb)
     joints, rates, jacobian = np.zeros((2, n)), np.zeros((4, n)), np.zeros((3, n))
@@ -58,7 +58,7 @@ def view_in(world, s, room):
     """Return situation s, with the buffers of another view."""
     scene, old = scene_of(world, s), room.desk
     which = world.obstacles[world.begin[s] : world.begin[s + 1]]
-    desk = Desk(old.poses, old.curve, old.joints, old.spans, old.waiting, which)
+    desk = Desk(old.poses, old.curve, old.joints, old.spans, old.waiting, which, old.budget)
     reach = scene.limb.rho + scene.limb.length
     return View(
         scene, rules_in(world, s), reach, world.pace[s], desk, room.joints, room.rates,
