@@ -2,10 +2,11 @@
 
 from gcm_learn.collision.distance import arm_distance, limb_segment2, segment_distance
 from gcm_learn.collision.occupancy import Postures, blocked_cells, first_touch, postures_of
-from gcm_learn.collision.postures import desk_of
+from gcm_learn.collision.postures import WORK, desk_of
 from gcm_learn.collision.sweep import least_distance
 
 __all__ = [
+    "WORK",
     "Postures",
     "arm_distance",
     "blocked_cells",

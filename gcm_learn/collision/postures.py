@@ -46,6 +46,8 @@ ITSELF = 60  # the bit of the limb itself
 _HINGE = 1e-5  # share of the upper arm that is near the shoulder
 _DEEPEST = 40  # halvings of a move before it counts as touching
 UNLIMITED = 1 << 62
+WORK = 2_000_000
+"""Distances along moves that a plan or a map may compute: ten times what crowded scenes take."""
 _MOST = 200_000  # looks at a move before it counts as touching: bodies may spin absurdly fast
 
 

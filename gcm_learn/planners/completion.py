@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.arms import Arm, SpatialArm
+from gcm_learn.collision import WORK
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import (
     HOLE_MARGIN,
@@ -36,7 +37,6 @@ from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.situation import AnySituation, Situation, planar
 
 CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
-WORK = 5_000_000  # distances along moves that one plan may compute, a hundred times the usual
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 

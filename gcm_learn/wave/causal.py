@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.charts import Lattice, PostureLattice, hand_space, ring_leap
-from gcm_learn.collision import desk_of
+from gcm_learn.collision import WORK, desk_of
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
 from gcm_learn.wave import agenda, layered, marching, posture_layered
@@ -151,7 +151,8 @@ def _ask(
     widening: np.ndarray | None,
 ) -> space.Ask:
     """Bind a scene and a lattice for marching in space."""
-    fast = float(fastest_hand(scene))
+    fast, desk = float(fastest_hand(scene)), desk_of(scene)
+    desk.budget[0] = WORK
     return space.Ask(
         scene,
         chart.nodes,
@@ -159,7 +160,7 @@ def _ask(
         terms_of(scene, chart, params, 1.0, ignore, fast)._replace(
             shortest=SHORTEST * chart.spacing / fast
         ),
-        desk_of(scene),
+        desk,
         np.empty(0) if widening is None else widening,
         params.margin,
         space.fastest_obstacle(scene),
