@@ -2,6 +2,38 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
+FEW = 12
+"""Names that a message lists beside the nearest one, at most."""
+
+
+def nearest(name: object, known: Iterable[str]) -> str | None:
+    """Return the known name that is most like a wrong one, or None if none is."""
+    found = difflib.get_close_matches(str(name).lower(), known, 1)
+    return found[0] if found else None
+
+
+def not_among(name: object, known: Iterable[str]) -> str:
+    """Say that a name is none of the known ones; suggest the nearest.
+
+    The known names are listed if they are few, or if none is near.
+    """
+    names = list(known)
+    near = nearest(name, names)
+    if near is None:
+        return f"{name!r} is not one of {', '.join(names)}"
+    among = f"not one of {', '.join(names)}" if len(names) <= FEW else "not known"
+    return f"{name!r} is {among}; did you mean {near!r}?"
+
+
+def not_known(key: str, known: Iterable[str]) -> str:
+    """Say that a field is unknown: suggest the nearest, or list the known ones."""
+    near = nearest(key, known)
+    hint = f"did you mean {near!r}?" if near else f"known: {', '.join(sorted(known))}"
+    return f"is not a known field ({hint})"
+
 
 class GcmError(Exception):
     """Base of every error that this package raises on purpose."""
@@ -45,7 +77,18 @@ class FileFormatError(GcmError, ValueError):
 
 
 class UnknownNameError(GcmError, ValueError):
-    """A name (planner, figure, scene) is not registered; the message lists those that are."""
+    """A name (planner, figure, scene) is not registered; the message suggests others."""
+
+    known: tuple[str, ...] = ()
+    """Names that are registered."""
+
+    @classmethod
+    def among(cls, what: str, name: object, known: Iterable[str]) -> UnknownNameError:
+        """Return the error for a name that is none of the known names of `what`."""
+        names = tuple(known)
+        error = cls(f"{what}: {not_among(name, names)}")
+        error.known = names
+        return error
 
 
 class LatticeError(GcmError, ValueError):

@@ -50,8 +50,7 @@ def export_minari(
         Control interval [s].
     """
     if planner not in records.spec.planners:
-        known = ", ".join(records.spec.planners)
-        raise UnknownNameError(f"planner: {planner!r} is not one of {known}")
+        raise UnknownNameError.among("planner", planner, records.spec.planners)
     try:
         import minari
         from gymnasium.spaces import Box

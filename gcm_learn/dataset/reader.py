@@ -61,7 +61,7 @@ class _Shelf:
     def column(self, name: str) -> np.ndarray:
         """A label column of all shards, failed items included (m,)."""
         if name not in LABELS:
-            raise UnknownNameError(f"column: {name!r} is not one of {', '.join(LABELS)}")
+            raise UnknownNameError.among("column", name, LABELS)
         if name not in self._labels:
             parts = [self.read(shard, [name]) for shard in range(len(self.names))]
             self._labels[name] = pa.concat_tables(parts)[name].to_numpy()

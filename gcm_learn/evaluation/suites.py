@@ -152,7 +152,7 @@ def suite_file(name: str) -> Path | None:
 def check_suite(name: str, count: int) -> None:
     """Refuse what is no suite, or more situations than it can have."""
     if name not in suite_names():
-        raise UnknownNameError(f"suite: {name!r} is not one of {', '.join(suite_names())}")
+        raise UnknownNameError.among("suite", name, suite_names())
     if not 1 <= count <= LARGEST:
         raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
 

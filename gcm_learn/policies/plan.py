@@ -20,6 +20,7 @@ from gcm_learn.errors import (
     MissingExtraError,
     PolicyError,
     UnknownNameError,
+    not_among,
 )
 from gcm_learn.execution import ARENAS, ArenaSettings, Settings, arena_of, settings_of
 from gcm_learn.planners import get_planner
@@ -93,7 +94,7 @@ class TrainingPlan:
 
     def __post_init__(self) -> None:
         if self.algo not in ALGORITHMS:
-            raise PolicyError(f"algo: {self.algo!r} is not one of {', '.join(ALGORITHMS)}")
+            raise PolicyError(f"algo: {not_among(self.algo, ALGORITHMS)}")
         if self.actions not in ("choice", "velocity"):
             raise PolicyError(f"actions: {self.actions!r} is not one of choice, velocity")
         if not arena_of(self.settings).followed and (self.algo == "clone" or self.demonstrations):

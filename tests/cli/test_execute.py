@@ -146,7 +146,7 @@ def test_a_policy_can_be_tried_out_first(file, actor, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--planner", "nobody"], "policy: 'nobody' is not one of the planners"),
+        (["--planner", "nobody"], "policy: 'nobody' is not one of gcm"),
         (
             ["--planner", "clone"],
             "--planner clone: an actor in the closed loop does not take planar arms",
