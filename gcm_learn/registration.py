@@ -25,6 +25,8 @@ ENTRIES = {
     ),
 }  # fmt: skip
 LIBRARY = "gymnasium"
+NAMESPACE = "gcm_learn"
+"""Of the second name of each environment, e.g. ``gcm_learn/CatchArm-v0``."""
 
 
 def announce() -> None:
@@ -39,9 +41,10 @@ def register() -> None:
     """Register the environments, if they are not yet."""
     import gymnasium
 
-    for name, (one, many) in ENTRIES.items():
-        if name not in gymnasium.registry:
-            gymnasium.register(name, entry_point=one, vector_entry_point=many)
+    for bare, (one, many) in ENTRIES.items():
+        for name in (bare, f"{NAMESPACE}/{bare}"):
+            if name not in gymnasium.registry:
+                gymnasium.register(name, entry_point=one, vector_entry_point=many)
 
 
 class _Waiter(MetaPathFinder):

@@ -30,7 +30,7 @@ class Generate:
     """a .toml or .json file; data/README.md explains it"""
 
     out: Annotated[str, arg(metavar="DIR")]
-    """folder for the dataset, or a URL that fsspec understands"""
+    """folder for the dataset, or a URL that fsspec understands, such as s3://BUCKET/FOLDER"""
 
     workers: AllCores = None
     """processes on this machine"""

@@ -44,7 +44,7 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     for run in manifest["runs"]:
         hands = run.get("cluster") or f"{run['workers']} workers"
         rate = run["records"] / max(run["seconds"], 1e-9)
-        yield f"  made {run['records']} in {run['seconds']:.0f} s by {hands}: {rate:.0f}/s"
+        yield f"  made {run['records']} in {run['seconds']:.0f} s by {hands}: {per_second(rate)}"
     yield ""
     yield from _families(manifest)
     yield ""
@@ -54,6 +54,11 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     yield f"drawn {manifest['drawn']}, rejected: {rejected}"
     yield "splits: " + ", ".join(f"{name} {n}" for name, n in manifest["splits"].items())
     yield from _checks(manifest)
+
+
+def per_second(rate: float) -> str:
+    """Return a rate with at least two digits that mean something."""
+    return f"{rate:.0f}/s" if rate >= 10.0 else f"{rate:.2g}/s"
 
 
 def _maps(manifest: Mapping[str, Any]) -> str:

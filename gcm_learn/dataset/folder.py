@@ -9,8 +9,11 @@ from typing import BinaryIO, cast
 
 import fsspec
 from fsspec.implementations.local import LocalFileSystem
+from fsspec.implementations.memory import MemoryFileSystem
+from fsspec.registry import known_implementations
 
 from gcm_learn import artifacts
+from gcm_learn.errors import DatasetError
 from gcm_learn.storage import is_unfinished, stream_hash, temporary_name, user_cache, write_whole
 
 SHARDS = "shards"
@@ -24,11 +27,19 @@ class Folder:
     ----------
     url : str
         A path, or what fsspec understands: ``s3://bucket/folder``, ``memory://folder``.
+
+    Raises
+    ------
+    DatasetError
+        If fsspec does not know such URLs, or needs another package for them.
     """
 
     def __init__(self, url: str | os.PathLike[str]) -> None:
         self.url = os.fspath(url)
-        self._files, root = fsspec.core.url_to_fs(self.url)
+        try:
+            self._files, root = fsspec.core.url_to_fs(self.url)
+        except (ImportError, ValueError) as error:
+            raise DatasetError(f"{self.url}: {_hint(self.url) or error}") from None
         self._root = root.rstrip("/") or "/"
 
     @property
@@ -45,6 +56,15 @@ class Folder:
         if os.access(folder, os.W_OK) and not _is_sample(folder):
             return folder / "cache"
         return user_cache("maps")
+
+    @property
+    def shared(self) -> bool:
+        """Whether other processes see the same files; ``memory://`` is of one process only."""
+        return not isinstance(self._files, MemoryFileSystem)
+
+    def where(self, name: str) -> str:
+        """Return the place of a file for messages: beside the URL that was given."""
+        return posixpath.join(self.url, name)
 
     def path(self, name: str) -> str:
         """Full path of a file within the file system."""
@@ -108,6 +128,13 @@ class Folder:
         """Hash of a file's content."""
         with self.open(name) as stream:
             return stream_hash(stream)
+
+
+def _hint(url: str) -> str | None:
+    """Return which package a URL needs, if fsspec has it from another one."""
+    known = known_implementations.get(url.partition("://")[0], {})
+    package = known.get("class", "fsspec").partition(".")[0]
+    return None if package == "fsspec" else f"needs {package}: pip install {package}"
 
 
 def _is_sample(folder: Path) -> bool:

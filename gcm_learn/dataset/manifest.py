@@ -50,11 +50,18 @@ def present(folder: Folder, spec: DatasetSpec, shards: Iterable[int]) -> dict[in
         except DamagedShardError:
             continue
         if info.spec != spec.digest:
-            reason = f"is of specification {info.spec}, not {spec.digest}"
-            raise DatasetError(f"{folder.path(name)}: {reason}")
+            raise DatasetError(f"{folder.where(name)}: {_difference(folder, name, spec)}")
         if info.rows == len(spec.indices(shard)):
             found[shard] = info
     return found
+
+
+def _difference(folder: Folder, name: str, spec: DatasetSpec) -> str:
+    """Say how the specification of a shard differs from another one."""
+    there, wanted = header_of(folder, name)["spec"], spec_to_json(spec)
+    fields = sorted(f for f in wanted if f != "count" and there.get(f) != wanted[f])
+    differ = f" (they differ in {', '.join(fields)})" if fields else ""
+    return f"is of specification {there.get('name')!r}, not of this {spec.name!r}{differ}"
 
 
 def read_manifest(folder: Folder) -> Manifest | None:
@@ -66,7 +73,7 @@ def read_manifest(folder: Folder) -> Manifest | None:
         if manifest["format"] != FORMAT:
             raise ValueError(f"format is {manifest['format']!r}, expected {FORMAT!r}")
     except (ValueError, KeyError, TypeError) as error:
-        raise DatasetError(f"{folder.path(MANIFEST)}: not a manifest ({error})") from None
+        raise DatasetError(f"{folder.where(MANIFEST)}: not a manifest ({error})") from None
     return dict(manifest)
 
 

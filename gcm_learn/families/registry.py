@@ -135,7 +135,7 @@ def read_family(path: str | Path) -> Family:
         return family_from_dict(parse(text))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "is not UTF-8 text"
-        raise FileFormatError(f"{path}:1: cannot be read ({reason})") from None
+        raise FileFormatError(f"{path}: cannot be read ({reason})") from None
     except JsonTextError as error:
         raise FileFormatError(f"{path}:{error.line}: not valid JSON: {error.reason}") from None
     except UnknownNameError as error:

@@ -56,7 +56,7 @@ def _read_text(path: str | Path, name: str) -> str:
     except (OSError, ValueError) as error:
         # ValueError: a path with a null byte
         reason = getattr(error, "strerror", None) or error
-        raise FileFormatError(f"{name}:1: cannot be read ({reason})") from None
+        raise FileFormatError(f"{name}: cannot be read ({reason})") from None
 
 
 def _read_stdin() -> bytes:

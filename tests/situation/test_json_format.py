@@ -164,11 +164,11 @@ def test_names_are_unique_in_a_file(in_folder):
 
 def test_files_that_cannot_be_read(in_folder):
     (in_folder / "folder.json").mkdir()
-    assert refusal("none.json") == "none.json:1: cannot be read (No such file or directory)"
-    assert refusal("folder.json") == "folder.json:1: cannot be read (Is a directory)"
-    assert refusal("a\0b.json") == "a\\x00b.json:1: cannot be read (embedded null byte)"
-    assert refusal("a\nb.json") == "a\\nb.json:1: cannot be read (No such file or directory)"
-    assert refusal("x" * 300).endswith(":1: cannot be read (File name too long)")
+    assert refusal("none.json") == "none.json: cannot be read (No such file or directory)"
+    assert refusal("folder.json") == "folder.json: cannot be read (Is a directory)"
+    assert refusal("a\0b.json") == "a\\x00b.json: cannot be read (embedded null byte)"
+    assert refusal("a\nb.json") == "a\\nb.json: cannot be read (No such file or directory)"
+    assert refusal("x" * 300).endswith(": cannot be read (File name too long)")
 
 
 def test_byte_order_mark_and_windows_line_ends_are_accepted(in_folder):
