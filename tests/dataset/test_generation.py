@@ -107,7 +107,7 @@ def test_parts_of_a_job_array_make_the_whole(small, tmp_path, here):
 def test_another_specification_is_refused(small, tmp_path, here):
     generate(small, tmp_path)
     with pytest.raises(
-        DatasetError, match="specification 'small', not of this 'other' .*in name, seed"
+        DatasetError, match=r"specification 'small', not of this 'other' .*in name, seed"
     ):
         generate(replace(small, seed=99, name="other"), tmp_path)
 
