@@ -140,6 +140,10 @@ class PhysicsError(GcmError, RuntimeError):
     """
 
 
+class BodyError(PhysicsError):
+    """An arm has no body, or not the one that was asked for; physics was not begun."""
+
+
 class PolicyError(GcmError, RuntimeError):
     """A policy is missing or damaged, or its training is asked for something that there is not."""
 

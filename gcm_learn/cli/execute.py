@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     Spatial = Situation[SpatialArm]
     Draw = Callable[[Spatial, Execution], None]
 
+NO_BODY = "no body"
+"""Status of a situation that cannot be executed, which others do not suffer from."""
 MILLI = 1e3  # [1/1000]
 EXACT_LOOKS = 2  # after which a policy acts whose eyes are exact: they tell accelerations
 
@@ -84,7 +86,7 @@ class Execute:
     """folder for one animated GIF of each movement"""
 
     def run(self) -> int:
-        """Execute the file; 1 if the physics of any situation failed."""
+        """Execute the file; 1 if the physics of any situation failed, 2 if no arm has a body."""
         from gcm_learn.execution import execution_to_json, read_body
         from gcm_learn.situation import spatial
 
@@ -111,6 +113,8 @@ class Execute:
                     draw(situation, done)
         if not piped and len(situations) > 1:
             print(", ".join(f"{count} {status}" for status, count in counts.most_common()))
+        if counts[NO_BODY] == len(situations):
+            raise CommandFailure(f"{self.file}: no body fits any of the arms; see --body")
         return 1 if counts["failed"] else 0
 
     def _who(self) -> Who:
@@ -132,7 +136,7 @@ class Execute:
 
     def _executed(self, who: Who, situation: Spatial, body: ArmBody | None) -> Execution:
         """What came of a situation; whatever physics cannot do is told, and the rest goes on."""
-        from gcm_learn.errors import PhysicsError
+        from gcm_learn.errors import BodyError, PhysicsError
         from gcm_learn.execution import Execution, body_for, with_motor_limits
 
         try:
@@ -140,7 +144,8 @@ class Execute:
             limited = with_motor_limits(situation, chosen)
             done = self._followed(who, limited, chosen)
         except PhysicsError as error:
-            return Execution(situation.name, who.name, "failed", message=one_line(str(error)))
+            status = NO_BODY if isinstance(error, BodyError) else "failed"
+            return Execution(situation.name, who.name, status, message=one_line(str(error)))
         if limited is situation:
             return done
         most = limited.arm.max_joint_acceleration

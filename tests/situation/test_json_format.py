@@ -10,6 +10,7 @@ import sys
 import pytest
 from hypothesis import given, settings
 
+from gcm_learn import artifacts
 from gcm_learn.arms import Arm
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation import (
@@ -25,6 +26,12 @@ from gcm_learn.situation import (
 )
 from tests import strategies
 from tests.situation.scenes import GONE, PLANAR, REFUSED, SCENES, SOLID, changed, refusal
+
+
+def test_files_of_suites_are_read():
+    path = artifacts.shipped("data") / "suites" / "demo.jsonl"
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    assert read_situations(path) == [situation_from_json(line["situation"]) for line in lines]
 
 
 @pytest.fixture
