@@ -134,6 +134,10 @@ class ArenaError(GcmError, ValueError):
     """The arena is asked for something that it does not have; the message names the argument."""
 
 
+class StopError(GcmError, ValueError):
+    """A movement ends in motion, and no verified stop was found."""
+
+
 class PhysicsError(GcmError, RuntimeError):
     """The arm cannot be put into physics: no body fits, limits that no motor keeps, numbers that
     are none.
