@@ -10,7 +10,7 @@ FEW = 12
 
 
 def nearest(name: object, known: Iterable[str]) -> str | None:
-    """Return the known name that is most like a wrong one, or None if none is."""
+    """Return the known name that is most like a wrong one, or None."""
     found = difflib.get_close_matches(str(name).lower(), known, 1)
     return found[0] if found else None
 
@@ -65,7 +65,7 @@ class ArmKindError(GcmError, ValueError):
 
 
 class FamilyError(FieldError):
-    """A family of situations is asked for something it does not know or cannot draw."""
+    """A family of situations has no such field, or cannot draw within its ranges."""
 
 
 class SpecError(FieldError):
@@ -127,11 +127,11 @@ class PlatformError(GcmError, RuntimeError):
 
 
 class RecallError(GcmError, RuntimeError):
-    """A memory is missing, damaged, or was made with another index than the one that asks it."""
+    """A memory is missing, damaged, or was made with another index."""
 
 
 class ArenaError(GcmError, ValueError):
-    """The arena is asked for something that it does not have; the message names the argument."""
+    """An argument does not fit the arena; the message names it."""
 
 
 class StopError(GcmError, ValueError):
@@ -139,22 +139,20 @@ class StopError(GcmError, ValueError):
 
 
 class PhysicsError(GcmError, RuntimeError):
-    """The arm cannot be put into physics: no body fits, limits that no motor keeps, numbers that
-    are none.
-    """
+    """Physics cannot move an arm: its body does not fit, or motors cannot keep its limits."""
 
 
 class BodyError(PhysicsError):
-    """An arm has no body, or not the one that was asked for; physics was not begun."""
+    """No body fits an arm, so it cannot be executed."""
 
 
 class PolicyError(GcmError, RuntimeError):
-    """A policy is missing or damaged, or its training is asked for something that there is not."""
+    """A policy is missing or damaged, or its training plan is wrong."""
 
 
 class EncoderError(GcmError, ValueError):
-    """An encoder is asked for what it is not, or its files are not those of an encoder."""
+    """An encoder lacks what a caller needs, or its files are damaged."""
 
 
 class SuiteError(GcmError, ValueError):
-    """A comparison is asked for something that there is not, or its situations have changed."""
+    """A comparison names an unknown part, or its situations have changed."""

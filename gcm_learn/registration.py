@@ -1,8 +1,8 @@
-"""Tells Gymnasium of the arena, now or as soon as Gymnasium is there.
+"""Registration of the environments, now or as soon as Gymnasium is imported.
 
 Importing `gcm_learn` must not load Gymnasium, and ``gymnasium.make("gcm_learn:CatchArm-v0")`` must
-work whichever of the two was imported first. So where Gymnasium is not loaded yet, a finder waits
-for it, finds nothing itself, and is gone once it has come.
+work whichever of the two was imported first. So a finder waits until Gymnasium is imported, and
+then removes itself.
 """
 
 from __future__ import annotations
@@ -79,5 +79,5 @@ class _ThenRegister(Loader):
         register()
 
     def __getattr__(self, name: str) -> object:
-        """What else the other loader can do, e.g. find resources."""
+        """Return an attribute of the other loader, e.g. its resources."""
         return getattr(self.loader, name)

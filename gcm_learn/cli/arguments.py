@@ -55,7 +55,7 @@ gcm-learn COMMAND --help explains a command, gcm-learn --version says which vers
 
 
 class Command(Protocol):
-    """What every command record can do."""
+    """Record of a command."""
 
     def run(self) -> int:
         """Do the work and return the exit code."""

@@ -112,7 +112,7 @@ def _hint(manifest: Manifest) -> str | None:
 
 
 def _sentence(out: str, manifest: Manifest) -> str:
-    """What there is, in one line."""
+    """Return a summary of a dataset in one line."""
     strata = ", ".join(f"{share:.0%} {name}" for name, share in manifest["shares"].items())
     size = manifest["bytes"] / 1e6
     state = "" if manifest["complete"] else f" so far ({len(manifest['shards'])} shards)"

@@ -1,4 +1,4 @@
-"""``gcm-learn inspect``: what is in a dataset, in numbers."""
+"""``gcm-learn inspect``: contents of a dataset, in numbers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Inspect:
 
 
 def report(manifest: Mapping[str, Any]) -> Iterator[str]:
-    """The lines that tell what a manifest says."""
+    """Yield the lines of a report on a manifest."""
     spec, records = manifest["spec"], max(manifest["records"], 1)
     state = "complete" if manifest["complete"] else f"{manifest['records']} of {spec['count']}"
     if not manifest.get("planned", True):
@@ -62,7 +62,7 @@ def per_second(rate: float) -> str:
 
 
 def _maps(manifest: Mapping[str, Any]) -> str:
-    """What maps records hold, and on what lattices planners work; in space neither is there."""
+    """Return the maps of records and the lattices of planners; spatial arms have neither."""
     spec = manifest["spec"]
     if manifest["schema"] == IN_SPACE:
         return "spatial arms, no maps"

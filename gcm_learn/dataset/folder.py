@@ -48,9 +48,9 @@ class Folder:
         return self._root if isinstance(self._files, LocalFileSystem) else None
 
     def caches(self) -> Path:
-        """Where caches of a dataset on this machine are kept: in its folder, if it can take them.
+        """Return the folder of caches: in the dataset if it can be written, else among the user's.
 
-        What is shipped stays as it is, and the sample's are among the user's.
+        Caches of the shipped sample are among the user's, too.
         """
         folder = Path(self._root)
         if os.access(folder, os.W_OK) and not _is_sample(folder):
@@ -59,7 +59,7 @@ class Folder:
 
     @property
     def shared(self) -> bool:
-        """Whether other processes see the same files; ``memory://`` is of one process only."""
+        """True if other processes see the same files; ``memory://`` belongs to one process."""
         return not isinstance(self._files, MemoryFileSystem)
 
     def where(self, name: str) -> str:
@@ -75,11 +75,11 @@ class Folder:
         self._files.makedirs(self.path(SHARDS), exist_ok=True)
 
     def exists(self, name: str) -> bool:
-        """Whether there is such a file."""
+        """Return whether a file exists."""
         return bool(self._files.exists(self.path(name)))
 
     def names(self, name: str = "") -> list[str]:
-        """Names of the files in a folder below this one, in order; empty if there is none."""
+        """Names of the files in a folder below this one, in order."""
         try:
             found = self._files.ls(self.path(name) if name else self._root, detail=False)
         except (FileNotFoundError, NotADirectoryError):
@@ -138,5 +138,5 @@ def _hint(url: str) -> str | None:
 
 
 def _is_sample(folder: Path) -> bool:
-    """Whether it is the sample that comes with the package."""
+    """Return whether a folder is the sample that comes with the package."""
     return folder.resolve() == (artifacts.shipped("data") / "sample").resolve()

@@ -1,4 +1,4 @@
-"""What a dataset says of itself: made anew from its shards, whenever it is written.
+"""The manifest of a dataset, made anew from its shards whenever it is written.
 
 It is first written before the first shard, with the specification of what is to come.
 """
@@ -65,7 +65,7 @@ def _difference(folder: Folder, name: str, spec: DatasetSpec) -> str:
 
 
 def read_manifest(folder: Folder) -> Manifest | None:
-    """The manifest, None if there is none."""
+    """Return the manifest, or None."""
     if not folder.exists(MANIFEST):
         return None
     try:
@@ -91,7 +91,7 @@ def manifest_of(
     runs: list[dict[str, Any]],
     fresh: Collection[int] = (),
 ) -> Manifest:
-    """What the shards that are there add up to.
+    """Return the sums over the shards that exist.
 
     Parameters
     ----------
@@ -177,8 +177,8 @@ def _sum(counts: Iterable[Mapping[str, int]]) -> Counter[str]:
 def survey(path: str | os.PathLike[str]) -> Manifest:
     """The manifest of a dataset, or what it would be now if it is not finished.
 
-    ``planned`` tells whether it is known how many records there are to be: a folder without a
-    manifest has only its shards to go by, and is never called complete.
+    ``planned`` is true if the final number of records is known. A folder without a manifest only
+    has its shards, and is never complete.
     """
     folder = Folder(path)
     manifest = read_manifest(folder)

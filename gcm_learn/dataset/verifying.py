@@ -1,4 +1,4 @@
-"""Does a dataset keep its promises?  Bytes, plans and items are checked anew."""
+"""Verification of datasets: bytes, plans and items are checked anew."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ REMAKE = 2  # salt of the lot that decides which item of a shard is made again
 
 @dataclass(frozen=True)
 class Report:
-    """What a check of a dataset or of a part of it found."""
+    """Result of a check of a dataset, or of a part of it."""
 
     records: int = 0
     plans: int = 0

@@ -51,7 +51,7 @@ class Viewer:
             if plt.get_backend().lower() not in interactive():
                 raise ArenaError(
                     f"render_mode: 'human' needs a window, but matplotlib's {plt.get_backend()!r} "
-                    "opens none (no display, or MPLBACKEND is set); choose 'rgb_array'"
+                    "cannot open one (check the display and MPLBACKEND); choose 'rgb_array'"
                 )
             figure = plt.figure(figsize=(SIZE_INCHES, SIZE_INCHES), dpi=DPI)
             axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))

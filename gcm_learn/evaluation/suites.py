@@ -145,7 +145,7 @@ def suite_names() -> list[str]:
 
 
 def suite_file(name: str) -> Path | None:
-    """The file of a suite that has been drawn, or is shipped; None if there is none."""
+    """Return the file of a suite that is drawn or shipped, or None."""
     return artifacts.find("data", f"{FOLDER}/{name}.jsonl")
 
 

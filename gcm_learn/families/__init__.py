@@ -1,4 +1,4 @@
-"""Where situations come from: the paper's scenes and random families.
+"""Sources of situations: the paper's scenes and random families.
 
 >>> from gcm_learn import families
 >>> families.draw("gate", seed=0, index=42).name

@@ -28,7 +28,7 @@ _NAMES = ByKind(
 
 
 def joint_names(arm: Any) -> list[str]:
-    """Return the names of an arm's joints: those of its model, else ``joint_1`` and so on."""
+    """Return the names of an arm's joints, from its model or as ``joint_1`` and so on."""
     names: list[str] = _NAMES.of(arm)(arm)
     return names
 

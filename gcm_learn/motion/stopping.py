@@ -25,7 +25,7 @@ SPARE = 1.0 + 1e-6
 SHORTEST = 0.01
 """Of joints that are near the end of their range [s]."""
 ROOM = 0.99
-"""Share of the room before the end of a range that braking may use."""
+"""Share of the way to the end of a range that braking may use."""
 INSTANT = 1e-6
 """Times of braking are whole multiples [s]."""
 PIECES = 24
@@ -171,7 +171,7 @@ def _on_path(moves: Movement, time: np.ndarray, hand: np.ndarray) -> Movement:
 
 
 def _fault(situation: AnySituation, moves: Movement) -> str | None:
-    """Return why a movement with a stop must not be made, or None."""
+    """Return the reason that speaks against a movement with a stop, or None."""
     bodies = tuple(
         replace(body, approach=None) if body.approach is not None else body
         for body in situation.bodies

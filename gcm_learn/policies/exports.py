@@ -51,8 +51,8 @@ def export_minari(
 ) -> MinariDataset:
     """Write the catches of a planner as Minari episodes of the arena.
 
-    Catches are acted out step by step in `CatchArm-v0`, or in `CatchArm3D-v0` for spatial arms:
-    observations, actions and rewards are those of the environment. A catch that the corners cut by
+    Catches are acted out step by step in `CatchArm-v0`, or in `CatchArm3D-v0` for spatial arms, so
+    observations, actions and rewards fit the environment. A catch that the corners cut by
     steps spoil is left out. `recover_environment` of the Minari dataset makes the environment.
 
     Parameters
