@@ -14,7 +14,14 @@ from gcm_learn.motion.movement import REST, Movement
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene import pack
-from gcm_learn.situation import AnySituation
+from gcm_learn.situation import (
+    AnySituation,
+    Body,
+    Disc,
+    PlanarQuadratic,
+    SolidQuadratic,
+    Sphere,
+)
 
 SPANS = (0.2, 0.1, 0.3, 0.05)
 """Times of braking that are tried where accelerations have no limits [s]."""
@@ -34,8 +41,8 @@ _RANGES = ByKind(
     {CHAIN: lambda arm: [joint.range for joint in arm.model.joints]},
     default=lambda arm: arm.joint_range,
 )
-ANYWHERE = 1e30
-"""Grasp with which the hand may be anywhere at the end."""
+NAME = "(place of the stop)"
+"""Name of the target of verification."""
 
 
 def with_stop(situation: AnySituation, trajectory: Movement) -> Movement:
@@ -171,18 +178,28 @@ def _on_path(moves: Movement, time: np.ndarray, hand: np.ndarray) -> Movement:
 
 
 def _fault(situation: AnySituation, moves: Movement) -> str | None:
-    """Return the reason that speaks against a movement with a stop, or None."""
-    bodies = tuple(
-        replace(body, approach=None) if body.approach is not None else body
-        for body in situation.bodies
-    )
+    """Return the reason that speaks against a movement with a stop, or None.
+
+    Verification asks for a target at the end, so one rests there instead of the caught one.
+    """
+    goal = _goal(situation, moves.hand[-1])
+    horizon = max(situation.horizon, moves.duration)
     try:
-        horizon = max(situation.horizon, moves.duration)
-        scene = pack(replace(situation, bodies=bodies, horizon=horizon))
+        changed = replace(situation, bodies=(goal, *situation.obstacles), horizon=horizon)
     except SituationError as error:
         return f"the world is unknown after its horizon: {error}"
-    scene = scene._replace(limits=scene.limits._replace(grasp=ANYWHERE))
-    target = next(k for k, body in enumerate(situation.bodies) if body.role == "target")
+    scene = pack(changed)
     rules = rules_of(scene)._replace(touch=scene.limb.thickness)
-    reason = verify(scene, rules, moves, target).reason
+    reason = verify(scene, rules, moves, 0).reason
     return None if reason is None else str(reason)
+
+
+def _goal(situation: AnySituation, hand: np.ndarray) -> Body:
+    """Return a target that rests at a hand (2 or 3)."""
+    size = max(situation.arm.grasp, 1e-3)
+    if kind_of(situation) is PLANAR and situation.plane is None:
+        return Body("target", NAME, Disc(size), PlanarQuadratic(tuple(hand), *2 * ((0.0, 0.0),)))
+    if situation.plane is not None:
+        plane = situation.plane
+        hand = np.array(plane.origin) + np.array([plane.x, plane.y]).T @ hand
+    return Body("target", NAME, Sphere(size), SolidQuadratic(tuple(hand), *2 * ((0.0,) * 3,)))

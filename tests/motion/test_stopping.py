@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn import solve
+from gcm_learn import artifacts, solve
 from gcm_learn.arms import Chain
 from gcm_learn.errors import FieldError, StopError
 from gcm_learn.families import draw, paper_scene
@@ -20,7 +20,14 @@ from gcm_learn.motion import (
     to_yaml,
     with_stop,
 )
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, shipped_arm
+from gcm_learn.situation import (
+    Body,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    read_situations,
+    shipped_arm,
+)
 
 REST = (0.0, 0.0, 0.0)
 
@@ -40,9 +47,15 @@ def pendulum(*others: Body) -> Situation:
     return replace(scene, arm=arm, bodies=(*scene.bodies, *others))
 
 
+def _of_suite(name: str) -> Situation:
+    path = artifacts.shipped("data") / "suites" / "demo.jsonl"
+    return next(s for s in read_situations(path) if s.name == name)
+
+
 CASES = {
     "planar": lambda: paper_scene("fig4"),
     "planar among solids": lambda: draw("gate-solid", 0, 0),
+    "a target that leaves the plane": lambda: _of_suite("demo-39"),
     "spatial": lambda: paper_scene("fig8-space"),
     "spatial with accelerations": pendulum,
     "chain": panda,
