@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, PLANAR, ByKind, forward, kind_of
+from gcm_learn.arms import CHAIN, PLANAR, ByKind, forward
 from gcm_learn.errors import SituationError, StopError
 from gcm_learn.motion.movement import REST, Movement
 from gcm_learn.motion.rules import rules_of
@@ -108,12 +108,27 @@ def _candidates(situation: AnySituation, moves: Movement, rates: np.ndarray) -> 
         yield _braked(moves, rates, least)
         return
     for span in SPANS:
-        if kind_of(situation) is PLANAR:
-            yield _straight_on(moves, span)
-            yield _hand_with_joints(moves, rates, span)
-        else:
-            yield _braked(moves, rates, np.full_like(rates, span))
-            yield _braked(moves, rates, _spans_in_range(situation.arm, moves, rates, span))
+        yield from _UNLIMITED.of(situation)(situation, moves, rates, span)
+
+
+def _with_hand(
+    situation: AnySituation, moves: Movement, rates: np.ndarray, span: float
+) -> Iterator[Movement]:
+    """Ways of a planar arm to brake in a time."""
+    yield _straight_on(moves, span)
+    yield _hand_with_joints(moves, rates, span)
+
+
+def _with_joints(
+    situation: AnySituation, moves: Movement, rates: np.ndarray, span: float
+) -> Iterator[Movement]:
+    """Ways of an arm that moves in its joints to brake in a time."""
+    yield _braked(moves, rates, np.full_like(rates, span))
+    yield _braked(moves, rates, _spans_in_range(situation.arm, moves, rates, span))
+
+
+_UNLIMITED = ByKind({PLANAR: _with_hand}, default=_with_joints)
+"""Ways to brake without limits of acceleration."""
 
 
 def _spans_in_range(arm: Any, moves: Movement, rates: np.ndarray, span: float) -> np.ndarray:
@@ -197,7 +212,7 @@ def _fault(situation: AnySituation, moves: Movement) -> str | None:
 def _goal(situation: AnySituation, hand: np.ndarray) -> Body:
     """Return a target that rests at a hand (2 or 3)."""
     size = max(situation.arm.grasp, 1e-3)
-    if kind_of(situation) is PLANAR and situation.plane is None:
+    if hand.size == 2 and situation.plane is None:
         return Body("target", NAME, Disc(size), PlanarQuadratic(tuple(hand), *2 * ((0.0, 0.0),)))
     if situation.plane is not None:
         plane = situation.plane
