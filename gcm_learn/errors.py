@@ -2,6 +2,38 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
+FEW = 12
+"""Names that a message lists beside the nearest one, at most."""
+
+
+def nearest(name: object, known: Iterable[str]) -> str | None:
+    """Return the known name that is most like a wrong one, or None."""
+    found = difflib.get_close_matches(str(name).lower(), known, 1)
+    return found[0] if found else None
+
+
+def not_among(name: object, known: Iterable[str]) -> str:
+    """Say that a name is none of the known ones; suggest the nearest.
+
+    The known names are listed if they are few, or if none is near.
+    """
+    names = list(known)
+    near = nearest(name, names)
+    if near is None:
+        return f"{name!r} is not one of {', '.join(names)}"
+    among = f"not one of {', '.join(names)}" if len(names) <= FEW else "not known"
+    return f"{name!r} is {among}; did you mean {near!r}?"
+
+
+def not_known(key: str, known: Iterable[str]) -> str:
+    """Say that a field is unknown: suggest the nearest, or list the known ones."""
+    near = nearest(key, known)
+    hint = f"did you mean {near!r}?" if near else f"known: {', '.join(sorted(known))}"
+    return f"is not a known field ({hint})"
+
 
 class GcmError(Exception):
     """Base of every error that this package raises on purpose."""
@@ -33,7 +65,7 @@ class ArmKindError(GcmError, ValueError):
 
 
 class FamilyError(FieldError):
-    """A family of situations is asked for something it does not know or cannot draw."""
+    """A family of situations has no such field, or cannot draw within its ranges."""
 
 
 class SpecError(FieldError):
@@ -45,7 +77,18 @@ class FileFormatError(GcmError, ValueError):
 
 
 class UnknownNameError(GcmError, ValueError):
-    """A name (planner, figure, scene) is not registered; the message lists those that are."""
+    """A name (planner, figure, scene) is not registered; the message suggests others."""
+
+    known: tuple[str, ...] = ()
+    """Names that are registered."""
+
+    @classmethod
+    def among(cls, what: str, name: object, known: Iterable[str]) -> UnknownNameError:
+        """Return the error for a name that is none of the known names of `what`."""
+        names = tuple(known)
+        error = cls(f"{what}: {not_among(name, names)}")
+        error.known = names
+        return error
 
 
 class LatticeError(GcmError, ValueError):
@@ -84,26 +127,32 @@ class PlatformError(GcmError, RuntimeError):
 
 
 class RecallError(GcmError, RuntimeError):
-    """A memory is missing, damaged, or was made with another index than the one that asks it."""
+    """A memory is missing, damaged, or was made with another index."""
 
 
 class ArenaError(GcmError, ValueError):
-    """The arena is asked for something that it does not have; the message names the argument."""
+    """An argument does not fit the arena; the message names it."""
+
+
+class StopError(GcmError, ValueError):
+    """A movement ends in motion, and no verified stop was found."""
 
 
 class PhysicsError(GcmError, RuntimeError):
-    """The arm cannot be put into physics: no body fits, limits that no motor keeps, numbers that
-    are none.
-    """
+    """Physics cannot move an arm: its body does not fit, or motors cannot keep its limits."""
+
+
+class BodyError(PhysicsError):
+    """No body fits an arm, so it cannot be executed."""
 
 
 class PolicyError(GcmError, RuntimeError):
-    """A policy is missing or damaged, or its training is asked for something that there is not."""
+    """A policy is missing or damaged, or its training plan is wrong."""
 
 
 class EncoderError(GcmError, ValueError):
-    """An encoder is asked for what it is not, or its files are not those of an encoder."""
+    """An encoder lacks what a caller needs, or its files are damaged."""
 
 
 class SuiteError(GcmError, ValueError):
-    """A comparison is asked for something that there is not, or its situations have changed."""
+    """A comparison names an unknown part, or its situations have changed."""

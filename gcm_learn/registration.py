@@ -1,8 +1,8 @@
-"""Tells Gymnasium of the arena, now or as soon as Gymnasium is there.
+"""Registration of the environments, now or as soon as Gymnasium is imported.
 
 Importing `gcm_learn` must not load Gymnasium, and ``gymnasium.make("gcm_learn:CatchArm-v0")`` must
-work whichever of the two was imported first. So where Gymnasium is not loaded yet, a finder waits
-for it, finds nothing itself, and is gone once it has come.
+work whichever of the two was imported first. So a finder waits until Gymnasium is imported, and
+then removes itself.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ ENTRIES = {
     ),
 }  # fmt: skip
 LIBRARY = "gymnasium"
+NAMESPACE = "gcm_learn"
+"""Of the second name of each environment, e.g. ``gcm_learn/CatchArm-v0``."""
 
 
 def announce() -> None:
@@ -39,9 +41,10 @@ def register() -> None:
     """Register the environments, if they are not yet."""
     import gymnasium
 
-    for name, (one, many) in ENTRIES.items():
-        if name not in gymnasium.registry:
-            gymnasium.register(name, entry_point=one, vector_entry_point=many)
+    for bare, (one, many) in ENTRIES.items():
+        for name in (bare, f"{NAMESPACE}/{bare}"):
+            if name not in gymnasium.registry:
+                gymnasium.register(name, entry_point=one, vector_entry_point=many)
 
 
 class _Waiter(MetaPathFinder):
@@ -76,5 +79,5 @@ class _ThenRegister(Loader):
         register()
 
     def __getattr__(self, name: str) -> object:
-        """What else the other loader can do, e.g. find resources."""
+        """Return an attribute of the other loader, e.g. its resources."""
         return getattr(self.loader, name)

@@ -22,7 +22,7 @@
 import os
 
 from gcm_learn.evaluation import compare, draw_suite
-from gcm_learn.evaluation import measured, pairs
+from gcm_learn.evaluation import beyond_chance, measured, pairs
 from gcm_learn.plots import families_figure, rates_figure
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))
@@ -48,7 +48,10 @@ for name in names:
 # %%
 for pair in pairs(results, "layered"):
     d = pair.difference
-    print(f"{pair.first:14} {d.value:+.2f} ({d.low:+.2f} to {d.high:+.2f}), p = {pair.p:.3f}")
+    print(
+        f"{pair.first:14} {d.value:+.2f} ({d.low:+.2f} to {d.high:+.2f}), p = {pair.p:.3f}, "
+        f"beyond chance: {beyond_chance(d, pair.p)}"
+    )
 
 # %%
 families_figure(results)

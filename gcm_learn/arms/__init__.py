@@ -36,7 +36,7 @@ from gcm_learn.arms.planar_limb import (
     planar_limb_of,
 )
 from gcm_learn.arms.rotations import quaternion_of, rotation_of, unit_quaternion
-from gcm_learn.arms.spatial import IDENTITY, JOINTS, Base, SpatialArm
+from gcm_learn.arms.spatial import IDENTITY, JOINTS, OTHER_ARMS, Base, SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, forward_in_space, spatial_limb_of
 from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
 
@@ -56,6 +56,7 @@ __all__ = [
     "JOINT_TYPES",
     "Kind",
     "Link",
+    "OTHER_ARMS",
     "PLANAR",
     "PlanarLimb",
     "SIDE",

@@ -12,7 +12,7 @@ from gcm_learn.arms.planar import Arm
 from gcm_learn.arms.planar_limb import PlanarLimb, planar_limb_of
 from gcm_learn.arms.spatial import SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, spatial_limb_of
-from gcm_learn.errors import ArmKindError
+from gcm_learn.errors import ArmKindError, not_among
 
 Entry = TypeVar("Entry")
 
@@ -116,8 +116,7 @@ def kind_named(name: str) -> Kind:
     for kind in kinds():
         if kind.name == name:
             return kind
-    known = ", ".join(kind.name for kind in kinds())
-    raise ArmKindError(f"kind: {name!r} is not one of {known}")
+    raise ArmKindError(f"kind: {not_among(name, (kind.name for kind in kinds()))}")
 
 
 def is_arm(value: object) -> bool:

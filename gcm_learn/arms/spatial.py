@@ -19,6 +19,8 @@ from gcm_learn.checks import (
 from gcm_learn.errors import SituationError
 
 JOINTS = 4
+OTHER_ARMS = "an arm with any other joints is a chain (gcm-learn/arm@1)"
+"""End of messages to arms that fit no other kind."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,8 @@ class SpatialArm:
         """Check the documented ranges, then how the arm stands and moves at t = 0."""
         if not isinstance(self.base, Base):
             raise SituationError("base", f"must be a base (got {show(self.base)})")
+        for name in ("joint_range", "joints", "max_joint_speed"):
+            _check_count(getattr(self, name), name)
         for name in ("upper_arm", "forearm"):
             put(self, name, _bone(getattr(self, name), name))
         put(self, "joint_range", _ranges(self.joint_range))
@@ -143,6 +147,13 @@ class SpatialArm:
         return abs(math.hypot(*self.upper_arm) - math.hypot(*self.forearm))
 
 
+def _check_count(value: object, field: str) -> None:
+    """Refuse lists for other numbers of joints, and name the kind of arm that has them."""
+    if isinstance(value, list | tuple) and len(value) != JOINTS:
+        reason = f"must be a list of {JOINTS} (got {len(value)}): a spatial arm has 4 joints"
+        raise SituationError(field, f"{reason}; {OTHER_ARMS}")
+
+
 def _bone(value: object, field: str) -> tuple[float, ...]:
     """Return a bone's vector (3,), which has a length."""
     result = vector(value, field, 3)
@@ -154,8 +165,6 @@ def _bone(value: object, field: str) -> tuple[float, ...]:
 def _ranges(value: object) -> tuple[tuple[float, float], ...]:
     """Return the four pairs of lowest and highest angle."""
     pairs = sequence(value, "joint_range", f"{JOINTS} pairs")
-    if len(pairs) != JOINTS:
-        raise SituationError("joint_range", f"must be a list of {JOINTS} pairs (got {len(pairs)})")
     result = []
     for k, pair in enumerate(pairs):
         low, high = vector(pair, f"joint_range[{k}]", 2)

@@ -27,6 +27,7 @@ from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
 from gcm_learn.cli.train_encoder import TrainEncoder
 from gcm_learn.cli.train_policy import TrainPolicy
+from gcm_learn.errors import UnknownNameError
 
 DESCRIPTION = """\
 Catching among moving obstacles with generalized cognitive maps.
@@ -54,7 +55,7 @@ gcm-learn COMMAND --help explains a command, gcm-learn --version says which vers
 
 
 class Command(Protocol):
-    """What every command record can do."""
+    """Record of a command."""
 
     def run(self) -> int:
         """Do the work and return the exit code."""
@@ -85,10 +86,14 @@ def parse(argv: Sequence[str]) -> Command | None:
     ------
     CommandFailure
         When the arguments make no sense; the message is tyro's, brought to one line.
+    UnknownNameError
+        When there is no such command.
     """
     if list(argv) == ["--version"]:
         print(f"gcm-learn {__version__}")
         return None
+    if argv and not argv[0].startswith("-") and argv[0] not in COMMANDS:
+        raise UnknownNameError.among("command", argv[0], COMMANDS)
     complaint = io.StringIO()
     try:
         with contextlib.redirect_stderr(complaint):

@@ -26,19 +26,21 @@ if TYPE_CHECKING:
     Spatial = Situation[SpatialArm]
     Draw = Callable[[Spatial, Execution], None]
 
+NO_BODY = "no body"
+"""Status of a situation that cannot be executed; others go on."""
 MILLI = 1e3  # [1/1000]
 EXACT_LOOKS = 2  # after which a policy acts whose eyes are exact: they tell accelerations
 
 
 class Who(NamedTuple):
-    """Who acts."""
+    """A planner or a policy."""
 
     name: str
     takes: Callable[[Kind], bool]
     planner: Any
-    """None of a policy."""
+    """Absent for a policy."""
     mind: Mind | None
-    """In the closed loop; None of a planner that knows all, and plans once."""
+    """Mind of the closed loop; absent where everything is known and planned once."""
 
 
 @dataclass(frozen=True)
@@ -61,14 +63,14 @@ class Execute:
     is seen 50 times a second; an unknown name lists all of them"""
 
     plant: Literal["mujoco", "kinematic"] = "mujoco"
-    """who follows: physics, or an arm without mass that does at once what it is told"""
+    """plant of the plans: physics, or an arm without mass that follows at once"""
 
     noise: Annotated[float, arg(metavar="S", help_behavior_hint="(default: all is known)")] = 0.0
     """standard deviation of the places that are seen, 50 times a second [m]; the arm plans again
     while it moves"""
 
     replan: Literal["once", "broken", "always"] = "broken"
-    """with --noise: when plans are made; `broken` is when the one that is followed fails"""
+    """with --noise: when plans are made; `broken` is when the present plan fails"""
 
     seed: int = 0
     """of the noise"""
@@ -84,7 +86,7 @@ class Execute:
     """folder for one animated GIF of each movement"""
 
     def run(self) -> int:
-        """Execute the file; 1 if the physics of any situation failed."""
+        """Execute the file; 1 if the physics of any situation failed, 2 if no arm has a body."""
         from gcm_learn.execution import execution_to_json, read_body
         from gcm_learn.situation import spatial
 
@@ -111,10 +113,12 @@ class Execute:
                     draw(situation, done)
         if not piped and len(situations) > 1:
             print(", ".join(f"{count} {status}" for status, count in counts.most_common()))
+        if counts[NO_BODY] == len(situations):
+            raise CommandFailure(f"{self.file}: no body fits any of the arms; see --body")
         return 1 if counts["failed"] else 0
 
     def _who(self) -> Who:
-        """Who acts, by name."""
+        """Return the planner or policy of a name."""
         from gcm_learn.errors import ArmKindError, PolicyError
         from gcm_learn.evaluation import ActorMethod, get_method
         from gcm_learn.execution import Planning
@@ -131,8 +135,8 @@ class Execute:
             raise CommandFailure(f"--planner {self.planner}: {error}") from None
 
     def _executed(self, who: Who, situation: Spatial, body: ArmBody | None) -> Execution:
-        """What came of a situation; whatever physics cannot do is told, and the rest goes on."""
-        from gcm_learn.errors import PhysicsError
+        """Execute a situation; a failure of physics becomes a status."""
+        from gcm_learn.errors import BodyError, PhysicsError
         from gcm_learn.execution import Execution, body_for, with_motor_limits
 
         try:
@@ -140,14 +144,15 @@ class Execute:
             limited = with_motor_limits(situation, chosen)
             done = self._followed(who, limited, chosen)
         except PhysicsError as error:
-            return Execution(situation.name, who.name, "failed", message=one_line(str(error)))
+            status = NO_BODY if isinstance(error, BodyError) else "failed"
+            return Execution(situation.name, who.name, status, message=one_line(str(error)))
         if limited is situation:
             return done
         most = limited.arm.max_joint_acceleration
         return replace(done, limits=most, body=chosen.name)
 
     def _followed(self, who: Who, situation: Spatial, body: ArmBody) -> Execution:
-        """What came of a situation under limits of acceleration."""
+        """Execute a situation under limits of acceleration."""
         from gcm_learn.execution import Loop, Perception, execute, execute_seen
 
         exact = self.plant == "kinematic"

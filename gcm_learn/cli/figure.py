@@ -10,6 +10,7 @@ from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import staged
+from gcm_learn.errors import UnknownNameError
 
 FORMATS = (".png", ".pdf", ".svg")
 
@@ -31,7 +32,7 @@ class Figure:
         from gcm_learn.plots import FIGURES, draw_figure
 
         if self.name not in FIGURES:
-            raise CommandFailure(f"no figure {self.name!r}; there are {', '.join(FIGURES)}")
+            raise UnknownNameError.among("figure", self.name, FIGURES)
         target = Path(f"{self.name}.png") if self.out is None else self.out
         require_suffix(target, FORMATS)
         with staged(target) as place:

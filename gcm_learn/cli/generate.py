@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from gcm_learn.dataset import Manifest
 
 
+FEW_KEPT = 0.3
+"""Share of drawn situations that are kept, below which a hint is due."""
+
+
 @dataclass(frozen=True)
 class Generate:
     """Make the shards of a dataset that are not there yet.
@@ -30,7 +34,7 @@ class Generate:
     """a .toml or .json file; data/README.md explains it"""
 
     out: Annotated[str, arg(metavar="DIR")]
-    """folder for the dataset, or a URL that fsspec understands"""
+    """folder for the dataset, or a URL that fsspec understands, such as s3://BUCKET/FOLDER"""
 
     workers: AllCores = None
     """processes on this machine"""
@@ -64,6 +68,9 @@ class Generate:
         except OSError as error:
             raise CommandFailure(f"--out {self.out}: {why(error)}") from None
         print(_sentence(self.out, manifest))
+        hint = _hint(manifest)
+        if hint:
+            print(hint, file=sys.stderr)
         return self._check(manifest["records"]) if self.verify else 0
 
     def _check(self, total: int) -> int:
@@ -91,8 +98,21 @@ def _part(text: str | None) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
+def _hint(manifest: Manifest) -> str | None:
+    """Return a sentence about a low share of drawn situations that were kept, or None."""
+    kept = manifest["records"] / max(manifest["drawn"], 1)
+    if kept >= FEW_KEPT or not manifest["records"]:
+        return None
+    why_not = max(manifest["rejected"], key=manifest["rejected"].__getitem__, default="none")
+    return (
+        f"gcm-learn: {kept:.1%} of {manifest['drawn']:,} drawn situations were kept, which is what "
+        f"takes the time (most were rejected as {why_not!r}; without `strata` in the "
+        "specification fewer are)"
+    )
+
+
 def _sentence(out: str, manifest: Manifest) -> str:
-    """What there is, in one line."""
+    """Return a summary of a dataset in one line."""
     strata = ", ".join(f"{share:.0%} {name}" for name, share in manifest["shares"].items())
     size = manifest["bytes"] / 1e6
     state = "" if manifest["complete"] else f" so far ({len(manifest['shards'])} shards)"

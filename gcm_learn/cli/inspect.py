@@ -1,4 +1,4 @@
-"""``gcm-learn inspect``: what is in a dataset, in numbers."""
+"""``gcm-learn inspect``: contents of a dataset, in numbers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Inspect:
 
 
 def report(manifest: Mapping[str, Any]) -> Iterator[str]:
-    """The lines that tell what a manifest says."""
+    """Yield the lines of a report on a manifest."""
     spec, records = manifest["spec"], max(manifest["records"], 1)
     state = "complete" if manifest["complete"] else f"{manifest['records']} of {spec['count']}"
     if not manifest.get("planned", True):
@@ -44,7 +44,7 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     for run in manifest["runs"]:
         hands = run.get("cluster") or f"{run['workers']} workers"
         rate = run["records"] / max(run["seconds"], 1e-9)
-        yield f"  made {run['records']} in {run['seconds']:.0f} s by {hands}: {rate:.0f}/s"
+        yield f"  made {run['records']} in {run['seconds']:.0f} s by {hands}: {per_second(rate)}"
     yield ""
     yield from _families(manifest)
     yield ""
@@ -56,8 +56,13 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     yield from _checks(manifest)
 
 
+def per_second(rate: float) -> str:
+    """Return a rate with at least two digits that mean something."""
+    return f"{rate:.0f}/s" if rate >= 10.0 else f"{rate:.2g}/s"
+
+
 def _maps(manifest: Mapping[str, Any]) -> str:
-    """What maps records hold, and on what lattices planners work; in space neither is there."""
+    """Return the maps of records and the lattices of planners; spatial arms have neither."""
     spec = manifest["spec"]
     if manifest["schema"] == IN_SPACE:
         return "spatial arms, no maps"

@@ -8,13 +8,14 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TextIO
+from typing import TYPE_CHECKING, Annotated, Literal, TextIO
 
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, place_of
 from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
+from gcm_learn.cli.trajectories import Trajectories
 
 if TYPE_CHECKING:
     from gcm_learn.planners import Plan, Planner
@@ -52,6 +53,17 @@ class Solve:
     ] = None
     """folder for one PNG picture per situation"""
 
+    trajectories: Annotated[
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: no files)")
+    ] = None
+    """folder for one file per catch, with a verified stop after the catch"""
+
+    form: Annotated[Literal["ros2", "csv"], arg(name="as")] = "ros2"
+    """of --trajectories: ROS 2 trajectory_msgs/JointTrajectory in YAML, or CSV"""
+
+    stop: bool = True
+    """of --trajectories: end at rest; --no-stop writes movements that end in motion, too"""
+
     def run(self) -> int:
         """Solve the file; see `gcm_learn.cli.main` for the exit codes."""
         from gcm_learn.planners import get_planner
@@ -61,10 +73,14 @@ class Solve:
             _check_deadline(self.deadline, planner)
         situations = read(self.file, planner)
         _refuse_to_overwrite_input(self.file, self.out)
-        draw = None if self.plot is None else _pictures(made_folder(self.plot, option="--plot"))
+        draws = [] if self.plot is None else [_pictures(made_folder(self.plot, option="--plot"))]
+        written = None
+        if self.trajectories is not None:
+            written = Trajectories(self.trajectories, self.form, stop=self.stop)
+            draws.append(written.write)
         with output(self.out) as stream:
-            _solve_all(self, situations, planner, stream, draw)
-        return 0
+            _solve_all(self, situations, planner, stream, draws)
+        return 1 if written is not None and written.refused else 0
 
 
 def read(file: str, planner: Planner) -> list[AnySituation]:
@@ -106,7 +122,7 @@ def _solve_all(
     situations: list[AnySituation],
     planner: Planner,
     stream: TextIO,
-    draw: Draw | None,
+    draws: list[Draw],
 ) -> None:
     file, seconds = asked.file, None if asked.deadline is None else 1e-3 * asked.deadline
     scrolling = stream.isatty()  # the solutions themselves show how far it has come
@@ -117,7 +133,7 @@ def _solve_all(
             plan = plan_one(planner, situation, file, seconds)
             stream.write(_line(plan, situation, file))
             stream.flush()
-            if draw is not None:
+            for draw in draws:
                 draw(situation, plan)
             progress.advance()
 

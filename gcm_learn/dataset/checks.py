@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Collection, Mapping
 
-from gcm_learn.errors import SpecError
+from gcm_learn.errors import SpecError, not_among
 
 
 def integer(value: object, field: str, least: int, most: int) -> None:
@@ -40,7 +40,7 @@ def share(value: object, field: str) -> None:
 def choice(value: object, field: str, allowed: Collection[str]) -> None:
     """Refuse anything but one of some strings."""
     if not isinstance(value, str) or value not in allowed:
-        raise SpecError(field, f"{value!r} is not one of {', '.join(allowed)}")
+        raise SpecError(field, not_among(value, allowed))
 
 
 def distinct(values: object, field: str, allowed: Collection[str]) -> None:

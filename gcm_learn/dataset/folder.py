@@ -9,8 +9,11 @@ from typing import BinaryIO, cast
 
 import fsspec
 from fsspec.implementations.local import LocalFileSystem
+from fsspec.implementations.memory import MemoryFileSystem
+from fsspec.registry import known_implementations
 
 from gcm_learn import artifacts
+from gcm_learn.errors import DatasetError
 from gcm_learn.storage import is_unfinished, stream_hash, temporary_name, user_cache, write_whole
 
 SHARDS = "shards"
@@ -24,11 +27,19 @@ class Folder:
     ----------
     url : str
         A path, or what fsspec understands: ``s3://bucket/folder``, ``memory://folder``.
+
+    Raises
+    ------
+    DatasetError
+        If fsspec does not know such URLs, or needs another package for them.
     """
 
     def __init__(self, url: str | os.PathLike[str]) -> None:
         self.url = os.fspath(url)
-        self._files, root = fsspec.core.url_to_fs(self.url)
+        try:
+            self._files, root = fsspec.core.url_to_fs(self.url)
+        except (ImportError, ValueError) as error:
+            raise DatasetError(f"{self.url}: {_hint(self.url) or error}") from None
         self._root = root.rstrip("/") or "/"
 
     @property
@@ -37,14 +48,23 @@ class Folder:
         return self._root if isinstance(self._files, LocalFileSystem) else None
 
     def caches(self) -> Path:
-        """Where caches of a dataset on this machine are kept: in its folder, if it can take them.
+        """Return the folder of caches: in the dataset if it can be written, else among the user's.
 
-        What is shipped stays as it is, and the sample's are among the user's.
+        Caches of the shipped sample are among the user's, too.
         """
         folder = Path(self._root)
         if os.access(folder, os.W_OK) and not _is_sample(folder):
             return folder / "cache"
         return user_cache("maps")
+
+    @property
+    def shared(self) -> bool:
+        """True if other processes see the same files; ``memory://`` belongs to one process."""
+        return not isinstance(self._files, MemoryFileSystem)
+
+    def where(self, name: str) -> str:
+        """Return the place of a file for messages: beside the URL that was given."""
+        return posixpath.join(self.url, name)
 
     def path(self, name: str) -> str:
         """Full path of a file within the file system."""
@@ -55,11 +75,11 @@ class Folder:
         self._files.makedirs(self.path(SHARDS), exist_ok=True)
 
     def exists(self, name: str) -> bool:
-        """Whether there is such a file."""
+        """Return whether a file exists."""
         return bool(self._files.exists(self.path(name)))
 
     def names(self, name: str = "") -> list[str]:
-        """Names of the files in a folder below this one, in order; empty if there is none."""
+        """Names of the files in a folder below this one, in order."""
         try:
             found = self._files.ls(self.path(name) if name else self._root, detail=False)
         except (FileNotFoundError, NotADirectoryError):
@@ -110,6 +130,13 @@ class Folder:
             return stream_hash(stream)
 
 
+def _hint(url: str) -> str | None:
+    """Return which package a URL needs, if fsspec has it from another one."""
+    known = known_implementations.get(url.partition("://")[0], {})
+    package = known.get("class", "fsspec").partition(".")[0]
+    return None if package == "fsspec" else f"needs {package}: pip install {package}"
+
+
 def _is_sample(folder: Path) -> bool:
-    """Whether it is the sample that comes with the package."""
+    """Return whether a folder is the sample that comes with the package."""
     return folder.resolve() == (artifacts.shipped("data") / "sample").resolve()

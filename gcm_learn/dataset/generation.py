@@ -22,7 +22,7 @@ from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.warming import warmed
 from gcm_learn.errors import DatasetError
-from gcm_learn.processes import ClusterCrew, LocalCrew, cores
+from gcm_learn.processes import ClusterCrew, Crew, Here, LocalCrew, cores
 
 BETWEEN_MANIFESTS = 60.0  # [s]
 DIED = "the process that made it died"
@@ -70,7 +70,7 @@ def generate(
     progress(sum(infos[shard].rows for shard in mine if shard in infos))
     workers = workers or cores()
     hands = {"cluster": cluster} if cluster else {"workers": workers}
-    crew = ClusterCrew(cluster) if cluster else LocalCrew(workers)  # never here: items may crash
+    crew = ClusterCrew(cluster) if cluster else crew_for(folder, workers)
     if len(infos) < spec.shards:  # whoever looks before the first shard is told what is planned
         write_manifest(folder, manifest_of(folder, spec, infos, runs))
     began = told = time.monotonic()
@@ -89,6 +89,11 @@ def generate(
                 write_manifest(folder, manifest_of(folder, spec, infos, [*runs, run], fresh))
                 fresh.clear()
     return _finish(folder, spec, infos, [*runs, run] if run["records"] else runs, fresh)
+
+
+def crew_for(folder: Folder, workers: int) -> Crew:
+    """Return processes that reach a folder: others than this one, since items may crash."""
+    return LocalCrew(workers) if folder.shared else Here()
 
 
 def _finish(

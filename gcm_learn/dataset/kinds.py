@@ -45,8 +45,6 @@ class RecordKind:
     """True if records may have maps."""
     efforts: bool
     """True if the effort of a search may be limited."""
-    episodes: bool
-    """True if catches are exported as episodes."""
 
 
 RECORDS = ByKind(
@@ -65,7 +63,6 @@ RECORDS = ByKind(
             case=PlanarCase,
             maps=True,
             efforts=False,
-            episodes=True,
         ),
         SPATIAL: RecordKind(
             version="gcm-learn/record@2",
@@ -81,7 +78,6 @@ RECORDS = ByKind(
             case=SpatialCase,
             maps=False,
             efforts=True,
-            episodes=False,
         ),
     },
     who="dataset",

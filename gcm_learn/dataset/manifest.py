@@ -1,4 +1,4 @@
-"""What a dataset says of itself: made anew from its shards, whenever it is written.
+"""The manifest of a dataset, made anew from its shards whenever it is written.
 
 It is first written before the first shard, with the specification of what is to come.
 """
@@ -50,15 +50,22 @@ def present(folder: Folder, spec: DatasetSpec, shards: Iterable[int]) -> dict[in
         except DamagedShardError:
             continue
         if info.spec != spec.digest:
-            reason = f"is of specification {info.spec}, not {spec.digest}"
-            raise DatasetError(f"{folder.path(name)}: {reason}")
+            raise DatasetError(f"{folder.where(name)}: {_difference(folder, name, spec)}")
         if info.rows == len(spec.indices(shard)):
             found[shard] = info
     return found
 
 
+def _difference(folder: Folder, name: str, spec: DatasetSpec) -> str:
+    """Say how the specification of a shard differs from another one."""
+    there, wanted = header_of(folder, name)["spec"], spec_to_json(spec)
+    fields = sorted(f for f in wanted if f != "count" and there.get(f) != wanted[f])
+    differ = f" (they differ in {', '.join(fields)})" if fields else ""
+    return f"is of specification {there.get('name')!r}, not of this {spec.name!r}{differ}"
+
+
 def read_manifest(folder: Folder) -> Manifest | None:
-    """The manifest, None if there is none."""
+    """Return the manifest, or None."""
     if not folder.exists(MANIFEST):
         return None
     try:
@@ -66,7 +73,7 @@ def read_manifest(folder: Folder) -> Manifest | None:
         if manifest["format"] != FORMAT:
             raise ValueError(f"format is {manifest['format']!r}, expected {FORMAT!r}")
     except (ValueError, KeyError, TypeError) as error:
-        raise DatasetError(f"{folder.path(MANIFEST)}: not a manifest ({error})") from None
+        raise DatasetError(f"{folder.where(MANIFEST)}: not a manifest ({error})") from None
     return dict(manifest)
 
 
@@ -84,7 +91,7 @@ def manifest_of(
     runs: list[dict[str, Any]],
     fresh: Collection[int] = (),
 ) -> Manifest:
-    """What the shards that are there add up to.
+    """Return the sums over the shards that exist.
 
     Parameters
     ----------
@@ -170,8 +177,8 @@ def _sum(counts: Iterable[Mapping[str, int]]) -> Counter[str]:
 def survey(path: str | os.PathLike[str]) -> Manifest:
     """The manifest of a dataset, or what it would be now if it is not finished.
 
-    ``planned`` tells whether it is known how many records there are to be: a folder without a
-    manifest has only its shards to go by, and is never called complete.
+    ``planned`` is true if the final number of records is known. A folder without a manifest only
+    has its shards, and is never complete.
     """
     folder = Folder(path)
     manifest = read_manifest(folder)

@@ -61,7 +61,7 @@ class _Shelf:
     def column(self, name: str) -> np.ndarray:
         """A label column of all shards, failed items included (m,)."""
         if name not in LABELS:
-            raise UnknownNameError(f"column: {name!r} is not one of {', '.join(LABELS)}")
+            raise UnknownNameError.among("column", name, LABELS)
         if name not in self._labels:
             parts = [self.read(shard, [name]) for shard in range(len(self.names))]
             self._labels[name] = pa.concat_tables(parts)[name].to_numpy()
@@ -81,7 +81,7 @@ class _Shelf:
         return Row(self._groups[key], offset)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is decoded stays in its process."""
+        """Decoded records stay in their process."""
         return self.__dict__ | {"_groups": OrderedDict(), "_labels": {}}
 
 
@@ -103,12 +103,12 @@ class Dataset(Sequence[Record]):
 
     @property
     def spec(self) -> DatasetSpec:
-        """What it was made from."""
+        """Specification of the dataset."""
         return self._shelf.spec
 
     @property
     def manifest(self) -> Manifest | None:
-        """What it last said of itself, finished or not; None if it never did."""
+        """Manifest that was written last, or None."""
         return read_manifest(self._shelf.folder)
 
     @property

@@ -203,12 +203,12 @@ def header_of(folder: Folder, name: str) -> dict[str, Any]:
             header = json.loads(metadata.get(KEY, b"{}"))
     except (OSError, pa.ArrowException, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DamagedShardError(f"{folder.path(name)}: not a shard ({reason})") from None
+        raise DamagedShardError(f"{folder.where(name)}: not a shard ({reason})") from None
     if header.get("format") not in VERSIONS:
         is_, known = header.get("format", "none"), " and ".join(VERSIONS)
-        raise DatasetError(f"{folder.path(name)}: schema is {is_}, this version reads {known}")
+        raise DatasetError(f"{folder.where(name)}: schema is {is_}, this version reads {known}")
     if header["info"]["rows"] != rows:
-        raise DatasetError(f"{folder.path(name)}: {rows} rows, not {header['info']['rows']}")
+        raise DatasetError(f"{folder.where(name)}: {rows} rows, not {header['info']['rows']}")
     return header
 
 

@@ -21,7 +21,7 @@ from gcm_learn.charts import LARGEST_LATTICE, SMALLEST_LATTICE
 from gcm_learn.dataset import checks
 from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.splits import Holdout, Split
-from gcm_learn.errors import FamilyError, FileFormatError, SpecError
+from gcm_learn.errors import FamilyError, FileFormatError, SpecError, not_known
 from gcm_learn.families import Family, family_from_dict, family_names
 from gcm_learn.planners import get_planner, planner_names, takes
 from gcm_learn.situation import AnySituation
@@ -257,7 +257,7 @@ def _record(
     known = {f.name: f for f in fields}
     for name in members:
         if name not in known:
-            raise SpecError(_join(path, name), f"is not a known field (known: {', '.join(known)})")
+            raise SpecError(_join(path, name), not_known(name, known))
     for name, f in known.items():
         needed = f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING
         if needed and name not in members:

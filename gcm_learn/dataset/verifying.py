@@ -1,4 +1,4 @@
-"""Does a dataset keep its promises?  Bytes, plans and items are checked anew."""
+"""Verification of datasets: bytes, plans and items are checked anew."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from gcm_learn.dataset.folder import Folder
+from gcm_learn.dataset.generation import crew_for
 from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.manifest import read_manifest, spec_of
 from gcm_learn.dataset.reader import Dataset, open_shard
@@ -18,7 +19,7 @@ from gcm_learn.dataset.splits import lot_of
 from gcm_learn.dataset.warming import warmed
 from gcm_learn.errors import DatasetError, GcmError
 from gcm_learn.motion import rules_of, verify
-from gcm_learn.processes import LocalCrew, cores
+from gcm_learn.processes import cores
 from gcm_learn.scene import pack
 
 MOST_FAULTS = 20  # that a report quotes
@@ -27,7 +28,7 @@ REMAKE = 2  # salt of the lot that decides which item of a shard is made again
 
 @dataclass(frozen=True)
 class Report:
-    """What a check of a dataset or of a part of it found."""
+    """Result of a check of a dataset, or of a part of it."""
 
     records: int = 0
     plans: int = 0
@@ -80,7 +81,7 @@ def verify_dataset(
     expected = {entry["name"]: entry["sha256"] for entry in manifest["shards"]}
     shards = [k for k in range(spec.shards) if shard_name(k) in expected]
     report = Report()
-    with LocalCrew(workers or cores()) as crew:
+    with crew_for(folder, workers or cores()) as crew:
         for part, sha256, shard in crew.map(work, shards):
             if part.records and sha256 != expected[shard_name(shard)]:
                 part += _fault(f"{shard_name(shard)}: its bytes are not those of the manifest")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from gcm_learn.envs.catch_arm import CatchArm
     from gcm_learn.envs.catch_arm_3d import CatchArm3D
     from gcm_learn.envs.catch_arm_physics import CatchArmPhysics
-    from gcm_learn.envs.one_arm import box, commands
+    from gcm_learn.envs.one_arm import box, commands, finite
     from gcm_learn.envs.vector import CatchArms, CatchArms3D, CatchArmsPhysics
     from gcm_learn.envs.views import WithMap, map_image
     from gcm_learn.execution import PhysicalSettings, Pool, Settings, SpatialSettings, Weights
@@ -33,6 +33,7 @@ __all__ = [
     "WithMap",
     "box",
     "commands",
+    "finite",
     "map_image",
 ]
 
@@ -51,6 +52,7 @@ _HOMES = {
     "WithMap": "envs.views",
     "box": "envs.one_arm",
     "commands": "envs.one_arm",
+    "finite": "envs.one_arm",
     "map_image": "envs.views",
 }
 

@@ -61,6 +61,32 @@ def commands(plant: Batch) -> spaces.Box:
     return spaces.Box(-1.0, 1.0, (plant.commands,), np.float32)
 
 
+def finite(action: Any, shape: tuple[int, ...], step: str) -> np.ndarray:
+    """Return an action as an array of floats; refuse another shape, NaN and infinities.
+
+    Parameters
+    ----------
+    action : array_like
+        As given.
+    shape : tuple of int
+        As it must be.
+    step : str
+        Step that takes it, e.g. ``"CatchArm.step"``.
+    """
+    try:
+        given = np.asarray(action, float)
+    except (TypeError, ValueError):
+        raise ArenaError(f"{step}: the action must be numbers {shape} (got {action!r})") from None
+    if given.shape != shape:
+        raise ArenaError(f"{step}: the action must have shape {shape} (got {given.shape})")
+    if not np.isfinite(np.vdot(given, given)) and not np.isfinite(given).all():
+        worst = (
+            given[np.flatnonzero(~np.isfinite(given).all(axis=-1))[0]] if len(shape) > 1 else given
+        )
+        raise ArenaError(f"{step}: the action must be finite (got {worst.tolist()})")
+    return given
+
+
 class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
     """One arm of an arena; the subclasses say which, and describe it.
 
@@ -112,6 +138,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         self._path: list[tuple[float, ...]] = []
         self._viewer: Viewer | None = None
         self._actions = np.zeros((1, self.plant.commands))
+        self._shape, self._step = (self.plant.commands,), f"{type(self).__name__}.step"
         self._everyone = np.zeros(1, dtype=np.int64)
         self._places = np.zeros(1, dtype=np.int64)
         self._placings: dict[int, Placing] = {}  # of the pool's situations
@@ -160,10 +187,10 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         return self.plant.observations[0].copy(), self._info(RUNNING)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Move for `dt` seconds."""
+        """Move for `dt` seconds; an action of another shape, or not finite, is an error."""
         if not self._path:
             raise ArenaError("step: reset comes first")
-        self._actions[0] = action
+        self._actions[0] = finite(action, self._shape, self._step)
         outcome = self.plant.move(self._actions).item()
         observation = self.plant.observations[0].copy()
         self._path.append(self._where())

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from gcm_learn.envs.one_arm import POOL, box, commands, plant_for
+from gcm_learn.envs.one_arm import POOL, box, commands, finite, plant_for
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
     ARENAS,
@@ -98,9 +98,10 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def step(
         self, actions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Move all arms for a step."""
+        """Move all arms for a step; actions of another shape, or not finite, are an error."""
         plant, info = self.plant, dict[str, Any]()
-        outcomes = plant.move(np.asarray(actions, float))
+        shape = (self.num_envs, plant.commands)
+        outcomes = plant.move(finite(actions, shape, f"{type(self).__name__}.step"))
         rewards = plant.rewards
         info["reward_terms"] = dict(zip(TERMS, plant.terms.T.copy(), strict=True))
         over, late = outcomes != RUNNING, outcomes == LATE

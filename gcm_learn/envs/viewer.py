@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm, elbow_position
+from gcm_learn.errors import ArenaError
 from gcm_learn.motion import Movement
 from gcm_learn.rendering import ARM, INK, PATH, Spectator, body_colour
 from gcm_learn.scene import outline
@@ -22,6 +23,13 @@ class Artist(Protocol):
 
     def picture(self, situation: Any, way: Any) -> np.ndarray:
         """Return the picture (480, 480, 3) uint8 of the end of a trajectory."""
+
+
+def interactive() -> list[str]:
+    """Return the names of matplotlib's backends that open windows."""
+    from matplotlib.backends import BackendFilter, backend_registry
+
+    return [name.lower() for name in backend_registry.list_builtin(BackendFilter.INTERACTIVE)]
 
 
 class Viewer:
@@ -40,6 +48,11 @@ class Viewer:
         if window:
             import matplotlib.pyplot as plt
 
+            if plt.get_backend().lower() not in interactive():
+                raise ArenaError(
+                    f"render_mode: 'human' needs a window, but matplotlib's {plt.get_backend()!r} "
+                    "cannot open one (check the display and MPLBACKEND); choose 'rgb_array'"
+                )
             figure = plt.figure(figsize=(SIZE_INCHES, SIZE_INCHES), dpi=DPI)
             axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
             axes.set_axis_off()

@@ -14,6 +14,7 @@ from gcm_learn.evaluation.methods import ActorMethod, Method, Result, get_method
 from gcm_learn.evaluation.movements import collision_point
 from gcm_learn.evaluation.statistics import (
     Interval,
+    beyond_chance,
     chance,
     difference,
     holm,
@@ -64,6 +65,7 @@ __all__ = [
     "hash_of",
     "holm",
     "log_of",
+    "beyond_chance",
     "mcnemar",
     "measured",
     "noise_episodes",

@@ -12,7 +12,7 @@ from gcm_learn.arms import ByKind, Kind
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.execution import ARENAS, OUTCOMES, pool_for, way_of
 from gcm_learn.motion import Movement
-from gcm_learn.planners import Planner, get_planner, plan_with, planner_names, takes
+from gcm_learn.planners import Planner, get_planner, plan_with, takes
 from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
 from gcm_learn.situation import AnySituation
 
@@ -123,9 +123,5 @@ def get_method(name: str) -> Method:
     try:
         return PlannerMethod(name, get_planner(name))
     except UnknownNameError as error:
-        actors = ", ".join(_actors()) or "none"
-        known = ", ".join(planner_names())
-        raise UnknownNameError(
-            f"policy: {name!r} is not one of the planners ({known}), those with a memory, or the "
-            f"trained actors ({actors})"
-        ) from error
+        known = [*error.known, *_actors()]
+        raise UnknownNameError.among("policy", name, known) from error

@@ -11,6 +11,8 @@ from gcm_learn.seeding import rng
 
 DRAWS = 2000  # of a bootstrap
 FEW = 100  # fewer situations are not drawn again within groups: small groups hardly vary
+LEVEL = 0.05
+"""Probability below which a difference counts as more than chance."""
 SMALLEST = 1e-99  # probability that is told; what is smaller is not worked out to that accuracy
 
 
@@ -77,6 +79,24 @@ def mcnemar(first: np.ndarray, second: np.ndarray) -> tuple[int, int, float]:
 
     b, c = int(np.sum(first & ~second)), int(np.sum(second & ~first))
     return b, c, float(binomtest(b, b + c).pvalue) if b + c else 1.0
+
+
+def beyond_chance(found: Interval, p: float) -> str:
+    """Return "yes" or "no" by the exact test, and a note where the interval reads otherwise.
+
+    Intervals are approximate, the test is exact: with few situations that only one of two caught,
+    an interval may leave 0 out although chance would do.
+
+    Parameters
+    ----------
+    found : Interval
+        Of a difference.
+    p : float
+        Of McNemar's test of the same pairs.
+    """
+    said = "yes" if p < LEVEL else "no"
+    apart = found.low > 0.0 or found.high < 0.0
+    return said if apart == (p < LEVEL) else f"{said} (exact test; the interval is approximate)"
 
 
 def holm(chances: Sequence[float]) -> list[float]:

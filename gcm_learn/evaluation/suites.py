@@ -145,14 +145,14 @@ def suite_names() -> list[str]:
 
 
 def suite_file(name: str) -> Path | None:
-    """The file of a suite that has been drawn, or is shipped; None if there is none."""
+    """Return the file of a suite that is drawn or shipped, or None."""
     return artifacts.find("data", f"{FOLDER}/{name}.jsonl")
 
 
 def check_suite(name: str, count: int) -> None:
     """Refuse what is no suite, or more situations than it can have."""
     if name not in suite_names():
-        raise UnknownNameError(f"suite: {name!r} is not one of {', '.join(suite_names())}")
+        raise UnknownNameError.among("suite", name, suite_names())
     if not 1 <= count <= LARGEST:
         raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gcm_learn.arms import Kind
-from gcm_learn.errors import ArenaError
+from gcm_learn.errors import ArenaError, UnknownNameError
 from gcm_learn.execution.arena.batch import Batch
 from gcm_learn.execution.arena.plant import KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
@@ -19,6 +19,7 @@ from gcm_learn.execution.body.settings import PhysicalSettings
 from gcm_learn.execution.sources import Source, found_in, named
 from gcm_learn.families import SpatialFamily
 from gcm_learn.motion import start_clearance
+from gcm_learn.registration import NAMESPACE
 from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation, ArmBody, Situation
 
@@ -89,6 +90,20 @@ ARENAS = {
 }  # fmt: skip
 """By the name of the environment."""
 _BY_SETTINGS = {arena.settings: arena for arena in ARENAS.values()}
+
+
+def arena_named(name: str) -> Arena:
+    """Return the arena of an environment, with or without Gymnasium's namespace.
+
+    Raises
+    ------
+    UnknownNameError
+        With the nearest name, or all of them.
+    """
+    bare = name.removeprefix(f"{NAMESPACE}/")
+    if bare not in ARENAS:
+        raise UnknownNameError.among("environment", name, ARENAS)
+    return ARENAS[bare]
 
 
 def arena_of(settings: ArenaSettings) -> Arena:

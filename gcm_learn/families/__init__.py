@@ -1,4 +1,4 @@
-"""Where situations come from: the paper's scenes and random families.
+"""Sources of situations: the paper's scenes and random families.
 
 >>> from gcm_learn import families
 >>> families.draw("gate", seed=0, index=42).name
@@ -58,6 +58,5 @@ def paper_scene(name: str) -> AnySituation:
     """The scene of one of the paper's figures, e.g. ``paper_scene("fig4")`` or ``"fig8-space"``."""
     scene = SPATIAL_SCENES.get(name) or PAPER_SCENES.get(name)
     if scene is None:
-        known = ", ".join([*PAPER_SCENES, *SPATIAL_SCENES])
-        raise UnknownNameError(f"scene: {name!r} is not one of {known}")
+        raise UnknownNameError.among("scene", name, [*PAPER_SCENES, *SPATIAL_SCENES])
     return scene()

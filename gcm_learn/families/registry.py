@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from gcm_learn import seeding
 from gcm_learn.checks import show
-from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError
+from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError, not_known
 from gcm_learn.families.behind_mover import BehindMover, BehindMoverSolid
 from gcm_learn.families.crossing_swarm import CrossingSwarm, CrossingSwarmSolid
 from gcm_learn.families.falling import Falling, FallingSolid
@@ -135,7 +135,7 @@ def read_family(path: str | Path) -> Family:
         return family_from_dict(parse(text))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "is not UTF-8 text"
-        raise FileFormatError(f"{path}:1: cannot be read ({reason})") from None
+        raise FileFormatError(f"{path}: cannot be read ({reason})") from None
     except JsonTextError as error:
         raise FileFormatError(f"{path}:{error.line}: not valid JSON: {error.reason}") from None
     except UnknownNameError as error:
@@ -147,7 +147,7 @@ def read_family(path: str | Path) -> Family:
 
 def _class_of(name: object) -> type[Family]:
     if not isinstance(name, str) or name not in _FAMILIES:
-        raise UnknownNameError(f"family: {name!r} is not one of {', '.join(family_names())}")
+        raise UnknownNameError.among("family", name, family_names())
     return _FAMILIES[name]
 
 
@@ -173,8 +173,7 @@ def _made(record: _Record, values: object, path: str) -> _Record:
     changes: dict[str, Any] = {}
     for key, value in values.items():
         if key not in known:
-            reason = f"is not a known field (known: {', '.join(sorted(known))})"
-            raise FamilyError(f"{path}.{key}", reason)
+            raise FamilyError(f"{path}.{key}", not_known(key, known))
         old = getattr(record, key)
         changes[key] = _made(old, value, f"{path}.{key}") if isinstance(old, Ranges) else value
     try:

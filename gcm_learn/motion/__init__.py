@@ -5,8 +5,15 @@ from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
 from gcm_learn.motion.joint_interception import fastest_hand, resting_in_space
+from gcm_learn.motion.joint_trajectory import (
+    joint_names,
+    to_csv,
+    to_joint_trajectory,
+    to_yaml,
+)
 from gcm_learn.motion.movement import Movement, Wait
 from gcm_learn.motion.rules import Opening, Rules, opening, rules_of, start_clearance
+from gcm_learn.motion.stopping import with_stop
 from gcm_learn.motion.timing import (
     SPACING,
     keep_limits,
@@ -35,6 +42,7 @@ __all__ = [
     "fastest_hand",
     "first_catch",
     "first_interception",
+    "joint_names",
     "joint_turns",
     "keep_limits",
     "opening",
@@ -45,5 +53,9 @@ __all__ = [
     "spread",
     "start_clearance",
     "straight_path",
+    "to_csv",
+    "to_joint_trajectory",
+    "to_yaml",
     "verify",
+    "with_stop",
 ]

@@ -77,8 +77,7 @@ def get_planner(name: str) -> Planner:
     if name in _ABOVE:
         planner: Planner = pkgutil.resolve_name(_ABOVE[name])()
         return planner
-    known = f"{', '.join(planner_names())}; with a memory: {', '.join(sorted(_ABOVE))}"
-    raise UnknownNameError(f"planner: {name!r} is not one of {known}")
+    raise UnknownNameError.among("planner", name, [*planner_names(), *sorted(_ABOVE)])
 
 
 @overload

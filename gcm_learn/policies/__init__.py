@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcm_learn.policies.actor import FILE, Actor
 from gcm_learn.policies.card import score
+from gcm_learn.policies.exports import export_minari
 from gcm_learn.policies.plan import TrainingPlan, plan_of, read_plan
 from gcm_learn.policies.planner import ActorPlanner, actor_folder, actor_names, shipped_actor
 
@@ -21,6 +22,7 @@ __all__ = [
     "TrainingPlan",
     "actor_folder",
     "actor_names",
+    "export_minari",
     "plan_of",
     "read_plan",
     "score",

@@ -8,6 +8,7 @@ It has one entry, named after the environment. Fields of rl_zoo3 keep their mean
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,12 +21,14 @@ from gcm_learn.errors import (
     MissingExtraError,
     PolicyError,
     UnknownNameError,
+    not_among,
+    not_known,
 )
-from gcm_learn.execution import ARENAS, ArenaSettings, Settings, arena_of, settings_of
+from gcm_learn.execution import ARENAS, ArenaSettings, Settings, arena_named, arena_of, settings_of
 from gcm_learn.planners import get_planner
+from gcm_learn.policies.algorithms import ALGORITHMS, WHOLE, hyperparameters
 from gcm_learn.policies.directions import choices_in
 
-ALGORITHMS = ("clone", "ppo", "sac", "tqc")
 _DEFAULTS: ByKind[tuple[dict[str, Any], str]] = ByKind(
     {PLANAR: ({"fan": True}, "choice"), SPATIAL: ({}, "velocity")}
 )
@@ -93,7 +96,7 @@ class TrainingPlan:
 
     def __post_init__(self) -> None:
         if self.algo not in ALGORITHMS:
-            raise PolicyError(f"algo: {self.algo!r} is not one of {', '.join(ALGORITHMS)}")
+            raise PolicyError(f"algo: {not_among(self.algo, ALGORITHMS)}")
         if self.actions not in ("choice", "velocity"):
             raise PolicyError(f"actions: {self.actions!r} is not one of choice, velocity")
         if not arena_of(self.settings).followed and (self.algo == "clone" or self.demonstrations):
@@ -130,21 +133,52 @@ def read_plan(path: Path) -> TrainingPlan:
     except ImportError:
         raise MissingExtraError("reading hyperparameters", "PyYAML", "rl") from None
     try:
-        content = yaml.safe_load(path.read_text("utf-8"))
+        text = path.read_text("utf-8")
+        content = yaml.safe_load(text)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "is not UTF-8 text"
-        raise FileFormatError(f"{path}:1: cannot be read ({reason})") from None
+        raise FileFormatError(f"{path}: cannot be read ({reason})") from None
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = 1 if mark is None else mark.line + 1
         raise FileFormatError(f"{path}:{line}: not valid YAML") from None
-    named = [name for name in ARENAS if isinstance(content, Mapping) and name in content]
-    if len(named) != 1:
-        raise FileFormatError(f"{path}:1: must hold an entry {' or '.join(ARENAS)}")
     try:
-        return plan_of(content[named[0]], named[0])
+        name, entry = _entry(content)
+    except GcmError as error:
+        raise FileFormatError(f"{path}:1: {error}") from None
+    try:
+        return plan_of(entry, name)
+    except MissingExtraError:
+        raise
     except (GcmError, TypeError, ValueError) as error:
-        raise FileFormatError(f"{path}:1: {named[0]}.{error}") from None
+        line = _line_of(text, str(error).partition(":")[0])
+        raise FileFormatError(f"{path}:{line}: {name}.{error}") from None
+
+
+def _entry(content: object) -> tuple[str, Mapping[str, Any]]:
+    """Return name and fields of the one entry that is for an arena; entries of others may stand by.
+
+    Raises
+    ------
+    PolicyError, UnknownNameError
+    """
+    names = [str(name) for name in content] if isinstance(content, Mapping) else []
+    ours = [name for name in names if name.rpartition("/")[2] in ARENAS]
+    if names and not ours:
+        arena_named(names[0])
+    if len(ours) != 1:
+        raise PolicyError(f"must hold an entry {' or '.join(ARENAS)}")
+    entry = dict(content)[ours[0]]  # type: ignore[call-overload]
+    if not isinstance(entry, Mapping):
+        raise PolicyError(f"{ours[0]}: must hold fields of a training run")
+    return ours[0], entry
+
+
+def _line_of(text: str, field: str) -> int:
+    """Return the first line of a YAML text with the last part of a field, or 1."""
+    key = re.escape(field.rpartition(".")[2])
+    found = re.search(rf"^[\s-]*{key}\s*:", text, re.MULTILINE)
+    return text.count("\n", 0, found.end()) + 1 if found else 1
 
 
 def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> TrainingPlan:
@@ -158,23 +192,45 @@ def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> Train
         given[name] = tuple(_share(item, name) for item in given.get(name, ()))
     for name in ("n_timesteps", "n_envs", "seed", "evaluate_every"):
         if name in given:
-            given[name] = int(float(given[name]))
-    arena = ARENAS[environment]
+            given[name] = _whole(given[name], name)
+    arena = arena_named(environment)
     settings, actions = _DEFAULTS.of(arena.kind)
     given["settings"] = settings_of(arena.settings, given.get("settings", settings))
     given.setdefault("actions", actions)
     rest = {k: v if k == "net_arch" else _number(v) for k, v in values.items()}  # "64" is a list
-    return TrainingPlan(**given, hyperparameters=rest)
+    plan = TrainingPlan(**given, hyperparameters=rest)
+    _check_hyperparameters(plan, known)
+    return plan
+
+
+def _check_hyperparameters(plan: TrainingPlan, fields: set[str]) -> None:
+    """Refuse names that neither a training run nor its algorithm has, and fractions of counts."""
+    taken = hyperparameters(plan.algo)
+    for name, value in plan.hyperparameters.items():
+        if name not in taken:
+            raise PolicyError(f"{name}: {not_known(name, sorted(taken | fields))} of {plan.algo}")
+        if name in WHOLE:
+            _whole(value, name)
+
+
+def _whole(value: Any, field: str) -> int:
+    """Return a whole number, which may be written as 1e6."""
+    try:
+        return int(float(value))
+    except (TypeError, ValueError, OverflowError):
+        raise PolicyError(f"{field}: must be a whole number (got {value!r})") from None
 
 
 def _share(item: Mapping[str, Any], name: str) -> Share:
     known = {f.name for f in dataclasses.fields(Share)}
-    if not isinstance(item, Mapping) or set(item) - known or "source" not in item:
+    if not isinstance(item, Mapping) or "source" not in item:
         raise PolicyError(f"{name}: each must have source, and may have {', '.join(sorted(known))}")
+    for key in set(item) - known:
+        raise PolicyError(f"{name}.{key}: {not_known(key, known)}")
     values = dict(item)
     for whole in ("count", "seed"):
         if whole in values:
-            values[whole] = int(float(values[whole]))
+            values[whole] = _whole(values[whole], f"{name}.{whole}")
     for names in ("strata", "families"):
         values[names] = tuple(values.get(names, ()))
     for role in ("caught_by", "shown_by"):

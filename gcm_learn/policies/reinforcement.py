@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO, SAC
+from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind
-from gcm_learn.errors import MissingExtraError, PolicyError
+from gcm_learn.errors import PolicyError
 from gcm_learn.execution import RUNNING, ArenaSettings, Pool, Steps
 from gcm_learn.policies.actor import CLIP, Actor
+from gcm_learn.policies.algorithms import WHOLE, algorithm
 from gcm_learn.policies.cloning import layers_of
 from gcm_learn.policies.directions import said
 from gcm_learn.policies.plan import TrainingPlan
@@ -31,17 +32,6 @@ _LEAN = ByKind({PLANAR: 0.0, SPATIAL: 2.0})
 """Logit by which a learner first prefers the choice that goes straight."""
 
 
-def algorithm(name: str) -> type[BaseAlgorithm]:
-    """The class behind a name; TQC is one of sb3-contrib."""
-    if name == "tqc":
-        try:
-            from sb3_contrib import TQC
-        except ImportError:
-            raise MissingExtraError("tqc", "sb3-contrib", "rl") from None
-        return TQC
-    return {"ppo": PPO, "sac": SAC}[name]
-
-
 def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
     """A learner at its beginning."""
     env = normalised(plan, pool)
@@ -52,10 +42,7 @@ def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
     made: dict[str, Any] = {"net_arch": networks, "activation_fn": nn.ReLU}
     if "log_std_init" in wanted:
         made["log_std_init"] = float(wanted.pop("log_std_init"))
-    for name in ("n_steps", "batch_size", "n_epochs", "buffer_size", "learning_starts",
-                 "train_freq", "gradient_steps"):  # fmt: skip
-        if name in wanted:
-            wanted[name] = int(wanted[name])
+    wanted |= {name: int(wanted[name]) for name in WHOLE if name in wanted}
     try:
         model = algorithm(plan.algo)(
             policy, env, seed=plan.seed, tensorboard_log=str(logs), device="cpu",
@@ -163,7 +150,11 @@ def keep(model: BaseAlgorithm, folder: Path) -> None:
 
 
 def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
-    """The learner that was kept in a folder."""
+    """The learner that was kept in a folder.
+
+    Statistics and replay buffer are pickles, as Stable-Baselines3 writes them: loading them runs
+    code, so go on only in folders of your own.
+    """
     fresh = normalised(plan, pool)
     env = VecNormalize.load(str(folder / STATISTICS), fresh.venv)
     model = algorithm(plan.algo).load(folder / MODEL, env=env, device="cpu")

@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnv
 
-from gcm_learn.envs import box, commands
+from gcm_learn.envs import box, commands, finite
 from gcm_learn.execution import (
     CAUGHT,
     OUTCOMES,
@@ -64,8 +64,9 @@ class ArenaVecEnv(VecEnv):
         return self._source.integers(len(self.plant.pool), size=count)
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Note what to do."""
-        self._actions = self._commands(self.plant.observations, actions)
+        """Note actions; NaN and infinities are an error."""
+        wanted = self._commands(self.plant.observations, actions)
+        self._actions = finite(wanted, (self.num_envs, self.plant.commands), "ArenaVecEnv.step")
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Do it."""

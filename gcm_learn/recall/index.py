@@ -360,5 +360,5 @@ _CLASSES: dict[str, type[Index]] = {
 def index_class(name: str) -> type[Index]:
     """The class of a registered index; raises UnknownNameError with the known names."""
     if name not in _CLASSES:
-        raise UnknownNameError(f"index: {name!r} is not one of {', '.join(_CLASSES)}")
+        raise UnknownNameError.among("index", name, _CLASSES)
     return _CLASSES[name]

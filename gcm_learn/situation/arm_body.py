@@ -139,7 +139,7 @@ def read_arm_body(path: str | Path) -> ArmBody:
         raise FileFormatError(f"{path}:1: is not UTF-8 text ({error.reason})") from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null byte
         reason = getattr(error, "strerror", None) or error
-        raise FileFormatError(f"{path}:1: cannot be read ({reason})") from None
+        raise FileFormatError(f"{path}: cannot be read ({reason})") from None
     try:
         return arm_body_from_json(parse(content))
     except JsonTextError as error:

@@ -42,7 +42,7 @@ def _read(path: Path | Traversable, name: str) -> ChainModel:
         raise FileFormatError(f"{name}:1: is not UTF-8 text ({error.reason})") from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null byte
         reason = getattr(error, "strerror", None) or error
-        raise FileFormatError(f"{name}:1: cannot be read ({reason})") from None
+        raise FileFormatError(f"{name}: cannot be read ({reason})") from None
     try:
         return arm_from_json(parse(content))
     except JsonTextError as error:

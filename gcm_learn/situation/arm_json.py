@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gcm_learn.arms import CHAIN, PLANAR, Arm, Base, ByKind, Chain, Kind
+from gcm_learn.arms import CHAIN, OTHER_ARMS, PLANAR, Arm, Base, ByKind, Chain, Kind
+from gcm_learn.errors import SituationError
 from gcm_learn.situation.arm_files import arm_to_json, model_from
 from gcm_learn.situation.formats import Format
 from gcm_learn.situation.json_records import (
@@ -63,6 +64,10 @@ def _kind_in(obj: object, path: str, known: tuple[Kind, ...]) -> Kind:
 
 
 def _planar(arm: type[Arm], obj: object, path: str, reading: Reading) -> Arm:
+    for name in ("joints", "joint_range", "model"):
+        if isinstance(obj, dict) and name in obj:
+            reason = f"is not for planar arms, which have a hand and 2 joints; {OTHER_ARMS}"
+            raise SituationError(f"{path}.{name}", reason)
     return record_from(arm, obj, path)
 
 

@@ -30,6 +30,7 @@ def read_situations(path: str | Path) -> list[AnySituation]:
     path : str or Path
         A ``.json`` file holds one situation, a ``.jsonl`` file one per line (blank lines are
         skipped). ``-`` is standard input; it and files of any other name may hold either.
+        Lines may be those of a suite, e.g. ``data/suites/demo.jsonl``.
 
     Raises
     ------
@@ -56,7 +57,7 @@ def _read_text(path: str | Path, name: str) -> str:
     except (OSError, ValueError) as error:
         # ValueError: a path with a null byte
         reason = getattr(error, "strerror", None) or error
-        raise FileFormatError(f"{name}:1: cannot be read ({reason})") from None
+        raise FileFormatError(f"{name}: cannot be read ({reason})") from None
 
 
 def _read_stdin() -> bytes:
@@ -111,7 +112,12 @@ def _filled_lines(content: str) -> Iterator[tuple[int, str]]:
 
 
 def _named_situation(obj: object, folder: Path) -> AnySituation:
-    """Return the situation of a parsed line, where the name is required."""
+    """Return the situation of a parsed line, where the name is required.
+
+    A line of a suite's file holds its situation beside what is known about it.
+    """
+    if type(obj) is dict and "suite" in obj and isinstance(obj.get("situation"), dict):
+        obj = obj["situation"]
     situation = situation_from_json(obj, folder)
     if isinstance(obj, dict) and "name" not in obj:
         raise SituationError("name", "is missing (required where a file holds several)")

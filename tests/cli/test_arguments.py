@@ -9,7 +9,12 @@ from gcm_learn.cli import main
 
 MISTAKES = [
     ([], "solve, demo, figure, animate"),
-    (["fly"], "fly"),
+    (["fly"], "command: 'fly' is not one of solve, demo"),
+    (["slove", "a.json"], "command: 'slove' is not known; did you mean 'solve'?"),
+    (["solve", "a.json", "--planner", "layred"], "did you mean 'layered'?"),
+    (["draw", "gat"], "family: 'gat' is not known; did you mean 'gate'?"),
+    (["figure", "fgi8"], "fig8-body; did you mean 'fig8'?"),
+    (["evaluate", "--policies", "layered,straigt"], "did you mean 'straight'?"),
     (["solve"], "FILE"),
     (["solve", "a.json", "--colour", "red"], "--colour"),
     (["solve", "a.json", "--planer", "gcm"], "did you mean --planner?"),

@@ -12,6 +12,8 @@ pytest.importorskip("pyarrow")
 
 from gcm_learn import dataset
 from gcm_learn.cli import main
+from gcm_learn.cli.generate import _hint
+from gcm_learn.cli.inspect import per_second
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.shards import make_shard
 from gcm_learn.processes import Here
@@ -52,6 +54,21 @@ def test_inspect_tells_what_maps_there_are(changes, said, tmp_path, capsys):
     make_here(replace(SMALL, count=1, **changes), str(tmp_path))
     assert main(["inspect", str(tmp_path)]) == 0
     assert f"  {said}\n" in capsys.readouterr().out
+
+
+def test_a_low_rate_of_acceptance_is_a_hint():
+    manifest = {"records": 300, "drawn": 4000, "rejected": {"blocked": 200, "stratum": 3500}}
+    said = _hint(manifest)
+    assert "7.5% of 4,000 drawn situations were kept" in said and "'stratum'" in said
+    assert _hint({**manifest, "drawn": 400}) is None
+    assert _hint({"records": 0, "drawn": 0, "rejected": {}}) is None
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"), [(0.586, "0.59/s"), (0.004, "0.004/s"), (9.1, "9.1/s"), (1204.3, "1204/s")]
+)
+def test_slow_rates_have_digits(rate, said):
+    assert per_second(rate) == said
 
 
 def test_inspect_tells_of_one_under_way(tmp_path, capsys):

@@ -48,7 +48,7 @@ BAD = [
     (["hoop"], "family: 'hoop' is not one of static-clutter"),
     (["gate", "--count", "0"], "--count 0: must be at least 1"),
     (["gate", "--seed", "-1"], "--seed -1: must be at least 0"),
-    (["none.json"], "none.json:1: cannot be read"),
+    (["none.json"], "none.json: cannot be read"),
     (["gate", "--count", "many"], "--count"),
 ]
 

@@ -27,14 +27,14 @@ def file(tmp_path):
 
 def test_a_line_tells_what_came_of_each(file, tmp_path, capsys):
     out = tmp_path / "done.jsonl"
-    assert main(["execute", str(file), "--out", str(out)]) == 1
+    assert main(["execute", str(file), "--out", str(out)]) == 0
     first, second, summary = capsys.readouterr().out.splitlines()
-    assert first.startswith("odd: failed: body: none that is shipped fits the arm (human: ")
+    assert first.startswith("odd: no body: body: none that is shipped fits the arm (human: ")
     assert second.startswith("fig8-space: caught 'ball' at 0.6")
     assert "rad/s^2 from the motors of 'nao'" in second
-    assert summary == "1 failed, 1 caught"
+    assert summary == "1 no body, 1 caught"
     odd, caught = (json.loads(line) for line in out.read_text().splitlines())
-    assert (odd["status"], odd["catch_time"]) == ("failed", None)
+    assert (odd["status"], odd["catch_time"]) == ("no body", None)
     assert (caught["status"], caught["catch_body"], caught["contact"]) == ("caught", "ball", None)
     assert 0.0 <= caught["error_median"] <= caught["error_max"] < 0.01
     assert len(caught["limits"]) == 4
@@ -42,10 +42,18 @@ def test_a_line_tells_what_came_of_each(file, tmp_path, capsys):
 
 
 def test_reports_go_to_standard_output_alone(file, capsys):
-    assert main(["execute", str(file), "--out", "-", "--body", "nao"]) == 1
+    assert main(["execute", str(file), "--out", "-", "--body", "nao"]) == 0
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [line["name"] for line in lines] == ["odd", "fig8-space"]
     assert all(line["format"] == "gcm-learn/execution@1" for line in lines)
+
+
+def test_a_file_of_arms_without_a_body_is_bad_input(file, capsys):
+    odd = file.with_name("odd.json")
+    odd.write_text(file.read_text().splitlines()[0])
+    assert main(["execute", str(odd)]) == 2
+    out, err = capsys.readouterr()
+    assert out.startswith("odd: no body: ") and "no body fits any of the arms" in err
 
 
 def test_a_file_may_hold_the_body(file, tmp_path, capsys):
@@ -72,13 +80,13 @@ def test_films_are_written(file, tmp_path, monkeypatch):
         "gcm_learn.plots.animate_execution",
         lambda situation, done, path: (shown.append(execution_to_json(done)), path.touch()),
     )
-    assert main(["execute", str(file), "--film", str(tmp_path / "films")]) == 1
+    assert main(["execute", str(file), "--film", str(tmp_path / "films")]) == 0
     assert [path.name for path in (tmp_path / "films").iterdir()] == ["fig8-space.gif"]
     assert [done["status"] for done in shown] == ["caught"]
 
 
 def test_an_arm_without_mass_does_what_was_planned(file, capsys):
-    assert main(["execute", str(file), "--plant", "kinematic", "--out", "-"]) == 1
+    assert main(["execute", str(file), "--plant", "kinematic", "--out", "-"]) == 0
     done = json.loads(capsys.readouterr().out.splitlines()[1])
     assert done["status"] == "caught"
     assert done["catch_time"] == pytest.approx(done["planned_catch_time"], abs=1e-3)
@@ -88,9 +96,9 @@ def test_an_arm_without_mass_does_what_was_planned(file, capsys):
 @pytest.mark.parametrize("plant", ["mujoco", "kinematic"])
 def test_a_world_that_is_seen_inexactly_is_planned_for_while_the_arm_moves(file, plant, capsys):
     argv = ["execute", str(file), "--noise", "0.002", "--plant", plant, "--out", "-"]
-    assert main(argv) == 1
+    assert main(argv) == 0
     odd, done = (json.loads(line) for line in capsys.readouterr().out.splitlines())
-    assert odd["status"] == "failed"
+    assert odd["status"] == "no body"
     assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
     assert done["planned_catch_time"] is None
 
@@ -130,15 +138,15 @@ def actor(tmp_path, monkeypatch):
 @pytest.mark.parametrize("noise", ["0", "0.002"])
 def test_a_policy_acts_by_what_is_seen(file, actor, plant, noise, capsys):
     argv = ["execute", str(file), "--planner", actor, "--plant", plant, "--noise", noise]
-    assert main([*argv, "--out", "-"]) == 1
+    assert main([*argv, "--out", "-"]) == 0
     odd, done = (json.loads(line) for line in capsys.readouterr().out.splitlines())
-    assert odd["status"] == "failed"
+    assert odd["status"] == "no body"
     assert (done["planner"], done["planned_catch_time"]) == (actor, None)
     assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
 
 
 def test_a_policy_can_be_tried_out_first(file, actor, capsys):
-    assert main(["execute", str(file), "--planner", f"{actor}@1", "--out", "-"]) == 1
+    assert main(["execute", str(file), "--planner", f"{actor}@1", "--out", "-"]) == 0
     done = json.loads(capsys.readouterr().out.splitlines()[1])
     assert done["status"] in ("caught", "no plan")
 
@@ -146,7 +154,7 @@ def test_a_policy_can_be_tried_out_first(file, actor, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--planner", "nobody"], "policy: 'nobody' is not one of the planners"),
+        (["--planner", "nobody"], "policy: 'nobody' is not one of gcm"),
         (
             ["--planner", "clone"],
             "--planner clone: an actor in the closed loop does not take planar arms",
@@ -166,7 +174,7 @@ def test_policies_that_do_not_fit_are_one_line(file, actor, options, said, capsy
         (["--noise", "-1"], "--noise -1: must be from 0 on"),
         (["--noise", "nan"], "--noise nan: must be"),
         (["--plant", "kinematic", "--film", "films"], "--film: is of arms with mass"),
-        (["--body", "none.json"], "none.json:1: cannot be read"),
+        (["--body", "none.json"], "none.json: cannot be read"),
         (["--planner", "layered-wave"], "does not take spatial arms"),
     ],
 )

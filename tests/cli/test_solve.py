@@ -12,7 +12,10 @@ from pathlib import Path
 import pytest
 
 from gcm_learn.cli import main
+from gcm_learn.errors import StopError
+from gcm_learn.families import paper_scene
 from gcm_learn.planners.registry import planner_names
+from gcm_learn.situation import write_situations
 from tests.extras import planner_params
 
 ROOT = Path(__file__).parents[2]
@@ -239,3 +242,31 @@ def test_a_deadline_is_told_to_planners_that_can_keep_it(scene_file, scene, caps
     ):
         assert main(["solve", path, *options]) == 2
         assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("form", "name"), [("ros2", "fig4.yaml"), ("csv", "fig4.csv")])
+def test_trajectories_end_at_rest(form, name, tmp_path, capsys):
+    write_situations(tmp_path / "scene.json", [paper_scene("fig4")])
+    made = []
+    for more in ((), ("--no-stop",)):
+        folder = tmp_path / f"out{len(more)}"
+        argv = ["solve", str(tmp_path / "scene.json"), "--trajectories", str(folder)]
+        assert main([*argv, "--as", form, *more]) == 0
+        assert [path.name for path in folder.iterdir()] == [name]
+        made.append((folder / name).read_text())
+    assert len(made[0]) > len(made[1])
+    assert capsys.readouterr().err == ""
+
+
+def test_a_catch_without_a_stop_is_refused_in_one_line(tmp_path, capsys, monkeypatch):
+    def none(situation, trajectory):
+        raise StopError(f"{situation.name!r}: no verified stop was found")
+
+    monkeypatch.setattr("gcm_learn.motion.with_stop", none)
+    write_situations(tmp_path / "scene.json", [paper_scene("fig4")])
+    argv = ["solve", str(tmp_path / "scene.json"), "--trajectories", str(tmp_path / "out")]
+    assert main(argv) == 1
+    out, err = capsys.readouterr()
+    assert json.loads(out)["status"] == "caught" and not list((tmp_path / "out").iterdir())
+    assert err == "gcm-learn: 'fig4': no verified stop was found; see --no-stop\n"
+    assert main([*argv, "--no-stop"]) == 0

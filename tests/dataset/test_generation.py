@@ -15,6 +15,7 @@ from typing import ClassVar
 import pytest
 
 from gcm_learn import dataset
+from gcm_learn.cli import main
 from gcm_learn.dataset import generate
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import make_alone
@@ -22,9 +23,10 @@ from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.manifest import read_manifest
 from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.shards import ShardInfo, make_shard, shard_name
+from gcm_learn.dataset.spec import spec_to_json
 from gcm_learn.errors import DatasetError
 from gcm_learn.processes import Here
-from tests.dataset.conftest import make_here
+from tests.dataset.conftest import SMALL, make_here
 
 ROOT = Path(__file__).parents[2]
 
@@ -104,8 +106,35 @@ def test_parts_of_a_job_array_make_the_whole(small, tmp_path, here):
 
 def test_another_specification_is_refused(small, tmp_path, here):
     generate(small, tmp_path)
-    with pytest.raises(DatasetError, match="is of specification"):
-        generate(replace(small, seed=99), tmp_path)
+    with pytest.raises(
+        DatasetError, match=r"specification 'small', not of this 'other' .*in name, seed"
+    ):
+        generate(replace(small, seed=99, name="other"), tmp_path)
+
+
+def test_a_folder_in_memory_needs_no_other_processes(small, tmp_path):
+    """Processes would each have a memory of their own."""
+    url, few = "memory://alone", replace(small, count=3, shard_size=2)
+    assert generate(few, url, 2)["complete"]
+    assert dataset.verify_dataset(url).faults == 0
+    with pytest.raises(DatasetError, match=r"^memory://alone/shards/shard-000000.parquet: is of"):
+        generate(replace(few, seed=99), url)
+
+
+@pytest.mark.parametrize(
+    ("url", "said"),
+    [
+        ("s3://bucket/folder", "s3://bucket/folder: needs s3fs: pip install s3fs"),
+        ("nowhere://folder", "nowhere://folder: Protocol not known: nowhere"),
+    ],
+)
+def test_a_place_that_cannot_be_reached_is_one_line(url, said, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "s3fs", None)
+    spec = tmp_path / "spec.json"
+    spec.write_text(json.dumps(spec_to_json(SMALL)))
+    assert main(["generate", str(spec), "--out", url]) == 2
+    assert main(["inspect", url]) == 2
+    assert capsys.readouterr().err == 2 * f"gcm-learn: {said}\n"
 
 
 @pytest.mark.parametrize("url", ["memory://made/set", "file"])

@@ -57,7 +57,7 @@ def test_toml_and_json_say_the_same(tmp_path):
         (('family = "random-planar"', 'family = "x"'), "families[0].family: 'x' is not one of"),
         (("share = 2.5", "config = {colour = 1}"), "families[0].config.colour"),
         (('["gcm"]', '["gcm", "gcm"]'), "planners[1]: 'gcm' is given twice"),
-        (('["gcm"]', '["gmc"]'), "planners[0]: 'gmc' is not one of"),
+        (('["gcm"]', '["gmc"]'), "did you mean 'gcm'?"),
         (("Q = 3", "X = 3"), "strata.X: is not one of L, W, Q, U"),
         (("{W = 1, Q = 3}", "{W = 0}"), "strata: must have a share above zero"),
         (("test = 0.2", "test = 1.5"), "split.test: must be a share"),

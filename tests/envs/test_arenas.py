@@ -128,11 +128,12 @@ def test_gymnasium_and_stable_baselines_accept_it(name, pool, settings):
     check.check_env(one(name, pool, settings=settings))
 
 
-def test_make_knows_it(name, pool):
-    made = gymnasium.make(f"gcm_learn:{name}-v0", situations=pool)
+@pytest.mark.parametrize("prefix", ["gcm_learn:", "gcm_learn/", "gcm_learn:gcm_learn/"])
+def test_make_knows_it(name, pool, prefix):
+    made = gymnasium.make(f"{prefix}{name}-v0", situations=pool)
     assert made.reset(seed=0)[0].shape == (WIDTH[name],)
     arms = gymnasium.make_vec(
-        f"gcm_learn:{name}-v0", num_envs=3, vectorization_mode="vector_entry_point",
+        f"{prefix}{name}-v0", num_envs=3, vectorization_mode="vector_entry_point",
         situations=pool,
     )  # fmt: skip
     assert type(arms.unwrapped) is getattr(envs, MANY[name])
@@ -199,6 +200,44 @@ def test_a_situation_can_be_given(name, pool):
     ):
         with pytest.raises(ArenaError, match=message):
             env.reset(options=options)
+
+
+BAD_ACTIONS = [
+    (lambda n: np.full(n, np.nan), r"must be finite \(got \[nan, "),
+    (lambda n: np.r_[np.zeros(n - 1), np.inf], r"must be finite \(got \[0\.0, .*inf\]"),
+    (lambda n: np.zeros(n + 1), r"must have shape \(\d,\) \(got"),
+    (lambda n: 0.5, r"must have shape \(\d,\) \(got \(\)\)"),
+    (lambda n: ["a"] * n, r"must be numbers \(\d,\) \(got \['a'"),
+    (lambda n: None, r"must have shape"),
+]
+
+
+@pytest.mark.parametrize(("made", "message"), BAD_ACTIONS)
+def test_a_bad_action_is_an_error_and_changes_nothing(name, pool, made, message):
+    env, fresh = one(name, pool), one(name, pool)
+    action = np.full(SETTINGS[name]().commands, 0.3)
+    for arm in (env, fresh):
+        arm.reset(options={"index": 0})
+    with pytest.raises(ArenaError, match=rf"^{name}\.step: the action {message}"):
+        env.step(made(len(action)))
+    np.testing.assert_array_equal(env.step(action)[0], fresh.step(action)[0])
+
+
+def test_a_bad_action_of_one_arm_of_many_is_an_error(name, pool):
+    arms = many(name, 3, pool)
+    arms.reset(seed=0)
+    actions = np.zeros((3, SETTINGS[name]().commands))
+    actions[1, 0] = np.nan
+    with pytest.raises(ArenaError, match=rf"^{MANY[name]}\.step: .* finite \(got \[nan, 0\.0"):
+        arms.step(actions)
+    with pytest.raises(ArenaError, match=rf"^{MANY[name]}\.step: .* shape \(3, \d\) \(got \(2"):
+        arms.step(actions[:2])
+    arms.step(np.full_like(actions, 1e200))  # large, but finite
+
+
+def test_a_window_that_cannot_open_is_an_error(name, pool):
+    with pytest.raises(ArenaError, match="render_mode: 'human' needs a window"):
+        one(name, pool, render_mode="human").reset(seed=0)
 
 
 def test_gymnasium_s_own_vectors_hold_it(name, pool):

@@ -184,7 +184,7 @@ def test_tables_are_kept(results, tmp_path):
 
 
 def test_unknown_methods_are_refused():
-    with pytest.raises(UnknownNameError, match="policy: 'nobody' is not one of the planners"):
+    with pytest.raises(UnknownNameError, match="policy: 'nobody' is not one of gcm"):
         get_method("nobody")
 
 

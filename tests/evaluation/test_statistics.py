@@ -7,7 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from gcm_learn.evaluation.statistics import chance, difference, holm, mcnemar, stratified, wilson
+from gcm_learn.evaluation.statistics import (
+    beyond_chance,
+    chance,
+    difference,
+    holm,
+    mcnemar,
+    stratified,
+    wilson,
+)
 from gcm_learn.seeding import rng as rng_of
 
 
@@ -101,6 +109,20 @@ def test_a_few_pairs_never_have_an_interval_of_no_width():
     alike = difference(first, first, families)
     assert alike.low < 0.0 < alike.high
     assert stratified(first, families) == wilson(20, 22)
+
+
+@pytest.mark.parametrize(
+    ("only_first", "both", "said"),
+    [(4, 2, "no (exact test; the interval is approximate)"), (2, 4, "no"), (12, 2, "yes")],
+)
+def test_the_exact_test_decides_where_it_differs_from_the_interval(only_first, both, said):
+    """Of six pairs, four that only one caught: the interval leaves 0 out, but p is 0.125."""
+    first = np.ones(only_first + both, bool)
+    second = np.arange(only_first + both) >= only_first
+    found, p = difference(first, second, np.zeros(len(first))), mcnemar(first, second)[2]
+    assert beyond_chance(found, p) == said
+    turned = difference(second, first, np.zeros(len(first)))
+    assert beyond_chance(turned, p) == said
 
 
 def test_intervals_of_few_pairs_cover_as_often_as_they_say(rng):

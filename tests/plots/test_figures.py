@@ -38,7 +38,7 @@ def test_all_figures_of_the_paper_are_there():
 
 
 def test_unknown_figure_names_the_known_ones():
-    with pytest.raises(UnknownNameError, match=r"fig9.*fig1, fig2"):
+    with pytest.raises(UnknownNameError, match=r"'fig9'.* fig1, fig2.* did you mean 'fig8'"):
         draw_figure("fig9")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -28,6 +29,11 @@ def written(path, **changes):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ({"n_timesteps": "sixty"}, "n_timesteps: must be a whole number (got 'sixty')"),
+        ({"n_steps": "many"}, "n_steps: must be a whole number (got 'many')"),
+        ({"n_envz": 3}, "n_envz: is not a known field (did you mean 'n_envs'?) of ppo"),
+        ({"algo": "sac", "actions": "velocity", "clip_range": 1}, "clip_range: is not a known"),
+        ({"situations": [{"source": "gate", "cuont": 1}]}, "situations.cuont: is not a known"),
         ({"algo": "dream"}, "algo: 'dream' is not one of clone, ppo, sac, tqc"),
         ({"n_timesteps": 0}, "n_timesteps: must be at least 1"),
         ({"situations": []}, "situations: there is none"),
@@ -54,7 +60,34 @@ def test_bad_files_are_refused_in_one_line(tmp_path, changes, message):
     with pytest.raises(FileFormatError) as caught:
         read_plan(path)
     text = str(caught.value)
-    assert text.startswith(f"{path}:1: CatchArm-v0.") and message in text and "\n" not in text
+    assert re.match(rf"{re.escape(str(path))}:\d+: CatchArm-v0\.", text), text
+    assert message in text and "\n" not in text
+    key = message.partition(":")[0].rpartition(".")[2]
+    line = int(text.removeprefix(f"{path}:").partition(":")[0])
+    assert key in path.read_text().splitlines()[line - 1] or line == 1
+
+
+def test_the_namespace_of_gymnasium_may_stand_before_an_environment(tmp_path):
+    path = tmp_path / "plan.yml"
+    for name in ("CatchArm-v0", "gcm_learn/CatchArm-v0"):
+        path.write_text(yaml.safe_dump({name: ENTRY}))
+        assert read_plan(path).n_envs == 8
+    path.write_text(yaml.safe_dump({"CatchAmr-v0": ENTRY}))
+    with pytest.raises(FileFormatError, match=r"'CatchAmr-v0' is not one of .* 'CatchArm-v0'"):
+        read_plan(path)
+    for text in ("", "CatchArm-v0:", "- 3"):
+        path.write_text(text)
+        with pytest.raises(FileFormatError, match="must hold"):
+            read_plan(path)
+
+
+def test_an_unknown_key_is_found_before_situations_are_drawn(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("gcm_learn.policies.training.gather", None)
+    path = written(tmp_path / "bad.yml", n_envz=3)
+    assert main(["train-policy", str(path), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "CatchArm-v0.n_envz: is not a known field (did you mean 'n_envs'?) of ppo" in said
+    assert said.startswith(str(path)) and not (tmp_path / "out").exists()
 
 
 def test_numbers_may_be_written_as_people_do(tmp_path):

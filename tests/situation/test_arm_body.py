@@ -66,7 +66,7 @@ def test_a_file_is_named_with_the_line(tmp_path):
     file.write_text(json.dumps(spoilt("joints", 1, "torque", value=-2.0), indent=1))
     with pytest.raises(FileFormatError, match=r"body\.json:\d+: joints\[1\]\.torque: must be pos"):
         read_arm_body(file)
-    with pytest.raises(FileFormatError, match=r"missing\.json:1: cannot be read"):
+    with pytest.raises(FileFormatError, match=r"missing\.json: cannot be read"):
         read_arm_body(tmp_path / "missing.json")
 
 

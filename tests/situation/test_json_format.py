@@ -10,6 +10,7 @@ import sys
 import pytest
 from hypothesis import given, settings
 
+from gcm_learn import artifacts
 from gcm_learn.arms import Arm
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation import (
@@ -25,6 +26,12 @@ from gcm_learn.situation import (
 )
 from tests import strategies
 from tests.situation.scenes import GONE, PLANAR, REFUSED, SCENES, SOLID, changed, refusal
+
+
+def test_files_of_suites_are_read():
+    path = artifacts.shipped("data") / "suites" / "demo.jsonl"
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    assert read_situations(path) == [situation_from_json(line["situation"]) for line in lines]
 
 
 @pytest.fixture
@@ -164,11 +171,11 @@ def test_names_are_unique_in_a_file(in_folder):
 
 def test_files_that_cannot_be_read(in_folder):
     (in_folder / "folder.json").mkdir()
-    assert refusal("none.json") == "none.json:1: cannot be read (No such file or directory)"
-    assert refusal("folder.json") == "folder.json:1: cannot be read (Is a directory)"
-    assert refusal("a\0b.json") == "a\\x00b.json:1: cannot be read (embedded null byte)"
-    assert refusal("a\nb.json") == "a\\nb.json:1: cannot be read (No such file or directory)"
-    assert refusal("x" * 300).endswith(":1: cannot be read (File name too long)")
+    assert refusal("none.json") == "none.json: cannot be read (No such file or directory)"
+    assert refusal("folder.json") == "folder.json: cannot be read (Is a directory)"
+    assert refusal("a\0b.json") == "a\\x00b.json: cannot be read (embedded null byte)"
+    assert refusal("a\nb.json") == "a\\nb.json: cannot be read (No such file or directory)"
+    assert refusal("x" * 300).endswith(": cannot be read (File name too long)")
 
 
 def test_byte_order_mark_and_windows_line_ends_are_accepted(in_folder):

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, Kind
-from gcm_learn.errors import ArenaError
+from gcm_learn.errors import ArenaError, not_known
 from gcm_learn.execution.arena.kernels.world import HAND_VELOCITY, JOINT_VELOCITY, Options
 from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
@@ -212,4 +212,4 @@ def _check_names(where: str, values: Mapping[str, Any], known: set[str]) -> None
     """Refuse fields that are not known."""
     unknown = sorted(set(values) - known)
     if unknown:
-        raise ArenaError(f"{where}: {unknown[0]!r} is not a known field")
+        raise ArenaError(f"{where}: {unknown[0]!r} {not_known(unknown[0], known)}")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from gcm_learn import artifacts
 from gcm_learn.arms import SpatialArm
-from gcm_learn.errors import PhysicsError
+from gcm_learn.errors import BodyError
 from gcm_learn.situation import ArmBody, read_arm_body
 
 FOLDER = "bodies"
@@ -40,7 +40,7 @@ def body_for(arm: SpatialArm, given: ArmBody | str | Path | None = None) -> ArmB
 
     Raises
     ------
-    PhysicsError
+    BodyError
         If none fits.
     """
     if given is None:
@@ -48,10 +48,10 @@ def body_for(arm: SpatialArm, given: ArmBody | str | Path | None = None) -> ArmB
         fitting = [body for body in bodies if not body.misfit(arm)]
         if not fitting:
             reasons = "; ".join(f"{body.name}: {body.misfit(arm)}" for body in bodies)
-            raise PhysicsError(f"body: none that is shipped fits the arm ({reasons})")
+            raise BodyError(f"body: none that is shipped fits the arm ({reasons})")
         return fitting[0]
     body = given if isinstance(given, ArmBody) else read_body(given)
     misfit = body.misfit(arm)
     if misfit:
-        raise PhysicsError(f"body {body.name or given!s}: does not fit: {misfit}")
+        raise BodyError(f"body {body.name or given!s}: does not fit: {misfit}")
     return body

@@ -41,8 +41,8 @@ class Execution:
     """Of the situation."""
     planner: str
     status: str
-    """"caught", "collided" or "late"; "no plan" where there was none to follow, "failed" where
-    physics could not."""
+    """"caught", "collided" or "late"; "no plan" where there was none to follow, "no body"
+    where none fits the arm, "failed" where physics could not."""
     message: str = ""
     """Why there was no plan, or what failed."""
     body: str = ""

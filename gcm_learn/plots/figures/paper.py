@@ -53,7 +53,7 @@ def draw_figure(name: str) -> Figure:
     UnknownNameError
     """
     if name not in FIGURES:
-        raise UnknownNameError(f"no figure {name!r}; there are {', '.join(FIGURES)}")
+        raise UnknownNameError.among("figure", name, FIGURES)
     return FIGURES[name]()
 
 

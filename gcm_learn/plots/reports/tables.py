@@ -12,6 +12,7 @@ from gcm_learn.evaluation import (
     Interval,
     Measures,
     Results,
+    beyond_chance,
     chance,
     charged_curve,
     costs_of,
@@ -89,14 +90,16 @@ def _folded(results: Results, heading: str) -> Table:
 
 def pairs_table(results: Results, reference: str, fold: str = "") -> Table:
     """Each method against one of them."""
-    columns = ("method", "difference [points]", "95 %", "only it", f"only {reference}", "p")
+    columns = ("method", "difference [points]", "95 %", "only it", f"only {reference}", "p",
+               "beyond chance")  # fmt: skip
     rows = []
     for pair in pairs(results, reference):
         d = pair.difference
         p = chance(pair.p)
         span = f"{100 * d.low:+.1f} to {100 * d.high:+.1f}"
         more = f"{100 * d.value:+.1f}"
-        rows.append([pair.first, more, span, str(pair.only_first), str(pair.only_second), p])
+        rows.append([pair.first, more, span, str(pair.only_first), str(pair.only_second), p,
+                     beyond_chance(d, pair.p)])  # fmt: skip
     return Table(columns, rows, fold)
 
 
