@@ -141,7 +141,9 @@ def test_bad_plans_are_refused_in_one_line(tmp_path):
         plan_of(entry(algo="clone"), "CatchArmPhysics-v0")
     path = tmp_path / "other.yml"
     path.write_text("Pendulum-v1: {}\n")
-    with pytest.raises(FileFormatError, match="must hold an entry CatchArm-v0 or CatchArm3D-v0"):
+    with pytest.raises(
+        FileFormatError, match="'Pendulum-v1' is not one of CatchArm-v0, CatchArm3D-v0"
+    ):
         read_plan(path)
     path.write_text("CatchArm3D-v0: {algo: ppo, settings: {embedding: true}}\n")
     with pytest.raises(
