@@ -9,7 +9,9 @@ import time
 from collections.abc import Iterator
 from types import FrameType
 
-AGAIN = 0.2  # between interruptions of code that goes on after the first one [s]
+from numba.core.compiler_lock import global_compiler_lock
+
+TICK = 0.1  # between looks at the clock [s]
 
 
 class OutOfTime(BaseException):
@@ -20,8 +22,9 @@ class OutOfTime(BaseException):
 def time_limit(seconds: float | None) -> Iterator[None]:
     """Interrupt the block by `OutOfTime` after some time on the wall.
 
-    Signals of POSIX do this, in the main thread of a process only. Elsewhere there is no limit.
-    Python code, sleeps and waits are interrupted; a compiled loop is, as soon as it returns.
+    Time in which numba compiles is not counted. Signals of POSIX do this, in the main thread of a
+    process only; elsewhere there is no limit. Python code, sleeps and waits are interrupted; a
+    compiled loop is, as soon as it returns.
 
     Parameters
     ----------
@@ -32,14 +35,20 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     if seconds is None or not able:
         yield
         return
-    done, since = False, time.monotonic()
+    done, spent, seen, since = False, 0.0, time.monotonic(), time.monotonic()
 
-    def stop(number: int, frame: FrameType | None) -> None:
-        if not done:
+    def look(number: int, frame: FrameType | None) -> None:
+        nonlocal spent, seen
+        last, seen = seen, time.monotonic()
+        if global_compiler_lock.is_locked():
+            return
+        spent += seen - last
+        if spent >= seconds and not done:
             raise OutOfTime
 
-    before = signal.signal(signal.SIGALRM, stop)
-    left, every = signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
+    tick = min(TICK, seconds)
+    before = signal.signal(signal.SIGALRM, look)
+    left, every = signal.setitimer(signal.ITIMER_REAL, tick, tick)
     try:
         try:
             yield
