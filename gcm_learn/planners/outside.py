@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, Kind, kind_of
+from gcm_learn.arms import PLANAR, ByKind, Kind
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Movement, start_clearance
@@ -26,6 +26,8 @@ LIMIT = 60.0
 MOST_SAMPLES = 100_000  # of a movement
 TOUCHES = 1e-6  # within this of contact a start may be called blocked [lengths]
 GIVEN = ("time", "joints", "rates", "path")
+_BY_HAND = ByKind({PLANAR: True}, default=False)
+"""True for kinds of arms whose movements have a path of the hand."""
 
 
 class _Broken(Exception):
@@ -54,7 +56,7 @@ class Outside:
 
     @property
     def anytime(self) -> bool:
-        """Whether it takes a deadline; see `Anytime`."""
+        """True if it takes a deadline; see `Anytime`."""
         return getattr(self.planner, "anytime", False) is True
 
     def takes(self, kind: Kind) -> bool:
@@ -99,7 +101,7 @@ def _refuse_changes(shown: AnySituation, situation: AnySituation) -> None:
 def _values(answer: Any, situation: AnySituation) -> dict[str, Any]:
     """Return the values of a verified plan, but for its planner and its time.
 
-    Everything is read once, and nothing of the answer is kept but numbers and text.
+    Each value is read once. Only numbers and text of the answer are kept.
     """
     if not isinstance(answer, Plan):
         raise TypeError(f"it returned {_kind_of_thing(answer)} in place of a Plan")
@@ -150,15 +152,11 @@ def _movement(given: Any, situation: AnySituation) -> Movement:
     """Return a movement made anew of the numbers of one from outside."""
     if not isinstance(given, Movement):
         raise _Broken(f"its trajectory is {_kind_of_thing(given)} in place of a Movement")
-    arm = given.arm
-    if kind_of(arm) != kind_of(situation):
-        raise _Broken("moves an arm of the other kind")
-    if arm != situation.arm:
+    if given.arm != situation.arm:
         raise _Broken("moves another arm")
     parts = {name: _array(getattr(given, name), name) for name in GIVEN}
-    planar = kind_of(situation) == PLANAR
-    if planar != (parts["path"] is not None):
-        raise _Broken(f"needs {'a' if planar else 'no'} path of the hand")
+    if _BY_HAND.of(situation) != (parts["path"] is not None):
+        raise _Broken(f"needs {'a' if parts['path'] is None else 'no'} path of the hand")
     return Movement(situation.arm, **parts)  # type: ignore[arg-type]
 
 

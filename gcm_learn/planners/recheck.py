@@ -74,7 +74,7 @@ def _verified(
 
 
 def _agree(moves: Movement, path: np.ndarray) -> bool:
-    """Return whether the joints of a planar arm are those of its hands, but for whole turns."""
+    """Return whether joints of a planar arm lead to its hands, up to whole turns."""
     off = moves.joints - Movement.of_hand(moves.arm, moves.time, path).joints
     turns = 2.0 * np.pi * np.round(off[0] / (2.0 * np.pi))
     return bool((np.abs(off - turns) <= JOINT_SLACK).all())

@@ -23,7 +23,7 @@ MODEL = ".zip"
 
 
 def found(reference: str) -> Any:
-    """Return the object that a reference names, or None if it is a bare name that none offers.
+    """Return the object that a reference names, or None for a bare name without an entry point.
 
     Parameters
     ----------

@@ -176,7 +176,7 @@ def plan_with(
 ) -> Plan:
     """Let a planner answer a situation, if it takes the arm; a deadline is for those `Anytime`.
 
-    All plans come in here: those of planners from outside are verified.
+    All plans come in here; `Outside` verifies plans from outside of the package.
 
     Raises
     ------

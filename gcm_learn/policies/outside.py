@@ -129,7 +129,7 @@ def _arenas() -> list[Any]:
 
 
 def _check_spaces(policy: Any, settings: ArenaSettings, name: str) -> None:
-    """Refuse a policy whose spaces are not those of its arena."""
+    """Refuse a policy if its spaces and the spaces of its arena differ."""
     for which, size in (("observation_space", settings.width), ("action_space", settings.commands)):
         shape = _shape(policy, which)
         wide = which == "observation_space" and getattr(settings, "embedding", False)
@@ -142,7 +142,7 @@ def _check_spaces(policy: Any, settings: ArenaSettings, name: str) -> None:
 
 
 def _shape(policy: Any, which: str) -> tuple[int, ...] | None:
-    """Return the shape of a space; None if the policy does not tell."""
+    """Return the shape of a space, or None for a policy without that space."""
     space = getattr(policy, which, None)
     return None if space is None else tuple(getattr(space, "shape", None) or ())
 

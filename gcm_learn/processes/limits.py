@@ -15,7 +15,7 @@ TICK = 0.1  # between looks at the clock [s]
 
 
 class OutOfTime(BaseException):
-    """Code has used up its time; no `Exception`, so that planners do not catch it by chance."""
+    """Code has used up its time; a `BaseException`, which planners rarely catch by chance."""
 
 
 @contextlib.contextmanager
