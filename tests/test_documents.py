@@ -74,6 +74,22 @@ def test_readme_examples_run_and_print_what_the_readme_says(
     assert drawn is None or (tmp_path / drawn).stat().st_size > 1000
 
 
+@pytest.mark.parametrize("which", ["planner", "policy", "model"])
+def test_how_tos_run(which, tmp_path, monkeypatch, capsys):
+    if which == "model":
+        pytest.importorskip("stable_baselines3")
+    path = ROOT / "docs" / "your-own.md"
+    example = blocks(path, "python")[["planner", "policy", "model"].index(which)]
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, str(path), "exec"), {"__name__": "example"})
+    printed = capsys.readouterr().out
+    if which == "planner":
+        assert printed == blocks(path, "text")[0]
+    else:
+        name = "model.zip" if which == "model" else "Forward"
+        assert "error" not in printed and f"\n{name} [" in printed
+
+
 def test_readme_situation_has_the_solution_that_the_readme_shows(tmp_path, capsys):
     situation, solution = blocks(README, "json")
     scene = tmp_path / "scene.jsonl"

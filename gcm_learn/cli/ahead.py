@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Sequence
 from multiprocessing.context import SpawnProcess
 
-from gcm_learn.evaluation import warmed
+from gcm_learn.evaluation import entrants_of, warmed
 from gcm_learn.processes import Context, cores
 
 
@@ -24,6 +24,6 @@ def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
 
 def _compile(names: Sequence[str]) -> None:
     """Let methods answer once; what goes wrong here is said by whoever needs them."""
-    for name in names:
+    for entrant in entrants_of(names):
         with contextlib.suppress(Exception):
-            warmed(name)
+            warmed(entrant)

@@ -28,7 +28,8 @@ class Animate:
     """situations: a .json or .jsonl file, or - for standard input"""
 
     planner: Annotated[str, arg(metavar="NAME")] = "gcm"
-    """who plans; an unknown name lists all of them"""
+    """who plans: a name, an actor as clone@20, or your own: module:name, path.py:name, model.zip;
+    an unknown name lists all"""
 
     out: Annotated[
         Path | None, arg(metavar="FILE", help_behavior_hint="(default: the situation's name.gif)")

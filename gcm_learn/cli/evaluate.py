@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 class Evaluate:
     """Let planners and policies answer the same situations; write a table and a report."""
 
-    policies: Annotated[str, arg(metavar="A,B,C")]
-    """planners by name, trained actors by their folder in models/, or NAME@20 for an actor whose
-    way is tried out and verified first"""
+    policies: Annotated[str, arg(metavar="A,B,C", aliases=["--planners"])]
+    """planners by name, trained actors by their folder in models/, NAME@20 for an actor whose
+    path is tried out and verified first, and your own: module:name, path.py:name, model.zip"""
 
     suite: Annotated[str, arg(metavar="NAME")] = "demo"
     """frozen situations: demo, natural, L, W, Q, U (of a stratum, as families in turn yield
@@ -39,6 +39,9 @@ class Evaluate:
 
     charge: Annotated[int, arg(metavar="N")] = 100
     """situations of each stratum for which thinking is charged"""
+
+    limit: Annotated[float, arg(metavar="S")] = 60.0
+    """seconds on the clock for each answer of your own methods; longer is an error"""
 
     noise: Annotated[str, arg(metavar="S,S")] = ""
     """also let the planners among them see bodies with errors of these standard deviations
@@ -64,6 +67,8 @@ class Evaluate:
         """Compare, and say where the report is."""
         if self.charge < 0:
             raise CommandFailure(f"--charge {self.charge}: must not be negative")
+        if not 0.0 < self.limit <= 1e6:
+            raise CommandFailure(f"--limit {self.limit:g}: must be above 0")
         check_workers(self.workers)
         names = list(dict.fromkeys(n for n in self.policies.split(",") if n))
         if not names:
@@ -72,6 +77,7 @@ class Evaluate:
             raise CommandFailure(f"--reference {self.reference}: is not one of --policies")
         deviations = _deviations(self.noise)
         from gcm_learn.evaluation import check_suite, compare, draw_suite, get_method
+        from gcm_learn.planners import FAULTS
         from gcm_learn.plots import write_report
 
         suites = list(dict.fromkeys(self.suite.split(",")))
@@ -99,6 +105,7 @@ class Evaluate:
                 names,
                 entries,
                 charge=self.charge,
+                limit=self.limit,
                 workers=self.workers,
                 cluster=self.cluster,
                 progress=progress.advance,
@@ -110,7 +117,9 @@ class Evaluate:
             mine = results.of_method(name)
             reachable = mine["stratum"] != "U"
             share = (mine["outcome"][reachable] == "caught").mean() if reachable.any() else 0.0
-            print(f"{name:16} caught {share:6.1%} of {int(reachable.sum())} reachable")
+            faults = [(k, int((mine["outcome"] == k).sum())) for k in FAULTS]
+            told = "".join(f", {count} {kind}" for kind, count in faults if count)
+            print(f"{name:16} caught {share:6.1%} of {int(reachable.sum())} reachable{told}")
         print(f"Open {page.resolve().as_uri()} in a browser.")
         return 0
 
@@ -131,6 +140,7 @@ class Evaluate:
                 planners,
                 entries,
                 deviations,
+                limit=self.limit,
                 workers=self.workers,
                 cluster=self.cluster,
                 progress=progress.advance,

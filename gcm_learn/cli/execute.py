@@ -60,7 +60,7 @@ class Execute:
 
     planner: Annotated[str, arg(metavar="NAME")] = "layered"
     """who plans, or a trained actor by its folder in models/: it acts anew in every period, by what
-    is seen 50 times a second; an unknown name lists all of them"""
+    is seen 50 times a second; or your own, as solve takes them; an unknown name lists all"""
 
     plant: Literal["mujoco", "kinematic"] = "mujoco"
     """plant of the plans: physics, or an arm without mass that follows at once"""

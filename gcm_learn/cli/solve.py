@@ -35,7 +35,8 @@ class Solve:
     """situations: a .json or .jsonl file, or - for standard input"""
 
     planner: Annotated[str, arg(metavar="NAME")] = "search"
-    """who plans; an unknown name lists all of them"""
+    """who plans: a name, an actor as clone@20, or your own: module:name, path.py:name, model.zip;
+    an unknown name lists all"""
 
     deadline: Annotated[
         float | None, arg(metavar="MS", help_behavior_hint="(default: the first catch)")

@@ -96,7 +96,7 @@ def plan_cell(kind: Kind, plan: Plan) -> dict[str, Any]:
     """Return the cell of a plan for a kind of arm."""
     clearance, path = plan.clearance, plan.trajectory
     return {
-        "status": plan.status,
+        "status": plan.exchanged,
         "message": plan.message,
         "catch_time": plan.catch_time,
         "catch_body": plan.catch_body,

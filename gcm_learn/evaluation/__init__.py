@@ -2,6 +2,7 @@
 
 from gcm_learn.evaluation.contest import DELAYS, compare, warmed
 from gcm_learn.evaluation.costs import Cost, costs_of, log_of
+from gcm_learn.evaluation.entrants import Entrant, entrants_of
 from gcm_learn.evaluation.measures import (
     Measures,
     Pair,
@@ -43,6 +44,7 @@ __all__ = [
     "ActorMethod",
     "Cost",
     "DELAYS",
+    "Entrant",
     "Entry",
     "Interval",
     "Measures",
@@ -61,6 +63,7 @@ __all__ = [
     "declines",
     "difference",
     "draw_suite",
+    "entrants_of",
     "get_method",
     "hash_of",
     "holm",

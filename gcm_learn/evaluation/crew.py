@@ -10,6 +10,11 @@ from gcm_learn.processes import cores, crew_of
 Rows = list[dict[str, Any]]
 
 
+def is_alone(calls: int, workers: int | None, cluster: str | None) -> bool:
+    """Return whether this process does all calls itself."""
+    return cluster is None and min(workers or cores(), calls) <= 1
+
+
 def rows_of(
     calls: Sequence[Callable[[], Rows]],
     workers: int | None,

@@ -9,6 +9,7 @@ import numpy as np
 from gcm_learn.evaluation.contest import DELAYS
 from gcm_learn.evaluation.statistics import Interval, difference, mcnemar, wilson
 from gcm_learn.evaluation.table import Results
+from gcm_learn.planners import FAULTS
 
 REACHABLE = ("L", "W", "Q")
 
@@ -41,6 +42,10 @@ class Measures:
     """95 % quantile [ms]."""
     charged: int
     """Situations for which thinking was charged."""
+    broken: float
+    """Share of catches that were promised and do not hold."""
+    errors: float
+    """Share in which the method failed, or did not end."""
     own: Interval | None
     """Catches if each thinking is charged; None if that was not measured."""
 
@@ -72,6 +77,8 @@ def measured(results: Results, method: str) -> Measures:
         latency=_median(mine["latency_ms"]),
         latency_95=_quantile(mine["latency_ms"], 0.95),
         charged=int(charged.sum()),
+        broken=float(np.mean(outcome == "broken")) if n else float("nan"),
+        errors=float(np.mean(outcome == "error")) if n else float("nan"),
         own=own,
     )
 
@@ -90,10 +97,11 @@ def charged_curve(results: Results, method: str) -> list[Interval]:
 
 
 def declines(results: Results, method: str) -> Interval:
-    """Share of unreachable situations in which nothing was touched."""
+    """Share of unreachable situations in which nothing was touched, and no method failed."""
     mine = results.of_method(method)
     mine = mine.where(mine["stratum"] == "U")
-    return wilson(int((mine["outcome"] != "touched").sum()), len(mine))
+    wrong = np.isin(mine["outcome"].astype(str), ("touched", *FAULTS))
+    return wilson(int((~wrong).sum()), len(mine))
 
 
 @dataclass(frozen=True)

@@ -4,16 +4,36 @@ from __future__ import annotations
 
 import time as clock
 from dataclasses import dataclass
-from typing import Protocol
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 
 from gcm_learn.arms import ByKind, Kind
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.execution import ARENAS, OUTCOMES, pool_for, way_of
+from gcm_learn.execution import OUTCOMES, pool_for, way_of
 from gcm_learn.motion import Movement
-from gcm_learn.planners import Planner, get_planner, plan_with, takes
-from gcm_learn.policies import Actor, ActorPlanner, actor_names, shipped_actor
+from gcm_learn.planners import (
+    FAULTS,
+    LIMIT,
+    Planner,
+    acts,
+    found,
+    get_planner,
+    in_words,
+    instance,
+    is_registered,
+    name_of,
+    plan_with,
+    takes,
+)
+from gcm_learn.policies import (
+    Acting,
+    all_actor_names,
+    own_policy,
+    shipped_actor,
+)
+from gcm_learn.processes import OutOfTime, time_limit
 from gcm_learn.situation import AnySituation
 
 CLOCKED = ("st-rrt-star",)  # plan for a given time, in a process of their own
@@ -24,13 +44,16 @@ class Result:
     """Result for one situation."""
 
     outcome: str
-    """caught, declined (nothing was done), touched, late or start_blocked."""
+    """caught, declined (nothing was done), touched, late or start_blocked; of methods from
+    outside also broken (a promise) or error."""
     latency: float
     """Thinking before the hand moves [ms of processor time]; of actors, that of one step."""
     trajectory: Movement | None
     """Movement of the arm in the situation's own coordinates, or None."""
     clearance: float | None = None
     """[forearm lengths, or the unit of a spatial arm]"""
+    reason: str = ""
+    """Why a method from outside broke its promise, or failed."""
 
 
 class Method(Protocol):
@@ -66,7 +89,8 @@ class PlannerMethod:
         if self.name in CLOCKED:
             latency = plan.planning_ms
         outcome = {"caught": "caught", "unreachable": "declined"}.get(plan.status, plan.status)
-        return Result(outcome, latency, plan.trajectory, plan.clearance)
+        reason = plan.message if plan.status in FAULTS else ""
+        return Result(outcome, latency, plan.trajectory, plan.clearance, reason)
 
 
 @dataclass(frozen=True)
@@ -74,7 +98,9 @@ class ActorMethod:
     """Acts step by step, its most likely action each time, and unverified."""
 
     name: str
-    actor: Actor
+    actor: Acting
+    limit: float | None = None
+    """Of a policy from outside: time on the wall for an episode [s]; its errors cost a result."""
 
     def takes(self, kind: Kind) -> bool:
         """Return whether the actor moves arms of a kind."""
@@ -83,6 +109,19 @@ class ActorMethod:
     def run(self, situation: AnySituation) -> Result:
         """Play an episode."""
         since = clock.process_time()
+        if self.limit is None:
+            return self._played(situation, since)
+        try:
+            with time_limit(self.limit):
+                return self._played(situation, since)
+        except OutOfTime:
+            reason = f"no end within {self.limit:g} s"
+        except (Exception, SystemExit) as error:
+            reason = in_words(error)
+        spent = 1e3 * (clock.process_time() - since)
+        return Result("error", spent, None, reason=f"the policy fails: {reason}")
+
+    def _played(self, situation: AnySituation, since: float) -> Result:
         table = ByKind({self.actor.kind: self.actor.settings}, who=f"policy {self.name!r}")
         pool = pool_for(table.of(situation), [situation])
         episodes = self.actor.play(pool, np.zeros(1, np.int64))
@@ -92,36 +131,48 @@ class ActorMethod:
         return Result(OUTCOMES[int(episodes.outcomes[0])], latency, path)
 
 
-def _actors() -> list[str]:
-    """Return the names of all trained actors."""
-    kinds = dict.fromkeys(arena.kind for arena in ARENAS.values())
-    return [name for kind in kinds for name in actor_names(kind)]
-
-
-def get_method(name: str) -> Method:
-    """A method by name.
+def get_method(given: str | Any, name: str = "", limit: float | None = LIMIT) -> Method:
+    """Return a method by name, by reference, or from an object.
 
     Parameters
     ----------
-    name : str
-        A planner (``layered``), a folder of models with an actor (``clone``), or such an actor
-        whose path is tried out N times and verified before it moves (``clone@20``).
+    given : str or object
+        A planner (``layered``), a folder of models with an actor (``clone``), such an actor
+        whose path is tried out N times and verified before it moves (``clone@20``), or
+        anything else of `planners.get_planner`.  Policies act unverified here.
+    name : str, optional
+        Name of the method; by default what was given, or the object's name.
+    limit : float, optional
+        Time on the wall for each answer of a method from outside [s].
 
     Raises
     ------
     UnknownNameError
         With the known names.
     """
-    bare, _, tries = name.partition("@")
-    if bare in _actors():
-        actor = shipped_actor(bare)
-        if not tries:
-            return ActorMethod(name, actor)
-        if not tries.isdigit() or int(tries) < 1:
-            raise UnknownNameError(f"policy {name!r}: after @ comes a number of tries")
-        return PlannerMethod(name, ActorPlanner(actor, name, int(tries)))
+    told = name or (given if isinstance(given, str) else name_of(given))
+    if isinstance(given, str) and given in all_actor_names():
+        return ActorMethod(told, shipped_actor(given))
+    made = _made(given, told)
+    if isinstance(made, Acting):
+        return ActorMethod(told, made, limit)
     try:
-        return PlannerMethod(name, get_planner(name))
+        return PlannerMethod(told, get_planner(made, name=told, limit=limit))
     except UnknownNameError as error:
-        known = [*error.known, *_actors()]
-        raise UnknownNameError.among("policy", name, known) from error
+        if not error.known:
+            raise
+        known = [*error.known, *all_actor_names()]
+        raise UnknownNameError.among("policy", given, known) from error
+
+
+def _made(given: Any, told: str) -> Any:
+    """Return a policy, a planner from outside, or the name of a registered planner."""
+    made = given
+    if isinstance(given, str):
+        made = None if is_registered(given) else found(given)
+        if made is None:
+            return given
+    made = instance(made, told)
+    if isinstance(made, Path) or (acts(made) and not isinstance(made, Acting)):
+        return own_policy(made, told)
+    return made

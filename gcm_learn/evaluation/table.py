@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,8 @@ class Results:
 
     columns: Mapping[str, np.ndarray]
     """By name; the names are those of `contest.row_of`."""
+    given: Mapping[str, Any] = field(default_factory=dict)
+    """Objects and references that were compared, by the names of their rows; not stored."""
 
     @classmethod
     def of(cls, rows: Sequence[Mapping[str, Any]]) -> Results:
@@ -50,17 +52,20 @@ class Results:
     @classmethod
     def joined(cls, *parts: Results) -> Results:
         """Rows of several, one after the other; all have the same columns."""
-        return cls({n: np.concatenate([part[n] for part in parts]) for n in parts[0].columns})
+        given = {name: made for part in parts for name, made in part.given.items()}
+        columns = {n: np.concatenate([part[n] for part in parts]) for n in parts[0].columns}
+        return cls(columns, given)
 
     def where(self, keep: np.ndarray) -> Results:
-        """The rows of a mask (n,)."""
-        return Results({name: column[keep] for name, column in self.columns.items()})
+        """The rows of a mask (n,), or of indices (m,) in their order."""
+        kept = {name: column[keep] for name, column in self.columns.items()}
+        return replace(self, columns=kept)
 
     def of_method(self, name: str) -> Results:
         """The rows of a method, in order of situations: rows of two methods are paired."""
         mine = self.where(self["entrant"] == name)
         order = np.lexsort((mine["index"], mine["suite"].astype(str)))
-        return Results({key: column[order] for key, column in mine.columns.items()})
+        return mine.where(order)
 
     def save(self, path: Path) -> Path:
         """Write a Parquet file."""

@@ -11,8 +11,9 @@ from functools import partial
 from typing import Any
 
 from gcm_learn.errors import SuiteError
-from gcm_learn.evaluation.crew import Rows, rows_of
-from gcm_learn.evaluation.methods import Method, PlannerMethod, get_method
+from gcm_learn.evaluation.crew import Rows, is_alone, rows_of
+from gcm_learn.evaluation.entrants import Entrant, entrants_of
+from gcm_learn.evaluation.methods import Method, PlannerMethod
 from gcm_learn.evaluation.statistics import Interval, wilson
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
@@ -25,6 +26,7 @@ from gcm_learn.execution import (
     Planning,
     run_closed_loop,
 )
+from gcm_learn.planners import LIMIT
 
 EXACT = "once"  # habit of a planner with exact perception
 SEED = 0  # of the errors, the same for all planners
@@ -32,10 +34,11 @@ _CHUNK = 5  # situations that a process takes at once
 
 
 def compare_under_noise(
-    names: Sequence[str],
+    names: Sequence[str | Any],
     entries: Sequence[Entry],
     deviations: Sequence[float],
     *,
+    limit: float | None = LIMIT,
     workers: int | None = None,
     cluster: str | None = None,
     progress: Callable[[int], object] = lambda count: None,
@@ -44,11 +47,13 @@ def compare_under_noise(
 
     Parameters
     ----------
-    names : sequence of str
-        Planners; trained actors are refused.
+    names : sequence of str or object
+        Planners, as `compare` takes them; policies are refused.
     entries : sequence of Entry
     deviations : sequence of float
         Of places [forearms], see `Perception`; exact perception is added.
+    limit : float, optional
+        As `compare` has it.
     workers, cluster
         See `processes.crew_of`.
     progress : callable
@@ -59,15 +64,17 @@ def compare_under_noise(
     SuiteError
         If a name is no planner, or a deviation is not from 0 to 1.
     """
-    for name in names:
-        _planner_of(get_method(name))
+    calls_in_all = len(names) * -(-len(entries) // _CHUNK)
+    entrants = entrants_of(names, limit, alone=is_alone(calls_in_all, workers, cluster))
+    for entrant in entrants:
+        _planner_of(entrant.method())
     for place in deviations:
         if not 0.0 <= place <= 1.0:
             raise SuiteError(f"noise: must be from 0 to 1 forearms (got {place})")
     ordered = sorted(entries, key=lambda entry: (entry.suite, entry.index))
     calls = [
-        partial(_answers, name, place, habit, ordered[first : first + _CHUNK])
-        for name in names
+        partial(_answers, entrant, place, habit, ordered[first : first + _CHUNK])
+        for entrant in entrants
         for place in sorted({0.0, *deviations})
         for habit in (HABITS if place > 0.0 else (EXACT,))
         for first in range(0, len(ordered), _CHUNK)
@@ -76,7 +83,7 @@ def compare_under_noise(
 
 
 def noise_episodes(
-    names: Sequence[str], entries: Sequence[Entry], deviations: Sequence[float]
+    names: Sequence[str | Any], entries: Sequence[Entry], deviations: Sequence[float]
 ) -> int:
     """Return the number of episodes of `compare_under_noise`."""
     return len(names) * len(entries) * (1 + len(HABITS) * len({*deviations} - {0.0}))
@@ -88,13 +95,13 @@ def _planner_of(made: Method) -> Any:
     return made.planner
 
 
-def _answers(name: str, place: float, habit: Any, entries: Sequence[Entry]) -> Rows:
+def _answers(entrant: Entrant, place: float, habit: Any, entries: Sequence[Entry]) -> Rows:
     """A planner's rows for some situations."""
-    mind = Planning(_planner_of(get_method(name)), habit)
+    mind = Planning(_planner_of(entrant.method()), habit)
     loop = Loop(Perception(place), thinking=0.0)
     return [
         {
-            "entrant": name, "noise": place, "way": habit, "suite": entry.suite,
+            "entrant": entrant.name, "noise": place, "way": habit, "suite": entry.suite,
             "index": entry.index, "family": entry.family, "stratum": entry.stratum,
             "outcome": _outcome(mind, loop, entry),
         }

@@ -22,9 +22,17 @@ from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_s
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
-from gcm_learn.planners.plan import Anytime, Plan, Planner, plan_to_json, taken, takes
+from gcm_learn.planners.outside import LIMIT
+from gcm_learn.planners.plan import FAULTS, Anytime, Plan, Planner, plan_to_json, taken, takes
 from gcm_learn.planners.recheck import broken_promise
-from gcm_learn.planners.registry import get_planner, plan_with, planner_names, solve
+from gcm_learn.planners.references import absolute, acts, found, in_words, instance, name_of
+from gcm_learn.planners.registry import (
+    get_planner,
+    is_registered,
+    plan_with,
+    planner_names,
+    solve,
+)
 from gcm_learn.planners.retiming import retime
 from gcm_learn.planners.tube import InTube, Tube
 
@@ -38,9 +46,11 @@ __all__ = [
     "Exploration",
     "Explore",
     "Feedback",
+    "FAULTS",
     "FrontPlanner",
     "GAIN",
     "InTube",
+    "LIMIT",
     "Params",
     "Planner",
     "Problem",
@@ -50,6 +60,8 @@ __all__ = [
     "Task",
     "Tube",
     "Yardstick",
+    "absolute",
+    "acts",
     "any_straight",
     "at_once",
     "attempt_of",
@@ -59,11 +71,16 @@ __all__ = [
     "deadline_of",
     "earliest_straight",
     "first_catch_on",
+    "found",
     "gcm",
     "get_planner",
+    "in_words",
+    "instance",
+    "is_registered",
     "layered",
     "posture_layered",
     "marching",
+    "name_of",
     "plan_to_json",
     "plan_with",
     "planner_names",

@@ -14,7 +14,9 @@ from gcm_learn.planners.deadline import Deadline
 from gcm_learn.situation import AnySituation, Situation
 
 FORMAT = "gcm-learn/solution@1"
-Status = Literal["caught", "unreachable", "start_blocked"]
+Status = Literal["caught", "unreachable", "start_blocked", "broken", "error"]
+FAULTS = ("broken", "error")
+"""Statuses of planners from outside only: a catch that does not hold, and no answer at all."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,8 @@ class Plan:
     """Name of the situation."""
     planner: str
     status: Status
-    """"caught" is a promise: the trajectory has been verified."""
+    """"caught" is a promise: the trajectory has been verified. For "broken" and "error" see
+    `FAULTS`."""
     message: str
     """Why, in one sentence."""
     planning_ms: float
@@ -51,14 +54,16 @@ class Plan:
         return self.status == "caught"
 
     @property
+    def exchanged(self) -> str:
+        """Status in exchange formats, where faults of planners are "unreachable"."""
+        return "unreachable" if self.status in FAULTS else self.status
+
+    @property
     def catches(self) -> list[dict[str, Any]]:
         """Targets that are caught, in order of time: `body` and `time` [s] of each."""
         if self.catch_body is None:
             return []
         return [{"body": self.catch_body, "time": self.catch_time}]
-
-
-Plan = Plan
 
 
 class Planner(Protocol):
@@ -168,7 +173,7 @@ def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str,
     if situation is not None:
         version = solution_format(situation.format)
     out: dict[str, Any] = {"format": version, "name": plan.name, "planner": plan.planner}
-    out["status"] = plan.status
+    out["status"] = plan.exchanged
     if version in LISTED:
         out["catches"] = plan.catches
     out |= {

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, cast, overload
+from weakref import WeakValueDictionary
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
@@ -21,7 +23,9 @@ from gcm_learn.planners.joints.tree_search import TreeSearch
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
+from gcm_learn.planners.outside import LIMIT, Outside
 from gcm_learn.planners.plan import Anytime, Plan, Planner, taken
+from gcm_learn.planners.references import acts, found, instance, name_of
 from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
@@ -55,6 +59,10 @@ _ABOVE = {
     "splines-random": "gcm_learn.recall.planners:SplinesPlanner",
 }
 """Factories in higher folders, imported at the first use."""
+_ACTORS = "gcm_learn.policies.planner:tried_out"
+_POLICIES = "gcm_learn.policies.outside:planner_of"
+_OURS: WeakValueDictionary[int, Any] = WeakValueDictionary()
+"""Planners that were made here, by identity: their plans are verified as they are made."""
 
 
 def planner_names() -> list[str]:
@@ -62,41 +70,90 @@ def planner_names() -> list[str]:
     return sorted(_PLANNERS)
 
 
-def get_planner(name: str) -> Planner:
-    """A planner with its default settings.
+def is_registered(name: str) -> bool:
+    """Return whether a name is that of a planner of this package."""
+    return name in _PLANNERS or name in _ABOVE
+
+
+def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT) -> Planner:
+    """Return a planner by name, by reference, or from an object.
+
+    Parameters
+    ----------
+    given : str, planner, policy or callable
+        A registered name; ``clone`` or ``clone@20``, a trained actor that is tried out so many
+        times; ``module:name`` or ``path.py:name``; the ``.zip`` of a Stable-Baselines3 model; an
+        entry point of an installed package; or an object: a planner, a function of a situation, a
+        policy, a model, or a class of these.  A policy's most likely movement is the plan.
+    name : str, optional
+        Name of a planner from outside; by default the reference, or the object's name.
+    limit : float, optional
+        Time on the wall for a plan of a planner from outside [s].
+
+    Returns
+    -------
+    Planner
+        Plans of planners from outside of the package are verified; see `Outside`.
 
     Raises
     ------
     UnknownNameError
-        With the known names.
+        With the known names, or the reason why a planner cannot be made.
     MissingExtraError
         If the planner needs a library that is not installed.
     """
-    if name in _PLANNERS:
-        return _PLANNERS[name]()
-    if name in _ABOVE:
-        planner: Planner = pkgutil.resolve_name(_ABOVE[name])()
-        return planner
-    raise UnknownNameError.among("planner", name, [*planner_names(), *sorted(_ABOVE)])
+    if isinstance(given, Outside) or _OURS.get(id(given)) is given:
+        return cast(Planner, given)
+    if not isinstance(given, str):
+        return _outside(given, name or name_of(given), limit)
+    if given in _PLANNERS:
+        return _ours(_PLANNERS[given]())
+    if given in _ABOVE:
+        return _ours(pkgutil.resolve_name(_ABOVE[given])())
+    object_named = found(given)
+    if object_named is not None:
+        return _outside(object_named, name or given, limit)
+    tried_out = pkgutil.resolve_name(_ACTORS)(given)
+    if tried_out is not None:
+        return _ours(tried_out)
+    raise UnknownNameError.among("planner", given, [*planner_names(), *sorted(_ABOVE)])
+
+
+def _ours(planner: Planner) -> Planner:
+    """Remember a planner that verifies its own plans, by its identity."""
+    _OURS[id(planner)] = planner
+    return planner
+
+
+def _outside(given: Any, name: str, limit: float | None) -> Planner:
+    """Return a planner from outside, or one that tries a policy from outside out."""
+    made = instance(given, name)
+    if acts(made) or isinstance(made, Path):
+        made = pkgutil.resolve_name(_POLICIES)(made, name)
+    if not callable(getattr(made, "plan", made)):
+        kind = type(made).__name__
+        raise UnknownNameError(f"planner {name!r}: a {kind} has no function plan(situation)")
+    return Outside(made, name, limit)
 
 
 @overload
-def solve(situation: Situation, planner: str | Planner = "search") -> Plan: ...
+def solve(situation: Situation, planner: str | Any = "search") -> Plan: ...
 @overload
-def solve(situation: Situation[SpatialArm], planner: str | Planner = "search") -> Plan: ...
-def solve(situation: AnySituation, planner: str | Planner = "search") -> Plan:
+def solve(situation: Situation[SpatialArm], planner: str | Any = "search") -> Plan: ...
+def solve(situation: AnySituation, planner: str | Any = "search") -> Plan:
     """Plan a catch and verify it.
 
     Parameters
     ----------
     situation : Situation
-    planner : str or Planner
-        A registered name ("search", "gcm", "straight") or a planner of your own.
+    planner : str or object
+        A registered name ("search", "gcm", "straight"), or anything else of `get_planner`.
 
     Returns
     -------
     Plan
-        Its status is "caught" only if the trajectory has been verified.
+        Its status is "caught" only if the trajectory has been verified.  A planner from outside
+        whose catch does not hold gets "broken", one that fails "error".
 
     Raises
     ------
@@ -111,8 +168,7 @@ def solve(situation: AnySituation, planner: str | Planner = "search") -> Plan:
     >>> solve(Situation("reach", 1.0, Arm((1.1, -0.4), 3.1), (ball,)), "straight").status
     'caught'
     """
-    chosen = get_planner(planner) if isinstance(planner, str) else planner
-    return plan_with(chosen, situation)
+    return plan_with(get_planner(planner), situation)
 
 
 def plan_with(
@@ -120,11 +176,14 @@ def plan_with(
 ) -> Plan:
     """Let a planner answer a situation, if it takes the arm; a deadline is for those `Anytime`.
 
+    All plans come in here; `Outside` verifies plans from outside of the package.
+
     Raises
     ------
     ArmKindError
     """
-    given: Any = taken(planner, situation)
+    chosen = get_planner(planner)
+    given: Any = taken(chosen, situation)
     if deadline is None:
-        return planner.plan(given)
-    return cast(Anytime, planner).plan(given, deadline=deadline)
+        return chosen.plan(given)
+    return cast(Anytime, chosen).plan(given, deadline=deadline)

@@ -6,27 +6,40 @@
 
 from typing import TYPE_CHECKING, Any
 
-from gcm_learn.policies.actor import FILE, Actor
+from gcm_learn.policies.actor import FILE, Acting, Actor
 from gcm_learn.policies.card import score
 from gcm_learn.policies.exports import export_minari
+from gcm_learn.policies.outside import OwnPolicy, own_policy
 from gcm_learn.policies.plan import TrainingPlan, plan_of, read_plan
-from gcm_learn.policies.planner import ActorPlanner, actor_folder, actor_names, shipped_actor
+from gcm_learn.policies.planner import (
+    ActorPlanner,
+    actor_folder,
+    actor_names,
+    all_actor_names,
+    shipped_actor,
+    tried_out,
+)
 
 if TYPE_CHECKING:
     from gcm_learn.policies.training import train
 
 __all__ = [
+    "Acting",
     "Actor",
     "ActorPlanner",
     "FILE",
+    "OwnPolicy",
     "TrainingPlan",
     "actor_folder",
     "actor_names",
     "export_minari",
+    "all_actor_names",
+    "own_policy",
     "plan_of",
     "read_plan",
     "score",
     "shipped_actor",
+    "tried_out",
     "train",
 ]
 

@@ -39,8 +39,49 @@ MINDS = ByKind({SPATIAL: Commanding}, who="an actor in the closed loop")
 CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
 
 
+class Acting:
+    """A policy that acts in an arena: of actors, and of policies from outside."""
+
+    settings: ArenaSettings
+    """Of the arms for which it was made."""
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of the arms that it moves."""
+        return self.settings.kind
+
+    def act(self, observations: np.ndarray, rng: np.random.Generator | None = None) -> np.ndarray:
+        """Return actions (n, commands) for observations (n, width)."""
+        raise NotImplementedError
+
+    def play(
+        self, pool: Pool, places: np.ndarray, rng: np.random.Generator | None = None
+    ) -> Episodes:
+        """Play one episode in each of some situations (n,) of a pool.
+
+        With a generator, actions are drawn; else they are the most likely ones.
+        """
+        plant = plant_of(pool, len(places), self.settings)
+        return run_episode(_Agent(self, rng), plant, places)
+
+    def mind(self) -> Commanding:
+        """Return the policy in the closed loop, its most likely action in every period.
+
+        Raises
+        ------
+        ArmKindError
+            If the closed loop does not take its kind of arm.
+        PolicyError
+            If its actions are torques of motors.
+        """
+        made = MINDS.of(self.kind)
+        if self.settings.pushed:
+            raise PolicyError("commands torques of motors; the closed loop leads joints")
+        return made(self.act, self.settings)
+
+
 @dataclass(frozen=True)
-class Actor:
+class Actor(Acting):
     """A multilayer perceptron, with what it takes to feed it."""
 
     layers: tuple[tuple[np.ndarray, np.ndarray], ...]
@@ -58,11 +99,6 @@ class Actor:
     """Logarithm of the deviations of sampled actions (commands,); of no use to choices."""
     settings: ArenaSettings
     """Of the arms with which it was trained."""
-
-    @property
-    def kind(self) -> Kind:
-        """Kind of the arms that it moves."""
-        return self.settings.kind
 
     def scores(self, observations: np.ndarray) -> np.ndarray:
         """Last layer (n, out) for observations (n, width)."""
@@ -84,31 +120,6 @@ class Actor:
             scores = scores + np.exp(self.spread) * rng.standard_normal(scores.shape)
         aimed = np.tanh(scores) if self.squash else np.clip(scores, -1.0, 1.0)
         return moved(self.settings, observations, aimed)
-
-    def play(
-        self, pool: Pool, places: np.ndarray, rng: np.random.Generator | None = None
-    ) -> Episodes:
-        """Play one episode in each of some situations (n,) of a pool.
-
-        With a generator, actions are drawn; else they are the most likely ones.
-        """
-        plant = plant_of(pool, len(places), self.settings)
-        return run_episode(_Acting(self, rng), plant, places)
-
-    def mind(self) -> Commanding:
-        """The actor in the closed loop, its most likely action in every period.
-
-        Raises
-        ------
-        ArmKindError
-            If the closed loop does not take its kind of arm.
-        PolicyError
-            If its actions are torques of motors.
-        """
-        made = MINDS.of(self.kind)
-        if self.settings.pushed:
-            raise PolicyError("commands torques of motors; the closed loop leads joints")
-        return made(self.act, self.settings)
 
     def save(self, folder: Path) -> Path:
         """Write it into a folder as arrays; returns the file."""
@@ -168,15 +179,15 @@ def file_of(settings: ArenaSettings) -> str:
 
 
 @dataclass(frozen=True)
-class _Acting:
-    """An actor as an agent."""
+class _Agent:
+    """A policy as an agent of episodes."""
 
-    actor: Actor
+    policy: Acting
     rng: np.random.Generator | None
 
     def act(self, moment: Moment) -> np.ndarray:
         """Its actions."""
-        return self.actor.act(moment.observations, self.rng)
+        return self.policy.act(moment.observations, self.rng)
 
 
 def _check_encoder(path: Path, settings: ArenaSettings, key: str) -> None:

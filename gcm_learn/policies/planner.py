@@ -12,11 +12,11 @@ import numpy as np
 
 from gcm_learn import artifacts, seeding
 from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, Kind
-from gcm_learn.errors import PolicyError
+from gcm_learn.errors import PolicyError, UnknownNameError
 from gcm_learn.execution import ARENAS, CAUGHT, Pool, pool_for, way_of
 from gcm_learn.motion import Failure, Movement, refine
 from gcm_learn.planners import Attempt, Problem, SpatialProblem, checked
-from gcm_learn.policies.actor import FILES, Actor
+from gcm_learn.policies.actor import FILES, Acting, Actor
 from gcm_learn.situation import AnySituation, situation_to_json
 from gcm_learn.storage import content_number
 
@@ -45,11 +45,34 @@ def shipped_actor(name: str) -> Actor:
     return Actor.load(actor_folder(name))
 
 
+def all_actor_names() -> list[str]:
+    """Return the names of all trained actors."""
+    return [name for kind in _FILES for name in actor_names(kind)]
+
+
+def tried_out(name: str) -> ActorPlanner | None:
+    """Return the planner ``clone@20``, an actor that is tried out so often; ``clone`` is once.
+
+    None if there is no such actor.
+
+    Raises
+    ------
+    UnknownNameError
+        If no number of tries comes after the @.
+    """
+    bare, at, tries = name.partition("@")
+    if bare not in all_actor_names():
+        return None
+    if at and (not tries.isdigit() or int(tries) < 1):
+        raise UnknownNameError(f"policy {name!r}: after @ comes a number of tries")
+    return ActorPlanner(shipped_actor(bare), name, int(tries or 1))
+
+
 @dataclass(frozen=True)
 class ActorPlanner:
     """Tries an actor out: its most likely path first, then drawn ones; the earliest that holds."""
 
-    actor: Actor
+    actor: Acting
     name: str
     tries: int = TRIES
     seed: int = 0

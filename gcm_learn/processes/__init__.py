@@ -3,6 +3,7 @@
 from gcm_learn.processes.choice import crew_of
 from gcm_learn.processes.cluster import ClusterCrew
 from gcm_learn.processes.crew import Crew, Here
+from gcm_learn.processes.limits import OutOfTime, time_limit
 from gcm_learn.processes.local import LocalCrew
 from gcm_learn.processes.spawning import Context, cores, interrupts_held, pool
 
@@ -12,8 +13,10 @@ __all__ = [
     "Crew",
     "Here",
     "LocalCrew",
+    "OutOfTime",
     "cores",
     "crew_of",
     "interrupts_held",
     "pool",
+    "time_limit",
 ]

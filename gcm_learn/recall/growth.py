@@ -188,7 +188,7 @@ def grow(
         One for each situation.
     """
     rule = Coverage() if covered is None else covered
-    solver = get_planner(planner) if isinstance(planner, str) else planner
+    solver = get_planner(planner)
     how = RecallPlanner(memory) if recall is None else replace(recall, memory=memory)
     steps: list[Step] = []
     for situation in situations:

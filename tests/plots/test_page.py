@@ -65,7 +65,7 @@ def test_tally_counts_and_collects(planar_case):
         plan, status="unreachable", catch_time=None, clearance=None, planning_ms=9.0
     )
     result = tally("gcm", [plan, failed, plan])
-    assert result.counts == {"caught": 2, "unreachable": 1, "start_blocked": 0}
+    assert result.counts == dict.fromkeys(STATUSES, 0) | {"caught": 2, "unreachable": 1}
     assert set(result.counts) == set(STATUSES)
     np.testing.assert_allclose(result.catch_times, [plan.catch_time] * 2)
     assert len(result.clearances) == 2 and 9.0 in result.latencies

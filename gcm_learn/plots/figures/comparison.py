@@ -36,6 +36,8 @@ OUTCOMES = (
     ("declined or late", "#d9e0e8"),
     ("touched by forearm", style.EFFECTIVE),
     ("touched by upper arm", "#f0a36b"),
+    ("broken promise", style.FAULTS["broken"]),
+    ("error", style.FAULTS["error"]),
 )
 TOUCHES = LinearSegmentedColormap.from_list("touches", ["#fffdfc", "#f3b9a5", style.EFFECTIVE])
 MOVES = (
@@ -125,17 +127,20 @@ def outcomes_figure(results: Results) -> Figure:
         part = of_stratum(results, stratum)
         for row, name in enumerate(reversed(names)):
             m, left = measured(part, name), 0.0
-            shares = [m.caught.value, 0.0, m.forearm, m.upper_arm]
+            shares = [m.caught.value, 0.0, m.forearm, m.upper_arm, m.broken, m.errors]
             shares[1] = 1.0 - sum(shares)
             for share, (_, colour) in zip(shares, OUTCOMES, strict=True):
                 ax.barh(row, 100 * share, left=left, color=colour, height=0.75, lw=0)
                 left += 100 * share
         _chart(ax, f"{NAMES[stratum]} ({m.count})", "situations [%]")
         ax.set_xlim(0, 100)
-    patches = [Patch(color=colour, label=name) for name, colour in OUTCOMES]
+    faulty = np.isin(results["outcome"].astype(str), tuple(style.FAULTS)).any()
+    listed = OUTCOMES if faulty else OUTCOMES[: -len(style.FAULTS)]
+    patches = [Patch(color=colour, label=name) for name, colour in listed]
     figure.legend(
-        handles=patches, loc="outside upper center", ncols=4, fontsize=style.SMALL, frameon=False
-    )
+        handles=patches, loc="outside upper center", ncols=len(patches), fontsize=style.SMALL,
+        frameon=False,
+    )  # fmt: skip
     return figure
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from gcm_learn.evaluation import Entry, Results, get_method
+from gcm_learn.evaluation import Entry, Method, Results, get_method
+from gcm_learn.planners import FAULTS
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import pixels, write_film
 from gcm_learn.plots.figures.kinds import DRAWN
@@ -25,7 +26,9 @@ FRAMES, FRAME_TIME, HOLD = 30, 70, 1200  # of a film, [ms], [ms]
 FILM = 320  # [pixels]
 PANEL = 480  # of a picture before a camera [pixels]
 LONGEST_PLAN = 500.0  # slower methods are not asked how they catch [ms]
-ORDER = ("touched", "late", "declined", "start_blocked")
+ORDER = ("touched", "late", "declined", "start_blocked", "broken", "error")
+
+WORDS = {"broken": "breaks its promise", "error": "fails"}
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,9 @@ class Failure:
     @property
     def words(self) -> str:
         """Outcome in words."""
-        return f"touches with the {self.part}" if self.part else self.outcome.replace("_", " ")
+        if self.part:
+            return f"touches with the {self.part}"
+        return WORDS.get(self.outcome, self.outcome.replace("_", " "))
 
 
 def failures_of(results: Results, entries: Sequence[Entry], most: int = MOST) -> list[Failure]:
@@ -93,17 +98,24 @@ def failures_of(results: Results, entries: Sequence[Entry], most: int = MOST) ->
 
 def _failure(results: Results, name: str, outcome: str, part: str | None, entry: Entry) -> Failure:
     """Play it again, and let the method that catches most show how."""
-    movement = get_method(name).run(entry.situation).trajectory
+    # Broken promises and errors have no movement, and may take all of a limit.
+    again = outcome not in FAULTS
+    movement = _method(results, name).run(entry.situation).trajectory if again else None
     here = (results["suite"] == entry.suite) & (results["index"] == entry.index)
     there = results.where(
         here & (results["outcome"] == "caught") & (results["latency_ms"] <= LONGEST_PLAN)
     )
     catches = Counter(results["entrant"][results["outcome"] == "caught"].tolist())
     for better in sorted(there.methods, key=lambda other: -catches[other]):
-        result = get_method(better).run(entry.situation)
+        result = _method(results, better).run(entry.situation)
         if result.outcome == "caught":
             return Failure(name, entry, outcome, part, movement, better, result.trajectory)
     return Failure(name, entry, outcome, part, movement, "", None)
+
+
+def _method(results: Results, name: str) -> Method:
+    """Return the method of some rows."""
+    return get_method(results.given.get(name, name), name)
 
 
 def failures_figure(found: Sequence[Failure]) -> Figure:

@@ -21,6 +21,7 @@ EXPLORED = "#dbeaf5"  # behind the front
 FRONT = "#3f7fb5"
 GOOD = "#2f855a"  # what was caught
 FAINT = "#a0aec0"  # rims and hints
+FAULTS = {"broken": "#6b46c1", "error": "#2d3748"}  # of methods from outside
 
 MAP_COLOURS = LinearSegmentedColormap.from_list(
     "arrival", ["#fbfdfe", "#d5e8ee", "#a3cdd6", "#6aa9b8", "#3d7f93"]

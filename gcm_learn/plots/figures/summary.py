@@ -15,8 +15,10 @@ from gcm_learn.plots.figures import style
 if TYPE_CHECKING:
     from gcm_learn.planners import Plan
 
-STATUSES = ("caught", "unreachable", "start_blocked")
-SHADES = {"caught": "#8fd3ae", "unreachable": "#cbd5e0", "start_blocked": "#a0aec0"}
+SHADES = {
+    "caught": "#8fd3ae", "unreachable": "#cbd5e0", "start_blocked": "#a0aec0", **style.FAULTS,
+}  # fmt: skip
+STATUSES = tuple(SHADES)
 LINES = ("#2c7a7b", "#c05621", "#4a5568", "#6b46c1")  # of the planners, in their order
 
 
@@ -89,9 +91,10 @@ def _draw_counts(ax: Axes, tallies: Sequence[Tally]) -> None:
         left = left + width
     ax.invert_yaxis()
     _plain(ax, "number of situations")
-    handles = [ax.patches[k * len(names)] for k in range(len(STATUSES))]
+    shown = [s for s in STATUSES if s not in style.FAULTS or any(t.counts[s] for t in tallies)]
+    handles = [ax.patches[STATUSES.index(s) * len(names)] for s in shown]
     ax.legend(
-        handles, [s.replace("_", " ") for s in STATUSES], fontsize=style.SMALL, frameon=False,
+        handles, [s.replace("_", " ") for s in shown], fontsize=style.SMALL, frameon=False,
         loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, handlelength=1.0,
         columnspacing=0.9,
     )  # fmt: skip

@@ -105,8 +105,9 @@ def _lead(results: Results) -> list[str]:
 
 def _who(results: Results) -> Section:
     """A line for each method, and what it is made of."""
-    listed = [Table(("method", "what it does"), [list(row) for row in who(results.methods)])]
-    made = tables.costs_table(results.methods)
+    known = [name for name in results.methods if name not in results.given]
+    listed = [Table(("method", "what it does"), [list(row) for row in who(known)])]
+    made = tables.costs_table(known)
     if made is None:
         return section(WORDS, "who", listed, text=())
     return section(WORDS, "who", [*listed, made])
@@ -120,6 +121,8 @@ def _numbers(results: Results, out: Path) -> Section:
         _kept(out, "moves", figures.moves_figure(there)),
     ]
     listed = [tables.strata_table(results), tables.measures_table(there)]
+    faults = tables.faults_table(results)
+    listed += [faults] if faults else []
     return section(WORDS, "numbers", [*listed, *tables.by_stratum(results)], pictures)
 
 

@@ -16,7 +16,7 @@ from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
 from gcm_learn.plots.figures.paper import draw_figure
 from gcm_learn.plots.figures.sheets import engines_figure, mapped, sheets_figure
-from gcm_learn.plots.figures.summary import STATUSES, Tally, summary_figure, tally
+from gcm_learn.plots.figures.summary import Tally, summary_figure, tally
 from gcm_learn.plots.reports.catches import kept_catches
 from gcm_learn.plots.reports.film_page import write_film_page
 from gcm_learn.plots.reports.page import (
@@ -239,7 +239,7 @@ def _random_table(tallies: Sequence[Tally], broken: dict[str, int]) -> Table:
     rows = [
         [
             t.planner,
-            *(str(t.counts[status]) for status in STATUSES),
+            *(str(t.counts[status]) for status in ("caught", "unreachable", "start_blocked")),
             str(broken[t.planner]),
             number(_median(t.catch_times), ".3f"),
             number(_median(t.clearances), ".3f"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,6 +22,7 @@ from gcm_learn.evaluation import (
     pairs,
     under_noise,
 )
+from gcm_learn.planners import FAULTS
 from gcm_learn.plots.figures.comparison import catchable_strata, of_stratum, reachable
 from gcm_learn.plots.reports.page import Table, number
 
@@ -30,10 +32,11 @@ STRATA = {
     "Q": "waiting is needed",
     "U": "no catch is possible",
 }
+MOST_REASONS = 20  # that are listed
 MEASURES = (
     "method", "caught [%]", "touched by forearm [%]", "by upper arm [%]", "time / oracle",
     "path [forearms]", "clearance [forearms]", "peak hand [forearms/s]", "peak joint [rad/s]",
-    "latency [ms]", "latency, 95 % [ms]",
+    "latency [ms]", "latency, 95 % [ms]", "broken promises [%]", "errors [%]",
 )  # fmt: skip
 
 
@@ -56,7 +59,8 @@ def _row(m: Measures) -> list[str]:
         m.method, percent(m.caught), number(100 * m.forearm, ".1f"),
         number(100 * m.upper_arm, ".1f"), number(m.ratio, ".3f"), number(m.length),
         number(m.clearance, ".3f"), number(m.peak_hand), number(m.peak_joint, ".0f"),
-        number(m.latency, ".1f"), number(m.latency_95, ".1f"),
+        number(m.latency, ".1f"), number(m.latency_95, ".1f"), number(100 * m.broken, ".1f"),
+        number(100 * m.errors, ".1f"),
     ]  # fmt: skip
 
 
@@ -70,6 +74,21 @@ def strata_table(results: Results) -> Table:
         rows.append([name, *cells, *([percent(declines(results, name))] if with_u else [])])
     headings = [f"{s} caught [%]" for s in strata] + ["U declined [%]"] * with_u
     return Table(("method", *headings), rows)
+
+
+def faults_table(results: Results) -> Table | None:
+    """Reasons of broken promises and errors, by method; None without any."""
+    if "reason" not in results.columns:  # of an older comparison
+        return None
+    faulty = results.where(np.isin(results["outcome"].astype(str), FAULTS))
+    found = Counter(
+        (str(name), str(outcome), str(reason))
+        for name, outcome, reason in zip(
+            faulty["entrant"], faulty["outcome"], faulty["reason"], strict=True
+        )
+    )
+    rows = [[*words, str(count)] for words, count in found.most_common(MOST_REASONS)]
+    return Table(("method", "outcome", "reason", "situations"), rows) if rows else None
 
 
 def by_stratum(results: Results) -> list[Table]:

@@ -1,0 +1,185 @@
+"""Planners from outside of the package: their plans are verified before they count."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.arms import PLANAR, ByKind, Kind
+from gcm_learn.errors import UnknownNameError
+from gcm_learn.maps import CognitiveMap
+from gcm_learn.motion import Movement, start_clearance
+from gcm_learn.planners.plan import Plan, takes
+from gcm_learn.planners.recheck import judged_anew
+from gcm_learn.planners.references import in_words
+from gcm_learn.processes import OutOfTime, time_limit
+from gcm_learn.scene import pack
+from gcm_learn.situation import AnySituation
+
+LIMIT = 60.0
+"""Time on the wall for a plan, by default [s]."""
+MOST_SAMPLES = 100_000  # of a movement
+TOUCHES = 1e-6  # within this of contact a start may be called blocked [lengths]
+GIVEN = ("time", "joints", "rates", "path")
+_BY_HAND = ByKind({PLANAR: True}, default=False)
+"""True for kinds of arms whose movements have a path of the hand."""
+
+
+class _Broken(Exception):
+    """A plan does not keep what it promises; the message says why."""
+
+
+class Outside:
+    """A planner whose answers are verified, once, whatever they are.
+
+    It plans for a copy of the situation, for a limited time. A planner that fails answers with the
+    status "error", one that promises too much with "broken"; both have a message.
+
+    Parameters
+    ----------
+    planner : object or callable
+        With `plan(situation)`, or a function of a situation.
+    name : str
+        Planner of its plans.
+    limit : float, optional
+        Time on the wall for a plan [s], see `processes.time_limit`.
+    """
+
+    def __init__(self, planner: Any, name: str, limit: float | None = LIMIT) -> None:
+        self.planner, self.name, self.limit = planner, name, limit
+        self._plan: Callable[..., Any] = getattr(planner, "plan", None) or planner
+
+    @property
+    def anytime(self) -> bool:
+        """True if it takes a deadline; see `Anytime`."""
+        return getattr(self.planner, "anytime", False) is True
+
+    def takes(self, kind: Kind) -> bool:
+        """Return whether it takes arms of a kind: planar arms only, unless it says so."""
+        try:
+            return takes(self.planner, kind)
+        except Exception as error:
+            reason = f"its function takes fails ({in_words(error)})"
+            raise UnknownNameError(f"planner {self.name!r}: {reason}") from error
+
+    def plan(self, situation: AnySituation, **given: Any) -> Plan:
+        """Answer a situation; a deadline is for planners that take one."""
+        since, shown = clock.perf_counter(), deepcopy(situation)
+        status, message, answer = "error", "", None
+        try:
+            with np.errstate(), time_limit(self.limit):
+                answer = self._plan(shown, **given)
+        except OutOfTime:
+            message = f"no answer within {self.limit:g} s"
+        except (Exception, SystemExit) as error:
+            message = in_words(error)
+        spent = 1e3 * (clock.perf_counter() - since)
+        if not message:
+            try:
+                _refuse_changes(shown, situation)
+                values = _values(answer, situation)
+                return Plan(**values, planner=self.name, planning_ms=spent)
+            except _Broken as error:
+                status, message = "broken", f"the planner breaks its promise: {error}"
+            except Exception as error:
+                message = in_words(error)
+        if status == "error":
+            message = f"the planner fails: {message}"
+        return Plan(situation.name, self.name, status, message, spent)  # type: ignore[arg-type]
+
+
+def _refuse_changes(shown: AnySituation, situation: AnySituation) -> None:
+    if shown != situation:
+        raise ValueError("it changed the situation")
+
+
+def _values(answer: Any, situation: AnySituation) -> dict[str, Any]:
+    """Return the values of a verified plan, but for its planner and its time.
+
+    Each value is read once. Only numbers and text of the answer are kept.
+    """
+    if not isinstance(answer, Plan):
+        raise TypeError(f"it returned {_kind_of_thing(answer)} in place of a Plan")
+    told = {field.name: getattr(answer, field.name) for field in fields(Plan)}
+    if told["name"] != situation.name:
+        raise _Broken(f"answers situation {told['name']!r}")
+    common: dict[str, Any] = {
+        "name": situation.name,
+        "message": " ".join(str(told["message"]).split()),
+    }
+    common["nodes"] = told["nodes"] if isinstance(told["nodes"], int) else 0
+    common["map"] = told["map"] if isinstance(told["map"], CognitiveMap) else None
+    if told["status"] == "caught":
+        return common | _catch(told, situation)
+    return common | {"status": _no_catch(told["status"], situation)}
+
+
+def _no_catch(status: Any, situation: AnySituation) -> str:
+    """Return the status of a plan without a catch."""
+    if type(status) is not str or status not in ("unreachable", "start_blocked"):
+        raise ValueError(f"its plan has the status {status!r}")
+    free = start_clearance(pack(situation))
+    if status == "start_blocked" and free > TOUCHES:
+        raise _Broken("says that the start is blocked, which it is not")
+    return "start_blocked" if free <= 0.0 else status
+
+
+def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
+    """Return the values of a catch that holds."""
+    try:
+        moves = _movement(told["trajectory"], situation)
+        values: dict[str, Any] = {
+            "status": "caught",
+            "catch_time": _number(told["catch_time"], "catch_time"),
+            "catch_body": told["catch_body"] if type(told["catch_body"]) is str else None,
+            "trajectory": moves,
+        }
+        claimed = Plan(name="", planner="", message="", planning_ms=0.0, **values)
+        reason, clearance = judged_anew(situation, claimed)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise _Broken(in_words(error)) from error
+    if reason is not None:
+        raise _Broken(reason)
+    return values | {"clearance": clearance}
+
+
+def _movement(given: Any, situation: AnySituation) -> Movement:
+    """Return a movement made anew of the numbers of one from outside."""
+    if not isinstance(given, Movement):
+        raise _Broken(f"its trajectory is {_kind_of_thing(given)} in place of a Movement")
+    if given.arm != situation.arm:
+        raise _Broken("moves another arm")
+    parts = {name: _array(getattr(given, name), name) for name in GIVEN}
+    if _BY_HAND.of(situation) != (parts["path"] is not None):
+        raise _Broken(f"needs {'a' if parts['path'] is None else 'no'} path of the hand")
+    return Movement(situation.arm, **parts)  # type: ignore[arg-type]
+
+
+def _array(given: Any, name: str) -> np.ndarray | None:
+    """Return a copy of real, finite numbers; None stays."""
+    if given is None:
+        return None
+    values = np.asarray(given)
+    if values.dtype.kind not in "fiu":
+        raise _Broken(f"{name} has values of type {values.dtype}")
+    if not 0 < len(values) <= MOST_SAMPLES:
+        raise _Broken(f"{name} has {len(values)} samples")
+    copied = np.array(values, dtype=np.float64, order="C")
+    if not np.isfinite(copied).all():
+        raise _Broken("has numbers that are not finite")
+    return copied
+
+
+def _number(given: Any, name: str) -> float:
+    if isinstance(given, bool) or not isinstance(given, (int, float, np.number)):
+        raise _Broken(f"{name} is {_kind_of_thing(given)}")
+    return float(given)
+
+
+def _kind_of_thing(given: Any) -> str:
+    return "None" if given is None else f"a {type(given).__name__}"
