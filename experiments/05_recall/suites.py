@@ -1,4 +1,4 @@
-"""What recall catches of the oracle's strata W and Q, beside its controls; writes suites.md.
+"""What recall catches of the oracle's strata W and Q, beside its controls; writes fresh.md.
 
 python experiments/05_recall/suites.py SUITES [--before MEMORY] [--name NAME]
 
@@ -126,12 +126,12 @@ def _pair(out: Path, former: Path) -> str:
 
 
 def main() -> None:
-    """Ask what was not asked yet; write suites.md."""
+    """Ask what was not asked yet; write fresh.md."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("suites", type=Path)
     parser.add_argument("--before", type=Path, help="another memory")
     parser.add_argument("--count", type=int, default=1000, help="situations of a stratum at most")
-    parser.add_argument("--name", default="suites", help="of what is written")
+    parser.add_argument("--name", default="fresh", help="of what is written")
     parser.add_argument("--only", nargs="+", help="of those that answer; the table has no others")
     given = parser.parse_args()
     rows = questions(given.suites, given.count)
