@@ -3,7 +3,7 @@
 python experiments/14_body/run.py tubes   first: the tubes, on situations of their own; minutes
 python experiments/14_body/run.py         then: 1,000 plans of each condition; half an hour
 
-What is done is kept in out/ and not done again; Ctrl-C is safe.
+Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
 
 from __future__ import annotations
@@ -22,32 +22,24 @@ from scipy.stats import binomtest
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1])]
 
+from experiments.common.masses import CONDITIONS, followed  # noqa: E402
 from gcm_learn.arms import SpatialArm  # noqa: E402
 from gcm_learn.execution import (  # noqa: E402
-    Controller,
     Execution,
     body_for,
-    execute,
     measured_tube,
     with_motor_limits,
 )
 from gcm_learn.families import draw, family_names, get_family  # noqa: E402
 from gcm_learn.planners import InTube, Tube, get_planner  # noqa: E402
-from gcm_learn.situation import ArmBody, Situation  # noqa: E402
+from gcm_learn.situation import Situation  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
 
 DEVELOPMENT, SEED = 1410, 1411
 EACH_DEVELOPMENT = 10  # situations of each family that tubes are measured on
 PLANS = 1000  # that are wanted of each condition
 MOST = 200  # situations of each family, at most
-OFF = 1.1  # masses of the heavy arm, which its controller takes for the shipped ones
 OUT, TUBES = HERE / "out" / "h10.jsonl", HERE / "tubes.json"
-CONDITIONS = {
-    "known": (1.0, Controller()),
-    "heavy": (OFF, Controller()),
-    "gravity": (1.0, Controller("gravity")),
-}
-"""By how much the arm is heavier than its controller takes it for, and the controller."""
 JUDGED = ("known", "heavy")
 
 Spatial = Situation[SpatialArm]
@@ -62,22 +54,6 @@ def drawn(family: str, seed: int, index: int) -> Spatial:
         situation,
         arm=replace(situation.arm, max_joint_acceleration=None, joint_rates=None),
     )
-
-
-def heavier(body: ArmBody, factor: float) -> ArmBody:
-    """The same arm of heavier stuff."""
-    bones = tuple(
-        replace(b, mass=factor * b.mass, inertia=tuple(factor * i for i in b.inertia))
-        for b in body.bones
-    )
-    return replace(body, bones=bones)
-
-
-def followed(plan: Any, situation: Spatial, condition: str) -> Execution:
-    """What an arm makes of a plan."""
-    factor, controller = CONDITIONS[condition]
-    body = body_for(situation.arm)
-    return execute(plan, situation, heavier(body, factor), controller, believed=body)
 
 
 def measure_tubes() -> None:
@@ -125,7 +101,7 @@ def answer(family: str, index: int, tubes: dict[str, Any]) -> dict[str, Any]:
 
 
 def told(done: Execution) -> dict[str, Any]:
-    """What is kept of an execution."""
+    """Summary of an execution."""
     out: dict[str, Any] = {"status": done.status}
     if done.error is not None:
         out["error"] = [round(1e3 * error, 3) for error in done.error]
@@ -161,7 +137,7 @@ def work() -> list[dict[str, Any]]:
 
 
 def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """What came of the plans, condition by condition."""
+    """Results of the plans, condition by condition."""
     kinematic = sum(row["kinematic"] for row in rows)
     out: dict[str, Any] = {"situations": len(rows), "kinematic": kinematic, "conditions": {}}
     for condition in JUDGED:

@@ -27,6 +27,8 @@ HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
 sys.path[:0] = [str(HERE), str(REPOSITORY)]
 
+from experiments.common.judging import first_answer  # noqa: E402
+from experiments.common.memories import random_by_family  # noqa: E402
 from gcm_learn.dataset import make_item, read_spec  # noqa: E402
 from gcm_learn.evaluation.thinking import resting  # noqa: E402
 from gcm_learn.planners import (  # noqa: E402
@@ -38,7 +40,7 @@ from gcm_learn.planners import (  # noqa: E402
     plan_to_json,
 )
 from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
-from gcm_learn.recall import HybridPlanner, Memory, RecallPlanner, index_class  # noqa: E402
+from gcm_learn.recall import HybridPlanner, RecallPlanner  # noqa: E402
 from gcm_learn.scene import later  # noqa: E402
 from gcm_learn.situation import situation_to_json  # noqa: E402
 from gcm_learn.storage import write_whole  # noqa: E402
@@ -82,7 +84,7 @@ def drawn(kind: str, seed: int, strata: str = "WQ") -> Iterator[Case]:
 
 
 def _straight(kind: str, situation: Any) -> bool:
-    """Whether a straight movement catches after all."""
+    """Return whether a straight movement catches after all."""
     if kind == "limits":
         return False
     return any_straight(SpatialProblem(situation, "straight"), instants=INSTANTS).caught
@@ -164,7 +166,7 @@ def choose(kind: str, minutes: float) -> None:
 
 
 def first(planner: Any, situation: Any) -> float:
-    """Processor time until a first catch [s], the limit if there is none."""
+    """Processor time until a first catch [s], at most the limit."""
     since = process_time()
     plan = planner.plan(situation)
     took = process_time() - since
@@ -172,7 +174,7 @@ def first(planner: Any, situation: Any) -> float:
 
 
 class Arms:
-    """Who is compared, by the family that is asked about: only memory differs.
+    """Planners that are compared, by the family of the situation: only memory differs.
 
     All plan as the control does where nothing is recalled.
     """
@@ -182,7 +184,7 @@ class Arms:
         hybrid: Any = get_planner("hybrid")
         own = hybrid.recall.other()  # for arms in space
         self.hybrid = HybridPlanner(replace(own, name="hybrid"), fallback=self.control)
-        self.random = _by_family(own.memory)
+        self.random = random_by_family(own.memory)
 
     def of(self, family: str) -> dict[str, Any]:
         """Planners by name."""
@@ -194,34 +196,10 @@ class Arms:
         }
 
 
-def _by_family(memory: Memory) -> dict[str, Memory]:
-    """Memories of each family, filed at random; all of them under no name."""
-    families = np.array([memory[k].family for k in range(len(memory))])
-    whole = memory.refiled(index_class("random").fit([], 0))
-    made = {"": whole}
-    for family in sorted(set(families.tolist())):
-        made[family] = Memory(whole.index, kind=whole.kind)
-        made[family].extend(whole)
-        made[family].forget(families != family)
-    return made
-
-
-def asked(planner: Any, situation: Any) -> dict[str, Any]:
-    """A first answer: when it catches [s], how long it took [ms], what the referee says."""
-    since = process_time()
-    plan = planner.plan(situation)
-    took = 1e3 * (process_time() - since)
-    row: dict[str, Any] = {"catch": plan.catch_time, "ms": round(took, 3)}
-    if plan.caught:
-        found = judge(situation_to_json(situation), plan_to_json(plan, situation)).complaints
-        row["complaints"] = found
-    return row
-
-
 def charged(case: Case, arms: dict[str, Any], budget: float) -> dict[str, Any] | str:
     """Answers if the world goes on for a budget [s] while one thinks.
 
-    An arm whose joints move and cannot stop at once goes on as it did; any other rests. Where it
+    An arm whose joints move and cannot stop at once goes on as it did; any other rests. If it
     is touched or caught meanwhile, nobody is asked: all share that fate.
     """
     situation = case.situation
@@ -237,7 +215,7 @@ def charged(case: Case, arms: dict[str, Any], budget: float) -> dict[str, Any] |
         moved, fate = later(situation, budget), resting(situation, budget)
         if fate:
             return fate
-    return {name: asked(planner, moved) for name, planner in arms.items()}
+    return {name: first_answer(planner, moved) for name, planner in arms.items()}
 
 
 def coasting(situation: Any, t: float) -> Any | None:

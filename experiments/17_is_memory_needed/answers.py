@@ -1,29 +1,26 @@
-"""Who answers, what they catch, and what the tests' referee says of every catch."""
+"""Answers of memories: their catches, and the verdicts of the tests' referee on them."""
 
 from __future__ import annotations
 
 import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from questions import Question
 
+from experiments.common.judging import Referee
 from gcm_learn.planners import Plan
 from gcm_learn.recall import Memory, RandomIndex, RecallPlanner
-from gcm_learn.situation import Situation
-from gcm_learn.storage import content_hash, write_whole
-from tests.referee import judge
+from gcm_learn.storage import write_whole
 
 CHECKS = 20
-CLOSER = (1000, 8000)  # instants of further looks: the referee of the plane samples time
 
 
 class Answer(NamedTuple):
-    """What came of a question."""
+    """Plan that answers a question."""
 
     plan: Plan
     checks: int
@@ -32,23 +29,6 @@ class Answer(NamedTuple):
 
 Ask = Callable[[Question, int], Answer]
 """Of a question and the number of checks that are granted."""
-
-
-@dataclass
-class Referee:
-    """Judges catches; the same catch of the same situation once."""
-
-    known: dict[str, bool] = field(default_factory=dict)
-
-    def broken(self, situation: Situation, plan: Plan) -> bool:
-        """Whether a catch does not keep what it promises, looked at ever more closely."""
-        path: Any = plan.trajectory
-        parts = (path.time, path.hand, np.array([plan.clearance, plan.catch_time]))
-        key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
-        if key not in self.known:
-            looks = (judge(situation, plan, *more) for more in ((), *((n,) for n in CLOSER)))
-            self.known[key] = all(look.complaints for look in looks)
-        return self.known[key]
 
 
 def by(memory: Memory) -> Ask:
@@ -76,7 +56,7 @@ def among_equals(memory: Memory, what: Callable[[Question], str], column: int) -
 
 
 def answered(file: Path, ask: Ask, rows: Sequence[Question], referee: Referee) -> dict[str, Any]:
-    """What is caught with one check and with twenty, kept in a file."""
+    """Catches with one check and with twenty, kept in a file."""
     if file.exists():
         return json.loads(file.read_text("utf-8"))
     for question in rows[:5]:

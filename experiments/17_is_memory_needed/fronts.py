@@ -1,4 +1,4 @@
-"""Who answers first, and who plans where that fails; thinking is charged.
+"""Fronts that answer first, and fallbacks that plan after them; thinking is charged.
 
 A hybrid answers with what its front says, and asks its fallback where the front has no catch. So
 each front and each fallback is asked once of a situation, and all pairs are put together from that.
@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from answers import Referee
 from questions import Question
 
+from experiments.common.judging import Referee
 from gcm_learn.evaluation.thinking import resting
 from gcm_learn.planners import Planner, get_planner
 from gcm_learn.scene import later
@@ -41,7 +41,7 @@ def planners() -> dict[str, Planner]:
 def parts(
     file: Path, rows: Sequence[Question], referee: Referee, who: Mapping[str, Planner]
 ) -> list[dict[str, Any]]:
-    """What each says of every situation as it is after 20 ms of rest; kept in a file."""
+    """Answers of each to every situation as it is after 20 ms of rest; kept in a file."""
     if file.exists():
         return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
     out = []
@@ -62,7 +62,7 @@ def parts(
 
 
 def _asked(name: str, planner: Planner, situation: Any, referee: Referee) -> list[Any]:
-    """Whether it catches, processor time [ms], whether the referee finds fault."""
+    """Return if it catches, its processor time [ms], and if the referee finds fault."""
     began = time.process_time()
     plan = planner.plan(situation)
     ms = 1e3 * (time.process_time() - began)

@@ -12,10 +12,19 @@ import numpy as np
 from answers import within
 from fronts import hybrids
 from questions import MOST, SPLITS, Question
-from tally import hierarchical, points, told
+from tally import points, told
 from trainings import LONG, LONGER, PROTOTYPES, SEEDS, SIZES, STILL, TURNS, WHOLE
 
-from gcm_learn.evaluation import Interval, chance, difference, holm, mcnemar, stratified, wilson
+from gcm_learn.evaluation import (
+    chance,
+    difference,
+    hierarchical,
+    hierarchical_difference,
+    holm,
+    mcnemar,
+    stratified,
+    wilson,
+)
 from gcm_learn.plots import style
 from gcm_learn.storage import write_whole
 
@@ -47,15 +56,8 @@ def _seeded(name: str, seed: int) -> str:
 
 
 def over_seeds(found: Found, name: str, seeds: Sequence[int], checks: int) -> np.ndarray:
-    """What is caught (seeds, questions)."""
+    """Catches (seeds, questions)."""
     return np.array([within(found[_seeded(name, seed)], checks) for seed in seeds])
-
-
-def against(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
-    """Mean difference of (seeds, n), and the largest of McNemar's probabilities of the seeds."""
-    pairs = zip(first, second, strict=True)
-    worst = max(mcnemar(one, other)[2] for one, other in pairs)
-    return hierarchical(first.astype(float) - second), worst
 
 
 def equal(
@@ -90,7 +92,7 @@ def h8(found: Found, sizes: Sequence[int] = SIZES) -> list[str]:
         seeds = seeds_of(found, *names)
         for k in CHECKS if seeds else ():
             both[size, k] = [over_seeds(found, name, seeds, k) for name in names]
-    gaps = [against(*pair) for pair in both.values()]
+    gaps = [hierarchical_difference(*pair) for pair in both.values()]
     chances = holm([p for _, p in gaps])
     lines = head("N", "checks", "seeds", "learned less raw", "of the seeds", "p (Holm)")
     for (size, k), (gap, _), p in zip(both, gaps, chances, strict=True):
@@ -102,14 +104,16 @@ def h8(found: Found, sizes: Sequence[int] = SIZES) -> list[str]:
 
 
 def differences(found: Found, pairs: Sequence[tuple[str, str]]) -> list[str]:
-    """What one catches more than the other of each pair, after Holm over all that is shown."""
+    """Difference of the catches of each pair, after Holm over all that is shown."""
     tests = []
     for size in LONG:
         for pair in pairs:
             names = [f"{index}-{size}" for index in pair]
             seeds = seeds_of(found, *names)
             for k in CHECKS if seeds else ():
-                gap = against(*(over_seeds(found, name, seeds, k) for name in names))
+                gap = hierarchical_difference(
+                    *(over_seeds(found, name, seeds, k) for name in names)
+                )
                 tests.append((f"{size:,}", " less ".join(pair), str(k), str(len(seeds)), gap))
     lines = head("N", "which", "checks", "seeds", "points", "p (Holm)")
     for (*cells, (gap, _)), p in zip(tests, holm([p for *_, (_, p) in tests]), strict=True):
@@ -129,7 +133,7 @@ def seeds_apart(found: Found, size: int = WHOLE) -> list[str]:
 
 
 def needed(found: Found, size: int = WHOLE) -> list[str]:
-    """What stands in for a memory, beside the memory of the same seeds."""
+    """Stand-ins for a memory, beside the memory of the same seeds."""
     first, few = f"learned-{size}", f"prototypes-{PROTOTYPES}"
     rows = {
         f"{size:,} memories, learned": first,
@@ -142,7 +146,7 @@ def needed(found: Found, size: int = WHOLE) -> list[str]:
     seeds = {name: seeds_of(found, name, first) for name in rows.values()}
     others = [(name, k) for name in list(rows.values())[1:] if seeds[name] for k in CHECKS]
     gaps = [
-        against(*(over_seeds(found, one, seeds[name], k) for one in (name, first)))
+        hierarchical_difference(*(over_seeds(found, one, seeds[name], k) for one in (name, first)))
         for name, k in others
     ]
     chances = holm([p for _, p in gaps])
@@ -182,7 +186,7 @@ def shipped(found: Found, rows: Sequence[Question]) -> list[str]:
 
 
 def outside(splits: dict[str, Found]) -> list[str]:
-    """What training left out."""
+    """Catches among the splits that training left out."""
     lines = head("split", "situations", "k", "learned", "raw", "random", "same family",
                  "less raw", "p (Holm)", "less random", "p (Holm), random")  # fmt: skip
     tests, cells = [], []
@@ -376,7 +380,7 @@ def before_fallbacks(
 
 
 def lines_of(path: Path) -> list[dict[str, Any]]:
-    """What a file of JSON lines holds, nothing if there is none."""
+    """Rows of a file of JSON lines, an empty list without the file."""
     return [json.loads(x) for x in path.read_text("utf-8").splitlines()] if path.exists() else []
 
 
@@ -388,7 +392,7 @@ def read(folder: Path) -> Found:
 
 
 def judged(groups: list[Found], told_: list[dict[str, Any]]) -> str:
-    """How many catches the referee has judged, and of how many it complained."""
+    """Numbers of catches that the referee has judged and found at fault."""
     answers = [one for group in groups for one in group.values()]
     catches = sum(sum(one["first"]) + sum(one["caught"]) for one in answers)
     broken = sum(one["broken"] for one in answers)

@@ -4,8 +4,8 @@ python experiments/17_is_memory_needed/run.py DATASET train     the encoders, on
 python experiments/17_is_memory_needed/run.py DATASET ask       what is missing, then the tables
 
 DATASET is a folder of `gcm-learn generate data/specs/recall.toml`, with a `count` of 40,000: its
-first 15,000 records hold enough for all but 30,000 catches.  What is done is kept in out/ and not
-done again.
+first 15,000 records hold enough for all but 30,000 catches.  Finished parts are kept in out/ and
+not repeated.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "02_waiting"), str(HERE.parents[1])
 
 import fronts  # noqa: E402
 import report  # noqa: E402
-from answers import Referee, answered  # noqa: E402
+from answers import answered  # noqa: E402
 from entrants import equal, longer, needed, opened, resting, shipped  # noqa: E402
 from lessons import at_rest  # noqa: E402
 from questions import (  # noqa: E402
@@ -35,6 +35,7 @@ from questions import (  # noqa: E402
 )
 from trainings import train, train_all  # noqa: E402
 
+from experiments.common.judging import Referee  # noqa: E402
 from gcm_learn.dataset import Dataset  # noqa: E402
 from gcm_learn.errors import EncoderError  # noqa: E402
 from gcm_learn.planners import get_planner  # noqa: E402
@@ -96,7 +97,7 @@ def ask(given: argparse.Namespace) -> None:
 
 
 def _fresh(frozen: Path) -> tuple[Path, list[Question]]:
-    """Where the answers of a suite are kept, and the suite."""
+    """Folder of the answers of a suite, and the suite."""
     seed = json.loads(frozen.read_text("utf-8"))["seed"]
     out = OUT / f"fresh-{seed}"
     return out, suite(seed, out / "draws")

@@ -1,4 +1,4 @@
-"""What is asked in space, who judges it, and who plans after whom."""
+"""Questions to spatial arms, their referee, fronts and fallbacks."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from answers import Referee
 from fronts import BUDGET_MS
 from questions import Question
 
+from experiments.common.judging import Referee
 from gcm_learn.dataset import make_item, read_spec
 from gcm_learn.planners import Planner, STRRTStarPlanner, get_planner, plan_to_json
 from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
@@ -63,7 +63,7 @@ class RefereeInSpace(Referee):
     """Judges catches in space; the same catch of the same situation once."""
 
     def broken(self, situation: Any, plan: Any) -> bool:
-        """Whether a catch does not keep what it promises."""
+        """Return whether a catch breaks its promise."""
         path = plan.trajectory
         parts = (path.time, path.joints, np.array([plan.clearance, plan.catch_time]))
         key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
@@ -74,7 +74,7 @@ class RefereeInSpace(Referee):
 
 
 def fallbacks() -> dict[str, Planner]:
-    """Who plans where the front has no catch; the second was chosen in 15_anytime."""
+    """Planners behind a front that has no catch; the second was chosen in 15_anytime."""
     coarse, fine = (COARSE._replace(nodes=SMALL), FINE._replace(nodes=SMALL))
     return {
         "layered": get_planner("layered"),

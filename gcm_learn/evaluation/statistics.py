@@ -139,6 +139,46 @@ def difference(
     return Interval(float(delta.mean()), float(low), float(high))
 
 
+def hierarchical(values: np.ndarray, share: float = 0.95) -> Interval:
+    """Mean of several seeds' values with its interval; seeds and situations are both drawn again.
+
+    A draw of situations holds for all seeds, since situations are the same for all of them.
+
+    Parameters
+    ----------
+    values : (seeds, n) ndarray
+    share : float
+        Coverage of the interval.
+    """
+    source, (seeds, count) = rng(0, *values.shape), values.shape
+    means = np.empty(DRAWS)
+    for k in range(DRAWS):
+        some = values[source.integers(seeds, size=seeds)].mean(axis=0)
+        means[k] = some[source.integers(count, size=count)].mean()
+    low, high = np.quantile(means, [0.5 - share / 2, 0.5 + share / 2])
+    return Interval(float(values.mean()), float(low), float(high))
+
+
+def hierarchical_difference(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
+    """Mean difference over seeds and situations, and the largest of the seeds' probabilities.
+
+    Parameters
+    ----------
+    first, second : (seeds, n) ndarray of bool
+        Paired in both.
+
+    Returns
+    -------
+    difference : Interval
+        As by `hierarchical`.
+    p : float
+        Of McNemar's tests, one for each seed; small if every seed tells them apart.
+    """
+    pairs = zip(first, second, strict=True)
+    worst = max(mcnemar(one, other)[2] for one, other in pairs)
+    return hierarchical(first.astype(float) - second), worst
+
+
 def _newcombe(first: np.ndarray, second: np.ndarray) -> Interval:
     """Difference of paired shares (n,) by method 10 of Newcombe, Statistics in Medicine 17, 2635.
 

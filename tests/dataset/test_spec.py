@@ -112,8 +112,9 @@ def test_lots_are_even_and_independent_of_seed_and_purpose():
         assert 0.0 <= min(lots) and max(lots) < 1.0
         tenths = Counter(int(10 * x) for x in lots)
         assert max(abs(n - count / 10) for n in tenths.values()) < 5 * (count * 0.09) ** 0.5
-    pairs = [lot_of(1, k) < 0.5 and lot_of(1, k, 1) < 0.5 for k in range(count)]
-    assert abs(sum(pairs) - count / 4) < 5 * (count * 3 / 16) ** 0.5
+    for other in ((1, 1), (2, 0)):
+        pairs = [lot_of(1, k) < 0.5 and lot_of(other[0], k, other[1]) < 0.5 for k in range(count)]
+        assert abs(sum(pairs) - count / 4) < 5 * (count * 3 / 16) ** 0.5
 
 
 def test_splits_hold_out_what_they_say():
@@ -124,8 +125,8 @@ def test_splits_hold_out_what_they_say():
     )
     quantities = {"upper_arm": 1.0, "obstacles": 3.0}
 
-    def split(k, family="swarm", **changes):
-        return split_of(Split(0.1, 0.2), rules, 5, k, family, quantities | changes)
+    def split(k, family="swarm", seed=5, **changes):
+        return split_of(Split(0.1, 0.2), rules, seed, k, family, quantities | changes)
 
     assert split(0, "gate", upper_arm=1.2) == "test-gate"
     assert split(0, upper_arm=1.2) == "test-long"
@@ -133,3 +134,5 @@ def test_splits_hold_out_what_they_say():
     found = Counter(split(k) for k in range(5000))
     assert set(found) == {"train", "validation", "test"}
     assert abs(found["test"] - 1000) < 150 and abs(found["validation"] - 500) < 110
+    both = sum(split(k) == split(k, seed=6) == "test" for k in range(5000))
+    assert abs(both - 200) < 70  # another seed draws its own

@@ -11,6 +11,8 @@ from gcm_learn.evaluation.statistics import (
     beyond_chance,
     chance,
     difference,
+    hierarchical,
+    hierarchical_difference,
     holm,
     mcnemar,
     stratified,
@@ -133,3 +135,27 @@ def test_intervals_of_few_pairs_cover_as_often_as_they_say(rng):
         d = difference(first, second, np.zeros(30))
         covered += d.low <= 0.9 - (0.6 + 0.4 * 0.2) <= d.high
     assert 0.93 * 400 < covered
+
+
+@pytest.mark.parametrize("varies", ["seeds", "situations"])
+def test_seeds_and_situations_both_make_an_interval_wide(varies):
+    """Values that vary with one of them only: 1.96 deviations of the mean of so many."""
+    numbers = rng_of(3).normal(size=12 if varies == "seeds" else 300)
+    shape = (len(numbers), 300) if varies == "seeds" else (5, len(numbers))
+    values = np.broadcast_to(numbers[:, None] if varies == "seeds" else numbers, shape)
+    found, half = hierarchical(values), 1.96 * numbers.std() / np.sqrt(len(numbers))
+    assert found.value == pytest.approx(numbers.mean())
+    assert found.high - found.value == pytest.approx(half, rel=0.15)
+    assert found.value - found.low == pytest.approx(half, rel=0.15)
+    narrow = hierarchical(values, 0.5)
+    assert narrow.high - narrow.low == pytest.approx(2 * half * 0.674 / 1.96, rel=0.15)
+
+
+def test_a_difference_that_one_seed_lacks_is_not_shown():
+    """Three seeds show a difference beyond doubt and one shows none."""
+    first, second = np.ones((4, 100), bool), np.zeros((4, 100), bool)
+    second[2] = True
+    gap, p = hierarchical_difference(first, second)
+    assert (gap.value, p) == (0.75, 1.0)
+    assert gap.low < 0.6
+    assert hierarchical_difference(first[:2], second[:2])[1] < 1e-20

@@ -43,6 +43,20 @@ def test_recall_and_its_controls_may_check_equally_many(drawn):
     assert get_planner("splines-random").candidates == CHECKS
 
 
+@pytest.mark.parametrize(
+    ("name", "learns"), [("recall", True), ("recall-raw", False), ("recall-random", False)]
+)
+def test_only_the_learned_index_learns_from_failures(drawn, name, learns):
+    """Scores of controls are no odds, so a control keeps the order of its index."""
+    planner = get_planner(name)
+    in_order = replace(planner, penalty=0.0)
+    found = [
+        [(one.memory, one.checked) for one in map(who.recollect, drawn)]
+        for who in (planner, in_order)
+    ]
+    assert (found[0] != found[1]) == learns
+
+
 @pytest.mark.parametrize("name", ["recall-raw", "recall-random", "recall-pca"])
 def test_controls_file_the_same_memories_by_their_own_index(
     memory, catches, name, tmp_path, monkeypatch

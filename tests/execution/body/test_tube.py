@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from gcm_learn.arms import forward_in_space
 from gcm_learn.errors import ArmKindError, PhysicsError
-from gcm_learn.execution import body_for, execute, measured_tube, with_motor_limits
+from gcm_learn.execution import Execution, body_for, execute, measured_tube, with_motor_limits
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.families import paper_scene
 from gcm_learn.planners import InTube, Tube, get_planner, plan_to_json
@@ -64,6 +66,41 @@ def test_a_tube_holds_what_it_was_measured_on(limited):
     fast = np.linalg.norm(np.gradient(plan.trajectory.hand_at(steps * STEP), STEP, axis=0), axis=1)
     assert (off[:-1] <= 1.3 * (tube.still + tube.per_speed * fast[:-1]) + 1e-5).all()
     assert 0.0 < tube.still < 0.01
+
+
+def strayed(done, rng):
+    """Return an execution whose joints stray from the plan, the more the faster they turn."""
+    steps = np.arange(len(done.movement.time))
+    wanted = done.plan.joints_at(steps * STEP)
+    rates = np.abs(np.gradient(wanted, STEP, axis=0))
+    off = rng.normal(size=wanted.shape) * (1e-3 + 1e-3 * rates)
+    log = done.plant.joints_log.copy()
+    log[steps] = wanted + off
+    return replace(done, plant=SimpleNamespace(joints_log=log, body=done.plant.body))
+
+
+def test_a_tube_covers_errors_that_are_drawn_anew(limited, monkeypatch, rng):
+    """At most a few in a hundred are outside, whether the hand is slow or fast."""
+    done = execute(LAYERED.plan(limited), limited)
+    ended = done.movement
+    monkeypatch.setattr(Execution, "movement", property(lambda _: ended))
+    measured = measured_tube([strayed(done, rng) for _ in range(60)])
+    metres, time = done.plant.body.metres, ended.time
+    wanted = done.plan.hand_at(time)
+    speed = np.linalg.norm(np.gradient(wanted, STEP, axis=0), axis=1) * metres
+    width = measured.still + measured.per_speed * speed
+    outside = np.zeros((60, len(time)), dtype=bool)
+    for row in outside:
+        elbow, hand = forward_in_space(
+            done.plan.arm, strayed(done, rng).plant.joints_log[: len(time)]
+        )
+        far = np.maximum(
+            np.linalg.norm(hand - wanted, axis=1),
+            np.linalg.norm(elbow - done.plan.elbow_at(time), axis=1),
+        )
+        row[:] = far * metres > width
+    for part in np.array_split(np.argsort(speed), 4):
+        assert outside[:, part].mean() < 0.03
 
 
 def test_nothing_done_is_no_tube():

@@ -146,6 +146,26 @@ def test_errors_are_as_believed_and_unbiased(arm):
         assert abs(np.var(found) - 1.0) < 4.0 * math.sqrt(2.0 / len(found))
 
 
+def test_bodies_that_fall_are_followed_from_the_first_looks_on():
+    """Gravity is no error of the eyes: what is believed before the first look allows for it."""
+    ratios = []
+    for k in range(12):
+        situation = families.draw("falling-space", 1400, k)
+        belief = Belief(situation, EYES)
+        told(belief, EYES, situation, 8, 61, k)
+        true = later(situation, 0.5).bodies
+        believed, deviations = belief.situation(0.5, situation.arm).bodies, belief.deviations(0.5)
+        for one, other, body, deviation in zip(
+            believed, true, situation.bodies, deviations, strict=True
+        ):
+            if isinstance(body.motion, SolidQuadratic) and np.any(body.motion.acceleration):
+                off = np.subtract(one.motion.position, other.motion.position)
+                ratios.append(np.abs(off).max() / deviation)
+    assert len(ratios) > 20
+    assert np.median(ratios) < 2.5
+    assert max(ratios) < 6.0
+
+
 def test_surprises_are_chi_square(arm):
     """What is seen strays from what was expected as far as it should, no less and no more."""
     rest = SolidQuadratic((0.5, 0.5, 0.0), (0.0,) * 3, (0.0,) * 3)

@@ -1,0 +1,47 @@
+"""Answers of planners with their processor time, and verdicts of the tests' referees on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.planners import Plan, plan_to_json
+from gcm_learn.situation import Situation, situation_to_json
+from gcm_learn.storage import content_hash
+from tests import referee, referee_of_spatial_arms
+
+CLOSER = (1000, 8000)  # instants of further checks: the referee of planar arms samples time
+
+
+@dataclass
+class Referee:
+    """Judge of planar arms' catches; each catch of a situation is judged once."""
+
+    known: dict[str, bool] = field(default_factory=dict)
+
+    def broken(self, situation: Situation, plan: Plan) -> bool:
+        """Return whether a catch breaks its promise at every density of the samples."""
+        path: Any = plan.trajectory
+        parts = (path.time, path.hand, np.array([plan.clearance, plan.catch_time]))
+        key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
+        if key not in self.known:
+            looks = (
+                referee.judge(situation, plan, *more) for more in ((), *((n,) for n in CLOSER))
+            )
+            self.known[key] = all(look.complaints for look in looks)
+        return self.known[key]
+
+
+def first_answer(planner: Any, situation: Any) -> dict[str, Any]:
+    """First answer of a spatial arm's planner: catch time [s], processor time [ms], complaints."""
+    since = process_time()
+    plan = planner.plan(situation)
+    took = 1e3 * (process_time() - since)
+    row: dict[str, Any] = {"catch": plan.catch_time, "ms": round(took, 3)}
+    if plan.caught:
+        records = situation_to_json(situation), plan_to_json(plan, situation)
+        row["complaints"] = referee_of_spatial_arms.judge(*records).complaints
+    return row

@@ -1,0 +1,104 @@
+"""Parts of experiments that decide their results."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import process_time
+from types import SimpleNamespace
+
+import pytest
+
+from experiments.common import judging
+from experiments.common.masses import OFF, followed, heavier
+from experiments.common.memories import random_by_family
+from gcm_learn import families, solve
+from gcm_learn.execution import body_for, execute, with_motor_limits
+from gcm_learn.families import paper_scene
+from gcm_learn.recall import Memory, RawIndex, waypoints_of
+
+FAMILIES = ("gate", "crossing-swarm")
+
+
+@pytest.fixture(scope="module")
+def caught():
+    """Return situations of two families with their catches."""
+    drawn = [(family, families.draw(family, 21, k)) for k in range(12) for family in FAMILIES]
+    plans = [(family, situation, solve(situation, "layered")) for family, situation in drawn]
+    return [one for one in plans if one[2].caught]
+
+
+@pytest.mark.parametrize(
+    ("complains_below", "broken"), [(0, False), (500, False), (5000, False), (10**6, True)]
+)
+def test_a_catch_is_broken_if_the_referee_complains_however_closely_it_samples(
+    caught, monkeypatch, complains_below, broken
+):
+    """Complaints that a closer check takes back come from the sampling."""
+    samples = []
+
+    def judge(situation, plan, instants=300):
+        samples.append(instants)
+        return SimpleNamespace(complaints=["touches"] if instants < complains_below else [])
+
+    monkeypatch.setattr(judging.referee, "judge", judge)
+    found, (_, situation, plan) = judging.Referee(), caught[0]
+    assert found.broken(situation, plan) is broken
+    before = list(samples)
+    assert found.broken(situation, plan) is broken
+    assert samples == before == sorted(before)
+
+
+def burn(seconds):
+    """Keep the processor busy."""
+    until = process_time() + seconds
+    while process_time() < until:
+        pass
+
+
+@pytest.mark.parametrize("catches", [True, False])
+def test_an_answer_takes_its_planner_s_time_and_not_the_referee_s(monkeypatch, catches):
+    situation = paper_scene("fig8-space")
+    given = solve(situation, "layered")
+    if not catches:
+        given = replace(given, status="unreachable", trajectory=None, catch_time=None)
+
+    def plan(asked):
+        assert asked is situation
+        burn(0.05)
+        return given
+
+    def judge(*_):
+        burn(0.3)
+        return SimpleNamespace(complaints=["touches"])
+
+    monkeypatch.setattr(judging.referee_of_spatial_arms, "judge", judge)
+    row = judging.first_answer(SimpleNamespace(plan=plan), situation)
+    assert 50.0 <= row["ms"] < 300.0
+    assert row["catch"] == given.catch_time
+    assert row.get("complaints") == (["touches"] if catches else None)
+
+
+def test_random_memories_of_a_family_are_of_that_family(caught):
+    names, situations, plans = zip(*caught, strict=True)
+    memory = Memory(RawIndex.fit(list(situations)))
+    traces = [waypoints_of(s, plan) for s, plan in zip(situations, plans, strict=True)]
+    memory.add(list(situations), traces, list(names))
+    parts = random_by_family(memory)
+    assert set(parts) == {"", *FAMILIES}
+    assert parts[""].situations() == memory.situations()
+    for family in FAMILIES:
+        mine = [s for name, s in zip(names, situations, strict=True) if name == family]
+        assert parts[family].situations() == mine
+    assert all(part.index.name == "random" for part in parts.values())
+
+
+def test_the_controller_of_a_heavy_arm_does_not_know_how_heavy_it_is():
+    """It follows its plan worse than one that does, and an arm of known masses as well as any."""
+    scene = paper_scene("fig8-space")
+    body = body_for(scene.arm)
+    situation = with_motor_limits(scene, body)
+    plan = solve(situation, "layered")
+    heavy, known = followed(plan, situation, "heavy"), followed(plan, situation, "known")
+    told = execute(plan, situation, heavier(body, OFF))
+    assert heavy.error[1] > 3.0 * told.error[1]
+    assert known.error == execute(plan, situation).error
