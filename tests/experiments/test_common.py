@@ -100,5 +100,6 @@ def test_the_controller_of_a_heavy_arm_does_not_know_how_heavy_it_is():
     plan = solve(situation, "layered")
     heavy, known = followed(plan, situation, "heavy"), followed(plan, situation, "known")
     told = execute(plan, situation, heavier(body, OFF))
-    assert heavy.error[1] > 3.0 * told.error[1]
+    for median_or_end in (0, 2):  # the largest is that of the start, which both share
+        assert heavy.error[median_or_end] > 5.0 * told.error[median_or_end]
     assert known.error == execute(plan, situation).error
