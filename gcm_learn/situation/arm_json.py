@@ -65,7 +65,7 @@ def _kind_in(obj: object, path: str, known: tuple[Kind, ...]) -> Kind:
 
 def _planar(arm: type[Arm], obj: object, path: str, reading: Reading) -> Arm:
     for name in ("joints", "joint_range", "model"):
-        if isinstance(obj, dict) and name in obj:
+        if isinstance(obj, dict) and name in obj and "kind" not in obj:
             reason = f"is not for planar arms, which have a hand and 2 joints; {OTHER_ARMS}"
             raise SituationError(f"{path}.{name}", reason)
     return record_from(arm, obj, path)

@@ -22,8 +22,7 @@ NEWER = ["plan_layered"]  # what a planner answers that has changed since
 @pytest.fixture
 def half_made(tmp_path, monkeypatch) -> Path:
     """Return a folder with the first two shards."""
-    for module in ("generation", "verifying"):
-        monkeypatch.setattr(f"gcm_learn.dataset.{module}.LocalCrew", Noting)
+    monkeypatch.setattr("gcm_learn.dataset.generation.LocalCrew", Noting)
     monkeypatch.setattr(Noting, "made", [])
     (tmp_path / "shards").mkdir()
     for shard in THERE:

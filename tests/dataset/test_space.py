@@ -9,7 +9,6 @@ import pytest
 
 from gcm_learn.dataset import DatasetSpec, FamilyShare, generate, make_item, verify_dataset
 from gcm_learn.dataset import open as open_data
-from gcm_learn.dataset.exports import export_minari
 from gcm_learn.errors import DatasetError, SpecError
 from gcm_learn.families import family_names
 from gcm_learn.motion import opening, verify
@@ -120,11 +119,6 @@ def test_the_same_bytes_on_any_number_of_workers(made, tmp_path):
 def test_what_does_not_go_together_is_refused(changes, message):
     with pytest.raises(SpecError, match=message):
         replace(SPEC, **changes)
-
-
-def test_episodes_are_of_the_plane(made):
-    with pytest.raises(DatasetError, match="episodes are of planar arms"):
-        export_minari(open_data(made), "space/test-v0", "straight")
 
 
 def test_there_are_no_maps_to_feed(made):

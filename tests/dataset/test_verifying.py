@@ -24,7 +24,6 @@ from tests.dataset.test_generation import Noting
 
 @pytest.fixture(autouse=True)
 def _here(monkeypatch):
-    monkeypatch.setattr("gcm_learn.dataset.verifying.LocalCrew", Noting)
     monkeypatch.setattr("gcm_learn.dataset.generation.LocalCrew", Noting)
 
 
