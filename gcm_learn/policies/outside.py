@@ -92,17 +92,17 @@ def _settings_of(policy: Any, name: str) -> ArenaSettings:
     told = getattr(policy, "settings", None) or _of_environment(policy)
     if isinstance(told, ArenaSettings):
         return told
-    space, actions = _shape(policy, "observation_space"), _shape(policy, "action_space")
-    if space is None and actions is None:
+    observed, actions = _shape(policy, "observation_space"), _shape(policy, "action_space")
+    if observed is None and actions is None:
         return Settings()
-    for settings in _candidates(space):
-        if space == (settings.width,) and actions == (settings.commands,):
+    for settings in _candidates(observed):
+        if observed == (settings.width,) and actions == (settings.commands,):
             return settings
     arenas = ", ".join(
         f"{a.name} {(a.settings().width,)} and {(a.settings().commands,)}" for a in _arenas()
     )
     raise PolicyError(
-        f"policy {name!r}: observations {space} and actions {actions} fit no arena ({arenas})"
+        f"policy {name!r}: observations {observed} and actions {actions} fit no arena ({arenas})"
     )
 
 
@@ -143,8 +143,8 @@ def _check_spaces(policy: Any, settings: ArenaSettings, name: str) -> None:
 
 def _shape(policy: Any, which: str) -> tuple[int, ...] | None:
     """Return the shape of a space, or None for a policy without that space."""
-    space = getattr(policy, which, None)
-    return None if space is None else tuple(getattr(space, "shape", None) or ())
+    found = getattr(policy, which, None)
+    return None if found is None else tuple(getattr(found, "shape", None) or ())
 
 
 def _model(path: Path) -> Any:
