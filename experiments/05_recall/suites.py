@@ -1,4 +1,4 @@
-"""What recall catches of the oracle's strata W and Q, beside its controls; writes fresh.md.
+"""Compare recall with its controls on the oracle's strata W and Q, and write fresh.md.
 
 python experiments/05_recall/suites.py SUITES [--before MEMORY] [--name NAME]
 
