@@ -10,6 +10,7 @@ import importlib.util
 from typing import TYPE_CHECKING, Any
 
 from gcm_learn import registration
+from gcm_learn.late import late_names
 
 if TYPE_CHECKING:
     from gcm_learn.arms import Arm, SpatialArm
@@ -39,7 +40,7 @@ registration.announce()  # so that gymnasium.make("gcm_learn:CatchArm-v0") finds
 
 # Loaded when they are asked for: compiled code takes most of a second to load, in which the
 # command line could neither answer nor be stopped.
-_PLACES = {
+_late, _PLACE = late_names(__name__, {
     "arms": ("Arm", "SpatialArm"),
     "errors": ("GcmError", "SituationError"),
     "families": ("paper_scene",),
@@ -53,17 +54,14 @@ _PLACES = {
         "read_situations", "write_situations",
     ),
     "wave": ("MarchingParams", "WaveParams"),
-}  # fmt: skip
-_PLACE = {name: place for place, names in _PLACES.items() for name in names}
+})  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
     """A public name, or a folder of the package, when it is first asked for."""
-    if name in _PLACE:
-        value = getattr(importlib.import_module(f"gcm_learn.{_PLACE[name]}"), name)
-        globals()[name] = value
-        return value
-    if not name.startswith("_") and importlib.util.find_spec(f"gcm_learn.{name}") is not None:
+    if name in _PLACE or name.startswith("_"):
+        return _late(name)
+    if importlib.util.find_spec(f"gcm_learn.{name}") is not None:
         return importlib.import_module(f"gcm_learn.{name}")
     raise AttributeError(f"module 'gcm_learn' has no attribute {name!r}")
 

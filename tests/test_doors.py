@@ -38,8 +38,6 @@ MIXED = {
 """Files that pass a door although fewer than half of their functions are kernels."""
 BOTH_WAYS = {
     "gcm_learn.families.space",
-    "gcm_learn.planners.baselines",
-    "gcm_learn.planners.oracle",
     "gcm_learn.planners.joints",
     "gcm_learn.scene.shapes",
 }

@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.arms import Kind
 from gcm_learn.cli.failures import CommandFailure, one_line
 from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.solve import plan_one, read
 
 if TYPE_CHECKING:
-    from gcm_learn.arms import SpatialArm
+    from gcm_learn.arms import Kind, SpatialArm
     from gcm_learn.execution import Execution, Mind
     from gcm_learn.situation import ArmBody, Situation
 

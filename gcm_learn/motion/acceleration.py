@@ -11,7 +11,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from gcm_learn.arms.limbs import dof
 from gcm_learn.compiled import njit
@@ -123,6 +122,8 @@ def tracked(
     joints, rates : (m, dof) ndarray
         Samples of the cubic Hermite curve.
     """
+    from scipy.optimize import lsq_linear  # takes half a second to load
+
     end = time[-1]
     at, speeds, places, weights = _tracking(knots)
     wanted = np.stack(

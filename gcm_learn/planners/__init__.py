@@ -1,40 +1,71 @@
 """Planners: from a situation to a verified catch."""
 
-from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.completion import (
-    CATCH_STEP,
-    Attempt,
-    Problem,
-    SpatialProblem,
-    Task,
-    attempt_of,
-    checked,
-    first_catch_on,
-    straight_plan,
-)
-from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
-from gcm_learn.planners.feedback import Exploration, Feedback
-from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
-from gcm_learn.planners.joints.layered import posture_layered
-from gcm_learn.planners.joints.moves import study_of
-from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_straight
-from gcm_learn.planners.layered import layered
-from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
-from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
-from gcm_learn.planners.outside import LIMIT
-from gcm_learn.planners.plan import FAULTS, Anytime, Plan, Planner, plan_to_json, taken, takes
-from gcm_learn.planners.recheck import broken_promise
-from gcm_learn.planners.references import absolute, acts, found, in_words, instance, name_of
-from gcm_learn.planners.registry import (
-    get_planner,
-    is_registered,
-    plan_with,
-    planner_names,
-    solve,
-)
-from gcm_learn.planners.retiming import retime
-from gcm_learn.planners.tube import InTube, Tube
+from typing import TYPE_CHECKING
+
+from gcm_learn.late import late_names
+
+if TYPE_CHECKING:
+    from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
+    from gcm_learn.planners.baselines.straight import StraightPlanner
+    from gcm_learn.planners.completion import (
+        CATCH_STEP,
+        Attempt,
+        Problem,
+        SpatialProblem,
+        Task,
+        attempt_of,
+        checked,
+        first_catch_on,
+        straight_plan,
+    )
+    from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
+    from gcm_learn.planners.feedback import Exploration, Feedback
+    from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
+    from gcm_learn.planners.joints.layered import posture_layered
+    from gcm_learn.planners.joints.moves import study_of
+    from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_straight
+    from gcm_learn.planners.layered_front import layered
+    from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
+    from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
+    from gcm_learn.planners.outside import LIMIT
+    from gcm_learn.planners.plan import FAULTS, Anytime, Plan, Planner, plan_to_json, taken, takes
+    from gcm_learn.planners.recheck import broken_promise
+    from gcm_learn.planners.references import absolute, acts, found, in_words, instance, name_of
+    from gcm_learn.planners.registry import (
+        get_planner,
+        is_registered,
+        plan_with,
+        planner_names,
+        solve,
+    )
+    from gcm_learn.planners.retiming import retime
+    from gcm_learn.planners.tube import InTube, Tube
+
+# Loaded when they are asked for: a planner's compiled code takes a second to load.
+__getattr__, _ = late_names(__name__, {
+    "baselines.st_rrt_star": ("STRRTStarPlanner",),
+    "baselines.straight": ("StraightPlanner",),
+    "completion": (
+        "CATCH_STEP", "Attempt", "Problem", "SpatialProblem", "Task", "attempt_of", "checked",
+        "first_catch_on", "straight_plan",
+    ),
+    "deadline": ("GAIN", "Deadline", "deadline_of"),
+    "feedback": ("Exploration", "Feedback"),
+    "fronts": ("Explore", "FrontPlanner", "Params", "gcm", "marching"),
+    "joints.layered": ("posture_layered",),
+    "joints.moves": ("study_of",),
+    "joints.straight": ("any_straight", "at_once", "earliest_straight"),
+    "layered_front": ("layered",),
+    "oracle.bounds": ("Bounds", "bounds", "stratum"),
+    "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
+    "outside": ("LIMIT",),
+    "plan": ("FAULTS", "Anytime", "Plan", "Planner", "plan_to_json", "taken", "takes"),
+    "recheck": ("broken_promise",),
+    "references": ("absolute", "acts", "found", "in_words", "instance", "name_of"),
+    "registry": ("get_planner", "is_registered", "plan_with", "planner_names", "solve"),
+    "retiming": ("retime",),
+    "tube": ("InTube", "Tube"),
+})  # fmt: skip
 
 __all__ = [
     "Plan",

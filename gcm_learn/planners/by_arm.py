@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 from gcm_learn.arms import ByKind, Kind
@@ -16,21 +18,25 @@ class ByArm:
     ----------
     name : str
         Name under which all are registered.
-    planners : ByKind of planner
+    places : ByKind of str
+        Place of each planner's factory.
+    make : callable
+        Make the planner of a place; called once for each, when it is needed.
     """
 
-    def __init__(self, name: str, planners: ByKind[Any]) -> None:
-        self.name, self._planners = name, planners
-        planners.who = f"planner {name!r}"
+    def __init__(self, name: str, places: ByKind[str], make: Callable[[str], Any]) -> None:
+        self.name, self._places, self._make = name, places, cache(make)
+        places.who = f"planner {name!r}"
 
     @property
     def anytime(self) -> bool:
         """True if all planners take a deadline; see `Anytime`."""
-        return all(getattr(planner, "anytime", False) for planner in self._planners.entries())
+        made = map(self._make, self._places.entries())
+        return all(getattr(planner, "anytime", False) for planner in made)
 
     def takes(self, kind: Kind) -> bool:
         """Return whether there is a planner for arms of a kind."""
-        return self._planners.takes(kind)
+        return self._places.takes(kind)
 
     def plan(
         self,
@@ -40,5 +46,5 @@ class ByArm:
     ) -> Plan:
         """Answer a situation; a bound and a deadline are for planners that take them."""
         given = {"bound": bound, "deadline": deadline}
-        chosen = self._planners.of(situation)
+        chosen = self._make(self._places.of(situation))
         return chosen.plan(situation, **{k: v for k, v in given.items() if v is not None})

@@ -12,7 +12,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import FrontPlanner, wave_levels
-from gcm_learn.planners.layered import explored, spread
+from gcm_learn.planners.layered_front import explored, spread
 from gcm_learn.scene import Scene
 from gcm_learn.wave import Front, WaveParams
 

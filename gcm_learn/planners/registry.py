@@ -3,51 +3,35 @@
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast, overload
 from weakref import WeakValueDictionary
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.planners.baselines.potential import PotentialPlanner
-from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
 from gcm_learn.planners.by_arm import ByArm
 from gcm_learn.planners.deadline import Deadline
-from gcm_learn.planners.fronts import gcm, marching
-from gcm_learn.planners.joints.layered import LayeredInSpace
-from gcm_learn.planners.joints.marching import gcm_in_space, posture_marching
-from gcm_learn.planners.joints.tree_search import TreeSearch
-from gcm_learn.planners.layered import layered
-from gcm_learn.planners.layered_wave import layered_wave
-from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.outside import LIMIT, Outside
 from gcm_learn.planners.plan import Anytime, Plan, Planner, taken
 from gcm_learn.planners.references import acts, found, instance, name_of
 from gcm_learn.situation import AnySituation, Situation
 
-_PLANNERS: dict[str, Callable[[], Planner]] = {
-    "gcm": lambda: ByArm("gcm", ByKind({PLANAR: gcm(), SPATIAL: gcm_in_space()})),
-    "layered": lambda: ByArm("layered", ByKind({PLANAR: layered(), SPATIAL: LayeredInSpace()})),
-    "layered-wave": layered_wave,
-    "marching": lambda: ByArm(
-        "marching", ByKind({PLANAR: marching(), SPATIAL: posture_marching()})
+_PLANNERS: dict[str, str | ByKind[str]] = {
+    "gcm": ByKind({PLANAR: "fronts:gcm", SPATIAL: "joints.marching:gcm_in_space"}),
+    "layered": ByKind({PLANAR: "layered_front:layered", SPATIAL: "joints.layered:LayeredInSpace"}),
+    "layered-wave": "layered_wave:layered_wave",
+    "marching": ByKind({PLANAR: "fronts:marching", SPATIAL: "joints.marching:posture_marching"}),
+    "oracle": "oracle.bounds:OraclePlanner",
+    "potential": "baselines.potential:PotentialPlanner",
+    "search": ByKind(
+        {PLANAR: "layered_front:search", SPATIAL: "joints.layered:search"},
+        default="joints.tree_search:TreeSearch",
     ),
-    "oracle": OraclePlanner,
-    "potential": PotentialPlanner,
-    "search": lambda: ByArm(
-        "search",
-        ByKind(
-            {PLANAR: layered(name="search"), SPATIAL: LayeredInSpace(name="search")},
-            default=TreeSearch(),
-        ),
-    ),
-    "st-rrt-star": STRRTStarPlanner,
-    "straight": StraightPlanner,
-    "straight-wait": StraightWaitPlanner,
+    "st-rrt-star": "baselines.st_rrt_star:STRRTStarPlanner",
+    "straight": "baselines.straight:StraightPlanner",
+    "straight-wait": "baselines.straight_wait:StraightWaitPlanner",
 }
+"""Factories in this folder, imported when they are needed; of some names one for each kind."""
 
 _ABOVE = {
     "hybrid": "gcm_learn.recall.planners:hybrid",
@@ -107,7 +91,7 @@ def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT
     if not isinstance(given, str):
         return _outside(given, name or name_of(given), limit)
     if given in _PLANNERS:
-        return _ours(_PLANNERS[given]())
+        return _ours(_made(given))
     if given in _ABOVE:
         return _ours(pkgutil.resolve_name(_ABOVE[given])())
     object_named = found(given)
@@ -117,6 +101,17 @@ def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT
     if tried_out is not None:
         return _ours(tried_out)
     raise UnknownNameError.among("planner", given, [*planner_names(), *sorted(_ABOVE)])
+
+
+def _made(name: str) -> Planner:
+    """Return a planner of this folder."""
+    place = _PLANNERS[name]
+    return _make(place) if isinstance(place, str) else ByArm(name, place, _make)
+
+
+def _make(place: str) -> Planner:
+    """Return what a factory of this folder makes."""
+    return cast(Planner, pkgutil.resolve_name(f"gcm_learn.planners.{place}")())
 
 
 def _ours(planner: Planner) -> Planner:

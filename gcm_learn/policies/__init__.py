@@ -4,8 +4,9 @@
 >>> shipped_actor("clone").play(pool, np.arange(len(pool))).outcomes  # doctest: +SKIP
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from gcm_learn.late import late_names
 from gcm_learn.policies.actor import FILE, Acting, Actor
 from gcm_learn.policies.card import score
 from gcm_learn.policies.exports import export_minari
@@ -22,6 +23,9 @@ from gcm_learn.policies.planner import (
 
 if TYPE_CHECKING:
     from gcm_learn.policies.training import train
+
+# Loaded when it is asked for: it needs torch.
+__getattr__, _ = late_names(__name__, {"training": ("train",)})
 
 __all__ = [
     "Acting",
@@ -42,12 +46,3 @@ __all__ = [
     "tried_out",
     "train",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    """Load `train` when it is first used: it needs torch."""
-    if name != "train":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from gcm_learn.policies.training import train
-
-    return train

@@ -10,9 +10,9 @@ A memory of at most 300 catches that learns while it acts:
 >>> steps = grow(memory, situations, most=300)                         # doctest: +SKIP
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from gcm_learn.late import late_names
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
 from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
 from gcm_learn.recall.files import MANIFEST, is_memory
@@ -48,19 +48,13 @@ if TYPE_CHECKING:
     from gcm_learn.recall.transfer_labels import Best, Labels, Sizes, TransferLabels
 
 # Loaded when they are asked for: they need pyarrow or torch.
-_LATE = {
-    "training": ("Effort", "Trainer", "write_model"),
-    "transfer_labels": ("Best", "Labels", "Sizes", "TransferLabels"),
-}
-_PLACE = {name: place for place, names in _LATE.items() for name in names}
-
-
-def __getattr__(name: str) -> Any:
-    """Import a name that needs more libraries at its first use."""
-    if name not in _PLACE:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{_PLACE[name]}"), name)
-
+__getattr__, _ = late_names(
+    __name__,
+    {
+        "training": ("Effort", "Trainer", "write_model"),
+        "transfer_labels": ("Best", "Labels", "Sizes", "TransferLabels"),
+    },
+)
 
 __all__ = [
     "Adaptation",

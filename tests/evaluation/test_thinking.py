@@ -56,8 +56,8 @@ WORTH = {
 @pytest.fixture(scope="module")
 def results():
     """Return what a slow planner makes of them."""
-    slow, patch = Slow(), pytest.MonkeyPatch()
-    patch.setitem(registry._PLANNERS, "slow", lambda: slow)
+    patch = pytest.MonkeyPatch()
+    patch.setitem(registry._ABOVE, "slow", f"{__name__}:Slow")
     entries = [
         Entry("made", k, situation, "made", "L", 0.1)
         for k, (situation, _) in enumerate(WORTH.values())

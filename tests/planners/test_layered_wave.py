@@ -14,7 +14,7 @@ from gcm_learn.families.examples import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.maps import explore
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.layered import path_to
+from gcm_learn.planners.layered_front import path_to
 from gcm_learn.planners.layered_wave import CLOSE, EARLY, layered_wave, straightened
 from gcm_learn.scene import pack
 from gcm_learn.wave import WaveParams

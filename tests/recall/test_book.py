@@ -9,7 +9,7 @@ from gcm_learn import families, seeding
 from gcm_learn.arms import SPATIAL
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.layered import layered
+from gcm_learn.planners.layered_front import layered
 from gcm_learn.recall import Adaptation, Memory, RawIndex, book, grow
 from gcm_learn.recall.book import WORKS, Book
 from gcm_learn.recall.kinds import MEMORIES

@@ -209,3 +209,8 @@ def finished(problem: SpatialProblem, study: Study, way: Way) -> Plan:
     path = Movement(problem.situation.arm, time, joints)
     plan, reason = checked(problem, Attempt(path, int(body)))
     return problem.answer(reason or Failure.NO_INTERCEPTION) if plan is None else plan
+
+
+def search() -> LayeredInSpace:
+    """Return the default planner of spatial arms: `layered` by its general name."""
+    return LayeredInSpace(name="search")

@@ -62,6 +62,11 @@ def layered(params: MarchingParams | None = None, name: str = "layered") -> Fron
     return FrontPlanner(name, levels, direct=True, find=partial(found, n=params.n))
 
 
+def search() -> FrontPlanner:
+    """Return the default planner of planar arms: `layered` by its general name."""
+    return layered(name="search")
+
+
 def waiting(problem: Problem, params: MarchingParams, feedback: Feedback) -> Exploration:
     """Layered map and paths back through its states."""
     return explored(problem, spread(problem, params, feedback), params)
