@@ -41,12 +41,12 @@ format: $(VENV)/.dev  ## rewrite the sources in the house style
 	$(BIN)/ruff format .
 
 bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their peers; then datasets, the arena and the arm with mass
-	$(BIN)/python experiments/benchmarks/run.py
-	$(BIN)/python experiments/benchmarks/space.py
-	$(BIN)/python experiments/benchmarks/dataset.py
-	$(BIN)/python experiments/benchmarks/arena.py
-	$(BIN)/python experiments/benchmarks/first_catch.py
-	$(BIN)/python experiments/benchmarks/body.py
+	$(BIN)/python -m experiments benchmarks
+	$(BIN)/python -m experiments benchmarks/space
+	$(BIN)/python -m experiments benchmarks/dataset
+	$(BIN)/python -m experiments benchmarks/arena
+	$(BIN)/python -m experiments benchmarks/first_catch
+	$(BIN)/python -m experiments benchmarks/body
 
 clean:  ## remove what was built, except .venv
 	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,24 +1,20 @@
 """Count the fronts that leak through walls, against the walls' speed; writes table.md.
 
-python experiments/01_leaks/run.py                   about four minutes on one core
-python experiments/01_leaks/run.py --scenes 4        a quick look
+python -m experiments 01_leaks                   about four minutes on one core
+python -m experiments 01_leaks --scenes 4        a quick look
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+from walls import MOTIONS, PARTS, Walls, draw, leaked_cells, leaked_states
 
-from walls import MOTIONS, PARTS, Walls, draw, leaked_cells, leaked_states  # noqa: E402
-
-from gcm_learn import seeding  # noqa: E402
-from gcm_learn.wave import (  # noqa: E402
+from gcm_learn import seeding
+from gcm_learn.wave import (
     MarchingParams,
     WaveParams,
     march,
@@ -26,6 +22,7 @@ from gcm_learn.wave import (  # noqa: E402
     propagate_layers,
 )
 
+HERE = Path(__file__).resolve().parent
 SPEEDS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)  # of walls [cells per tau]; the front has 0.17
 WIDTHS = (0.0, 1.0, 2.0, 3.0)  # of walls [cells]
 PLAIN = WaveParams(until="horizon")

@@ -10,8 +10,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from suite import STRATA, Case
-
+from experiments.common.suite import STRATA, Case
 from gcm_learn.planners import Plan, get_planner
 from tests.referee import judge
 

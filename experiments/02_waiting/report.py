@@ -11,8 +11,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from answers import Answer
-from suite import STRATA, Case
 
+from experiments.common.suite import STRATA, Case
 from gcm_learn.evaluation import stratified
 
 REACHABLE = ("L", "W", "Q")

@@ -1,7 +1,7 @@
 """Which planner catches what: the same situations of every stratum for all; writes table.md.
 
-python experiments/02_waiting/run.py                     draw, plan, judge: hours on two cores
-python experiments/02_waiting/run.py --per-stratum 50    a quick look, minutes
+python -m experiments 02_waiting                     draw, plan, judge: hours on two cores
+python -m experiments 02_waiting --per-stratum 50    a quick look, minutes
 
 What is done is kept in out/ and not done again; Ctrl-C is safe.
 """
@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+from answers import answers_of
+from report import write_figure, write_table
 
-from answers import answers_of  # noqa: E402
-from report import write_figure, write_table  # noqa: E402
-from suite import make  # noqa: E402
+from experiments.common.suite import make
+
+HERE = Path(__file__).resolve().parent
 
 
 def main() -> None:

@@ -1,28 +1,25 @@
 """What the families hold: strata, thrown-away draws and cost; writes table.md or table-space.md.
 
-python experiments/03_families/run.py              300 situations a family: half an hour on one core
-python experiments/03_families/run.py --count 30   a quick look
-python experiments/03_families/run.py --spatial    those for arms in space, with the planners there
+python -m experiments 03_families              300 situations a family: half an hour on one core
+python -m experiments 03_families --count 30   a quick look
+python -m experiments 03_families --spatial    those for arms in space, with the planners there
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import process_time
 
+from gcm_learn import seeding
+from gcm_learn.families import draw, family_names, get_family
+from gcm_learn.motion.rules import start_clearance
+from gcm_learn.planners import get_planner
+from gcm_learn.scene.packing import pack
+from gcm_learn.situation import AnySituation
+
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from gcm_learn import seeding  # noqa: E402
-from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.motion.rules import start_clearance  # noqa: E402
-from gcm_learn.planners import get_planner  # noqa: E402
-from gcm_learn.scene.packing import pack  # noqa: E402
-from gcm_learn.situation import AnySituation  # noqa: E402
-
 SEED = 20
 PLANNERS = {"straight": "L", "marching": "W", "layered": "Q"}
 BATCH = 25  # draws that are timed together; the fastest batch is the least disturbed one

@@ -1,6 +1,6 @@
 """What learners catch: by reward alone, guided by maps, or begun with planned catches.
 
-python experiments/04_policies/run.py OUT [--workers 2]   goes on where it was stopped
+python -m experiments 04_policies OUT [--workers 2]   goes on where it was stopped
 
 Needs data/train, the dataset of data/specs/train.toml. OUT holds the runs; table.md and figure.png
 are written beside this file.

@@ -1,6 +1,6 @@
 """What policies in space catch that others do not who learned nothing: unseen situations, in pairs.
 
-    python experiments/04_policies/space.py models/ppo-space [models/OTHER ...]
+    python -m experiments 04_policies/space models/ppo-space [models/OTHER ...]
 
 Situations are drawn from all families in space, or read (`--source`), under a seed that trained
 nothing and chose nothing. All are counted, whether or not there is a way to catch.

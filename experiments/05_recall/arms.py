@@ -1,6 +1,6 @@
 """Does learned recall hold on arms outside those of its training? Writes arms.md.
 
-python experiments/05_recall/arms.py [--count 300]
+python -m experiments 05_recall/arms [--count 300]
 
 Situations are drawn as data/specs/space.toml says, with arms of its split `test-arms` and a seed of
 their own; the same memories are asked by the trained encoder and by raw parameters.  What is asked
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -20,15 +19,11 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-REPOSITORY = HERE.parents[1]
-sys.path[:0] = [str(REPOSITORY)]
-
-from gcm_learn.arms import SPATIAL  # noqa: E402
-from gcm_learn.dataset import make_item, quantities_of, read_spec  # noqa: E402
-from gcm_learn.evaluation import chance, difference, holm, mcnemar, wilson  # noqa: E402
-from gcm_learn.planners import plan_to_json  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402  # noqa: E402
+from gcm_learn.arms import SPATIAL
+from gcm_learn.dataset import make_item, quantities_of, read_spec
+from gcm_learn.evaluation import chance, difference, holm, mcnemar, wilson
+from gcm_learn.planners import plan_to_json
+from gcm_learn.recall import (
     MEMORIES,
     RandomIndex,
     RawIndex,
@@ -37,10 +32,12 @@ from gcm_learn.recall import (  # noqa: E402  # noqa: E402
     nearest_rows,
     shipped_memory,
 )
-from gcm_learn.seeding import rng  # noqa: E402
-from gcm_learn.situation import situation_to_json  # noqa: E402
-from tests.referee_of_spatial_arms import judge  # noqa: E402
+from gcm_learn.seeding import rng
+from gcm_learn.situation import situation_to_json
+from tests.referee_of_spatial_arms import judge
 
+HERE = Path(__file__).resolve().parent
+REPOSITORY = HERE.parents[1]
 MOVEMENTS = MEMORIES.of(SPATIAL)
 SEED = 1616
 SPLIT = "test-arms"

@@ -1,6 +1,6 @@
 """What recall catches in space, beside its controls and where it was not trained; writes space.md.
 
-python experiments/05_recall/space.py [--spec space-accelerated] [--count 3000]
+python -m experiments 05_recall/space [--spec space-accelerated] [--count 3000]
 
 Situations are drawn as a specification of data/specs says (space.toml, if no other is named, after
 which the table is named, too), with a seed of their own. What is asked is kept in out/ and not
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
 from collections import Counter
 from dataclasses import replace
@@ -20,16 +19,14 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.dataset import make_item, read_spec
+from gcm_learn.evaluation import wilson
+from gcm_learn.planners import get_planner, plan_to_json
+from gcm_learn.situation import situation_to_json
+from tests.referee_of_spatial_arms import judge
+
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
-sys.path[:0] = [str(REPOSITORY)]
-
-from gcm_learn.dataset import make_item, read_spec  # noqa: E402
-from gcm_learn.evaluation import wilson  # noqa: E402
-from gcm_learn.planners import get_planner, plan_to_json  # noqa: E402
-from gcm_learn.situation import situation_to_json  # noqa: E402
-from tests.referee_of_spatial_arms import judge  # noqa: E402
-
 SEEDS = {"space": 3437426931, "space-accelerated": 885590443}
 """Heads of the hashes of the commits that froze code, memory and encoder, by specification."""
 AUDIT = 0.2  # share that the yardstick labels, where accelerations have no limits

@@ -1,6 +1,6 @@
 """Planar situations unlike those of the families, where a straight line fails; for suites.py.
 
-python experiments/05_recall/standin.py FOLDER --seed N [--count 300]
+python -m experiments 05_recall/standin FOLDER --seed N [--count 300]
 
 Other arms (upper arms of 0.55 to 1.6 forearms, thick ones, slow and fast hands), two to six bodies
 of all shapes and sizes anywhere, half of which rest. Kept is what `layered` catches and `straight`
@@ -11,17 +11,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from gcm_learn import get_planner, seeding  # noqa: E402
-from gcm_learn.families.family import ArmRanges  # noqa: E402
-from gcm_learn.families.random_planar import RandomPlanar  # noqa: E402
-from gcm_learn.situation import situation_to_json  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
+from gcm_learn import get_planner, seeding
+from gcm_learn.families.family import ArmRanges
+from gcm_learn.families.random_planar import RandomPlanar
+from gcm_learn.situation import situation_to_json
+from gcm_learn.storage import write_whole
 
 ARM = ArmRanges(
     upper_arm=(0.55, 1.6), thickness=(0.0, 0.03, 0.06), hand_speed=(1.5, 5.0), horizon=(0.7, 2.0)

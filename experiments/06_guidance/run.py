@@ -1,6 +1,6 @@
 """Does guidance by cognitive maps, or a cloned start, halve the steps that learners need (H5)?
 
-python experiments/06_guidance/run.py OUT   needs models/clone; goes on where it was stopped
+python -m experiments 06_guidance OUT   needs models/clone; goes on where it was stopped
 
 OUT holds the runs; table.md and figure.png are written beside this file.
 """

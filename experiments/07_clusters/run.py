@@ -1,6 +1,6 @@
 """Does experience fall into clusters, and into which? Writes table.md and pictures.
 
-python experiments/07_clusters/run.py DATASET [ENCODER]
+python -m experiments 07_clusters DATASET [ENCODER]
 
 DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder` (the shipped
 one by default). The page out/index.html shows the memory as points.
@@ -9,25 +9,20 @@ one by default). The page out/index.html shows the memory as points.
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from pictures import write_figure, write_prototypes
+from sklearn.cluster import HDBSCAN, KMeans
+from sklearn.decomposition import PCA
+from sklearn.manifold import TSNE
+from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
-
-from pictures import write_figure, write_prototypes  # noqa: E402
-from sklearn.cluster import HDBSCAN, KMeans  # noqa: E402
-from sklearn.decomposition import PCA  # noqa: E402
-from sklearn.manifold import TSNE  # noqa: E402
-from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # noqa: E402
-
-from gcm_learn import dataset, seeding  # noqa: E402
-from gcm_learn.dataset import Record  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402
+from gcm_learn import dataset, seeding
+from gcm_learn.dataset import Record
+from gcm_learn.recall import (
     Encoder,
     LearnedIndex,
     Memory,
@@ -43,6 +38,7 @@ from gcm_learn.recall import (  # noqa: E402
     waypoints_of,
 )
 
+HERE = Path(__file__).resolve().parent
 K = 16  # clusters of k-means
 LEAST, FEW = 40, 8  # members of a cluster of HDBSCAN; principal components that it is asked in
 DRAWS = 40  # of a bootstrap

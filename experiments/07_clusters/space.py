@@ -1,6 +1,6 @@
 """Which kinds of catches are there in space, and are they those of the plane? Writes space.md.
 
-python experiments/07_clusters/space.py SPACE PLANE
+python -m experiments 07_clusters/space SPACE PLANE
 
 Both are folders of `gcm-learn generate`, of data/specs/space.toml and recall.toml.  Pictures are
 space.png and kinds.gif.  What planners were asked is kept in out/ and not asked again.
@@ -10,18 +10,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
-
-from kinds import FEATURES, Kinds, features_of, lifted  # noqa: E402
-from run import (  # noqa: E402
+from kinds import FEATURES, Kinds, features_of, lifted
+from run import (
     TRIED,
     Experience,
     Tries,
@@ -29,14 +24,14 @@ from run import (  # noqa: E402
     k_means,
     transfers,
 )
-from sklearn.cluster import HDBSCAN  # noqa: E402
-from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score  # noqa: E402
-from space_pictures import write_figure, write_films  # noqa: E402
+from sklearn.cluster import HDBSCAN
+from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
+from space_pictures import write_figure, write_films
 
-from gcm_learn import dataset, seeding  # noqa: E402
-from gcm_learn.arms import SPATIAL  # noqa: E402
-from gcm_learn.planners import posture_layered  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402
+from gcm_learn import dataset, seeding
+from gcm_learn.arms import SPATIAL
+from gcm_learn.planners import posture_layered
+from gcm_learn.recall import (
     MEMORIES,
     Adaptation,
     LearnedIndex,
@@ -45,6 +40,7 @@ from gcm_learn.recall import (  # noqa: E402
     waypoints_of,
 )
 
+HERE = Path(__file__).resolve().parent
 MOVEMENTS = MEMORIES.of(SPATIAL)
 MANY = (4, 6, 8)  # kinds that are tried
 REPEATS = 4  # bootstrap samples whose clusterings are compared

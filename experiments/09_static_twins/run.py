@@ -1,6 +1,6 @@
 """Do memories of static situations catch in dynamic ones? Writes table.md and figure.png.
 
-python experiments/09_static_twins/run.py DATASET [ENCODER]
+python -m experiments 09_static_twins DATASET [ENCODER]
 
 DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder` (the shipped
 one by default).
@@ -10,25 +10,20 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from report import write_example, write_figure, write_table
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
-
-from report import write_example, write_figure, write_table  # noqa: E402
-
-from gcm_learn import dataset, seeding  # noqa: E402
-from gcm_learn.arms.planar_limb import SIDE, elbow_of  # noqa: E402
-from gcm_learn.collision.distance import arm_distance  # noqa: E402
-from gcm_learn.dataset import Record, planner_of  # noqa: E402
-from gcm_learn.plots import birth  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402
+from gcm_learn import dataset, seeding
+from gcm_learn.arms.planar_limb import SIDE, elbow_of
+from gcm_learn.collision.distance import arm_distance
+from gcm_learn.dataset import Record, planner_of
+from gcm_learn.plots import birth
+from gcm_learn.recall import (
     Index,
     LearnedIndex,
     Memory,
@@ -39,10 +34,11 @@ from gcm_learn.recall import (  # noqa: E402
     load_encoder,
     waypoints_of,
 )
-from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at  # noqa: E402
-from gcm_learn.scene.packing import pack_bodies  # noqa: E402
-from gcm_learn.situation import Body, PlanarQuadratic, Situation  # noqa: E402
+from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
+from gcm_learn.scene.packing import pack_bodies
+from gcm_learn.situation import Body, PlanarQuadratic, Situation
 
+HERE = Path(__file__).resolve().parent
 STRATA = ("L", "W", "Q")
 POSES = {"twins, one pose": 1, "twins, five poses": 5}
 CLEAR = 1e-3  # what stands nearer to the limb at t = 0 is no obstacle of it [forearm lengths]

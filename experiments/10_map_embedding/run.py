@@ -1,6 +1,6 @@
 """Do maps find memories better than raw parameters do, the more so the more there is around?
 
-python experiments/10_map_embedding/run.py DATASET
+python -m experiments 10_map_embedding DATASET
 
 Writes table.md and figure.png. DATASET is a folder of `gcm-learn generate`. Encoders that know
 memories by their way, by their map, by both and by raw parameters take the same lessons; they and
@@ -12,27 +12,22 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from autoencoder import AutoencoderIndex
+from report import write_figure, write_table
+from teaching import Given, filed, trained
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
-
-from autoencoder import AutoencoderIndex  # noqa: E402
-from report import write_figure, write_table  # noqa: E402
-from teaching import Given, filed, trained  # noqa: E402
-
-from gcm_learn import dataset, seeding  # noqa: E402
-from gcm_learn.families.random_planar import RandomPlanar  # noqa: E402
-from gcm_learn.maps import build_map  # noqa: E402
-from gcm_learn.motion.clearance import clearance  # noqa: E402
-from gcm_learn.planners import Plan  # noqa: E402
-from gcm_learn.planners.completion import Problem  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402
+from gcm_learn import dataset, seeding
+from gcm_learn.families.random_planar import RandomPlanar
+from gcm_learn.maps import build_map
+from gcm_learn.motion.clearance import clearance
+from gcm_learn.planners import Plan
+from gcm_learn.planners.completion import Problem
+from gcm_learn.recall import (
     EncoderConfig,
     LearnedIndex,
     Memory,
@@ -47,9 +42,10 @@ from gcm_learn.recall import (  # noqa: E402
     nearest_rows,
     raw_features,
 )
-from gcm_learn.situation import Situation  # noqa: E402
-from gcm_learn.wave import MarchingParams  # noqa: E402
+from gcm_learn.situation import Situation
+from gcm_learn.wave import MarchingParams
 
+HERE = Path(__file__).resolve().parent
 EXTRAS = (0, 1, 2, 4, 8)  # obstacles that are added
 DRAWS = 400  # of obstacles, before a situation counts as too crowded
 FREE = 0.1  # room that they leave the limb on the known catch [forearm lengths]

@@ -1,6 +1,6 @@
 """Compare all ways to catch on the same frozen situations (H1 and the whole comparison).
 
-python experiments/11_comparison/run.py OUT [--count 1000]   goes on where it was stopped
+python -m experiments 11_comparison OUT [--count 1000]   goes on where it was stopped
 
 OUT holds the results and a page for each part; table.md and the figures are written beside this
 file.

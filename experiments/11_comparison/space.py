@@ -1,8 +1,8 @@
 """Who catches what with an arm in space: kinematic, and with mass. Writes space.json.
 
-python experiments/11_comparison/space.py              144 situations, 12 of each family
-python experiments/11_comparison/space.py --minutes 8  what can be done in eight minutes
-python experiments/11_comparison/space.py --only ppo-space,ppo-space@20   only these methods
+python -m experiments 11_comparison/space              144 situations, 12 of each family
+python -m experiments 11_comparison/space --minutes 8  what can be done in eight minutes
+python -m experiments 11_comparison/space --only ppo-space,ppo-space@20   only these methods
 
 What is done is kept in out/ and not done again; Ctrl-C is safe.
 """
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
@@ -21,12 +20,9 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from gcm_learn.arms import SPATIAL, SpatialArm  # noqa: E402
-from gcm_learn.evaluation import get_method  # noqa: E402
-from gcm_learn.execution import (  # noqa: E402
+from gcm_learn.arms import SPATIAL, SpatialArm
+from gcm_learn.evaluation import get_method
+from gcm_learn.execution import (
     OUTCOMES,
     PhysicalSettings,
     SpatialSettings,
@@ -35,13 +31,14 @@ from gcm_learn.execution import (  # noqa: E402
     pool_for,
     with_motor_limits,
 )
-from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.planners import Plan, STRRTStarPlanner, plan_to_json  # noqa: E402
-from gcm_learn.policies import actor_names, shipped_actor  # noqa: E402
-from gcm_learn.situation import ArmBody, Situation, situation_to_json  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee_of_spatial_arms import judge  # noqa: E402
+from gcm_learn.families import draw, family_names, get_family
+from gcm_learn.planners import Plan, STRRTStarPlanner, plan_to_json
+from gcm_learn.policies import actor_names, shipped_actor
+from gcm_learn.situation import ArmBody, Situation, situation_to_json
+from gcm_learn.storage import write_whole
+from tests.referee_of_spatial_arms import judge
 
+HERE = Path(__file__).resolve().parent
 SEED = 1420
 COUNT = 12  # situations of each family
 BUDGET_MS = 100.0  # of ST-RRT*

@@ -2,12 +2,14 @@
 
 Situations of all families in space are planned by `layered` without limits of acceleration, and
 then with limits under which a joint comes to its full speed in a given time.  Every catch is judged
-by the referee of the tests.  It goes on where it was interrupted; with the repository's root on
-PYTHONPATH: ``python accelerations.py``. The table is written to ``accelerations.json``.
+by the referee of the tests.
+
+python -m experiments 13_space/accelerations     goes on from where it was stopped
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import time as clock
 from dataclasses import replace
@@ -60,6 +62,7 @@ def answer(family: str, index: int, ramp: float) -> dict[str, Any]:
 
 def main() -> None:
     """Answer what is missing, then write the table."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     ANSWERS.parent.mkdir(exist_ok=True)
     rows = (
         [json.loads(line) for line in ANSWERS.read_text().splitlines()] if ANSWERS.exists() else []

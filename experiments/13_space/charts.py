@@ -1,7 +1,7 @@
 """Which chart, which order and how many postures should plans in space use? Writes charts.md.
 
-python experiments/13_space/charts.py              5 situations of each family
-python experiments/13_space/charts.py --minutes 5  what can be done in five minutes
+python -m experiments 13_space/charts              5 situations of each family
+python -m experiments 13_space/charts --minutes 5  what can be done in five minutes
 
 The situations are the first of those of run.py, whose table has more sizes of the joints' lattice.
 What is done is kept in out/ and not done again; Ctrl-C is safe.
@@ -11,22 +11,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
+from run import drawn, families, timed
+
+from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
+from gcm_learn.planners.joints.marching import posture_marching
+from gcm_learn.storage import write_whole
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
-
-from run import drawn, families, timed  # noqa: E402
-
-from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
-from gcm_learn.planners.joints.marching import posture_marching  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
-
 COUNT = 5  # situations of each family
 POSTURES = (1, 4, 8)
 SIZES = (16, 24)  # of the joints' lattice for the earliest catch, beside the default of 10^4 nodes

@@ -1,8 +1,8 @@
 """Which planner catches what in space, at what cost, and what a plane misses; writes table.md.
 
-python experiments/13_space/run.py               13 situations of each family: half an hour
-python experiments/13_space/run.py --count 2     a quick look
-python experiments/13_space/run.py --minutes 10  what can be done in ten minutes
+python -m experiments 13_space               13 situations of each family: half an hour
+python -m experiments 13_space --count 2     a quick look
+python -m experiments 13_space --minutes 10  what can be done in ten minutes
 
 What is done is kept in out/ and not done again; Ctrl-C is safe.
 """
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -19,27 +18,24 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
+from report import write_table
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1])]
-
-from report import write_table  # noqa: E402
-
-from gcm_learn import seeding  # noqa: E402
-from gcm_learn.arms import SpatialArm  # noqa: E402
-from gcm_learn.families import draw, family_names  # noqa: E402
-from gcm_learn.planners import (  # noqa: E402
+from gcm_learn import seeding
+from gcm_learn.arms import SpatialArm
+from gcm_learn.families import draw, family_names
+from gcm_learn.planners import (
     STRRTStarPlanner,
     get_planner,
     plan_to_json,
     planner_names,
     yardstick,
 )
-from gcm_learn.planners.joints.layered import LayeredInSpace  # noqa: E402
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, situation_to_json  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee_of_spatial_arms import judge  # noqa: E402
+from gcm_learn.planners.joints.layered import LayeredInSpace
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, situation_to_json
+from gcm_learn.storage import write_whole
+from tests.referee_of_spatial_arms import judge
 
+HERE = Path(__file__).resolve().parent
 SEED = 1300
 COUNT = 13  # situations of each family
 TREES = "st-rrt-star"

@@ -1,9 +1,9 @@
 """What perception noise costs who plans once, and what replanning wins back; writes closed-loop.md.
 
-python experiments/14_body/closed_loop.py --minutes 9            as much as nine minutes allow
-python experiments/14_body/closed_loop.py --plant physical       the arm with mass
-python experiments/14_body/closed_loop.py --count 24             a quick look
-python experiments/14_body/closed_loop.py --policy NAME          another trained actor
+python -m experiments 14_body/closed_loop --minutes 9            as much as nine minutes allow
+python -m experiments 14_body/closed_loop --plant physical       the arm with mass
+python -m experiments 14_body/closed_loop --count 24             a quick look
+python -m experiments 14_body/closed_loop --policy NAME          another trained actor
 
 Development data.  What is done is kept in out/ and not done again; Ctrl-C is safe.  Thinking is
 charged by processor time, so numbers vary a little from machine to machine.
@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -23,12 +22,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from gcm_learn.arms import SPATIAL, SpatialArm  # noqa: E402
-from gcm_learn.evaluation.statistics import difference, mcnemar, wilson  # noqa: E402
-from gcm_learn.execution import (  # noqa: E402
+from gcm_learn.arms import SPATIAL, SpatialArm
+from gcm_learn.evaluation.statistics import difference, mcnemar, wilson
+from gcm_learn.execution import (
     OUTCOMES,
     ExactPlant,
     Loop,
@@ -39,12 +35,13 @@ from gcm_learn.execution import (  # noqa: E402
     body_for,
     run_closed_loop,
 )
-from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.planners import get_planner  # noqa: E402
-from gcm_learn.policies import actor_names, shipped_actor  # noqa: E402
-from gcm_learn.situation import Situation  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
+from gcm_learn.families import draw, family_names, get_family
+from gcm_learn.planners import get_planner
+from gcm_learn.policies import actor_names, shipped_actor
+from gcm_learn.situation import Situation
+from gcm_learn.storage import write_whole
 
+HERE = Path(__file__).resolve().parent
 SEED = 1400
 COUNT = 204  # situations, of the twelve families in turn
 RAMP = (0.08, 0.14)  # times in which joints come to their full speed [s]

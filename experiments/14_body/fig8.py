@@ -1,8 +1,8 @@
 """The paper's pendulum experiment with NAO's arm in physics, varied; writes fig8.json.
 
-python experiments/14_body/fig8.py               1,000 variations: ten minutes on one core
-python experiments/14_body/fig8.py --count 10    a quick look
-python experiments/14_body/fig8.py --minutes 9   what can be done in nine minutes
+python -m experiments 14_body/fig8               1,000 variations: ten minutes on one core
+python -m experiments 14_body/fig8 --count 10    a quick look
+python -m experiments 14_body/fig8 --minutes 9   what can be done in nine minutes
 
 What is done is kept in out/ and not done again; Ctrl-C is safe.
 """
@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -21,12 +20,9 @@ from typing import Any
 
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from gcm_learn import seeding  # noqa: E402
-from gcm_learn.arms import SpatialArm, forward_in_space  # noqa: E402
-from gcm_learn.execution import (  # noqa: E402
+from gcm_learn import seeding
+from gcm_learn.arms import SpatialArm, forward_in_space
+from gcm_learn.execution import (
     Controller,
     Execution,
     body_for,
@@ -34,13 +30,14 @@ from gcm_learn.execution import (  # noqa: E402
     execution_to_json,
     with_motor_limits,
 )
-from gcm_learn.families import paper_scene  # noqa: E402
-from gcm_learn.motion import start_clearance  # noqa: E402
-from gcm_learn.planners import InTube, Tube, get_planner  # noqa: E402
-from gcm_learn.scene import pack, pose  # noqa: E402
-from gcm_learn.situation import Capsule, Situation  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
+from gcm_learn.families import paper_scene
+from gcm_learn.motion import start_clearance
+from gcm_learn.planners import InTube, Tube, get_planner
+from gcm_learn.scene import pack, pose
+from gcm_learn.situation import Capsule, Situation
+from gcm_learn.storage import write_whole
 
+HERE = Path(__file__).resolve().parent
 SEED = 1408
 COUNT = 1000
 RELEASE = (20.0, 40.0)  # [degrees] the paper's scene has 30

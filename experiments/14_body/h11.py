@@ -1,6 +1,6 @@
 """H11 decided: what replanning wins back, with a memory and without; writes h11.md.
 
-python experiments/14_body/h11.py --seed SEED
+python -m experiments 14_body/h11 --seed SEED
 
 SEED is int(first eight hexadecimal digits of the hash of the commit that froze this, 16).  All ways
 play a situation before the next one is drawn.  What is done is kept in out/ and not done again.
@@ -12,21 +12,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from functools import cache
 from pathlib import Path
 from time import monotonic, process_time
 from typing import Any, NamedTuple
 
 import numpy as np
+from closed_loop import CHOSEN, DROPOUTS, SEED, situation_of
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
-
-from closed_loop import CHOSEN, DROPOUTS, SEED, situation_of  # noqa: E402
-
-from gcm_learn.evaluation import difference, holm, mcnemar, wilson  # noqa: E402
-from gcm_learn.execution import (  # noqa: E402
+from gcm_learn.evaluation import difference, holm, mcnemar, wilson
+from gcm_learn.execution import (
     OUTCOMES,
     Loop,
     Perception,
@@ -35,11 +30,12 @@ from gcm_learn.execution import (  # noqa: E402
     body_for,
     run_closed_loop,
 )
-from gcm_learn.families import family_names  # noqa: E402
-from gcm_learn.planners import Planner, get_planner  # noqa: E402
-from gcm_learn.recall import HybridPlanner  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
+from gcm_learn.families import family_names
+from gcm_learn.planners import Planner, get_planner
+from gcm_learn.recall import HybridPlanner
+from gcm_learn.storage import write_whole
 
+HERE = Path(__file__).resolve().parent
 COUNT = 156  # situations, of the twelve families in turn
 MOST = 10.0  # points that may be lost
 FOLDER = HERE / "out"

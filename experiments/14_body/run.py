@@ -1,7 +1,7 @@
 """From plan to body: do arms with mass catch what was planned for them? Writes h10.json.
 
-python experiments/14_body/run.py tubes   first: the tubes, on situations of their own; minutes
-python experiments/14_body/run.py         then: 1,000 plans of each condition; half an hour
+python -m experiments 14_body tubes   first: the tubes, on situations of their own; minutes
+python -m experiments 14_body         then: 1,000 plans of each condition; half an hour
 
 Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import asdict, replace
 from pathlib import Path
 from time import process_time
@@ -19,21 +18,20 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from experiments.common.masses import CONDITIONS, followed  # noqa: E402
-from gcm_learn.arms import SpatialArm  # noqa: E402
-from gcm_learn.execution import (  # noqa: E402
+from experiments.common.masses import CONDITIONS, followed
+from gcm_learn.arms import SpatialArm
+from gcm_learn.execution import (
     Execution,
     body_for,
     measured_tube,
     with_motor_limits,
 )
-from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.planners import InTube, Tube, get_planner  # noqa: E402
-from gcm_learn.situation import Situation  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
+from gcm_learn.families import draw, family_names, get_family
+from gcm_learn.planners import InTube, Tube, get_planner
+from gcm_learn.situation import Situation
+from gcm_learn.storage import write_whole
+
+HERE = Path(__file__).resolve().parent
 
 DEVELOPMENT, SEED = 1410, 1411
 EACH_DEVELOPMENT = 10  # situations of each family that tubes are measured on

@@ -1,10 +1,10 @@
 """Is memory worth most where planning is dear? In space, of W and Q, thinking charged.
 
-python experiments/15_anytime/dear.py choose            who is the fastest without memory
-python experiments/15_anytime/dear.py choose --limits   likewise, acceleration limited
-python experiments/15_anytime/dear.py run --seed 7      free joints: a suite of this seed
-python experiments/15_anytime/dear.py run --seed 7 --limits   joints with limited acceleration
-python experiments/15_anytime/dear.py report            dear.json, dear.md, dear.png
+python -m experiments 15_anytime/dear choose            who is the fastest without memory
+python -m experiments 15_anytime/dear choose --limits   likewise, acceleration limited
+python -m experiments 15_anytime/dear run --seed 7      free joints: a suite of this seed
+python -m experiments 15_anytime/dear run --seed 7 --limits   joints with limited acceleration
+python -m experiments 15_anytime/dear report            dear.json, dear.md, dear.png
 
 `--minutes 9` begins no new situation after that; what is done is kept in out/ and not done again.
 """
@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -23,15 +22,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-REPOSITORY = HERE.parents[1]
-sys.path[:0] = [str(HERE), str(REPOSITORY)]
-
-from experiments.common.judging import first_answer  # noqa: E402
-from experiments.common.memories import random_by_family  # noqa: E402
-from gcm_learn.dataset import make_item, read_spec  # noqa: E402
-from gcm_learn.evaluation.thinking import resting  # noqa: E402
-from gcm_learn.planners import (  # noqa: E402
+from experiments.common.judging import first_answer
+from experiments.common.memories import random_by_family
+from gcm_learn.dataset import make_item, read_spec
+from gcm_learn.evaluation.thinking import resting
+from gcm_learn.planners import (
     GAIN,
     SpatialProblem,
     STRRTStarPlanner,
@@ -39,13 +34,15 @@ from gcm_learn.planners import (  # noqa: E402
     get_planner,
     plan_to_json,
 )
-from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
-from gcm_learn.recall import HybridPlanner, RecallPlanner  # noqa: E402
-from gcm_learn.scene import later  # noqa: E402
-from gcm_learn.situation import situation_to_json  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee_of_spatial_arms import judge  # noqa: E402
+from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
+from gcm_learn.recall import HybridPlanner, RecallPlanner
+from gcm_learn.scene import later
+from gcm_learn.situation import situation_to_json
+from gcm_learn.storage import write_whole
+from tests.referee_of_spatial_arms import judge
 
+HERE = Path(__file__).resolve().parent
+REPOSITORY = HERE.parents[1]
 OUT = HERE / "out"
 CHOICE = HERE / "dear-choice.json"
 SPECS = {"free": "space", "limits": "space-accelerated"}

@@ -1,8 +1,8 @@
 """What more time to think is worth, with a memory and without; writes ARM.json and ARM.png.
 
-python experiments/15_anytime/run.py                     the plane: 150 of W and 100 of Q
-python experiments/15_anytime/run.py --arm space         as much as there is in space
-python experiments/15_anytime/run.py --minutes 9         what can be done in nine minutes
+python -m experiments 15_anytime                     the plane: 150 of W and 100 of Q
+python -m experiments 15_anytime --arm space         as much as there is in space
+python -m experiments 15_anytime --minutes 9         what can be done in nine minutes
 
 What is done is kept in out/ and not done again; Ctrl-C is safe.  The plane's situations are the
 first of the frozen suites, which are drawn if they are not there (`--suites DIR`).
@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -22,19 +21,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gcm_learn import CognitiveMap, build_map, get_planner
+from gcm_learn.evaluation import draw_suite, wilson
+from gcm_learn.families import draw, family_names, get_family
+from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
+from gcm_learn.plots import style
+from gcm_learn.recall import HybridPlanner
+from gcm_learn.situation import AnySituation
+from gcm_learn.storage import write_whole
+from gcm_learn.wave import MarchingParams
+
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from gcm_learn import CognitiveMap, build_map, get_planner  # noqa: E402
-from gcm_learn.evaluation import draw_suite, wilson  # noqa: E402
-from gcm_learn.families import draw, family_names, get_family  # noqa: E402
-from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace  # noqa: E402
-from gcm_learn.plots import style  # noqa: E402
-from gcm_learn.recall import HybridPlanner  # noqa: E402
-from gcm_learn.situation import AnySituation  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
-from gcm_learn.wave import MarchingParams  # noqa: E402
-
 DEADLINES = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)  # processor time [ms]
 SUITES = {"W": 150, "Q": 100}
 SEED, EACH = 1500, 12  # of situations in space, of each family

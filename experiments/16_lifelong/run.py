@@ -1,8 +1,8 @@
 """What does a memory of bounded size keep of a life in which families come one after the other?
 
-python experiments/16_lifelong/run.py DATASET
-python experiments/16_lifelong/run.py DATASET --done                    report what is done so far
-python experiments/16_lifelong/run.py DATASET --count 500 --seed 1     a short life
+python -m experiments 16_lifelong DATASET
+python -m experiments 16_lifelong DATASET --done                    report what is done so far
+python -m experiments 16_lifelong DATASET --count 500 --seed 1     a short life
 
 DATASET is the folder of `gcm-learn generate data/specs/recall.toml`, from which fixed memories are
 drawn.  What is done is kept in out/ and not done again.  Writes results.json; `report.py` makes
@@ -13,19 +13,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
+import report
+from stream import Met, Teacher, life, phases, planned
 
-from gcm_learn import dataset  # noqa: E402
-from gcm_learn.dataset import read_spec  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402
+from gcm_learn import dataset
+from gcm_learn.dataset import read_spec
+from gcm_learn.recall import (
     Index,
     LearnedIndex,
     Memory,
@@ -36,14 +35,11 @@ from gcm_learn.recall import (  # noqa: E402
     remember,
     shipped_memory,
 )
-from gcm_learn.recall.growth import Step  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee import judge  # noqa: E402
+from gcm_learn.recall.growth import Step
+from gcm_learn.storage import write_whole
+from tests.referee import judge
 
-sys.path[:0] = [str(HERE)]
-import report  # noqa: E402
-from stream import Met, Teacher, life, phases, planned  # noqa: E402
-
+HERE = Path(__file__).resolve().parent
 SPEC = HERE.parents[1] / "data" / "specs" / "recall.toml"
 SHARES = {"1/10": 10, "1/3": 3, "1": 1}  # of the size that is reached without a limit
 RULES = {

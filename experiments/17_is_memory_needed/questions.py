@@ -9,8 +9,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from suite import Case, draw  # of 02_waiting
-
+from experiments.common.suite import Case, draw
 from gcm_learn import seeding
 from gcm_learn.dataset import DatasetSpec, FamilyShare, quantities_of
 from gcm_learn.evaluation.turns import FAMILIES

@@ -1,7 +1,7 @@
 """Is a memory needed, and what is it worth with the same experience? Writes the tables and figure.
 
-python experiments/17_is_memory_needed/run.py DATASET train     the encoders, one after the other
-python experiments/17_is_memory_needed/run.py DATASET ask       what is missing, then the tables
+python -m experiments 17_is_memory_needed DATASET train     the encoders, one after the other
+python -m experiments 17_is_memory_needed DATASET ask       what is missing, then the tables
 
 DATASET is a folder of `gcm-learn generate data/specs/recall.toml`, with a `count` of 40,000: its
 first 15,000 records hold enough for all but 30,000 catches.  Finished parts are kept in out/ and
@@ -12,19 +12,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "02_waiting"), str(HERE.parents[1])]
-
-import fronts  # noqa: E402
-import report  # noqa: E402
-from answers import answered  # noqa: E402
-from entrants import equal, longer, needed, opened, resting, shipped  # noqa: E402
-from lessons import at_rest  # noqa: E402
-from questions import (  # noqa: E402
+import fronts
+import report
+from answers import answered
+from entrants import equal, longer, needed, opened, resting, shipped
+from lessons import at_rest
+from questions import (
     SPLITS,
     TIMED,
     Question,
@@ -33,13 +29,14 @@ from questions import (  # noqa: E402
     outside,
     suite,
 )
-from trainings import train, train_all  # noqa: E402
+from trainings import train, train_all
 
-from experiments.common.judging import Referee  # noqa: E402
-from gcm_learn.dataset import Dataset  # noqa: E402
-from gcm_learn.errors import EncoderError  # noqa: E402
-from gcm_learn.planners import get_planner  # noqa: E402
+from experiments.common.judging import Referee
+from gcm_learn.dataset import Dataset
+from gcm_learn.errors import EncoderError
+from gcm_learn.planners import get_planner
 
+HERE = Path(__file__).resolve().parent
 OUT = HERE / "out"
 FROZEN = HERE / "frozen.json"
 """The commit that froze code and generator, and the seed that its hash gives."""

@@ -1,7 +1,7 @@
 """Is a memory needed in space, and what is it worth with the same experience?
 
-python experiments/17_is_memory_needed/space.py DATASET train   the encoders, one after the other
-python experiments/17_is_memory_needed/space.py DATASET ask     what is missing, then the tables
+python -m experiments 17_is_memory_needed/space DATASET train   the encoders, one after the other
+python -m experiments 17_is_memory_needed/space DATASET ask     what is missing, then the tables
 
 DATASET is a folder of `gcm-learn generate data/specs/space.toml`.  What is done is kept in
 out/space and not done again.
@@ -11,21 +11,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
+import fronts
+import space_report
+from run import _answered
+from space_asked import RefereeInSpace, planners, suite
+from space_entrants import equal, needed, shipped
+from space_lessons import catches_of, names, train_all
+
+from gcm_learn import dataset
+
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "02_waiting"), str(HERE.parents[1])]
-
-import fronts  # noqa: E402
-import space_report  # noqa: E402
-from run import _answered  # noqa: E402
-from space_asked import RefereeInSpace, planners, suite  # noqa: E402
-from space_entrants import equal, needed, shipped  # noqa: E402
-from space_lessons import catches_of, names, train_all  # noqa: E402
-
-from gcm_learn import dataset  # noqa: E402
-
 OUT = HERE / "out" / "space"
 FROZEN = HERE / "frozen-space.json"
 """The commit that froze code and generator, the seed that its hash gives, and how many of W and of

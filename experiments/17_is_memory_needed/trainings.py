@@ -74,8 +74,8 @@ def train(name: str, folder: Path, out: Path) -> None:
 
 def train_all(folder: Path, out: Path) -> None:
     """Train what is missing, each in a process of its own."""
-    script = Path(__file__).with_name("run.py")
+    script = ("-m", "experiments", Path(__file__).parent.name)
     for name in names():
         if not (out / "encoders" / name / "paths.npz").exists():
-            call = [sys.executable, str(script), str(folder), "train", "--name", name]
+            call = [sys.executable, *script, str(folder), "train", "--name", name]
             subprocess.run(call, check=True)

@@ -1,6 +1,6 @@
 """Steps a second of the arena, beside Gymnasium's Pendulum-v1.
 
-    python experiments/benchmarks/arena.py [--rounds 12]      the end of `make bench`
+    python -m experiments benchmarks/arena [--rounds 12]      the end of `make bench`
 
 Random actions, three bodies (a target and two obstacles drawn anywhere); in space the bodies of
 `crossing-swarm-space`. The time of one core is

@@ -1,6 +1,6 @@
 """Measure the arm in MuJoCo on one core: bare steps, and whole executed catches in their times.
 
-    python experiments/benchmarks/body.py
+    python -m experiments benchmarks/body
 
 Times are those of the process. Ratios are medians of paired runs in this one process.
 """
@@ -12,23 +12,19 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
+import argparse
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
-from gcm_learn.arms import SpatialArm  # noqa: E402
-from gcm_learn.execution import body_for, execute, with_motor_limits  # noqa: E402
-from gcm_learn.execution.body.model import compiled, model_xml, mujoco  # noqa: E402
-from gcm_learn.families import paper_scene  # noqa: E402
-from gcm_learn.planners import get_planner  # noqa: E402
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere  # noqa: E402
+from gcm_learn.arms import SpatialArm
+from gcm_learn.execution import body_for, execute, with_motor_limits
+from gcm_learn.execution.body.model import compiled, model_xml, mujoco
+from gcm_learn.families import paper_scene
+from gcm_learn.planners import get_planner
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 
 STEPS, REPEATS = 2000, 15
 STILL = (0.0, 0.0, 0.0)
@@ -96,6 +92,7 @@ ARM: SpatialArm = paper_scene("fig8-space").arm  # type: ignore[assignment]
 
 def main() -> None:
     """Print one line for each measurement, with its target."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     for what, target, measure in (
         ("steps per second, one arm and five bodies", "100,000", bare_speed),
         ("executed catch / its bare steps", "at most 3 x", executed_against_bare),

@@ -1,4 +1,4 @@
-"""How fast datasets are made and read: ``python experiments/benchmarks/dataset.py [RECORDS]``.
+"""How fast datasets are made and read: ``python -m experiments benchmarks/dataset [RECORDS]``.
 
 Rates are those of a run under way: the start of the processes and the loading of compiled code, a
 few seconds each time, are left out. Next to them stands the processor time of a record, made and
@@ -8,8 +8,8 @@ The natural mix is the family random-planar, drawn as it comes.
 
 from __future__ import annotations
 
+import argparse
 import resource
-import sys
 import tempfile
 import time
 from dataclasses import replace
@@ -134,8 +134,11 @@ def resident() -> float:
     return pages * resource.getpagesize() / 1e6
 
 
-def main(count: int) -> None:
+def main() -> None:
     """Measure all."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("records", type=int, nargs="?", default=4000)
+    count = parser.parse_args().records
     with tempfile.TemporaryDirectory() as name:
         memory(Path(name), 25 * count)
         making(Path(name), count)
@@ -143,4 +146,4 @@ def main(count: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 4000)
+    main()

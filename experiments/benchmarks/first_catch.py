@@ -1,6 +1,6 @@
 """Time to a first verified catch in space, and to giving up, beside scikit-fmm on 80^3 cells.
 
-python experiments/benchmarks/first_catch.py --count 20      so many situations of each family
+python -m experiments benchmarks/first_catch --count 20      so many situations of each family
 """
 
 from __future__ import annotations

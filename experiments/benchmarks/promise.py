@@ -1,10 +1,10 @@
 """Is what was called caught ever not? Random situations, planned for, judged by the tests' referee.
 
-    python experiments/benchmarks/promise.py plane --catches 50000
-    python experiments/benchmarks/promise.py space --catches 10000 --planner layered straight
-    python experiments/benchmarks/promise.py space --acceleration --out accelerated.json
-    python experiments/benchmarks/promise.py space --file tests/spatial.jsonl
-    python experiments/benchmarks/promise.py plane --again gate 1234 --planner layered
+    python -m experiments benchmarks/promise plane --catches 50000
+    python -m experiments benchmarks/promise space --catches 10000 --planner layered straight
+    python -m experiments benchmarks/promise space --acceleration --out accelerated.json
+    python -m experiments benchmarks/promise space --file tests/spatial.jsonl
+    python -m experiments benchmarks/promise plane --again gate 1234 --planner layered
 
 Item k is of family k mod n and goes to one planner, in turn. With `--file` an item is one of the
 file's situations, its bodies and its arm a little elsewhere. It counts claims until there are
@@ -28,15 +28,13 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn import families, get_planner, read_situations, rng
+from gcm_learn.arms import SpatialArm
+from gcm_learn.situation import AnySituation, Pendulum, Situation, SolidQuadratic
+from gcm_learn.storage import write_whole
+from tests.referee import judge
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
-from gcm_learn import families, get_planner, read_situations, rng  # noqa: E402
-from gcm_learn.arms import SpatialArm  # noqa: E402
-from gcm_learn.situation import AnySituation, Pendulum, Situation, SolidQuadratic  # noqa: E402
-from gcm_learn.storage import write_whole  # noqa: E402
-from tests.referee import judge  # noqa: E402
-
 OUT = Path(__file__).parent / "out"
 EVERY = 10.0  # what is found is written down this often [s]
 CLOSER = 8000  # instants of a second look: the referee of the plane samples time

@@ -1,7 +1,7 @@
 """Measure the engine on one core, side by side with what a user would take instead.
 
     make bench             this (about 4 minutes), then datasets (`dataset.py`) and `arena.py`
-    python experiments/benchmarks/run.py --situations 2000      fewer random situations
+    python -m experiments benchmarks --situations 2000      fewer random situations
 
 Times are those of the process, not the wall clock's.  Ratios are medians of paired runs in this one
 process: A, B, A, B, ...  Absolute times are only as good as the machine is quiet.
@@ -17,25 +17,20 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 import argparse
 import itertools
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from numba import njit
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
-from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng  # noqa: E402
-from gcm_learn.arms import Arm, SpatialArm  # noqa: E402
-from gcm_learn.charts import PostureLattice, hand_space, occupied_cells, posture_lattice_of  # noqa: E402
-from gcm_learn.families import random_planar  # noqa: E402
-from gcm_learn.scene import Scene, pack  # noqa: E402
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere  # noqa: E402
-from gcm_learn.wave import (  # noqa: E402
+from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng
+from gcm_learn.arms import Arm, SpatialArm
+from gcm_learn.charts import PostureLattice, hand_space, occupied_cells, posture_lattice_of
+from gcm_learn.families import random_planar
+from gcm_learn.scene import Scene, pack
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
+from gcm_learn.wave import (
     front_speed,
     kappa_of,
     march,
@@ -44,8 +39,8 @@ from gcm_learn.wave import (  # noqa: E402
     propagate,
     stencil,
 )
-from gcm_learn.wave.reference import propagate_reference  # noqa: E402
-from tests.referee import judge  # noqa: E402
+from gcm_learn.wave.reference import propagate_reference
+from tests.referee import judge
 
 SPEED = 3.4  # hand speed at which kappa is about 1/400 s
 TAU = 400.0

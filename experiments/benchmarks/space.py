@@ -1,7 +1,7 @@
 """Measure maps of hand-space in space on one core, side by side with scikit-fmm.
 
-    python experiments/benchmarks/space.py                 two arms, 80 cells a side
-    python experiments/benchmarks/space.py --cells 40      a smaller lattice
+    python -m experiments benchmarks/space                 two arms, 80 cells a side
+    python -m experiments benchmarks/space --cells 40      a smaller lattice
 
 Times are those of the process, not the wall clock's. Ratios are medians of paired runs in this one
 process: A, B, A, B, ...  "First" is the first map of an arm, for which postures have to be found.
@@ -17,25 +17,20 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 import argparse
 import itertools
 import statistics
-import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
-from gcm_learn import MarchingParams, rng  # noqa: E402
-from gcm_learn.arms import Base, SpatialArm  # noqa: E402
-from gcm_learn.charts import PostureLattice  # noqa: E402
-from gcm_learn.motion import start_clearance  # noqa: E402
-from gcm_learn.scene import Scene, pack  # noqa: E402
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, read_situations  # noqa: E402
-from gcm_learn.wave import march  # noqa: E402
-from tests.spatial import EXAMPLES  # noqa: E402
+from gcm_learn import MarchingParams, rng
+from gcm_learn.arms import Base, SpatialArm
+from gcm_learn.charts import PostureLattice
+from gcm_learn.motion import start_clearance
+from gcm_learn.scene import Scene, pack
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, read_situations
+from gcm_learn.wave import march
+from tests.spatial import EXAMPLES
 
 SCENES, REPEATS = 3, 7
 NOWHERE = (50.0, 50.0, 50.0)

@@ -1,6 +1,6 @@
 """Compare recall with its controls on the oracle's strata W and Q, and write fresh.md.
 
-python experiments/05_recall/suites.py SUITES [--before MEMORY] [--name NAME]
+python -m experiments 05_recall SUITES [--before MEMORY] [--name NAME]
 
 SUITES is a folder with suites W.jsonl and Q.jsonl (`evaluation.draw_suite` keeps them in
 data/suites), MEMORY the folder of another memory to be asked beside the shipped one, NAME another
@@ -12,20 +12,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1])]
-
-from gcm_learn import get_planner  # noqa: E402
-from gcm_learn.evaluation import mcnemar, stratified  # noqa: E402
-from gcm_learn.planners import Plan  # noqa: E402
-from gcm_learn.recall import (  # noqa: E402
+from gcm_learn import get_planner
+from gcm_learn.evaluation import mcnemar, stratified
+from gcm_learn.planners import Plan
+from gcm_learn.recall import (
     Adaptation,
     HybridPlanner,
     Memory,
@@ -34,9 +30,10 @@ from gcm_learn.recall import (  # noqa: E402
     RecallPlanner,
     shipped_memory,
 )
-from gcm_learn.situation import Situation, situation_from_json  # noqa: E402
-from tests.referee import judge  # noqa: E402
+from gcm_learn.situation import Situation, situation_from_json
+from tests.referee import judge
 
+HERE = Path(__file__).resolve().parent
 BLIND = Adaptation(bends=0)
 JUDGED = ("recall", "recall-1", "former recall", "former recall-1")
 Row = tuple[str, str, Situation]
