@@ -1,4 +1,4 @@
-"""The command line: one file per command, a frozen dataclass each; heavy imports come late."""
+"""The command line: each command a frozen dataclass; heavy imports come late."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(command: Command) -> int:
     from gcm_learn import compiled
-    from gcm_learn.cli.compiling import say_compiling
+    from gcm_learn.cli.progress import say_compiling
 
     compiled.on_compile[:] = [say_compiling]
     code = command.run()

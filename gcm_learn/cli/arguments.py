@@ -12,14 +12,12 @@ from typing import Protocol, cast
 import tyro
 
 from gcm_learn import __version__
-from gcm_learn.cli.animate import Animate
+from gcm_learn.cli.animate import Animate, Figure
 from gcm_learn.cli.demo import Demo
-from gcm_learn.cli.draw import Draw
+from gcm_learn.cli.draw import Draw, Families
 from gcm_learn.cli.evaluate import Evaluate
 from gcm_learn.cli.execute import Execute
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.families import Families
-from gcm_learn.cli.figure import Figure
 from gcm_learn.cli.gallery import Gallery
 from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.inspect import Inspect

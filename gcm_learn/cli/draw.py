@@ -1,4 +1,4 @@
-"""``gcm-learn draw``: situations of a random family."""
+"""``gcm-learn draw`` and ``gcm-learn families``: situations of random families."""
 
 from __future__ import annotations
 
@@ -49,4 +49,28 @@ class Draw:
             for k in range(self.count):
                 line = json.dumps(situation_to_json(families.draw(family, self.seed, k)))
                 stream.write(line + "\n")
+        return 0
+
+
+@dataclass(frozen=True)
+class Families:
+    """List the random families, one a line; or show the ranges of one of them as JSON."""
+
+    family: Annotated[
+        Positional[str | None], arg(metavar="FAMILY", help_behavior_hint="(default: list all)")
+    ] = None
+    """whose ranges to show"""
+
+    def run(self) -> int:
+        """Print names and summaries, or one configuration."""
+        from gcm_learn.families import family_names, family_to_dict, get_family
+
+        if self.family is not None:
+            values = family_to_dict(get_family(self.family)).items()
+            lines = (f"  {json.dumps(name)}: {json.dumps(value)}" for name, value in values)
+            print("{\n" + ",\n".join(lines) + "\n}")  # a range a line
+            return 0
+        width = max(map(len, family_names()))
+        for name in family_names():
+            print(f"{name:<{width}}  {get_family(name).summary}")
         return 0

@@ -8,13 +8,11 @@ from pathlib import Path
 from typing import Any, cast, overload
 from weakref import WeakValueDictionary
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
-from gcm_learn.planners.by_arm import ByArm
+from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.deadline import Deadline
 from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.joints.layered import LayeredInSpace
@@ -27,6 +25,42 @@ from gcm_learn.planners.outside import LIMIT, Outside
 from gcm_learn.planners.plan import Anytime, Plan, Planner, taken
 from gcm_learn.planners.references import acts, found, instance, name_of
 from gcm_learn.situation import AnySituation, Situation
+
+
+class ByArm:
+    """Planners under one name, of which the situation's kind of arm chooses.
+
+    Parameters
+    ----------
+    name : str
+        Name under which all are registered.
+    planners : ByKind of planner
+    """
+
+    def __init__(self, name: str, planners: ByKind[Any]) -> None:
+        self.name, self._planners = name, planners
+        planners.who = f"planner {name!r}"
+
+    @property
+    def anytime(self) -> bool:
+        """True if all planners take a deadline; see `Anytime`."""
+        return all(getattr(planner, "anytime", False) for planner in self._planners.entries())
+
+    def takes(self, kind: Kind) -> bool:
+        """Return whether there is a planner for arms of a kind."""
+        return self._planners.takes(kind)
+
+    def plan(
+        self,
+        situation: Any,
+        bound: float | None = None,
+        deadline: float | Deadline | None = None,
+    ) -> Plan:
+        """Answer a situation; a bound and a deadline are for planners that take them."""
+        given = {"bound": bound, "deadline": deadline}
+        chosen = self._planners.of(situation)
+        return chosen.plan(situation, **{k: v for k, v in given.items() if v is not None})
+
 
 _PLANNERS: dict[str, Callable[[], Planner]] = {
     "gcm": lambda: ByArm("gcm", ByKind({PLANAR: gcm(), SPATIAL: gcm_in_space()})),
