@@ -30,7 +30,7 @@ sys.path[:0] = [str(HERE), str(REPOSITORY)]
 from experiments.common.judging import first_answer  # noqa: E402
 from experiments.common.memories import random_by_family  # noqa: E402
 from gcm_learn.dataset import make_item, read_spec  # noqa: E402
-from gcm_learn.evaluation.thinking import resting  # noqa: E402
+from gcm_learn.evaluation.kinds import resting  # noqa: E402
 from gcm_learn.planners import (  # noqa: E402
     GAIN,
     SpatialProblem,

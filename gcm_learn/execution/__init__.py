@@ -7,13 +7,12 @@
 """
 
 from gcm_learn.execution.arena.batch import Batch
-from gcm_learn.execution.arena.embedding import encoder
 from gcm_learn.execution.arena.kernels.hands.fan import RAYS
 from gcm_learn.execution.arena.kernels.hands.observation import MEETING
 from gcm_learn.execution.arena.kernels.joints.fan import COMMANDS, commands_of
 from gcm_learn.execution.arena.kernels.joints.observation import AIM
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
-from gcm_learn.execution.arena.plant import KinematicPlant
+from gcm_learn.execution.arena.plant import KinematicPlant, way_of
 from gcm_learn.execution.arena.pool import Pool, placed
 from gcm_learn.execution.arena.settings import (
     OUTCOMES,
@@ -22,9 +21,9 @@ from gcm_learn.execution.arena.settings import (
     Settings,
     SpatialSettings,
     Weights,
+    encoder,
     settings_of,
 )
-from gcm_learn.execution.arena.ways import way_of
 from gcm_learn.execution.arenas import (
     ARENAS,
     AnyBody,

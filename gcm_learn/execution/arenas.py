@@ -14,7 +14,7 @@ from gcm_learn.execution.arena.plant import KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
 from gcm_learn.execution.arena.settings import ArenaSettings, Settings, SpatialSettings
 from gcm_learn.execution.body.arms import PhysicalArms
-from gcm_learn.execution.body.pool import pool_with_bodies
+from gcm_learn.execution.body.bodies import pool_with_bodies
 from gcm_learn.execution.body.settings import PhysicalSettings
 from gcm_learn.execution.sources import Source, found_in, named
 from gcm_learn.families import SpatialFamily

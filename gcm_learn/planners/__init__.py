@@ -13,7 +13,6 @@ from gcm_learn.planners.completion import (
     first_catch_on,
     straight_plan,
 )
-from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
 from gcm_learn.planners.joints.layered import posture_layered
@@ -23,7 +22,18 @@ from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
 from gcm_learn.planners.outside import LIMIT
-from gcm_learn.planners.plan import FAULTS, Anytime, Plan, Planner, plan_to_json, taken, takes
+from gcm_learn.planners.plan import (
+    FAULTS,
+    GAIN,
+    Anytime,
+    Deadline,
+    Plan,
+    Planner,
+    deadline_of,
+    plan_to_json,
+    taken,
+    takes,
+)
 from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.references import absolute, acts, found, in_words, instance, name_of
 from gcm_learn.planners.registry import (

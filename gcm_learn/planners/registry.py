@@ -13,7 +13,6 @@ from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
-from gcm_learn.planners.deadline import Deadline
 from gcm_learn.planners.fronts import gcm, marching
 from gcm_learn.planners.joints.layered import LayeredInSpace
 from gcm_learn.planners.joints.marching import gcm_in_space, posture_marching
@@ -22,7 +21,7 @@ from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.outside import LIMIT, Outside
-from gcm_learn.planners.plan import Anytime, Plan, Planner, taken
+from gcm_learn.planners.plan import Anytime, Deadline, Plan, Planner, taken
 from gcm_learn.planners.references import acts, found, instance, name_of
 from gcm_learn.situation import AnySituation, Situation
 

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.execution.arena.embedding import FARTHEST
 from gcm_learn.execution.arena.kernels.rewards import TERMS
 from gcm_learn.execution.arena.kernels.world import EXTREME, Told
 from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.pool import Pool
-from gcm_learn.execution.arena.settings import ArenaSettings
+from gcm_learn.execution.arena.settings import FARTHEST, ArenaSettings
 
 
 class Batch(ABC):

@@ -10,8 +10,8 @@ import numpy as np
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.world import CAUGHT
+from gcm_learn.execution.arena.plant import way_of
 from gcm_learn.execution.arena.settings import ArenaSettings, SpatialSettings
-from gcm_learn.execution.arena.ways import way_of
 from gcm_learn.execution.loop.closed_loop import Occasion
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.execution.loop.one_step import OneStep
