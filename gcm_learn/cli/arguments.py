@@ -18,13 +18,11 @@ from gcm_learn.cli.draw import Draw, Families
 from gcm_learn.cli.evaluate import Evaluate
 from gcm_learn.cli.execute import Execute
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.gallery import Gallery
 from gcm_learn.cli.generate import Generate
-from gcm_learn.cli.inspect import Inspect
+from gcm_learn.cli.inspect import Gallery, Inspect
 from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
-from gcm_learn.cli.train_encoder import TrainEncoder
-from gcm_learn.cli.train_policy import TrainPolicy
+from gcm_learn.cli.train_encoder import TrainEncoder, TrainPolicy
 from gcm_learn.errors import UnknownNameError
 
 DESCRIPTION = """\

@@ -1,9 +1,9 @@
-"""``gcm-learn train-encoder``: an encoder for recall, from a dataset."""
+"""``gcm-learn train-policy`` and ``gcm-learn train-encoder``."""
 
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, dataset_package, why
+from gcm_learn.cli.files import made_folder
 from gcm_learn.cli.progress import Cluster, Progress, check_workers
+from gcm_learn.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Dataset
     from gcm_learn.processes import Crew
+
 
 PARTS = 1000  # of the training, for the line that shows how far it has come
 WORK = "work.tmp"  # folder of what it takes to go on
@@ -121,3 +124,45 @@ def _training() -> ModuleType:
         raise CommandFailure(
             f"train-encoder needs {error.name}: pip install 'gcm_learn[learn,data]'"
         ) from None
+
+
+@dataclass(frozen=True)
+class TrainPolicy:
+    """Train a policy in the arena, or go on where an earlier run of the same command stopped."""
+
+    config: Annotated[Positional[Path], arg(metavar="CONFIG")]
+    """a .yml file of hyperparameters in the form of rl_zoo3; see experiments/04_policies"""
+
+    out: Annotated[Path, arg(metavar="DIR")]
+    """folder for the policy, its checkpoints, its log and its card"""
+
+    seed: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: the file's)")] = None
+    """of everything random"""
+
+    steps: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: the file's)")] = (
+        None
+    )
+    """of all arms together; more than before goes on with a finished run"""
+
+    def run(self) -> int:
+        """Train, and say how good the policy is."""
+        try:
+            from gcm_learn.policies import read_plan, train
+        except ModuleNotFoundError as error:
+            raise MissingExtraError("train-policy", str(error.name), "rl") from None
+        plan = read_plan(self.config)
+        if self.seed is not None:
+            if self.seed < 0:
+                raise CommandFailure(f"--seed {self.seed}: must not be negative")
+            plan = replace(plan, seed=self.seed)
+        if self.steps is not None:
+            if self.steps < 1:
+                raise CommandFailure(f"--steps {self.steps}: must be at least 1")
+            plan = replace(plan, n_timesteps=self.steps)
+        scores = train(plan, made_folder(self.out, option="--out"), _say)
+        print(f"{self.out}: {scores['caught']:.1%} caught, {scores['touched']:.1%} touched")
+        return 0
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)

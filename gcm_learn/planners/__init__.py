@@ -21,7 +21,7 @@ from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_s
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
 from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
-from gcm_learn.planners.outside import LIMIT
+from gcm_learn.planners.outside import LIMIT, broken_promise
 from gcm_learn.planners.plan import (
     FAULTS,
     GAIN,
@@ -34,7 +34,6 @@ from gcm_learn.planners.plan import (
     taken,
     takes,
 )
-from gcm_learn.planners.recheck import broken_promise
 from gcm_learn.planners.references import absolute, acts, found, in_words, instance, name_of
 from gcm_learn.planners.registry import (
     get_planner,

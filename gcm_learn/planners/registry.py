@@ -14,9 +14,8 @@ from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.fronts import gcm, marching
-from gcm_learn.planners.joints.layered import LayeredInSpace
+from gcm_learn.planners.joints.layered import LayeredInSpace, TreeSearch
 from gcm_learn.planners.joints.marching import gcm_in_space, posture_marching
-from gcm_learn.planners.joints.tree_search import TreeSearch
 from gcm_learn.planners.layered import layered
 from gcm_learn.planners.layered_wave import layered_wave
 from gcm_learn.planners.oracle.bounds import OraclePlanner

@@ -1,9 +1,9 @@
-"""The planner of first choice for spatial arms: straight moves, then search over the joints."""
+"""Searches in the joints: straight moves first, then a lattice for spatial arms, trees for any."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -18,11 +18,12 @@ from gcm_learn.planners.joints.goals import (
     straight,
     straight_to,
 )
+from gcm_learn.planners.joints.meeting_trees import new_trees, search_trees
 from gcm_learn.planners.joints.moves import Study
 from gcm_learn.planners.joints.sides import Effort, two_sided
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten, write
-from gcm_learn.planners.plan import Deadline, Plan, deadline_of, spatial_only
+from gcm_learn.planners.plan import Deadline, Plan, deadline_of, in_joints, spatial_only
 from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
 
@@ -208,3 +209,33 @@ def finished(problem: SpatialProblem, study: Study, way: Way) -> Plan:
     path = Movement(problem.situation.arm, time, joints)
     plan, reason = checked(problem, Attempt(path, int(body)))
     return problem.answer(reason or Failure.NO_INTERCEPTION) if plan is None else plan
+
+
+@dataclass(frozen=True)
+class TreeSearch:
+    """Straight moves to postures that catch and trees from both ends, grown in turn.
+
+    Every posture that catches is first tried by a straight move from the start.
+    """
+
+    name: str = "search"
+    rounds: int = 4000
+    """Postures that catch to draw; the limit of work."""
+    seed: int = 1
+
+    takes = staticmethod(in_joints)
+
+    def plan(self, situation: AnySituation) -> Plan:
+        """Answer a situation."""
+        problem: Any = SpatialProblem(situation, self.name)
+        early = problem.early_answer() or at_once(problem)
+        if early is not None:
+            return early
+        study = problem.study
+        trees = new_trees(study, self.rounds + 2, self.seed)
+        way = new_way(study.goal.size)
+        if not search_trees(study, trees, self.rounds, situation.horizon, way):
+            return problem.answer(Failure.NO_TREE)
+        short = new_way(study.goal.size)
+        shorten(study, way, short)
+        return finished(problem, study, short)
