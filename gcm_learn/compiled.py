@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import cache, cached_property
@@ -28,8 +29,20 @@ PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code
 STARTED = time.time()
 UNCALLED = ("gcm_learn.errors", "gcm_learn.storage")  # no kernel calls what is in there
-on_compile: list[Callable[[], object]] = []
-"""Called once, and taken out, when code has to be compiled because none is kept."""
+PATIENCE = 1.0  # of compiling, after which it is announced [s]
+NOTICE = "gcm-learn: compiling for this machine, a minute or less; later runs start at once"
+
+
+def say_compiling() -> None:
+    """Announce on standard error that code is compiled; a terminal's line of progress is wiped."""
+    if sys.stderr is not None:
+        wipe = "\r\x1b[K" if sys.stderr.isatty() else ""
+        print(f"{wipe}{NOTICE}", file=sys.stderr, flush=True)
+
+
+on_compile: list[Callable[[], object]] = [say_compiling]
+"""Called once, and taken out, when compiling takes its time because no code is kept."""
+_missed: list[float] = []  # when the first code was not found [s]
 _IMPORT = re.compile(
     r"^ *(?:from (gcm_learn[\w.]*) import (\([^)]*\)|[^\n(]*)|import (gcm_learn[\w.]*))", re.M
 )
@@ -86,6 +99,14 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]
         for environment in made._find_referenced_environments():
             made.codegen.set_env(environment.env_name, environment)
         return entry
+
+
+def _tell_listeners() -> None:
+    """Call the listeners once compiling has taken its time."""
+    now = time.monotonic()
+    _missed[:] = _missed or [now]
+    while on_compile and now - _missed[0] >= PATIENCE:
+        on_compile.pop()()
 
 
 def _is_kept(function: Callable[..., Any]) -> bool:
@@ -247,8 +268,8 @@ class _Cache(FunctionCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code of a signature; None where it has to be compiled."""
         code = super().load_overload(sig, target_context) if _all_ours(_arguments(sig)) else None
-        while code is None and on_compile:
-            on_compile.pop()()
+        if code is None:
+            _tell_listeners()
         return code
 
     def save_overload(self, sig: Any, data: Any) -> None:

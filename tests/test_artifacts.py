@@ -5,7 +5,7 @@ import pytest
 from gcm_learn import artifacts
 from gcm_learn.errors import EncoderError, PolicyError, RecallError
 from gcm_learn.evaluation import suites
-from gcm_learn.execution.arena import embedding
+from gcm_learn.execution.arena.settings import encoder
 from gcm_learn.policies.planner import actor_names, shipped_actor
 from gcm_learn.recall import has_memory, shipped_memory
 
@@ -53,11 +53,11 @@ def test_what_lacks_the_file_is_passed_over(places):
 
 
 def test_what_is_missing_is_said_with_every_place_and_a_way_out(places):
-    embedding.encoder.cache_clear()
+    encoder.cache_clear()
     for error, ask in (
         (RecallError, lambda: shipped_memory("recall")),
         (PolicyError, lambda: shipped_actor("clone")),
-        (EncoderError, embedding.encoder),
+        (EncoderError, encoder),
     ):
         with pytest.raises(error) as caught:
             ask()

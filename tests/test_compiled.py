@@ -45,11 +45,23 @@ def ours(tmp_path, monkeypatch):
 
 def test_who_listens_is_told_once_that_code_is_compiled(ours, monkeypatch):
     told = []
+    monkeypatch.setattr(compiled, "PATIENCE", 0.0)
     for x, expected in ((2, ["first"]), (3, ["first"]), (0.5, ["first", "third"])):
         monkeypatch.setattr(compiled, "on_compile", [])
         compiled.on_compile.append(lambda: told.append("first" if len(told) == 0 else "third"))
         assert compiled.njit(doubled)(x) == 2 * x and told == expected
         assert len(compiled.on_compile) == (0 if x != 3 else 1)  # the second finds the first's
+
+
+def test_compiling_is_announced_when_it_takes_its_time(monkeypatch, capsys):
+    monkeypatch.setattr(compiled, "on_compile", [compiled.say_compiling])
+    monkeypatch.setattr(compiled, "_missed", [])
+    compiled._tell_listeners()
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(compiled, "PATIENCE", 0.0)
+    compiled._tell_listeners()
+    compiled._tell_listeners()
+    assert capsys.readouterr().err == f"{compiled.NOTICE}\n"
 
 
 def doubled(x):

@@ -25,7 +25,7 @@ import numpy as np
 from experiments.common.judging import first_answer
 from experiments.common.memories import random_by_family
 from gcm_learn.dataset import make_item, read_spec
-from gcm_learn.evaluation.thinking import resting
+from gcm_learn.evaluation.kinds import resting
 from gcm_learn.planners import (
     GAIN,
     SpatialProblem,

@@ -17,7 +17,7 @@ import numpy as np
 from questions import Question
 
 from experiments.common.judging import Referee
-from gcm_learn.evaluation.thinking import resting
+from gcm_learn.evaluation.kinds import resting
 from gcm_learn.planners import Planner, get_planner
 from gcm_learn.scene import later
 from gcm_learn.storage import write_whole

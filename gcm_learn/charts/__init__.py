@@ -2,7 +2,7 @@
 
 from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.charts.clearances import cell_clearances
-from gcm_learn.charts.extended import extended_obstacle, upper_arm_image
+from gcm_learn.charts.extended import extended_obstacle, occupied_cells, upper_arm_image
 from gcm_learn.charts.joint_lattice import JointLattice, joint_lattice
 from gcm_learn.charts.kinds import chart_of, lattice_of
 from gcm_learn.charts.lattice import (
@@ -12,7 +12,6 @@ from gcm_learn.charts.lattice import (
     cell_joints,
     hand_space,
 )
-from gcm_learn.charts.occupied import occupied_cells
 from gcm_learn.charts.posture_lattice import (
     LARGEST_POSTURE_LATTICE,
     MOST_POSTURES,

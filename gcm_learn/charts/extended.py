@@ -9,6 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms import SIDE
+from gcm_learn.charts.lattice import Lattice, hand_space
+from gcm_learn.collision import blocked_cells, postures_of
+from gcm_learn.scene import pack_bodies, poses_at
+from gcm_learn.situation import Situation
 
 
 def reach_angle(point: ArrayLike, upper_arm: float = 1.0) -> float:
@@ -81,3 +85,31 @@ def upper_arm_image(
         return np.zeros((0, 2))
     psi = np.arctan2(x[1], x[0]) + SIDE[elbow] * np.linspace(0.0, np.pi, n)
     return upper_arm * x / r + np.stack([np.cos(psi), np.sin(psi)], axis=-1)
+
+
+def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarray:
+    """Cells whose hand position makes the limb touch an obstacle at time t (Gamma of Eq. 11).
+
+    Parameters
+    ----------
+    situation : Situation
+    lattice : Lattice
+        Its upper arm and elbow side are those of the limb that is tested.
+    t : float
+        Time [s].
+
+    Returns
+    -------
+    (n, n) bool ndarray
+        Indexed [iy, ix]; False outside the reachable ring.
+    """
+    space = hand_space(lattice)
+    gap = np.full(space.inside.size, situation.arm.thickness)
+    postures = postures_of(pack_bodies(situation), space.limb, gap)
+    poses_at(postures.bodies, t, postures.poses)
+    cells = np.flatnonzero(space.inside)
+    blocked = np.empty(cells.size, dtype=np.bool_)
+    blocked_cells(postures, cells, np.full(cells.size, t), cells.size, t, 1.0, blocked)
+    occupied = np.zeros(space.inside.size, dtype=np.bool_)
+    occupied[cells] = blocked
+    return occupied.reshape(lattice.n, lattice.n)

@@ -1,4 +1,4 @@
-"""The command line: one file per command, a frozen dataclass each; heavy imports come late."""
+"""The command line: each command a frozen dataclass; heavy imports come late."""
 
 from __future__ import annotations
 
@@ -52,10 +52,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(command: Command) -> int:
-    from gcm_learn import compiled
-    from gcm_learn.cli.compiling import say_compiling
-
-    compiled.on_compile[:] = [say_compiling]
     code = command.run()
     if sys.stdout is not None:
         sys.stdout.flush()  # a reader that went away is noticed here, not at interpreter exit

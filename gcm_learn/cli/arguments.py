@@ -27,6 +27,7 @@ from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
 from gcm_learn.cli.train_encoder import TrainEncoder
 from gcm_learn.cli.train_policy import TrainPolicy
+from gcm_learn.cli.warm_up import WarmUp
 from gcm_learn.errors import UnknownNameError
 
 DESCRIPTION = """\
@@ -50,6 +51,7 @@ examples:
   gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
   gcm-learn train-encoder data/mine --out models/encoder   what recall asks it with
   gcm-learn evaluate --policies layered,straight,clone all on the same situations, with a report
+  gcm-learn warm-up                                    compile everything now, not at the first use
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
 
@@ -76,6 +78,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "train-policy": TrainPolicy,
     "train-encoder": TrainEncoder,
     "evaluate": Evaluate,
+    "warm-up": WarmUp,
 }
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Annotated
 
@@ -42,7 +45,6 @@ class Demo:
         if not 0 <= self.memory <= 2000:
             raise CommandFailure(f"--memory {self.memory}: must be from 0 to 2000")
         folder = made_folder(self.out, option="--out")
-        from gcm_learn.cli.ahead import compile_ahead
         from gcm_learn.plots import RECALLING, build_comparison, build_demo, shipped_methods
         from gcm_learn.recall import has_memory
 
@@ -77,3 +79,28 @@ class Demo:
 
 def _say(step: str) -> None:
     print(step, flush=True)
+
+
+def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
+    """Start compiling what methods run; join the process before they are needed.
+
+    None if there are no names, or a single core, where a second process would only be in the way.
+    """
+    from gcm_learn.processes import Context, cores
+
+    if not names or cores() < 2:
+        return None
+    process = Context().Process(target=_compile, args=(tuple(names),), daemon=True)
+    process.start()
+    return process
+
+
+def _compile(names: Sequence[str]) -> None:
+    """Let methods answer once; what goes wrong here is said by whoever needs them."""
+    from gcm_learn import compiled
+    from gcm_learn.evaluation import entrants_of, warmed
+
+    compiled.on_compile.clear()  # the first process says it
+    for entrant in entrants_of(names):
+        with contextlib.suppress(Exception):
+            warmed(entrant)

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import arg
 
-from gcm_learn.cli.crews import AllCores, Cluster, check_workers
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder, staged
-from gcm_learn.cli.progress import Progress
+from gcm_learn.cli.progress import AllCores, Cluster, Progress, check_workers
 from gcm_learn.errors import MissingExtraError
 
 if TYPE_CHECKING:

@@ -1,9 +1,11 @@
-"""How a command says in one line that it cannot go on."""
+"""Endings of commands that cannot go on: one line on standard error."""
 
 from __future__ import annotations
 
+import importlib
 import os
 import traceback
+from types import ModuleType
 
 from gcm_learn.errors import GcmError
 
@@ -43,3 +45,11 @@ def place_of(error: BaseException) -> str:
 def why(error: OSError) -> str:
     """Return the reason of an operating-system error, without its number and path."""
     return error.strerror or str(error)
+
+
+def dataset_package() -> ModuleType:
+    """The package of datasets; says what to install if it cannot be loaded."""
+    try:
+        return importlib.import_module("gcm_learn.dataset")
+    except ImportError as error:
+        raise CommandFailure(str(error)) from None

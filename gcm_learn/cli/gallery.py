@@ -8,8 +8,7 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.cli.extras import dataset_package
-from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.failures import CommandFailure, dataset_package
 from gcm_learn.cli.files import made_folder
 
 

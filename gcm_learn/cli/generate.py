@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.cli.crews import AllCores, Cluster, check_workers
-from gcm_learn.cli.extras import dataset_package
-from gcm_learn.cli.failures import CommandFailure, why
-from gcm_learn.cli.progress import Progress
+from gcm_learn.cli.failures import CommandFailure, dataset_package, why
+from gcm_learn.cli.progress import AllCores, Cluster, Progress, check_workers
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Manifest

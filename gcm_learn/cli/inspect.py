@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.cli.extras import dataset_package
+from gcm_learn.cli.failures import dataset_package
 
 IN_SPACE = "gcm-learn/record@2"
 

@@ -1,4 +1,4 @@
-"""One line on a terminal that says how far a long job has come."""
+"""Options of long commands, and what they say while they run."""
 
 from __future__ import annotations
 
@@ -6,7 +6,11 @@ import sys
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import Self, TextIO
+from typing import Annotated, Self, TextIO
+
+from tyro.conf import arg
+
+from gcm_learn.cli.failures import CommandFailure
 
 QUIET_FOR = 2.0  # [s] a shorter job needs no progress line
 BETWEEN_UPDATES = 0.2  # [s]
@@ -90,3 +94,15 @@ def _duration(seconds: float) -> str:
     if seconds < 100:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+
+
+AllCores = Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")]
+Cluster = Annotated[
+    str | None, arg(metavar="ADDRESS", help_behavior_hint="(default: this machine)")
+]
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse what is no number of processes."""
+    if workers is not None and workers < 1:
+        raise CommandFailure(f"--workers {workers}: must be at least 1")

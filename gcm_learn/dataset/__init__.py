@@ -17,7 +17,7 @@ from gcm_learn.dataset.cases import planner_of
 from gcm_learn.dataset.feeding import WINDOW, Example, MapCache
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import generate
-from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.item import make_item, warm_up
 from gcm_learn.dataset.manifest import Manifest, survey
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.dataset.reader import Dataset
@@ -33,7 +33,6 @@ from gcm_learn.dataset.spec import (
 )
 from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.dataset.verifying import verify_dataset
-from gcm_learn.dataset.warming import warm_up
 
 __all__ = [
     "Dataset",

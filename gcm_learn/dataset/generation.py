@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.item import make_item, no_item
+from gcm_learn.dataset.item import make_item, no_item, warmed
 from gcm_learn.dataset.manifest import (
     Manifest,
     manifest_of,
@@ -20,7 +20,6 @@ from gcm_learn.dataset.manifest import (
 from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
 from gcm_learn.dataset.spec import DatasetSpec
-from gcm_learn.dataset.warming import warmed
 from gcm_learn.errors import DatasetError
 from gcm_learn.processes import ClusterCrew, Crew, Here, LocalCrew, cores
 

@@ -9,14 +9,13 @@ from functools import partial
 
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import crew_for
-from gcm_learn.dataset.item import make_item
+from gcm_learn.dataset.item import make_item, warmed
 from gcm_learn.dataset.manifest import read_manifest, spec_of
 from gcm_learn.dataset.reader import Dataset, open_shard
 from gcm_learn.dataset.record import Record, rows_of
 from gcm_learn.dataset.shards import code_version, info_of, shard_name
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of
-from gcm_learn.dataset.warming import warmed
 from gcm_learn.errors import DatasetError, GcmError
 from gcm_learn.motion import rules_of, verify
 from gcm_learn.processes import cores

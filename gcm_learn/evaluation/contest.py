@@ -8,14 +8,12 @@ from functools import lru_cache, partial
 from typing import Any
 
 from gcm_learn.arms import PLANAR, Kind, kind_of
-from gcm_learn.evaluation.crew import Rows, is_alone, rows_of
-from gcm_learn.evaluation.entrants import Entrant, entrants_of
-from gcm_learn.evaluation.kinds import CONTESTS
+from gcm_learn.evaluation.entrants import Entrant, Rows, entrants_of, is_alone, rows_of
+from gcm_learn.evaluation.kinds import CONTESTS, charged
 from gcm_learn.evaluation.methods import Method, Result
 from gcm_learn.evaluation.movements import NAMES
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
-from gcm_learn.evaluation.thinking import charged
 from gcm_learn.planners import LIMIT
 from gcm_learn.situation import AnySituation, planar
 

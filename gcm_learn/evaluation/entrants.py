@@ -1,16 +1,17 @@
-"""Entrants of a comparison: what was given, under a name of its own, ready to travel."""
+"""Entrants of a comparison, each under a name of its own, and their calls, shared out."""
 
 from __future__ import annotations
 
 import pickle
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation.methods import Method, get_method
 from gcm_learn.planners import LIMIT, absolute, in_words, name_of
+from gcm_learn.processes import cores, crew_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,3 +106,40 @@ def _stays(name: str, why: str) -> str:
         f"{name!r} cannot be sent to worker processes ({why}): "
         "give it as path.py:name, or ask for one worker"
     )
+
+
+Rows = list[dict[str, Any]]
+
+
+def is_alone(calls: int, workers: int | None, cluster: str | None) -> bool:
+    """Return whether this process does all calls itself."""
+    return cluster is None and min(workers or cores(), calls) <= 1
+
+
+def rows_of(
+    calls: Sequence[Callable[[], Rows]],
+    workers: int | None,
+    cluster: str | None,
+    progress: Callable[[int], object],
+) -> Rows:
+    """Rows of all calls, in their order.
+
+    Parameters
+    ----------
+    calls : sequence of callable
+        Each makes a row for each of some situations; whoever does it gets it pickled.
+    workers, cluster
+        See `processes.crew_of`.
+    progress : callable
+        Told how many rows are new.
+    """
+    rows: Rows = []
+    with crew_of(min(workers or cores(), len(calls)) or 1, cluster) as crew:
+        for new in crew.map(_called, calls):
+            rows += new
+            progress(len(new))
+    return rows
+
+
+def _called(call: Callable[[], Rows]) -> Rows:
+    return call()

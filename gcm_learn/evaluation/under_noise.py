@@ -11,8 +11,7 @@ from functools import partial
 from typing import Any
 
 from gcm_learn.errors import SuiteError
-from gcm_learn.evaluation.crew import Rows, is_alone, rows_of
-from gcm_learn.evaluation.entrants import Entrant, entrants_of
+from gcm_learn.evaluation.entrants import Entrant, Rows, entrants_of, is_alone, rows_of
 from gcm_learn.evaluation.methods import Method, PlannerMethod
 from gcm_learn.evaluation.statistics import Interval, wilson
 from gcm_learn.evaluation.suites import Entry

@@ -6,14 +6,12 @@
 >>> run_episode(agent, plant, np.arange(len(pool))).outcomes                 # doctest: +SKIP
 """
 
-from gcm_learn.execution.arena.batch import Batch
-from gcm_learn.execution.arena.embedding import encoder
+from gcm_learn.execution.arena.batch import Batch, KinematicPlant, way_of
 from gcm_learn.execution.arena.kernels.hands.fan import RAYS
 from gcm_learn.execution.arena.kernels.hands.observation import MEETING
 from gcm_learn.execution.arena.kernels.joints.fan import COMMANDS, commands_of
 from gcm_learn.execution.arena.kernels.joints.observation import AIM
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
-from gcm_learn.execution.arena.plant import KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, placed
 from gcm_learn.execution.arena.settings import (
     OUTCOMES,
@@ -22,9 +20,9 @@ from gcm_learn.execution.arena.settings import (
     Settings,
     SpatialSettings,
     Weights,
+    encoder,
     settings_of,
 )
-from gcm_learn.execution.arena.ways import way_of
 from gcm_learn.execution.arenas import (
     ARENAS,
     AnyBody,
@@ -36,7 +34,7 @@ from gcm_learn.execution.arenas import (
     pool_of,
     situations_of,
 )
-from gcm_learn.execution.body.arms import PhysicalArms
+from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
 from gcm_learn.execution.body.bodies import body_for, read_body, shipped_bodies
 from gcm_learn.execution.body.control import Controller
 from gcm_learn.execution.body.executing import (
@@ -47,7 +45,6 @@ from gcm_learn.execution.body.executing import (
 )
 from gcm_learn.execution.body.motors import motor_accelerations, with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
-from gcm_learn.execution.body.settings import PhysicalSettings
 from gcm_learn.execution.body.tube import measured_tube
 from gcm_learn.execution.loop.belief import Belief
 from gcm_learn.execution.loop.closed_loop import (

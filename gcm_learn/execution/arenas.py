@@ -9,13 +9,11 @@ from typing import Any
 
 from gcm_learn.arms import Kind
 from gcm_learn.errors import ArenaError, UnknownNameError
-from gcm_learn.execution.arena.batch import Batch
-from gcm_learn.execution.arena.plant import KinematicPlant
+from gcm_learn.execution.arena.batch import Batch, KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
 from gcm_learn.execution.arena.settings import ArenaSettings, Settings, SpatialSettings
-from gcm_learn.execution.body.arms import PhysicalArms
-from gcm_learn.execution.body.pool import pool_with_bodies
-from gcm_learn.execution.body.settings import PhysicalSettings
+from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
+from gcm_learn.execution.body.bodies import pool_with_bodies
 from gcm_learn.execution.sources import Source, found_in, named
 from gcm_learn.families import SpatialFamily
 from gcm_learn.motion import start_clearance

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
         first_catch_on,
         straight_plan,
     )
-    from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
     from gcm_learn.planners.feedback import Exploration, Feedback
     from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
     from gcm_learn.planners.joints.layered import posture_layered
@@ -27,9 +26,19 @@ if TYPE_CHECKING:
     from gcm_learn.planners.layered_front import layered
     from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
     from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
-    from gcm_learn.planners.outside import LIMIT
-    from gcm_learn.planners.plan import FAULTS, Anytime, Plan, Planner, plan_to_json, taken, takes
-    from gcm_learn.planners.recheck import broken_promise
+    from gcm_learn.planners.outside import LIMIT, broken_promise
+    from gcm_learn.planners.plan import (
+        FAULTS,
+        GAIN,
+        Anytime,
+        Deadline,
+        Plan,
+        Planner,
+        deadline_of,
+        plan_to_json,
+        taken,
+        takes,
+    )
     from gcm_learn.planners.references import absolute, acts, found, in_words, instance, name_of
     from gcm_learn.planners.registry import (
         get_planner,
@@ -49,7 +58,6 @@ __getattr__, _ = late_names(__name__, {
         "CATCH_STEP", "Attempt", "Problem", "SpatialProblem", "Task", "attempt_of", "checked",
         "first_catch_on", "straight_plan",
     ),
-    "deadline": ("GAIN", "Deadline", "deadline_of"),
     "feedback": ("Exploration", "Feedback"),
     "fronts": ("Explore", "FrontPlanner", "Params", "gcm", "marching"),
     "joints.layered": ("posture_layered",),
@@ -58,9 +66,11 @@ __getattr__, _ = late_names(__name__, {
     "layered_front": ("layered",),
     "oracle.bounds": ("Bounds", "bounds", "stratum"),
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
-    "outside": ("LIMIT",),
-    "plan": ("FAULTS", "Anytime", "Plan", "Planner", "plan_to_json", "taken", "takes"),
-    "recheck": ("broken_promise",),
+    "outside": ("LIMIT", "broken_promise"),
+    "plan": (
+        "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "deadline_of", "plan_to_json",
+        "taken", "takes",
+    ),
     "references": ("absolute", "acts", "found", "in_words", "instance", "name_of"),
     "registry": ("get_planner", "is_registered", "plan_with", "planner_names", "solve"),
     "retiming": ("retime",),

@@ -7,8 +7,7 @@ from functools import cache
 from typing import Any
 
 from gcm_learn.arms import ByKind, Kind
-from gcm_learn.planners.deadline import Deadline
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import Deadline, Plan
 
 
 class ByArm:

@@ -30,9 +30,8 @@ from gcm_learn.motion import (
     straight_path,
     verify,
 )
-from gcm_learn.planners.deadline import GAIN, Deadline
 from gcm_learn.planners.joints.moves import Study, study_of
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import GAIN, Deadline, Plan
 from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.situation import AnySituation, Situation, planar
 

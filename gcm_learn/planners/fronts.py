@@ -17,9 +17,8 @@ from gcm_learn.planners.completion import (
     straight_plan,
     until,
 )
-from gcm_learn.planners.deadline import GAIN, Deadline, deadline_of
 from gcm_learn.planners.feedback import Exploration, Feedback
-from gcm_learn.planners.plan import Plan
+from gcm_learn.planners.plan import GAIN, Deadline, Plan, deadline_of
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 

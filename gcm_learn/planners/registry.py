@@ -10,9 +10,8 @@ from weakref import WeakValueDictionary
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.by_arm import ByArm
-from gcm_learn.planners.deadline import Deadline
 from gcm_learn.planners.outside import LIMIT, Outside
-from gcm_learn.planners.plan import Anytime, Plan, Planner, taken
+from gcm_learn.planners.plan import Anytime, Deadline, Plan, Planner, taken
 from gcm_learn.planners.references import acts, found, instance, name_of
 from gcm_learn.situation import AnySituation, Situation
 
@@ -29,7 +28,7 @@ _PLANNERS: dict[str, str | ByKind[str]] = {
     ),
     "st-rrt-star": "baselines.st_rrt_star:STRRTStarPlanner",
     "straight": "baselines.straight:StraightPlanner",
-    "straight-wait": "baselines.straight_wait:StraightWaitPlanner",
+    "straight-wait": "baselines.straight:StraightWaitPlanner",
 }
 """Factories in this folder, imported when they are needed; of some names one for each kind."""
 

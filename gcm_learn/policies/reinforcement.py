@@ -17,10 +17,9 @@ from gcm_learn.arms import PLANAR, SPATIAL, ByKind
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import RUNNING, ArenaSettings, Pool, Steps
 from gcm_learn.policies.actor import CLIP, Actor
-from gcm_learn.policies.algorithms import WHOLE, algorithm
 from gcm_learn.policies.cloning import layers_of
 from gcm_learn.policies.directions import said
-from gcm_learn.policies.plan import TrainingPlan
+from gcm_learn.policies.plan import WHOLE, TrainingPlan, algorithm
 from gcm_learn.policies.vec_env import ArenaVecEnv
 from gcm_learn.storage import whole_file
 

@@ -16,8 +16,7 @@ from gcm_learn.errors import PolicyError
 from gcm_learn.execution import Pool
 from gcm_learn.policies.actor import Actor
 from gcm_learn.policies.card import score, write_card
-from gcm_learn.policies.cloning import Cloning, clone
-from gcm_learn.policies.demonstrations import Demonstrations, act_out, transitions
+from gcm_learn.policies.cloning import Cloning, Demonstrations, act_out, clone, transitions
 from gcm_learn.policies.plan import TrainingPlan
 from gcm_learn.policies.situations import Lot, gather
 from gcm_learn.storage import write_whole

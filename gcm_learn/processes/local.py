@@ -10,8 +10,9 @@ from contextlib import ExitStack
 from types import TracebackType
 from typing import Any
 
-from gcm_learn.processes.crew import STRIKES, Crew, Result, Task
-from gcm_learn.processes.spawning import pool
+from gcm_learn.processes.cluster import ClusterCrew
+from gcm_learn.processes.crew import STRIKES, Crew, Here, Result, Task
+from gcm_learn.processes.spawning import cores, pool
 
 
 class LocalCrew(Crew):
@@ -123,3 +124,19 @@ class LocalCrew(Crew):
                 again.appendleft(task)
                 return True
         return False
+
+
+def crew_of(workers: int | None = None, cluster: str | None = None) -> Crew:
+    """Whoever does the work.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Processes on this machine: one for each core by default, for one this process itself.
+    cluster : str, optional
+        Address of a Dask scheduler, ``tcp://host:port``, whose workers are used instead.
+    """
+    if cluster is not None:
+        return ClusterCrew(cluster)
+    workers = workers or cores()
+    return Here() if workers == 1 else LocalCrew(workers)

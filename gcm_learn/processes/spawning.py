@@ -126,7 +126,7 @@ def _begin(line: Connection, listeners: Sequence[Callable[[], object]], untold: 
     """Start a process: Ctrl-C is for the parent, whose end is noticed on the line."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, args=(line,), daemon=True).start()
-    compiled.on_compile += [partial(_tell_first, listeners, untold)] if listeners else []
+    compiled.on_compile[:] = [partial(_tell_first, listeners, untold)] if listeners else []
 
 
 def _leave_with_parent(line: Connection) -> None:

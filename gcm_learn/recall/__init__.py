@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from gcm_learn.late import late_names
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
 from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
+from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.files import MANIFEST, is_memory
 from gcm_learn.recall.growth import Coverage, grow, remember
 from gcm_learn.recall.index import (
@@ -27,7 +28,6 @@ from gcm_learn.recall.index import (
     nearest_rows,
 )
 from gcm_learn.recall.kinds import MEMORIES, raw_features, waypoints_of
-from gcm_learn.recall.map_features import map_picture
 from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
     HybridPlanner,

@@ -26,9 +26,8 @@ import numpy as np
 from gcm_learn.arms import PLANAR, Kind, kind_named
 from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
-from gcm_learn.recall.features import Features
+from gcm_learn.recall.features import Features, map_features
 from gcm_learn.recall.kinds import MEMORIES
-from gcm_learn.recall.map_features import map_features
 from gcm_learn.scene import Scene
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import content_hash, write_whole

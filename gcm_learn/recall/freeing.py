@@ -15,11 +15,10 @@ import gcm_learn.recall.joint_pushes as joint_pushes
 import gcm_learn.recall.timed_moves as timed_moves
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
-from gcm_learn.recall.bumps import PUSHED, SIDES, WIDTHS
 from gcm_learn.recall.hand_paths import HandQuery
 from gcm_learn.recall.joint_moves import JointQuery
 from gcm_learn.recall.meeting import copy_path, drop_waits, keep, meet
-from gcm_learn.recall.styles import HURRY
+from gcm_learn.recall.styles import HURRY, PUSHED, SIDES, WIDTHS
 from gcm_learn.recall.timed_moves import TimedQuery
 
 _sweep = by_type({HandQuery: hand_pushes.sweep, JointQuery: joint_pushes.sweep})

@@ -9,9 +9,8 @@ import numpy as np
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
-from gcm_learn.recall.bumps import PUSHED, bump
 from gcm_learn.recall.hand_paths import KNOTS
-from gcm_learn.recall.styles import Habits, Sweep
+from gcm_learn.recall.styles import PUSHED, Habits, Sweep, bump
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, TOP_SPEED, poses_at
 
 PUSHES = np.array([0.06, 0.12, 0.2, 0.3, 0.42])  # heights of bumps [forearm lengths]

@@ -12,8 +12,8 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
+from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.kinds import MEMORIES, raw_features
-from gcm_learn.recall.map_features import map_picture
 from gcm_learn.recall.raw_features import HAND_COUNT, Scale
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene import Scene

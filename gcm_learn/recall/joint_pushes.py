@@ -11,9 +11,8 @@ from gcm_learn.arms.spatial_limb import motion_bounds
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.moves import between
-from gcm_learn.recall.bumps import PUSHED, bump
 from gcm_learn.recall.joint_moves import KNOTS
-from gcm_learn.recall.styles import Habits, Sweep
+from gcm_learn.recall.styles import PUSHED, Habits, Sweep, bump
 from gcm_learn.scene.bodies import TOP_SPEED
 
 LOOKS = 96  # instants in a horizon

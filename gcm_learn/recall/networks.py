@@ -18,9 +18,8 @@ from torch.nn import functional
 
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
-from gcm_learn.recall.features import STEPS, FeatureBatch
+from gcm_learn.recall.features import COUNT, STEPS, FeatureBatch
 from gcm_learn.recall.kinds import MEMORIES
-from gcm_learn.recall.map_features import COUNT
 
 _NEVER = -1e4
 

@@ -1,8 +1,12 @@
-"""Records that kernels of hand paths and of joint movements share."""
+"""Records and bumps that kernels of hand paths and of joint movements share."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.compiled import njit
 
 POLAR, CARTESIAN = 0, 1  # coordinates in which hand paths are adapted
 HURRY, KEEP = 0, 1  # keep waits and hurry the rest, or keep all times
@@ -48,3 +52,20 @@ class Habits(NamedTuple):
     lenient: bool  # True if the margin does not count at the end
     checks_first: bool  # True if a path is checked before it is changed
     alternatives: int  # memories that are compared before each check after the first
+
+
+WIDTHS = (1.0, 0.3)  # of bumps [shares of the path]
+SIDES = 2  # of an obstacle
+PUSHED = SIDES * len(WIDTHS)  # changes that are pushes, the first of a round
+
+
+@njit
+def bump(share, top, wide):
+    """Return the height of a bump at a share of the path.
+
+    It is 1 at its top, and 0 at a distance of `wide` and at both ends. An end that is its top is 1.
+    """
+    s = 1.0
+    if share != top:
+        s = 1.0 - abs(share - top) / min(wide, top if share < top else 1.0 - top)
+    return np.sin(0.5 * np.pi * min(max(s, 0.0), 1.0)) ** 2

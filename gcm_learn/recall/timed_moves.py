@@ -22,10 +22,9 @@ from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.motion.joint_verification import NOTHING, piece_fault
 from gcm_learn.planners.joints.moves import Study, time_of
 from gcm_learn.planners.joints.pull import pulled
-from gcm_learn.recall.bumps import PUSHED
 from gcm_learn.recall.joint_moves import KNOTS, STEPS, load, seed_end, write_path
 from gcm_learn.recall.joint_pushes import CLEARANCE, INSTANTS, PROGRESS, JointTouch, sides_of
-from gcm_learn.recall.styles import KEEP, POLAR, Habits, Style
+from gcm_learn.recall.styles import KEEP, POLAR, PUSHED, Habits, Style
 from gcm_learn.scene.bodies import HAND, PART
 
 AHEAD = 2  # steps after which a step aims to be where the movement is

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from gcm_learn.rendering.bodies import (
+    LINE,
+    SAMPLES,
     approach_corners,
     body_faces,
     drawn_scale,
+    path_faces,
     solid_faces,
+    target_paths,
+    tube_faces,
 )
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, normals, render, shaded
 from gcm_learn.rendering.colours import (
@@ -32,10 +37,8 @@ from gcm_learn.rendering.limbs import (
     limb_along,
     limb_faces,
 )
-from gcm_learn.rendering.paths import LINE, SAMPLES, path_faces, target_paths, tube_faces
 from gcm_learn.rendering.poses import JointSituation, body_poses, ground_of
 from gcm_learn.rendering.solids import faces, has_edges, placed, tube
-from gcm_learn.rendering.spectator import Spectator
 from gcm_learn.rendering.staging import (
     PIXELS,
     box_of,
@@ -46,7 +49,7 @@ from gcm_learn.rendering.staging import (
     turned_view,
     window_of,
 )
-from gcm_learn.rendering.views import EYE, view_of
+from gcm_learn.rendering.views import EYE, Spectator, view_of
 
 __all__ = [
     "APPROACH",

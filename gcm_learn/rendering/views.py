@@ -1,17 +1,18 @@
-"""A camera that sees an arm, its hand's path and the targets well."""
+"""A camera that sees an arm, its path and the targets well; pictures of an arm as it acts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from gcm_learn.motion import Movement
-from gcm_learn.rendering.bodies import body_faces
+from gcm_learn.rendering.bodies import body_faces, path_faces, target_paths
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
 from gcm_learn.rendering.limbs import arm_faces, limb_along
-from gcm_learn.rendering.paths import path_faces, target_paths
 from gcm_learn.rendering.poses import JointSituation
+from gcm_learn.rendering.staging import floor_of, staged
 
 SIGHT = 28  # pixels a side of pictures that are tried for what they hide
 EYE = 7.0  # [reaches] distance of the eye
@@ -75,3 +76,33 @@ def _share_in_sight(
     images = [render(view, window, things, SIGHT) for things in (marked, marked + hiding)]
     whole, rest = ((image[..., 0] > 1.2 * image[..., 2]).sum() for image in images)
     return float(rest / max(whole, 1))
+
+
+ROOM = 1.3  # half a picture [reaches]: what is nearer to the eye looks larger
+
+
+class Spectator:
+    """A camera that stays at a place from which little is in front of the arm.
+
+    Parameters
+    ----------
+    situation : Situation
+        With an arm that moves in its joints.
+    """
+
+    def __init__(self, situation: JointSituation) -> None:
+        arm = situation.arm
+        self.situation = situation
+        self.view = replace(view_of(situation), centre=np.asarray(arm.base.origin))
+        self.window = Window(np.zeros(2), ROOM * arm.reach)
+        things = [*body_faces(situation, 0.0), *arm_faces(arm, arm.joints)]
+        self.floor = floor_of(situation, things)
+
+    def picture(self, way: Movement, pixels: int) -> np.ndarray:
+        """Return a picture (pixels, pixels, 3) uint8 of the end of a movement, with its paths."""
+        situation, end = self.situation, way.duration
+        things = [*body_faces(situation, end), *arm_faces(situation.arm, way.joints[-1])]
+        if end > 0.0:
+            things += path_faces(situation, way)
+        image = staged(self.view, self.window, self.floor, things, pixels)
+        return np.rint(255.0 * image[::-1]).astype(np.uint8)

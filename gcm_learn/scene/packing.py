@@ -12,10 +12,9 @@ from gcm_learn.arms import PLANAR, ByKind, kind_of
 from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.laws import LAWS, Frame, Tables
+from gcm_learn.scene.laws import LAWS, Frame, Tables, swing_tables
 from gcm_learn.scene.scene import AimedLimits, JointLimits, Limits, Scene
 from gcm_learn.scene.shapes.entries import entry_of
-from gcm_learn.scene.swings import swing_tables
 from gcm_learn.situation import (
     FORMATS,
     AnySituation,

@@ -21,7 +21,6 @@ from gcm_learn.situation.arm_files import (
 from gcm_learn.situation.body import Approach, Body
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
 from gcm_learn.situation.formats import CATCHES, FORMATS, Format
-from gcm_learn.situation.frames import arm_frame, plane_frame
 from gcm_learn.situation.json_format import (
     read_situations,
     situation_from_json,
@@ -47,7 +46,7 @@ from gcm_learn.situation.shapes import (
     numbers_of,
 )
 from gcm_learn.situation.situation import AnySituation, Plane, Situation, planar, spatial
-from gcm_learn.situation.spatial_frame import SpatialFrame, spatial_frame_of
+from gcm_learn.situation.spatial_frame import SpatialFrame, arm_frame, plane_frame, spatial_frame_of
 from gcm_learn.situation.timed_motion import Piece, Piecewise, Sampled
 
 __all__ = [

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Chain, SpatialArm
 from gcm_learn.situation.body import Body
-from gcm_learn.situation.frames import plane_frame
 from gcm_learn.situation.laws import carried
 from gcm_learn.situation.motion import PlanarQuadratic
 from gcm_learn.situation.shapes import Polygon, Shape
@@ -26,6 +25,7 @@ from gcm_learn.situation.spatial_frame import (
     SpatialFrame,
     canonical_in_space,
     canonical_on_base,
+    plane_frame,
 )
 
 _SPACE = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))

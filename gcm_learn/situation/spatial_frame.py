@@ -15,11 +15,47 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms import IDENTITY, Base, Chain, SpatialArm, rotation_of
+from gcm_learn.arms import IDENTITY, PLANAR, Base, ByKind, Chain, SpatialArm, rotation_of
 from gcm_learn.situation.body import Body
-from gcm_learn.situation.frames import arm_frame
 from gcm_learn.situation.laws import carried, sides
-from gcm_learn.situation.situation import Situation
+from gcm_learn.situation.situation import AnySituation, Plane, Situation
+
+_IDENTITY = np.eye(3)
+
+
+def plane_frame(plane: Plane | None) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rotation world -> arm plane (rows x, y, normal) and the plane's origin."""
+    if plane is None:
+        return _IDENTITY, np.zeros(3)
+    (a, b, c), (d, e, f) = plane.x, plane.y
+    normal = (b * f - c * e, c * d - a * f, a * e - b * d)
+    return np.array([plane.x, plane.y, normal]), np.asarray(plane.origin)
+
+
+def arm_frame(situation: AnySituation) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rotation world -> the arm's coordinates, and their origin in the world.
+
+    Returns
+    -------
+    rotation : (3, 3) ndarray
+        Its rows are the arm's axes: x, y and normal of the arm plane, or x, y, z of the base.
+    origin : (3,) ndarray
+    """
+    return _FRAME.of(situation)(situation)
+
+
+def _base_frame(situation: AnySituation) -> tuple[np.ndarray, np.ndarray]:
+    """Return rotation and origin of an arm that stands on a base."""
+    base = situation.arm.base  # type: ignore[union-attr]
+    return rotation_of(base.rotation).T, np.asarray(base.origin)
+
+
+def _arm_plane(situation: AnySituation) -> tuple[np.ndarray, np.ndarray]:
+    return plane_frame(situation.plane)
+
+
+_FRAME = ByKind({PLANAR: _arm_plane}, default=_base_frame)
+
 
 NOTHING = 1e-9
 """Share of the reach, and angle [rad], below which a number has no side."""

@@ -43,7 +43,7 @@ from gcm_learn.wave.kernels import (
     next_door,
     when_crossed,
 )
-from gcm_learn.wave.run import rhythm
+from gcm_learn.wave.params import rhythm
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 CELL, VIA = 0, 1  # columns of a state

@@ -14,8 +14,7 @@ import numpy as np
 from gcm_learn.collision.occupancy import blocked_cells, met_targets
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL
-from gcm_learn.wave.run import Run, rhythm
+from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, Run, rhythm
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 FREE, FROZEN, CONTACT = 0, 1, 2  # what became of a cell

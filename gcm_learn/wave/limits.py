@@ -9,8 +9,7 @@ from gcm_learn.charts import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.collision import Postures, postures_of
 from gcm_learn.scene import Scene
 from gcm_learn.wave.kernels import Terms
-from gcm_learn.wave.params import MarchingParams, WaveParams
-from gcm_learn.wave.run import Run
+from gcm_learn.wave.params import MarchingParams, Run, WaveParams
 
 
 def fastest_in_plane(scene: Scene) -> float:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
+from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
 
 REST = (0.0, -2.0 / 7.0)  # stable rest state (r, z) of Eq. 10 (erratum 8)
@@ -118,3 +119,22 @@ class MarchingParams:
     """Distance beyond the grasp at which a target still makes a contact [cells]."""
     until: Literal["contact", "horizon"] = "contact"
     """Stop at the first contact with a target or explore to the horizon."""
+
+
+class Run(NamedTuple):
+    """Numbers by which a wave is run, in the plane and in space."""
+
+    held: bool  # frozen or inhibited cells are seen by their neighbours instead of being cut out
+    diffusion: float
+    epsilon: float
+    quiet: float  # change of a potential [1/tau] below which a block counts as settled
+    step: float  # [tau]
+    lag: float  # from look to look [tau]
+    slowness: float  # of the fastest front [tau per cell]
+    threshold: float
+
+
+@njit(_nrt=False)
+def rhythm(run):
+    """Pairs of Euler steps between two looks at the front, and looks between renewals of blocks."""
+    return int(0.5 * run.lag / run.step + 0.5), max(1, int(3.6 / run.lag))

@@ -8,8 +8,8 @@ import numpy as np
 
 from gcm_learn.charts.posture_lattice import Nodes
 from gcm_learn.compiled import njit
+from gcm_learn.wave.params import Run
 from gcm_learn.wave.posture_stencil import FIELD, LEFT, SLAB, WIDTH
-from gcm_learn.wave.run import Run
 
 UNASKED, GAPS, WHOLE = 0, 1, 2  # of a block: whether all of its cells have postures
 UNKNOWN = np.float32(-1e30)  # room

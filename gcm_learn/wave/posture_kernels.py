@@ -17,6 +17,7 @@ from gcm_learn.charts.postures import posture_of, turning_time
 from gcm_learn.collision.postures import desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.wave.kernels import CLAMPED, FREE, UP_R, UP_Z, crossed, stirred, when_crossed
+from gcm_learn.wave.params import rhythm
 from gcm_learn.wave.posture_ground import (
     ADAPTED,
     ARRIVED,
@@ -34,7 +35,6 @@ from gcm_learn.wave.posture_ground import (
 )
 from gcm_learn.wave.posture_judging import freeze, judge_cells
 from gcm_learn.wave.posture_stencil import BLOCK, FIELD, LEFT, SLAB, WIDTH, steps
-from gcm_learn.wave.run import rhythm
 
 ASLEEP, SEEN, AWAKE = 0, 1, 2  # what this wave knows of a block: nothing, postures, rates as well
 SPREAD = 5.0  # how far a ball with sharp edges is felt before the first look [cells]

@@ -23,6 +23,8 @@ MISTAKES = [
     (["demo", "--seed", "one"], "--seed"),
     (["demo", "--seed", "-1"], "--seed -1"),
     (["demo", "--random", "-1"], "--random -1"),
+    (["warm-up", "--planners", "layerd"], "did you mean 'layered'?"),
+    (["warm-up", "--workers", "0"], "--workers 0"),
 ]
 
 
@@ -50,3 +52,8 @@ def test_help_has_examples(capsys):
 def test_version(capsys):
     assert main(["--version"]) == 0
     assert capsys.readouterr().out == f"gcm-learn {gcm_learn.__version__}\n"
+
+
+def test_kernels_are_compiled_for_every_kind_of_arm(capsys):
+    assert main(["warm-up", "--planners", "straight", "--workers", "1"]) == 0
+    assert capsys.readouterr() == ("compiled for straight\n", "")

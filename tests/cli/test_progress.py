@@ -1,4 +1,4 @@
-"""The progress line speaks on terminals only, and only about long jobs."""
+"""The line that shows how far a long command is, and kernels compiled ahead of it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import io
 
 import pytest
 
+from gcm_learn import processes
+from gcm_learn.cli.demo import compile_ahead
 from gcm_learn.cli.progress import Progress
 
 
@@ -42,3 +44,17 @@ def test_time_left_is_said_in_a_fitting_unit(seconds_each, left):
     assert f"9/10 situations, {1 / seconds_each:.3g}/s, {left} left" in run(
         Terminal(), seconds_each
     )
+
+
+def test_another_process_does_it_and_says_nothing(capfd):
+    process = compile_ahead(["straight", "nobody"])
+    if process is not None:
+        process.join()
+        assert process.exitcode == 0
+    assert capfd.readouterr() == ("", "")
+
+
+def test_not_where_it_would_be_in_the_way(monkeypatch):
+    assert compile_ahead([]) is None
+    monkeypatch.setattr(processes, "cores", lambda: 1)
+    assert compile_ahead(["straight"]) is None

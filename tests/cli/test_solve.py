@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from gcm_learn.cli import main
+from gcm_learn.compiled import NOTICE
 from gcm_learn.errors import StopError
 from gcm_learn.families import paper_scene
 from gcm_learn.planners.registry import planner_names
@@ -207,11 +208,14 @@ def test_pictures_are_pictures(scene_file, scene, tmp_path, capsys):
 
 
 def run_shell(script: str) -> subprocess.CompletedProcess[str]:
+    """Run a script, and drop the line that tells of compiling."""
     command = f'gcm() {{ "{sys.executable}" -c "import sys; from gcm_learn.cli import main; \
 sys.exit(main())" "$@"; }}; {script}'
-    return subprocess.run(
+    done = subprocess.run(
         ["bash", "-c", command], cwd=ROOT, capture_output=True, text=True, check=False, timeout=120
     )
+    done.stderr = done.stderr.replace(f"{NOTICE}\n", "")
+    return done
 
 
 def test_a_reader_that_stops_early_is_no_error(scene_file, scene):

@@ -244,7 +244,7 @@ def test_processes_that_make_nothing_are_no_dataset(small, tmp_path, monkeypatch
 
 
 def run_generate(spec: Path, out: Path, *options: str) -> subprocess.Popen:
-    command = [sys.executable, "-m", "gcm_learn.cli", "generate", str(spec), "--out", str(out)]
+    command = [sys.executable, "-m", "gcm_learn", "generate", str(spec), "--out", str(out)]
     return subprocess.Popen(
         [*command, *options], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )

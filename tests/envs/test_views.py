@@ -12,7 +12,7 @@ from gcm_learn.wave import MarchingParams
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs import CatchArm, CatchArms, WithMap  # noqa: E402
 from gcm_learn.envs.views import map_image  # noqa: E402
-from gcm_learn.execution.arena.embedding import encoder  # noqa: E402
+from gcm_learn.execution.arena.settings import encoder  # noqa: E402
 
 
 def test_the_picture_says_what_the_map_does(scenes):

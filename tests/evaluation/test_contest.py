@@ -12,12 +12,12 @@ from gcm_learn.cli import main
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.evaluation import suites
 from gcm_learn.evaluation.contest import compare
+from gcm_learn.evaluation.kinds import charged, resting
 from gcm_learn.evaluation.measures import charged_curve, declines, measured, pairs
 from gcm_learn.evaluation.methods import get_method
 from gcm_learn.evaluation.movements import collided_part, collision_point
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.evaluation.table import Results
-from gcm_learn.evaluation.thinking import charged, resting
 from gcm_learn.evaluation.under_noise import compare_under_noise
 from gcm_learn.motion import clearance
 from gcm_learn.motion.movement import Movement

@@ -10,9 +10,9 @@ import pytest
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
 from gcm_learn.evaluation import compare, draw_suite, measured
+from gcm_learn.evaluation.kinds import charged, resting
 from gcm_learn.evaluation.methods import get_method
 from gcm_learn.evaluation.suites import Entry
-from gcm_learn.evaluation.thinking import charged, resting
 from gcm_learn.families import draw
 from gcm_learn.situation import situation_to_json
 from tests.motion.test_joint_verification import ARM, ball, situation

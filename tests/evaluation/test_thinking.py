@@ -8,9 +8,9 @@ import pytest
 
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, solve
 from gcm_learn.evaluation import Entry, compare
+from gcm_learn.evaluation.kinds import charged
 from gcm_learn.evaluation.measures import charged_curve, measured
 from gcm_learn.evaluation.methods import get_method
-from gcm_learn.evaluation.thinking import charged
 from gcm_learn.planners import registry
 
 LATENCY = 0.3  # of a slow planner [s]

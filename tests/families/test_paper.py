@@ -77,8 +77,8 @@ def test_fig1_direct_way_is_barred():
 
 
 def test_fig2_images_overlap_and_obstacles_do_not():
+    from gcm_learn.charts.extended import occupied_cells
     from gcm_learn.charts.lattice import Lattice
-    from gcm_learn.charts.occupied import occupied_cells
 
     situation = paper.fig2()
     target = situation.targets

@@ -12,8 +12,8 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
 from gcm_learn.charts import Lattice
+from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import hand_space
-from gcm_learn.charts.occupied import occupied_cells
 from gcm_learn.errors import FileFormatError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid

@@ -10,10 +10,10 @@ import pytest
 from gcm_learn import families, get_planner
 from gcm_learn.motion import Failure
 from gcm_learn.planners import Deadline, layered
-from gcm_learn.planners.deadline import GAIN, deadline_of
 from gcm_learn.planners.goal_directed import SLICE as LABELS
 from gcm_learn.planners.joints.layered import LayeredInSpace
 from gcm_learn.planners.joints.sides import SLICE as MOVES
+from gcm_learn.planners.plan import GAIN, deadline_of
 
 
 class Ticks:

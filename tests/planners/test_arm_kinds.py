@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import pkgutil
 
 import pytest
 
 from gcm_learn import build_map, get_planner, solve
 from gcm_learn.arms import SPATIAL as SPATIAL_KIND
+from gcm_learn.arms import kinds
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
 from gcm_learn.execution import Settings, pool_for, pool_of
+from gcm_learn.planners import registry
 from gcm_learn.planners.plan import takes
 from gcm_learn.situation import situation_from_json
 from tests.extras import planner_params
@@ -59,3 +62,11 @@ def test_commands_refuse_before_anything_is_planned_or_written(command, tmp_path
     assert complained == (
         "gcm-learn: planner 'layered-wave' does not take spatial arms (situation \"nao\")\n"
     )
+
+
+@pytest.mark.parametrize("name", sorted(registry._PLANNERS))
+def test_factories_are_found(name):
+    place = registry._PLANNERS[name]
+    taken = [kind for kind in kinds() if isinstance(place, str) or place.takes(kind)]
+    for one in {place if isinstance(place, str) else place.of(kind) for kind in taken}:
+        assert callable(pkgutil.resolve_name(f"gcm_learn.planners.{one}"))

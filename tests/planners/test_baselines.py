@@ -9,8 +9,7 @@ from gcm_learn import seeding
 from gcm_learn.arms import Arm
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.baselines.potential import PotentialPlanner
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
+from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
 from tests.referee import judge
 

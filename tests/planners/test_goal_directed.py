@@ -15,9 +15,9 @@ from gcm_learn.collision.sweep import DEEPEST, Sweep, least_distance, leg_is_fre
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import layered
 from gcm_learn.planners.completion import Problem
-from gcm_learn.planners.deadline import GAIN
 from gcm_learn.planners.goal_directed import ground_of, searched
 from gcm_learn.planners.meetings import aim_at
+from gcm_learn.planners.plan import GAIN
 from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, poses_at
 from gcm_learn.wave import MarchingParams

@@ -11,8 +11,7 @@ from gcm_learn import seeding
 from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.motion import rules_of
 from gcm_learn.planners import SpatialProblem, plan_to_json
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
+from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.joints.moves import study_of, time_of
 from gcm_learn.planners.joints.pull import box, met_from, slope_at
 from gcm_learn.planners.joints.straight import attempt_along

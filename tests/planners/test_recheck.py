@@ -11,7 +11,7 @@ from gcm_learn.families import thrown_scene
 from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners import solve
-from gcm_learn.planners.recheck import broken_promise
+from gcm_learn.planners.outside import broken_promise
 
 
 @pytest.fixture(scope="module")

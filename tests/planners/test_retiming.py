@@ -9,8 +9,7 @@ from gcm_learn import seeding
 from gcm_learn.errors import SituationError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import get_planner
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
+from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.retiming import Motion, retime
 from gcm_learn.situation import Disc
 from tests.planners.test_baselines import FREE, GATE, SPEED, TRAP, body, goal, scene

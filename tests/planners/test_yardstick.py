@@ -11,8 +11,7 @@ import pytest
 from gcm_learn.motion import Failure
 from gcm_learn.planners import plan_to_json, stratum, yardstick
 from gcm_learn.planners.baselines.potential import PotentialPlanner
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
+from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.joints.moves import study_of
 from gcm_learn.planners.oracle.bounds import OraclePlanner

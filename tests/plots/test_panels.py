@@ -11,8 +11,8 @@ from matplotlib.colors import to_hex, to_rgba
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 
 from gcm_learn import plots
+from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import Lattice
-from gcm_learn.charts.occupied import occupied_cells
 from gcm_learn.families import paper
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style

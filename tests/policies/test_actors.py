@@ -14,7 +14,7 @@ from gcm_learn.execution.arena.kernels.hands.fan import RAYS
 from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
 from gcm_learn.policies.actor import Actor
-from gcm_learn.policies.demonstrations import act_out
+from gcm_learn.policies.cloning import act_out
 from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, chosen, turned
 from gcm_learn.policies.planner import ActorPlanner
 from gcm_learn.situation.canonical import canonical

@@ -157,7 +157,7 @@ def test_a_replay_buffer_begins_with_the_catches_it_is_shown(tmp_path):
     pytest.importorskip("stable_baselines3")
     from gcm_learn.policies import reinforcement as rl
     from gcm_learn.policies.actor import Actor
-    from gcm_learn.policies.demonstrations import transitions
+    from gcm_learn.policies.cloning import transitions
     from gcm_learn.policies.situations import gather
     from gcm_learn.policies.training import train
 

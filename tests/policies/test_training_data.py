@@ -91,8 +91,7 @@ def test_a_clone_does_not_learn_the_steps_that_measure_it(rng):
     """Where there is nothing to learn it can only learn by heart, and that does not help there."""
     pytest.importorskip("torch")
     from gcm_learn.execution import Settings
-    from gcm_learn.policies.cloning import Cloning, clone
-    from gcm_learn.policies.demonstrations import Demonstrations
+    from gcm_learn.policies.cloning import Cloning, Demonstrations, clone
 
     settings, n = Settings(fan=True), 200
     angles = rng.uniform(0.0, 2.0 * np.pi, n)

@@ -60,8 +60,8 @@ def test_nothing_asks_for_what_is_not_everywhere_while_it_is_imported():
         "import os, signal, sys\nsys.modules['resource'] = None\n"
         + "".join(f"del {name}\n" for name in names)
         + "import gcm_learn.cli.arguments, gcm_learn.dataset, gcm_learn.evaluation.contest\n"
-        + "from gcm_learn.cli import ahead\nfrom gcm_learn.evaluation import turns, crew\n"
-        + "from gcm_learn.dataset import generation, verifying, warming\n"
+        + "from gcm_learn.cli import demo\nfrom gcm_learn.evaluation import turns, entrants\n"
+        + "from gcm_learn.dataset import generation, verifying, item\n"
         + "sys.exit(gcm_learn.cli.main(['families']))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

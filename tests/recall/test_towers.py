@@ -15,9 +15,8 @@ from gcm_learn.errors import EncoderError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.recall import EncoderConfig, load_encoder, save_encoder
 from gcm_learn.recall.encoder import Encoder
-from gcm_learn.recall.features import batched
+from gcm_learn.recall.features import COUNT, batched, map_features
 from gcm_learn.recall.hand_features import clearance_features
-from gcm_learn.recall.map_features import COUNT, map_features
 from gcm_learn.recall.networks import EncoderNet
 from gcm_learn.recall.path_features import count, hand_path_features
 

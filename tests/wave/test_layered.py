@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import hand_space
-from gcm_learn.charts.occupied import occupied_cells
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.wave import MarchingParams, march, march_layers
 from tests.wave.scenes import SPEED, away, disc, scene, setting_of, state_of, three_discs

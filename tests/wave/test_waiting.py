@@ -10,7 +10,7 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.arms.planar_limb import elbow_position
-from gcm_learn.charts.occupied import occupied_cells
+from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon
 from gcm_learn.wave import (

@@ -2,17 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, ClassVar, Literal, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
+from gcm_learn import artifacts
 from gcm_learn.arms import PLANAR, SPATIAL, Kind
-from gcm_learn.errors import ArenaError, not_known
+from gcm_learn.errors import ArenaError, EncoderError, not_known
 from gcm_learn.execution.arena.kernels.world import HAND_VELOCITY, JOINT_VELOCITY, Options
 from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
+from gcm_learn.situation import Situation
+
+if TYPE_CHECKING:
+    from gcm_learn.recall import Encoder
+
+
+FARTHEST = 100.0  # number of an embedding
+
+
+@cache
+def encoder() -> Encoder:
+    """The one among the models."""
+    from gcm_learn.recall import CONFIG, load_encoder
+
+    folder = artifacts.model("encoder", CONFIG)
+    if folder is None:
+        make = f"gcm-learn train-encoder DATASET --out {artifacts.own('models') / 'encoder'}"
+        raise EncoderError(artifacts.missing("models", "encoder", make))
+    return load_encoder(folder)
+
+
+def embeddings_of(situations: Sequence[Situation]) -> np.ndarray:
+    """Embeddings (s, dim) float32 of situations."""
+    found = np.array([encoder().embed_situation(situation) for situation in situations])
+    return np.clip(found, -FARTHEST, FARTHEST)
+
 
 CONTROLS = {"hand": HAND_VELOCITY, "joint": JOINT_VELOCITY}
 OUTCOMES = ("running", "caught", "touched", "late")  # by the kernels' codes
@@ -148,8 +176,6 @@ class Settings(ArenaSettings):
 
             pool = pool.guided(fields_of(pool.situations))
         if self.embedding and not pool.embeddings.shape[1]:
-            from gcm_learn.execution.arena.embedding import embeddings_of
-
             pool = replace(pool, embeddings=embeddings_of(pool.situations))
         return pool
 

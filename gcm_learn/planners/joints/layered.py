@@ -9,7 +9,6 @@ import numpy as np
 
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
-from gcm_learn.planners.deadline import Deadline, deadline_of
 from gcm_learn.planners.joints.accelerated import plan_accelerated
 from gcm_learn.planners.joints.goals import (
     Goals,
@@ -23,7 +22,7 @@ from gcm_learn.planners.joints.moves import Study
 from gcm_learn.planners.joints.sides import Effort, two_sided
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten, write
-from gcm_learn.planners.plan import Plan, spatial_only
+from gcm_learn.planners.plan import Deadline, Plan, deadline_of, spatial_only
 from gcm_learn.scene import HAND, PART
 from gcm_learn.situation import AnySituation
 

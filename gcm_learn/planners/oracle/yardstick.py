@@ -21,8 +21,7 @@ from gcm_learn.errors import MissingExtraError, PlatformError
 from gcm_learn.motion import Failure
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
-from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.baselines.straight_wait import StraightWaitPlanner
+from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.completion import SpatialProblem, checked
 from gcm_learn.planners.joints.layered import LayeredInSpace
 from gcm_learn.planners.joints.marching import posture_marching

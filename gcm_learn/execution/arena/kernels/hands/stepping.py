@@ -13,13 +13,14 @@ from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.hands.nearness import stays_away, stays_free
 from gcm_learn.execution.arena.kernels.hands.scene import FAR, HORIZON, scene_of
-from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
 from gcm_learn.execution.arena.kernels.world import (
     CAUGHT,
     COLLIDED,
+    GUIDE,
     HAND_VELOCITY,
     LATE,
     RUNNING,
+    pay,
     rules_in,
 )
 from gcm_learn.motion.interception import first_catch

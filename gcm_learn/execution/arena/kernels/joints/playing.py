@@ -8,8 +8,7 @@ from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
 from gcm_learn.execution.arena.kernels.joints.observation import observe
 from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import step
-from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
-from gcm_learn.execution.arena.kernels.world import RUNNING, Options, State, Told, World
+from gcm_learn.execution.arena.kernels.world import GUIDE, RUNNING, Options, State, Told, World, pay
 
 
 @njit(nogil=True)

@@ -16,8 +16,7 @@ from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
 from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in
-from gcm_learn.execution.arena.kernels.rewards import GUIDE, pay
-from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GUIDE, LATE, RUNNING, pay
 from gcm_learn.motion.joint_interception import first_meeting
 from gcm_learn.motion.joint_verification import NOTHING, hand_too_fast, piece_fault
 from gcm_learn.scene import Scene
