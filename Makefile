@@ -15,7 +15,7 @@ export MPLBACKEND           ?= Agg
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test slow bench lint format clean distclean
+.PHONY: help demo test slow bench lint format docs clean distclean
 
 help:  ## show this list
 	@grep -hE '^[a-z]+:.*##' $(firstword $(MAKEFILE_LIST)) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -47,6 +47,9 @@ bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their pee
 	$(BIN)/python -m experiments benchmarks/arena
 	$(BIN)/python -m experiments benchmarks/first_catch
 	$(BIN)/python -m experiments benchmarks/body
+
+docs: $(VENV)/.dev  ## build the documentation site in build/site; notebooks are executed
+	$(BIN)/python -m sphinx -b html -W --keep-going docs build/site
 
 clean:  ## remove what was built, except .venv
 	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

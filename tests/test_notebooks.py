@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).parents[1]
-NOTEBOOKS = sorted((ROOT / "experiments" / "notebooks").glob("*.py"))
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.py"))
 PICTURES = {"01": 1, "02": 1, "03": 0, "04": 1, "05": 2}
 NEEDS = {"02": "pyarrow", "03": "pyarrow", "04": "stable_baselines3", "05": "gymnasium"}
 FAST = {**os.environ, "GCM_LEARN_FAST": "1", "PYTHONPATH": str(ROOT)}

@@ -56,7 +56,7 @@ class Adaptation:
 
     @cached_property
     def styles(self) -> np.ndarray:
-        """Columns (s, 2) of the `Style`s in which each memory is tried, in order."""
+        """Columns (s, 2): style and tempo of each try of a memory, in order."""
         tempos = ("hurry", "keep") if self.tempo == "both" else (self.tempo,)
         return np.array([[STYLES[self.style], TEMPOS[tempo]] for tempo in tempos])
 
@@ -99,7 +99,7 @@ class Tries(ABC):
 
     @property
     def styles(self) -> np.ndarray:
-        """Columns (s, 2) of the `Style`s in which each memory is tried."""
+        """Columns (s, 2): style and tempo of each try of a memory."""
         return self.how.styles
 
     @property
