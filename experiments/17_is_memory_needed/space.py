@@ -14,7 +14,7 @@ import json
 from pathlib import Path
 
 import fronts
-import space_report
+import report
 from run import _answered
 from space_asked import RefereeInSpace, planners, suite
 from space_entrants import equal, needed, shipped
@@ -59,7 +59,7 @@ def ask(folder: Path, only: list[str]) -> None:
         some = [rows[n] for n in numbers]
         fronts.parts(out / "fronts.jsonl", some, referee, planners())
     if "report" in only:
-        space_report.write(HERE, out, rows)
+        report.write_space(HERE, out, rows)
 
 
 if __name__ == "__main__":
