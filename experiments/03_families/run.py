@@ -1,4 +1,4 @@
-"""What the families hold: strata, thrown-away draws and cost; writes table.md or table-space.md.
+"""Measure the families: strata, thrown-away draws and cost; write table.md or table-space.md.
 
 python -m experiments 03_families              300 situations a family: half an hour on one core
 python -m experiments 03_families --count 30   a quick look
@@ -28,12 +28,12 @@ HEAD = ("family", *"LWQU", "thrown away", "draw [µs]", *PLANNERS, "95 %")
 
 
 def blocked(situation: AnySituation) -> bool:
-    """Whether the limb touches something at t = 0."""
+    """Return whether the limb touches something at t = 0."""
     return start_clearance(pack(situation)) <= 0.0
 
 
 def timed(work: Callable[[], object]) -> tuple[object, float]:
-    """What some work gives, and its processor time [ms]."""
+    """Return the result of some work, and its processor time [ms]."""
     before = process_time()
     result = work()
     return result, 1e3 * (process_time() - before)

@@ -39,7 +39,7 @@ def write_report(folder: Path, rows: Sequence[Row]) -> None:
 
 
 def _draw(rows: Sequence[Row], path: Path) -> None:
-    """Learning curves: a panel for each learner, broken lines where an embedding is told."""
+    """Learning curves: a panel for each learner, broken lines where the embedding is observed."""
     learners = [name for name in ("ppo", "sac", "tqc") if any(r[0].learner == name for r in rows)]
     figure = style.new_figure(3.2 * len(learners), 3.4)
     axes = np.atleast_1d(figure.subplots(1, len(learners), sharey=True))

@@ -1,9 +1,9 @@
-"""What policies in space catch that others do not who learned nothing: unseen situations, in pairs.
+"""Compare policies in space with rules that do not learn: unseen situations, in pairs.
 
     python -m experiments 04_policies/space models/ppo-space [models/OTHER ...]
 
-Situations are drawn from all families in space, or read (`--source`), under a seed that trained
-nothing and chose nothing. All are counted, whether or not there is a way to catch.
+Situations are drawn from all families in space, or read (`--source`), under a seed that served
+neither training nor choice. All are counted, whether or not there is a way to catch.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ class Straight:
         self.at = settings.straight
 
     def act(self, moment: Moment) -> np.ndarray:
-        """That command (n, 4), as it is told."""
+        """Return that command (n, 4), as it is observed."""
         return moment.observations[:, self.at : self.at + 4].astype(float)
 
 
 class Fan:
-    """A rule without learning: the ray that is free longest, has most room and turns least.
+    """A rule without learning: the ray that is free longest, has most clearance and turns least.
 
-    One that leads into the target comes first. Room counts half of a turn about; these weights were
+    A ray into the target comes first. Clearance counts half of a turn about. These weights were
     chosen on the validation situations.
     """
 

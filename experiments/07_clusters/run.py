@@ -102,7 +102,7 @@ def short(sides: str) -> str:
 
 
 def spaces(some: Experience, encoder: Encoder) -> dict[str, np.ndarray]:
-    """Where the catches lie (n, d), by what is known of them."""
+    """Return the places of the catches (n, d), by the features they are placed by."""
     situations = [record.situation for record in some.records]
     queries = np.array([encoder.embed_situation(s) for s in situations])
     memories = encoder.embed_memories(situations, some.traces, some.goals)
@@ -122,7 +122,7 @@ def directions(rows: np.ndarray) -> np.ndarray:
 
 
 def without(rows: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """What is left of rows (n, d) when all that is linear in some numbers (n, m) is taken out."""
+    """Return the residuals of rows (n, d) after a linear fit by some numbers (n, m)."""
     inputs = np.column_stack([np.ones(len(rows)), (known - known.mean(0)) / (known.std(0) + 1e-9)])
     weights, *_ = np.linalg.lstsq(inputs, rows, rcond=None)
     return rows - inputs @ weights
@@ -134,7 +134,7 @@ def k_means(rows: np.ndarray, seed: int) -> KMeans:
 
 
 def hdbscan(rows: np.ndarray) -> np.ndarray:
-    """Clusters (n,), REST for what lies in none; densities are asked for in few dimensions."""
+    """Clusters (n,), REST for what lies in none; densities are estimated in few dimensions."""
     few = PCA(FEW, random_state=0).fit_transform(rows)
     return np.asarray(HDBSCAN(min_cluster_size=LEAST, min_samples=5, copy=True).fit_predict(few))
 

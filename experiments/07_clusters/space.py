@@ -1,9 +1,9 @@
-"""Which kinds of catches are there in space, and are they those of the plane? Writes space.md.
+"""Find kinds of catches in space, and compare them with the plane's; write space.md.
 
 python -m experiments 07_clusters/space SPACE PLANE
 
 Both are folders of `gcm-learn generate`, of data/specs/space.toml and recall.toml.  Pictures are
-space.png and kinds.gif.  What planners were asked is kept in out/ and not asked again.
+space.png and kinds.gif.  Answers of planners are kept in out/ and reused.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class Catches(NamedTuple):
 
 
 def catches(folder: str, most: int) -> Catches:
-    """Those of a dataset of either kind of arm."""
+    """Return the catches of a dataset of either kind of arm."""
     records, plans = [], []
     for record in dataset.open(folder).where(split="train"):
         found = [plan for plan in record.plans.values() if plan.caught]
@@ -85,7 +85,7 @@ def catches(folder: str, most: int) -> Catches:
 
 
 def experience(some: Catches, kinds: np.ndarray) -> Experience:
-    """What clusters in space are held against; what is linear in arm, start and end is known."""
+    """Return the labels and features that clusters in space are compared with."""
     memories = [waypoints_of(r.situation, p) for r, p in zip(some.records, some.plans, strict=True)]
     arms = [r.situation.arm for r in some.records]
     start = np.array([[*a.joints, np.hypot(*a.upper_arm[:2]) / a.reach] for a in arms])
@@ -102,7 +102,7 @@ def experience(some: Catches, kinds: np.ndarray) -> Experience:
 
 
 def spaces(some: Experience) -> dict[str, np.ndarray]:
-    """Where the catches lie (n, d), by what is known of them."""
+    """Return the places of the catches (n, d), by the features they are placed by."""
     index: Any = shipped_memory("recall", SPATIAL).index
     assert isinstance(index, LearnedIndex)
     situations = [record.situation for record in some.records]
@@ -222,7 +222,7 @@ def ordered(names: np.ndarray) -> list[str]:
 
 
 def stability_table(plane: Catches, space: Catches) -> str:
-    """Return how stable so many kinds are, and whether those of the plane are those of space."""
+    """Return how stable so many kinds are, and how well kinds of the plane fit space."""
     head = ["kinds", "stable: plane", "stable: space", "plane's kinds in space", "if shuffled"]
     lines = []
     for count in MANY:
@@ -243,7 +243,7 @@ def stability_table(plane: Catches, space: Catches) -> str:
 def lifted_table(
     plane: Catches, rows: list[dict[str, Any]], kinds: Kinds, call: dict[int, str]
 ) -> tuple[str, np.ndarray, list[str]]:
-    """Kinds of the plane beside those of the same situations in space; shares as an array, too."""
+    """Return kinds in the plane beside kinds of the same situations in space, also as shares."""
     there = [row for row in rows if row["free"] is not None]
     words = np.array([call[k] for k in range(len(call))])
     before = words[kinds(plane.features[[row["place"] for row in there]])]

@@ -34,7 +34,7 @@ Line = dict[str, Any]
 
 
 def caught(lines: list[Line], bank: str, index: str, stratum: str, checks: int) -> np.ndarray:
-    """Whether each situation of a stratum was caught within so many checks."""
+    """Return whether each situation of a stratum was caught within so many checks."""
     some = [x for x in lines if (x["bank"], x["index"], x["stratum"]) == (bank, index, stratum)]
     return np.array([x["caught"] and x["checks"] <= checks for x in some])
 
@@ -51,7 +51,7 @@ def _names(lines: list[Line], what: str) -> list[str]:
 
 
 def write_table(file: Path, lines: list[Line], twins: list[Line], key: str) -> None:
-    """What is caught, what that is less than by the dynamic memory, and what the twins are."""
+    """Write shares caught, their differences to the dynamic memory, and the twins."""
     asked = [(s, k) for s in STRATA for k in CHECKS]
     ways = [(bank, index) for index in _names(lines, "index") for bank in _names(lines, "bank")]
     head = ["memory", "found by", *(f"{s}, {k}" for s, k in asked)]

@@ -46,13 +46,13 @@ def values(lines: list[Line], key: str) -> list:
 
 
 def gap(lines: list[Line], name: str, base: str, checks: int, extra: int) -> Interval:
-    """How much more one index catches than another, with so many obstacles added."""
+    """Return the lead of one index over another, with so many obstacles added."""
     mine, less = (chosen(lines, index=k, extra=extra) for k in (name, base))
     return difference(caught(mine, checks), caught(less, checks), families(mine))
 
 
 def growth(lines: list[Line], name: str, against: str, checks: int, extra: int) -> Interval:
-    """How much that is more with so many obstacles added than with none."""
+    """Return the growth of that lead from no added obstacles to so many."""
     gaps = []
     for number in (extra, 0):
         mine, base = (chosen(lines, index=k, extra=number) for k in (name, against))

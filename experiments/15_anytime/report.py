@@ -28,7 +28,7 @@ Rows = list[dict[str, Any]]
 
 
 def report(folder: Path, seed: int, choice: dict[str, Any]) -> None:
-    """Write dear.json and dear.png of what was asked of a suite."""
+    """Write dear.json and dear.png of the answers to a suite."""
     made: dict[str, Any] = {"seed": seed}
     for kind in KINDS:
         path = folder / f"dear-{kind}-{seed}.jsonl"
@@ -41,7 +41,7 @@ def report(folder: Path, seed: int, choice: dict[str, Any]) -> None:
 
 
 def of_kind(rows: Rows, choice: dict[str, Any]) -> dict[str, Any]:
-    """All that is told of one kind of joints."""
+    """Return the results of one kind of joints."""
     budgets = {"half": choice["budget ms"], "short": SHORT}
     out: dict[str, Any] = {
         "control": choice["control"],
@@ -70,19 +70,19 @@ def of_kind(rows: Rows, choice: dict[str, Any]) -> dict[str, Any]:
 
 
 def fates(told: Iterable[Any]) -> dict[str, int]:
-    """What became of arms while one thought, where they were not asked."""
+    """Return what became of arms during thought, where no method answered."""
     return dict(Counter(one for one in told if isinstance(one, str)))
 
 
 def complaints(row: dict[str, Any]) -> int:
-    """How many answers the referee complains of."""
+    """Return the number of answers that the referee complains of."""
     told = [*row["charged"].values(), *row.get("curve", {}).values()]
     answers = [one for each in told if isinstance(each, dict) for one in each.values()]
     return sum(bool(one.get("complaints")) for one in answers)
 
 
 def caught(told: Any, arm: str, ms: float) -> bool:
-    """Whether a catch was ready in time."""
+    """Return whether a catch was ready in time."""
     if isinstance(told, str):
         return told == "caught"
     mine = told[arm]
@@ -147,13 +147,13 @@ def nearness(rows: Rows, family: np.ndarray) -> dict[str, Any]:
 
 
 def until_near(row: dict[str, Any], arm: str) -> float:
-    """That of one situation; the limit where there is none."""
+    """Return the time of one situation, or the limit."""
     last = latest(row)
     return min([ms for time, ms in row["improved"][arm] if time <= last], default=LIMIT)
 
 
 def at_once(row: dict[str, Any], arm: str) -> bool:
-    """Whether the first answer comes so early."""
+    """Return whether the first answer comes so early."""
     return any(time <= latest(row) for time, _ in row["improved"][arm][:1])
 
 

@@ -1,4 +1,4 @@
-"""Is memory worth most where planning is dear? In space, of W and Q, thinking charged.
+"""Ask if memory is worth most where planning is dear: W and Q in space, thinking charged.
 
 python -m experiments 15_anytime choose            who is the fastest without memory
 python -m experiments 15_anytime choose --limits   likewise, acceleration limited
@@ -246,7 +246,7 @@ def improved(planner: Any, control: Any, situation: Any, enough: float) -> list[
 
 
 def answered(kind: str, case: Case, arms: Arms, more: bool) -> dict[str, Any]:
-    """All that is asked of a situation."""
+    """Return the answers of all arms to a situation."""
     mine, situation = arms.of(case.family), case.situation
     row: dict[str, Any] = {
         "item": case.item, "family": case.family, "stratum": case.stratum,

@@ -1,4 +1,4 @@
-"""What came of the lives of `run.py`: results.json, table.md and figure.png."""
+"""Reports on the lives of `run.py`: results.json, table.md and figure.png."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ Run = dict[str, Any]
 
 
 def hits(row: str, mets: Sequence[Met]) -> np.ndarray:
-    """Whether what the teacher catches was caught from memory (n,)."""
+    """Return whether catches of the teacher were caught from memory (n,)."""
     pairs = zip(row, mets, strict=True)
     return np.array([bit == "1" for bit, met in pairs if met.plan.caught])
 
 
 def rows_of(run: Run) -> dict[str, str]:
-    """What each measure is taken of."""
+    """Return the answers that each measure is taken of."""
     return {"life": run["recalled"], "first": run["first"][-1][1], "all": run["mixed"]}
 
 

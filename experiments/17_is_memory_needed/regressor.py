@@ -120,7 +120,7 @@ def proposed(net: Paths, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
 
 
 def by_regressor(net: Paths) -> Ask:
-    """Its paths, adapted, bent and checked like memories."""
+    """Return its paths, adapted, changed and checked like memories."""
 
     def ask(question: Question, checks: int) -> Answer:
         problem = Problem(question.situation, "regressor")
