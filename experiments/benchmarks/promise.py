@@ -155,7 +155,7 @@ def ask(account: Account, names: list[str], planners: list[str], draw: Any) -> N
 
 
 def run(account: Account, path: Path, catches: int, step: Callable[[], None]) -> None:
-    """Ask until there are enough claims, or time is up.
+    """Ask until there are enough claims, or none comes for BARREN items.
 
     Findings are written now and then, and at the end.
     """
