@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from answers import within
 from fronts import hybrids
-from questions import MOST, SPLITS, Question
+from questions import SPLITS
 from tally import points, told
 from trainings import LONG, LONGER, PROTOTYPES, SEEDS, SIZES, STILL, TURNS, WHOLE
 
+from experiments.common.questions import MOST, Question
 from gcm_learn.evaluation import (
     chance,
     difference,

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 from fronts import hybrids
-from questions import Question
 from report import (
     Found,
     before_fallbacks,
@@ -27,6 +26,7 @@ from report import (
 from space_asked import FRONTS, fallbacks
 from space_lessons import OF, PROTOTYPES, SIZES
 
+from experiments.common.questions import Question
 from gcm_learn.plots import style
 
 INSTEAD = {
