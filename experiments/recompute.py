@@ -4,8 +4,9 @@ python -m experiments recompute                     every experiment that has ou
 python -m experiments recompute 05_recall           one of them
 python -m experiments recompute --check             say what differs, and fail if anything does
 
-An experiment with files `outcomes*.csv.gz` has a module `report` with a function `results`: texts
-by name of file, from the folder of the outcomes.
+An experiment with files `outcomes*.csv.gz` has modules `*report` with a function `results`. It
+returns texts by name of file from the folder of the outcomes. These modules import nothing of their
+folder.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+STARTS = "def results("
 
 
 def with_outcomes() -> list[str]:
@@ -25,8 +27,12 @@ def with_outcomes() -> list[str]:
 
 def results(folder: Path) -> dict[Path, str]:
     """Return the texts that an experiment's outcomes give, by file."""
-    report = importlib.import_module(f"experiments.{folder.name}.report")
-    return {folder / name: text for name, text in report.results(folder).items()}
+    found: dict[Path, str] = {}
+    for file in sorted(folder.glob("*report.py")):
+        if STARTS in file.read_text("utf-8"):
+            report = importlib.import_module(f"experiments.{folder.name}.{file.stem}")
+            found |= {folder / name: text for name, text in report.results(folder).items()}
+    return found
 
 
 def update(folder: Path) -> None:
