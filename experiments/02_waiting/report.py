@@ -21,6 +21,7 @@ WORDS = {
     "W": "W: a way round",
     "Q": "Q: only with waiting",
 }
+SHARES = (0.5, 0.95)  # of processor times
 SOON = 1e-6  # the oracle's catches at once have no ratio [s]
 
 
@@ -43,7 +44,18 @@ def tabled(found: Outcomes) -> str:
         "planner", "number", *REACHABLE, " + ".join(REACHABLE), "time / oracle's, median (90 %)",
         "U caught", "ms", "95 %", "complaints",
     ]  # fmt: skip
-    return "\n\n".join([note, table(head, [_row(found, name) for name in _order(found)])]) + "\n"
+    names = _order(found)
+    caught = table(head, [_row(found, name) for name in names])
+    clock = "Processor time by stratum [ms], median / 95 %:"
+    spent = table(
+        ["planner", *(f"{s}, ms" for s in WORDS)], [_spent(found, name) for name in _order(found)]
+    )
+    return "\n\n".join([note, caught, clock, spent]) + "\n"
+
+
+def _spent(found: Outcomes, name: str) -> list[str]:
+    mine = found.where(method=name)
+    return [f"`{name}`", *(" / ".join(times(mine.where(stratum=s), SHARES)) for s in WORDS)]
 
 
 def _row(found: Outcomes, name: str) -> list[str]:
@@ -53,7 +65,7 @@ def _row(found: Outcomes, name: str) -> list[str]:
     ratio = both["catch_time"] / both["oracle"]
     late = f"{np.median(ratio):.3f} ({np.percentile(ratio, 90):.2f})"
     lost = str(int(mine.where(stratum="U")["caught"].sum()))
-    clock = times(mine, (0.5, 0.95))
+    clock = times(mine, SHARES)
     return [f"`{name}`", str(len(mine)), *shares, late, lost, *clock, complaints(mine)]
 
 

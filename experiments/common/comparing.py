@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from experiments.common.outcomes import Outcomes
-from gcm_learn.evaluation import chance, difference, holm, mcnemar, stratified
+from gcm_learn.evaluation import chance, difference, holm, mcnemar, stratified, wilson
 from gcm_learn.evaluation.statistics import Interval
 
 COUNTS = ("checks", "looks", "bends")
@@ -32,10 +32,16 @@ def points(found: Interval) -> str:
 
 
 def share(rows: Outcomes, digits: int = 0) -> str:
-    """Return the share that is caught with its interval within families [%]."""
+    """Return the share that is caught with its interval within families [%].
+
+    Where all or none are caught a bootstrap has no width, and the interval is Wilson's.
+    """
+    caught = rows["caught"]
     if len(rows) == 0:
         return ""
-    return percent(stratified(rows["caught"], rows["family"]), digits)
+    if caught.all() or not caught.any():
+        return percent(wilson(int(caught.sum()), len(rows)), digits)
+    return percent(stratified(caught, rows["family"]), digits)
 
 
 def complaints(rows: Outcomes) -> str:

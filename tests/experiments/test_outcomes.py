@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import importlib
 import math
 from pathlib import Path
 from types import SimpleNamespace
@@ -100,16 +101,34 @@ def test_pairs_are_of_situations_that_both_answered(tmp_path):
 
 
 def test_shares_counts_and_quantiles_by_hand(tmp_path):
-    """The score interval of 9 of 10 is 59.6 to 98.2 %."""
+    """The score interval of 9 of 10 is 59.6 to 98.2 %, of 200 of 200 it is 98.1 to 100."""
     rows = answers("a", "1111111110")
     rows[0] |= {"complaints": 2, "checks": 3, "looks": 5, "bends": 0}
     rows[1] |= {"complaints": 0, "checks": 1, "looks": 0, "bends": 1}
     found = table_of(tmp_path, rows)
     assert comparing.share(found, 1) == "90.0 (59.6–98.2)"
     assert comparing.share(found.where(method="b")) == ""
+    whole = table_of(tmp_path, answers("a", "1" * 200))
+    assert comparing.share(whole, 1) == "100.0 (98.1–100.0)"
     assert comparing.complaints(found) == "1 of 9"
     assert comparing.counts(found) == ["2.0", "2.5", "0.5"]
     assert comparing.times(found, (0.5, 1.0)) == ["4.5", "9.0"]
+
+
+def test_a_hybrid_asks_its_fallback_where_its_front_has_no_catch(tmp_path):
+    """Times add up, and an answer is ready by 20 ms."""
+    fronts = importlib.import_module("experiments.17_is_memory_needed.fronts_report")
+    spent = {"learned": [1.0, 5.0, 8.0, 30.0], "layered": [9.0, 14.0, 13.0, 1.0]}
+    rows = [answers("learned", "1001"), answers("layered", "0110")]
+    for some, name in zip(rows, spent, strict=True):
+        for row, ms in zip(some, spent[name], strict=True):
+            row["ms"] = ms
+    made = fronts.hybrids(table_of(tmp_path, *rows))
+    assert list(made) == [("none", "layered"), ("learned", "layered")]
+    alone, hybrid = made.values()
+    assert alone.caught.tolist() == alone.ready.tolist() == [False, True, True, False]
+    assert hybrid.caught.tolist() == [True] * 4 and hybrid.ms.tolist() == [1.0, 19.0, 21.0, 30.0]
+    assert hybrid.ready.tolist() == [True, True, False, False]
 
 
 @pytest.mark.parametrize("family", ["crossing-swarm", "door-space"])
