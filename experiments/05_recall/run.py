@@ -1,7 +1,7 @@
 """Ask recall and its controls of the fresh suites in the plane; writes outcomes, then tables.
 
 python -m experiments 05_recall             the fresh suite: half an hour
-python -m experiments 05_recall standin     situations unlike those of the families
+python -m experiments 05_recall standin     situations unlike the families'
 
 Draws of the fresh suite are kept in out/. Neighbours are found by a learned index, by clearance
 features or raw parameters that nothing was learned from, and at random.

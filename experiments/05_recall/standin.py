@@ -1,8 +1,8 @@
-"""Planar situations unlike those of the families, where a straight line fails.
+"""Planar situations unlike the families', in which a straight line fails.
 
-Other arms (upper arms of 0.55 to 1.6 forearms, thick ones, slow and fast hands), two to six bodies
-of all shapes and sizes anywhere, half of which rest. Kept is what `layered` catches and `straight`
-does not: as W what `marching` catches, else as Q. Families of the rows are classes of arms.
+Arms differ: upper arms of 0.55 to 1.6 forearms, thick limbs, slow and fast hands. Two to six bodies
+of all shapes and sizes are anywhere, half of them at rest. Kept are situations that `layered`
+catches and `straight` does not: W if `marching` catches, else Q. Families are classes of arms.
 """
 
 from __future__ import annotations
