@@ -1,8 +1,8 @@
 """Compute all tables from the outcomes of single situations; nothing is planned.
 
-python -m experiments recompute                     every experiment that has outcomes
-python -m experiments recompute 05_recall           one of them
-python -m experiments recompute --check             say what differs, and fail if anything does
+    python -m experiments recompute                     every experiment that has outcomes
+    python -m experiments recompute 05_recall           one of them
+    python -m experiments recompute --check             say what differs, and fail if anything does
 
 An experiment with files `outcomes*.csv.gz` has modules `*report` with a function `results`. It
 returns texts by name of file from the folder of the outcomes. These modules import nothing of their

@@ -3,7 +3,7 @@
 python -m experiments 02_waiting                     draw, plan, judge: an hour
 python -m experiments 02_waiting --per-stratum 50    a quick look, minutes
 
-What is done is kept in out/ and not done again; Ctrl-C is safe.
+Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ python -m experiments 13_space               13 situations of each family: half 
 python -m experiments 13_space --count 2     a quick look
 python -m experiments 13_space --minutes 10  what can be done in ten minutes
 
-What is done is kept in out/ and not done again; Ctrl-C is safe.
+Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def drawn(family: str, index: int) -> Spatial:
 def held(situation: Spatial) -> Spatial:
     """The same scene with shoulder pitch and elbow yaw held: what is left moves in a plane.
 
-    Where the yaw is not 0 at the start the hand's surface is a cone's or a torus' instead; it has
-    two dimensions all the same.
+    The hand's surface is a cone or a torus instead if the yaw is not 0 at the start. It has two
+    dimensions all the same.
     """
     arm = situation.arm
     ranges = list(arm.joint_range)
@@ -108,7 +108,7 @@ def timed(situation: Spatial, planner: Any) -> list[Any]:
 
 
 def answered(situation: Spatial, before: dict[str, list[Any]]) -> dict[str, list[Any]]:
-    """What every planner answers, if it has not before."""
+    """Return the answer of every planner that has not answered before."""
     out = dict(before)
     taking = [get_planner(name) for name in planner_names() if name not in PASSED_OVER]
     asked = {p.name: p for p in taking if takes(p, SPATIAL)}
@@ -125,7 +125,7 @@ def answered(situation: Spatial, before: dict[str, list[Any]]) -> dict[str, list
 
 
 def costs(situation: Spatial) -> dict[str, list[Any]]:
-    """What `layered` takes on lattices of other sizes, and among more bodies."""
+    """Return the answers of `layered` on lattices of other sizes, and among more bodies."""
     layered = LayeredInSpace()
     sizes = {}
     for n in LATTICES:

@@ -34,7 +34,7 @@ def points(found: Interval) -> str:
 def share(rows: Outcomes, digits: int = 0) -> str:
     """Return the share that is caught with its interval within families [%].
 
-    Where all or none are caught a bootstrap has no width, and the interval is Wilson's.
+    A bootstrap has no width if all or none are caught; the interval is Wilson's then.
     """
     caught = rows["caught"]
     if len(rows) == 0:

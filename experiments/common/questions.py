@@ -17,7 +17,7 @@ MOST = 300  # situations of W and of Q that are asked of all
 
 
 class Question(NamedTuple):
-    """A situation, and what the oracle says of it."""
+    """A situation with its stratum by the oracle."""
 
     stratum: str
     family: str
@@ -25,12 +25,12 @@ class Question(NamedTuple):
     situation: Situation
 
 
-def suite(seed: int, folder: Path) -> list[Question]:
-    """The first situations of W and of Q that families draw in turn under a seed."""
+def suite(seed: int, folder: Path, most: int = MOST) -> list[Question]:
+    """Return at least the first `most` situations of W and of Q that families draw in turn."""
     config = {"seed": seed, "families": list(FAMILIES)}
     found: dict[str, list[Question]] = {"W": [], "Q": []}
     first = 0
-    while wanted := tuple(name for name, kept in found.items() if len(kept) < MOST):
+    while wanted := tuple(name for name, kept in found.items() if len(kept) < most):
         for case in _chunk(config, first, wanted, folder):
             one = Question(case.stratum, case.family, case.index, case.read())
             found[case.stratum].append(one)
@@ -40,7 +40,7 @@ def suite(seed: int, folder: Path) -> list[Question]:
 
 
 def _chunk(config: dict[str, Any], first: int, wanted: tuple[str, ...], folder: Path) -> list[Case]:
-    """What CHUNK draws give of the strata that are wanted, kept in a file."""
+    """Return the wanted cases among CHUNK draws, kept in a file."""
     file = folder / f"draws_{first:07d}.jsonl"
     if not file.exists():
         folder.mkdir(parents=True, exist_ok=True)
@@ -51,5 +51,5 @@ def _chunk(config: dict[str, Any], first: int, wanted: tuple[str, ...], folder: 
 
 
 def asked(rows: list[Question], most: int = MOST) -> list[Question]:
-    """As many of each stratum as are asked of everybody."""
+    """Return the first situations of each stratum."""
     return [q for name in ("W", "Q") for q in [r for r in rows if r.stratum == name][:most]]

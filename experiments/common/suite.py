@@ -29,7 +29,7 @@ class Case:
     family: str
     stratum: str
     decided: bool
-    """Whether it is certain that there is a catch, or that there is none."""
+    """True if the oracle found a catch, or ruled one out."""
     lower: float
     """No movement catches before [s]."""
     upper: float
