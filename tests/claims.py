@@ -3,7 +3,7 @@
 A comment after a text, which readers of the page do not see, says for each number of the text, in
 their order, which number of a results' file it is:
 
-    catches 86 % of W and 30 % of Q <!-- from experiments/02_waiting/table.md: 86 gcm | W; 30
+    catches 85 % of W and 28 % of Q <!-- from experiments/02_waiting/table.md: 85 gcm | W; 28
     gcm | Q -->
 
 The text begins after the comment before, or with its paragraph or list item. After each number:

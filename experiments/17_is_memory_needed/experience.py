@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 from answers import within
-from questions import Question
 from trainings import LONG, PROTOTYPES, SEEDS, SIZES, STILL, WHOLE
 
+from experiments.common.questions import Question
 from experiments.common.tables import percent, points, table
 from gcm_learn.evaluation import (
     chance,

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from questions import Question
 
 from experiments.common.judging import Referee
+from experiments.common.questions import Question
 from gcm_learn.evaluation.kinds import resting
 from gcm_learn.planners import Planner, get_planner
 from gcm_learn.scene import later

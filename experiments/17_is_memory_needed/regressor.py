@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import torch
 from answers import CHECKS, Answer, Ask
-from questions import Question
 from torch import Tensor, nn
 from torch.nn import functional
 
+from experiments.common.questions import Question
 from gcm_learn import seeding
 from gcm_learn.planners import Problem
 from gcm_learn.recall import Adaptation, EncoderConfig, Labels

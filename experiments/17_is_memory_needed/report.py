@@ -27,10 +27,11 @@ from experience import (
 )
 from fronts import hybrids
 from hybrid_tables import before_fallbacks
-from questions import MOST, SPLITS, Question
+from questions import SPLITS
 from space_asked import FRONTS, fallbacks
 from trainings import LONG, LONGER, SIZES, TURNS
 
+from experiments.common.questions import MOST, Question
 from experiments.common.tables import sections
 from gcm_learn.evaluation import hierarchical
 from gcm_learn.plots import style

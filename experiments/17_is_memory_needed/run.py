@@ -20,18 +20,11 @@ import report
 from answers import answered
 from entrants import equal, longer, needed, opened, resting, shipped
 from lessons import at_rest
-from questions import (
-    SPLITS,
-    TIMED,
-    Question,
-    asked,
-    development,
-    outside,
-    suite,
-)
+from questions import SPLITS, TIMED, development, outside
 from trainings import train, train_all
 
 from experiments.common.judging import Referee
+from experiments.common.questions import Question, asked, suite
 from gcm_learn.dataset import Dataset
 from gcm_learn.errors import EncoderError
 from gcm_learn.planners import get_planner
