@@ -3,6 +3,7 @@
 python -m experiments                            list the experiments and their questions
 python -m experiments 05_recall [options]        05_recall/run.py
 python -m experiments 05_recall/space --help     another script of the folder
+python -m experiments recompute                  all tables that outcomes of situations give
 """
 
 from __future__ import annotations
@@ -19,14 +20,14 @@ STARTS = '__name__ == "__main__"'
 
 def scripts() -> dict[str, Path]:
     """Return the scripts that can be run, by name: a folder's `run.py` by that of its folder."""
-    found = (path for path in sorted(HERE.glob("*/*.py")) if STARTS in path.read_text("utf-8"))
-    return {name_of(path): path for path in found}
+    found = sorted([*HERE.glob("[!_]*.py"), *HERE.glob("*/*.py")])
+    return {name_of(path): path for path in found if STARTS in path.read_text("utf-8")}
 
 
 def name_of(script: Path) -> str:
     """Return the name by which a script is run."""
-    folder = script.parent.name
-    return folder if script.stem == "run" else f"{folder}/{script.stem}"
+    name = script.relative_to(HERE).with_suffix("")
+    return (name.parent if name.stem == "run" else name).as_posix()
 
 
 def question(folder: Path) -> str:
@@ -38,7 +39,9 @@ def listed() -> str:
     """Return a line for each folder, with its question, and one for each further script."""
     names = scripts()
     wide = max(map(len, names))
-    lines = [f"{n:{wide}}  {'' if '/' in n else question(p.parent)}" for n, p in names.items()]
+    lines = [
+        f"{n:{wide}}  {question(p.parent) if p.stem == 'run' else ''}" for n, p in names.items()
+    ]
     return "\n".join(line.rstrip() for line in sorted(lines))
 
 

@@ -1,12 +1,18 @@
 """Numbers of documents and where they come from.
 
-A comment after a text, which readers of the page do not see, says for each number of the text, in
-their order, which number of a results' file it is:
+`experiments/claims.toml` says for each number of a text, in their order, which number of a results'
+file it is:
 
-    catches 86 % of W and 30 % of Q <!-- from experiments/02_waiting/table.md: 86 gcm | W; 30
-    gcm | Q -->
+    [[claims]]
+    page = "experiments/FINDINGS.md"
+    text = "- **Waiting.**"
+    numbers = '''
+    02_waiting/table.md: 86 gcm | W; 30 gcm | Q
+    '''
 
-The text begins after the comment before, or with its paragraph or list item. After each number:
+`text` is the beginning of a paragraph, a list item or a row of a table, and names it alone. Files
+are named as links of the page would be; a line that begins with a file goes on to the next one.
+After each number:
 
 - ``row | column``: a cell of a table; where it takes several cells to tell the row, all are named,
   and ``table 2`` is the second of the file. ``[2]`` is the second number of the cell, e.g. of an
@@ -15,22 +21,25 @@ The text begins after the comment before, or with its paragraph or list item. Af
 - ``"words"``: the number stands in the file in these words
 - ``A minus B``, ``A over B``: the difference, or the share in percent
 - ``-``: a condition, and no result
-
-``from FILE:`` within a comment goes on with another file. Files are named as links would be.
+- ``~``: a result of a run whose results are not kept
 """
 
 from __future__ import annotations
 
 import json
 import re
+import tomllib
+from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-COMMENT = re.compile(r"<!-- from (.*?)-->", re.S)
+ROOT = Path(__file__).parents[1]
+CLAIMS = ROOT / "experiments" / "claims.toml"
 NUMBER = re.compile(r"(?<![\w.,^])[-+−]?\d+(?:,\d{3})*(?:\.\d+)?(?![\w^])")
 BLOCK = re.compile(r"\n\s*\n|\n(?=\s*[-*] )|\n(?=#)|\n(?=\|)")
+FILE = re.compile(r"^(\S+\.(?:md|json|toml)):\s*")
 
 
 class Claim(NamedTuple):
@@ -43,12 +52,48 @@ class Claim(NamedTuple):
 
     @property
     def is_result(self) -> bool:
-        """Whether it comes from anywhere."""
-        return self.source != "-"
+        """Whether it comes from a file."""
+        return self.source not in ("-", "~")
+
+
+class Text(NamedTuple):
+    """A text with numbers, and what is said of them."""
+
+    page: Path
+    begins: str
+    numbers: str
+
+    def block(self) -> str:
+        """Return the paragraph, list item or row that begins so."""
+        blocks = BLOCK.split(self.page.read_text("utf-8"))
+        hits = [block for block in map(str.strip, blocks) if block.startswith(self.begins)]
+        if len(hits) != 1:
+            raise LookupError(f"{self.page}: {len(hits)} texts begin with {self.begins!r}")
+        return hits[0]
+
+    def claims(self) -> Iterator[Claim]:
+        """Return what is said of each number."""
+        file = self.page
+        for part in re.split(r"[;\n]\s*", self.numbers.strip()):
+            if (other := FILE.match(part)) is not None:
+                file, part = self.page.parent / other[1], part[other.end() :]
+            told, _, source = part.partition(" ")
+            if told:
+                yield Claim(told, file, source.strip())
+
+
+@cache
+def claimed(path: Path = CLAIMS, root: Path = ROOT) -> dict[Path, list[Text]]:
+    """Return the texts of a file of claims, by page."""
+    found: dict[Path, list[Text]] = defaultdict(list)
+    for one in tomllib.loads(path.read_text("utf-8"))["claims"]:
+        page = root / one["page"]
+        found[page].append(Text(page, one["text"], one["numbers"]))
+    return found
 
 
 def numbers_of(text: str) -> list[str]:
-    """The numbers that readers see in a text."""
+    """Return the numbers that readers see in a text."""
     unseen = r"```.*?```|`[^`]*`|<[^>]*>|\]\([^)]*\)"
     text = re.sub(rf"{unseen}|\d+e-\d+", " ", text, flags=re.S)  # nor probabilities
     return NUMBER.findall(text)
@@ -59,27 +104,11 @@ def value(number: str) -> float:
     return float(number.replace(",", "").replace("−", "-"))
 
 
-def claims_of(document: Path) -> Iterator[tuple[list[str], list[Claim]]]:
-    """The numbers of every text that has a comment, and what the comment says of them."""
-    for block in BLOCK.split(document.read_text("utf-8")):
-        rest = block
-        while (found := COMMENT.search(rest)) is not None:
-            yield numbers_of(rest[: found.start()]), list(_said(found[1], document.parent))
-            rest = rest[found.end() :]
-
-
-def uncovered(text: str) -> list[str]:
-    """Numbers of a text that no comment is about."""
-    return [n for block in BLOCK.split(text) for n in numbers_of(COMMENT.split(block)[-1])]
-
-
-def _said(comment: str, folder: Path) -> Iterator[Claim]:
-    file = folder
-    for part in f"from {' '.join(comment.split())}".split("; "):
-        if (other := re.match(r"from (\S+):\s*", part)) is not None:
-            file, part = folder / other[1], part[other.end() :]
-        told, _, source = part.partition(" ")
-        yield Claim(told, file, source.strip())
+def uncovered(page: Path, texts: list[Text]) -> list[str]:
+    """Numbers of a page's paragraphs and items that nothing is said of."""
+    covered = {text.block() for text in texts}
+    blocks = map(str.strip, BLOCK.split(page.read_text("utf-8")))
+    return [n for block in blocks if block not in covered for n in numbers_of(block)]
 
 
 def agrees(claim: Claim) -> bool:
@@ -126,7 +155,7 @@ def _in_json(content: Any, keys: list[str]) -> float:
 
 @cache
 def _words(file: Path) -> str:
-    return " ".join(COMMENT.sub("", file.read_text("utf-8")).split())
+    return " ".join(file.read_text("utf-8").split())
 
 
 @cache

@@ -2,7 +2,7 @@
 
     python -m experiments benchmarks/body
 
-Times are those of the process. Ratios are medians of paired runs in this one process.
+Times are processor times. Ratios are medians of paired runs in this one process.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """How fast datasets are made and read: ``python -m experiments benchmarks/dataset [RECORDS]``.
 
-Rates are those of a run under way: the start of the processes and the loading of compiled code, a
-few seconds each time, are left out. Next to them stands the processor time of a record, made and
-written in this process, which means the same on a machine that is busy with other things as well.
+Rates leave out the start of the processes and the loading of compiled code, a few seconds each
+time. Next to them stands the processor time of a record, made and written in this process. It means
+the same on a busy machine.
 The natural mix is the family random-planar, drawn as it comes.
 """
 

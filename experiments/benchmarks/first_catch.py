@@ -39,7 +39,7 @@ def marching_ms() -> float:
 
 
 def plans(planner: LayeredInSpace, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Whether each situation is caught, and the time that it takes [ms]."""
+    """Return whether each situation is caught, and the time that it takes [ms]."""
     names = families.family_names("spatial")
     drawn = [families.draw(name, seed, k) for k in range(count) for name in names]
     for situation in drawn[: len(names)]:  # compiles

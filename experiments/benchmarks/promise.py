@@ -44,7 +44,7 @@ SHIFT = 0.1  # of bodies and joints of a file's situations [arm's reach, rad]
 
 @dataclass
 class Account:
-    """What has been asked and found."""
+    """Claims that have been asked for, and complaints."""
 
     asked: dict[str, Any]
     """Arm, seed, planners, families or file: a file of others is not gone on with."""
@@ -108,7 +108,7 @@ def source_of(args: argparse.Namespace) -> tuple[list[str], Callable[[str, int],
 
 
 def complaints(situation: AnySituation, planner: str) -> tuple[list[str] | None, float]:
-    """What the referee complains of, None if nothing is claimed; its time [ms]."""
+    """Return the referee's complaints, None without a claim, and its time [ms]."""
     plan = get_planner(planner).plan(situation)
     if not plan.caught:
         return None, 0.0
@@ -155,9 +155,9 @@ def ask(account: Account, names: list[str], planners: list[str], draw: Any) -> N
 
 
 def run(account: Account, path: Path, catches: int, step: Callable[[], None]) -> None:
-    """Ask until there are enough claims, or none any more.
+    """Ask until there are enough claims, or none comes for BARREN items.
 
-    What is found is written now and then, and at the end.
+    Findings are written now and then, and at the end.
     """
 
     def write() -> None:
@@ -185,7 +185,7 @@ def run(account: Account, path: Path, catches: int, step: Callable[[], None]) ->
 
 
 def arguments() -> argparse.Namespace:
-    """What is asked on the command line."""
+    """Return the options of the command line."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

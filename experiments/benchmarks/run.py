@@ -3,7 +3,7 @@
     make bench             this (about 4 minutes), then datasets (`dataset.py`) and `arena.py`
     python -m experiments benchmarks --situations 2000      fewer random situations
 
-Times are those of the process, not the wall clock's.  Ratios are medians of paired runs in this one
+Times are processor times, not the wall clock's.  Ratios are medians of paired runs in this one
 process: A, B, A, B, ...  Absolute times are only as good as the machine is quiet.
 """
 
@@ -136,7 +136,7 @@ def _bare_in_space(B, start, slabs, looks):
 
 @njit(cache=True)
 def _diffuse(a, b, pairs):
-    """Nothing but a 7-point Laplacian, there and back."""
+    """Apply a 7-point Laplacian, there and back."""
     d, six = np.float32(0.2), np.float32(6.0)
     for _ in range(pairs):
         for old, new in ((a, b), (b, a)):

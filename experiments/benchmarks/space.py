@@ -3,7 +3,7 @@
     python -m experiments benchmarks/space                 two arms, 80 cells a side
     python -m experiments benchmarks/space --cells 40      a smaller lattice
 
-Times are those of the process, not the wall clock's. Ratios are medians of paired runs in this one
+Times are processor times, not the wall clock's. Ratios are medians of paired runs in this one
 process: A, B, A, B, ...  "First" is the first map of an arm, for which postures have to be found.
 """
 

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from experiments.common.counting import counted
 from gcm_learn.planners import Plan, plan_to_json
+from gcm_learn.recall import HybridPlanner, RecallPlanner
 from gcm_learn.situation import Situation, situation_to_json
 from gcm_learn.storage import content_hash
 from tests import referee, referee_of_spatial_arms
@@ -33,6 +35,34 @@ class Referee:
             )
             self.known[key] = all(look.complaints for look in looks)
         return self.known[key]
+
+
+def outcome(planner: Any, situation: Any, referee: Referee) -> dict[str, Any]:
+    """Answer of a planner as a row of outcomes, without what the situation and the method are.
+
+    Processor time is that of one plan; memories are counted in a second one.
+    """
+    since = process_time()
+    plan = planner.plan(situation)
+    took = 1e3 * (process_time() - since)
+    return judged(plan, situation, referee, took) | counts(planner, situation)
+
+
+def judged(plan: Plan, situation: Any, referee: Referee, ms: float) -> dict[str, Any]:
+    """Plan and processor time [ms] as a row of outcomes, with what the referee finds."""
+    row = {"caught": plan.caught, "catch_time": plan.catch_time, "ms": ms}
+    if not plan.caught:
+        return row
+    if not situation.is_spatial:
+        return row | {"complaints": int(referee.broken(situation, plan))}
+    records = situation_to_json(situation), plan_to_json(plan, situation)
+    return row | {"complaints": len(referee_of_spatial_arms.judge(*records).complaints)}
+
+
+def counts(planner: Any, situation: Any) -> dict[str, int]:
+    """Checks, looks and bends of a planner that recalls, or none."""
+    first = planner.recall if isinstance(planner, HybridPlanner) else planner
+    return counted(first, situation) if isinstance(first, RecallPlanner) else {}
 
 
 def first_answer(planner: Any, situation: Any) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from gcm_learn.planners.completion import Problem
 from gcm_learn.planners.oracle.bounds import bounds, stratum
 from gcm_learn.situation import situation_from_json, situation_to_json
 
-CHUNK = 500  # draws that are looked through at once
+CHUNK = 50  # draws that are looked through at once
 STRATA = ("U", "L", "W", "Q")
 
 
@@ -29,7 +29,7 @@ class Case:
     family: str
     stratum: str
     decided: bool
-    """Whether it is certain that there is a catch, or that there is none."""
+    """True if the oracle found a catch, or ruled one out."""
     lower: float
     """No movement catches before [s]."""
     upper: float

@@ -67,3 +67,13 @@ def test_every_experiment_says_how_it_is_run(name):
 def test_only_the_runner_changes_where_modules_are_found():
     changing = [p.name for p in runner.HERE.rglob("*.py") if "sys.path" in p.read_text("utf-8")]
     assert changing == ["__main__.py"]
+
+
+@pytest.mark.parametrize(
+    "folder", [p for p in FOLDERS if p.name[0].isdigit()], ids=lambda p: p.name
+)
+def test_every_page_has_the_parts_of_an_experiment(folder):
+    page = (folder / "README.md").read_text("utf-8")
+    for part in ("Question", "Method", "Result", "What it means", "What it does not say"):
+        assert f"**{part}" in page, part
+    assert f"python -m experiments {folder.name}" in page

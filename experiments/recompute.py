@@ -1,0 +1,74 @@
+"""Compute all tables from the outcomes of single situations; nothing is planned.
+
+    python -m experiments recompute                     every experiment that has outcomes
+    python -m experiments recompute 05_recall           one of them
+    python -m experiments recompute --check             say what differs, and fail if anything does
+
+An experiment with files `outcomes*.csv.gz` has modules `*report` with a function `results`. It
+returns texts by name of file from the folder of the outcomes. These modules import nothing of their
+folder.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+STARTS = "def results("
+
+
+def with_outcomes() -> list[str]:
+    """Return the names of the experiments whose outcomes are kept."""
+    return sorted({file.parent.name for file in HERE.glob("*/outcomes*.csv.gz")})
+
+
+def results(folder: Path) -> dict[Path, str]:
+    """Return the texts that an experiment's outcomes give, by file."""
+    found: dict[Path, str] = {}
+    for file in sorted(folder.glob("*report.py")):
+        if STARTS in file.read_text("utf-8"):
+            report = importlib.import_module(f"experiments.{folder.name}.{file.stem}")
+            found |= {folder / name: text for name, text in report.results(folder).items()}
+    return found
+
+
+def update(folder: Path) -> None:
+    """Write what an experiment's outcomes give."""
+    for file, text in results(folder).items():
+        file.write_text(text, "utf-8")
+
+
+def differing(folder: Path) -> list[Path]:
+    """Return the files that are not what an experiment's outcomes give."""
+    return [
+        file
+        for file, text in results(folder).items()
+        if not file.exists() or file.read_text("utf-8") != text
+    ]
+
+
+def main() -> None:
+    """Write or check the tables of the experiments named."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help="experiments; all by default")
+    parser.add_argument("--check", action="store_true", help="write nothing")
+    given = parser.parse_args()
+    known = with_outcomes()
+    unknown = sorted(set(given.names) - set(known))
+    if unknown:
+        parser.error(f"no outcomes of {', '.join(unknown)}; known are {', '.join(known)}")
+    wrong = []
+    for name in given.names or known:
+        if not given.check:
+            update(HERE / name)
+        wrong += differing(HERE / name)
+    for file in wrong:
+        print(f"{file.relative_to(HERE)}: not what the outcomes give")
+    sys.exit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
