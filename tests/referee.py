@@ -49,7 +49,9 @@ class Verdict:
 def judge(situation, plan, instants=INSTANTS):
     """Check all that CONTRACT.md promises of a caught plan, in the plane or in space."""
     if situation.is_spatial:
-        return referee_of_spatial_arms.judge(situation_to_json(situation), plan_to_json(plan))
+        return referee_of_spatial_arms.judge(
+            situation_to_json(situation), plan_to_json(plan, situation)
+        )
     arm, path = situation.arm, plan.trajectory
     complaints = [*_records(situation, plan), *_speeds(arm, path)]
     t = np.unique(np.concatenate([np.linspace(0.0, path.time[-1], instants), path.time]))
