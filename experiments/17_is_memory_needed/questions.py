@@ -1,4 +1,4 @@
-"""What is asked: suites that the oracle sorted, and situations outside of what was trained on."""
+"""Questions: suites that the oracle sorted, and situations outside of the training."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 from gcm_learn.storage import write_whole
 
-TIMED = 200  # of these, that are asked where processor time is told
 SPLITS = ("test-pendulum", "test-long-arm", "test-fast", "test-crowded")
 EACH = 50  # situations of W and Q of a split
 CROWD = (6, 8)  # obstacles; those of the dataset's own families are five at most

@@ -1,4 +1,4 @@
-"""The pages of both arms: all tables, all pairs, and the figures."""
+"""The pages of both arms: tables and figures."""
 
 from __future__ import annotations
 
@@ -25,10 +25,7 @@ from experience import (
     seeds_of,
     shipped,
 )
-from fronts import hybrids
-from hybrid_tables import before_fallbacks
 from questions import SPLITS
-from space_asked import FRONTS, fallbacks
 from trainings import LONG, LONGER, SIZES, TURNS
 
 from experiments.common.questions import MOST, Question
@@ -47,12 +44,11 @@ INSTEAD = {
 
 
 def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], later: Path) -> None:
-    """Write table.md, pairs.json and figure.png of what has been asked."""
+    """Write table.md and figure.png of all answers."""
     found = read(suite / "answers")
     all_of_them = {split: read(out / "outside" / split) for split in SPLITS}
     splits = {split: one for split, one in all_of_them.items() if set(CONTROLS) <= set(one)}
     groups = {name: read(suite / name) for name in ("W", "at rest")}
-    asked = lines_of(suite / "fronts.jsonl")
     strata = np.array([q.stratum for q in rows])
     page = {
         "Equal experience": equal(found, strata),
@@ -62,18 +58,16 @@ def write(here: Path, out: Path, suite: Path, rows: Sequence[Question], later: P
         "The shipped memory": shipped(found, rows),
         "Not trained on": outside(splits),
     }
-    if asked:
-        page |= before_fallbacks(hybrids(asked), here / "pairs.json")
     page["At rest and in motion"] = resting(groups)
     more = read(later / "answers")
     turns, indexes = f"{TURNS * LONGER} turns (long), afterwards", ("long", "learned", "raw")
     page[turns] = equal(more, np.repeat(["W", "Q"], MOST), LONG, indexes)
     page[f"{turns}: differences"] = differences(more, list(combinations(indexes, 2)))
-    said = judged([found, *splits.values(), *groups.values(), more], asked)
+    said = judged([found, *splits.values(), *groups.values(), more])
     seeds = [one.name.removeprefix("fresh-") for one in (suite, later)]
     note = (
         f"Suite of seed {seeds[0]}, of long trainings {seeds[1]}: {MOST} situations of W and "
-        f"{MOST} of Q are asked of all, {len(asked) // 2} of each of fronts and fallbacks. "
+        f"{MOST} of Q. "
         f"The referee judged {said}."
     )
     write_page(here / "table.md", page, note)
@@ -86,11 +80,6 @@ def write_page(path: Path, page: dict[str, str], note: str) -> None:
     write_whole(path, sections(filled) + f"\n{note}\n")
 
 
-def lines_of(path: Path) -> list[dict[str, Any]]:
-    """Rows of a file of JSON lines, an empty list without the file."""
-    return [json.loads(x) for x in path.read_text("utf-8").splitlines()] if path.exists() else []
-
-
 def read(folder: Path) -> Found:
     """All answers of a folder."""
     return {
@@ -98,14 +87,11 @@ def read(folder: Path) -> Found:
     }
 
 
-def judged(groups: list[Found], asked: list[dict[str, Any]]) -> str:
+def judged(groups: list[Found]) -> str:
     """Numbers of catches that the referee has judged and found at fault."""
     answers = [one for group in groups for one in group.values()]
     catches = sum(sum(one["first"]) + sum(one["caught"]) for one in answers)
     broken = sum(one["broken"] for one in answers)
-    parts = [part for one in asked for part in one.values() if isinstance(part, list)]
-    catches += sum(part[0] for part in parts)
-    broken += sum(part[2] for part in parts)
     return f"{catches:,} catches and found fault with {broken}"
 
 
@@ -155,8 +141,8 @@ def figure(path: Path, found: Found, splits: dict[str, Found]) -> None:
 
 
 def write_space(here: Path, suite: Path, rows: Sequence[Question]) -> None:
-    """Write table-space.md, pairs-space.json and figure-space.png of what has been asked."""
-    found, told = read(suite / "answers"), lines_of(suite / "fronts.jsonl")
+    """Write table-space.md and figure-space.png of all answers."""
+    found = read(suite / "answers")
     strata = np.array([q.stratum for q in rows])
     page = {
         "Equal experience": equal(found, strata, space_lessons.SIZES),
@@ -165,14 +151,11 @@ def write_space(here: Path, suite: Path, rows: Sequence[Question]) -> None:
         "Is a memory needed?": needed(found, space_lessons.OF),
         "The shipped memory": shipped(found, rows),
     }
-    if told:
-        made = hybrids(told, FRONTS, fallbacks())
-        page |= before_fallbacks(made, here / "pairs-space.json")
     counts = {name: int(np.sum(strata == name)) for name in "WQ"}
     note = (
         f"Suite of seed {suite.name.removeprefix('fresh-')}: {counts['W']} situations of W and "
-        f"{counts['Q']} of Q are asked of all, {len(told)} of them of fronts and fallbacks. "
-        f"The referee judged {judged([found], told)}."
+        f"{counts['Q']} of Q. "
+        f"The referee judged {judged([found])}."
     )
     write_page(here / "table-space.md", page, note)
     figure_in_space(here / "figure-space.png", found)
