@@ -24,6 +24,7 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 from tests import referee_of_spatial_arms
+from tests.referee_of_spatial_arms import of_quaternion
 
 INSTANTS = 300  # first samples of a movement, besides the trajectory's own
 LOWS = 3  # local minima of a distance that are looked at more closely
@@ -49,7 +50,9 @@ class Verdict:
 def judge(situation, plan, instants=INSTANTS):
     """Check all that CONTRACT.md promises of a caught plan, in the plane or in space."""
     if situation.is_spatial:
-        return referee_of_spatial_arms.judge(situation_to_json(situation), plan_to_json(plan))
+        return referee_of_spatial_arms.judge(
+            situation_to_json(situation), plan_to_json(plan, situation)
+        )
     arm, path = situation.arm, plan.trajectory
     complaints = [*_records(situation, plan), *_speeds(arm, path)]
     t = np.unique(np.concatenate([np.linspace(0.0, path.time[-1], instants), path.time]))
@@ -219,14 +222,6 @@ def _turned(axis, angles):
     cross = np.cross(axis, np.eye(3)).T
     along = np.outer(axis, axis)
     return c * (np.eye(3) - along) + along + s * cross
-
-
-def of_quaternion(quaternion):
-    """Rotation (3, 3) of (w, x, y, z), as the product q e q* for every unit vector e."""
-    q = np.array(quaternion) / np.linalg.norm(quaternion)
-    w, v = q[0], q[1:]
-    columns = [e + 2.0 * np.cross(v, np.cross(v, e) + w * e) for e in np.eye(3)]
-    return np.stack(columns, axis=1)
 
 
 def _swing(motion, t):

@@ -30,6 +30,7 @@ from gcm_learn.situation import (
     Sphere,
 )
 from gcm_learn.situation.timed_motion import flown
+from tests import referee_of_chains
 
 lengths = st.floats(0.01, 0.5)
 angles = st.floats(-math.pi, math.pi)
@@ -53,14 +54,7 @@ def unit_vectors(draw, size=3):
 @st.composite
 def rotations(draw):
     """Rotation matrices (3, 3), including those by quarter turns."""
-    w, x, y, z = draw(unit_vectors(4))
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return referee_of_chains.rotations(draw(unit_vectors(4)))
 
 
 @st.composite

@@ -167,6 +167,7 @@ def test_what_a_door_lists_is_there(folder):
     listed = list(getattr(door, "__all__", ()))
     assert [name for name in listed if not hasattr(door, name)] == []
     assert len(set(listed)) == len(listed) and set(listed) == offers(folder)
+    assert not hasattr(door, "nothing_of_this_name")
 
 
 def test_kernels_take_few_parameters():

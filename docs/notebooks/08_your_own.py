@@ -53,9 +53,9 @@ for planner in (Patient(0.0, 0.9), Patient(0.4, 0.9)):
 # %%
 from gcm_learn.evaluation import compare, draw_suite
 
-suite = draw_suite("gate", 8, workers=1)
+suite = draw_suite("demo", 8)
 results = compare(["straight", Patient(0.4, 0.9), "search"], suite, charge=0, workers=1)
-names, outcomes = results["method"], results["outcome"]
+names, outcomes = results["policy"], results["outcome"]
 for name in dict.fromkeys(names.tolist()):
     rows = outcomes[names == name]
     print(f"{name:12}", {one: int((rows == one).sum()) for one in sorted(set(rows.tolist()))})

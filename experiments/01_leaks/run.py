@@ -13,6 +13,7 @@ from pathlib import Path
 
 from walls import MOTIONS, PARTS, Walls, draw, leaked_cells, leaked_states
 
+from experiments.common.tables import line, sections, table
 from gcm_learn import seeding
 from gcm_learn.wave import (
     MarchingParams,
@@ -111,15 +112,13 @@ def leaks(row: Row, speed: float, scenes: int) -> str:
     return f"{100.0 * leaked / fronts:.0f} % ({worst})" if leaked else "0"
 
 
-def table(title: str, rows: tuple[Row, ...], scenes: int) -> list[str]:
-    """Make a markdown table: one line a row, one column a speed."""
-    lines = ["", f"## {title}", "", f"| | {' | '.join(f'{v:g}' for v in SPEEDS)} |"]
-    lines.append("|---" * (len(SPEEDS) + 1) + "|")
+def measured(rows: tuple[Row, ...], scenes: int) -> str:
+    """Return a table with one line for each way and one column for each speed."""
+    lines = []
     for row in rows:
-        entries = [leaks(row, speed, scenes) for speed in SPEEDS]
-        lines.append(f"| {row.name} | {' | '.join(entries)} |")
-        print(lines[-1], flush=True)
-    return lines
+        lines.append([row.name, *(leaks(row, speed, scenes) for speed in SPEEDS)])
+        print(line(lines[-1]), flush=True)
+    return table(["", *(f"{speed:g}" for speed in SPEEDS)], lines)
 
 
 def main() -> None:
@@ -128,16 +127,18 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=25, help="of every part and motion")
     parser.add_argument("--out", type=Path, default=HERE / "table.md")
     arguments = parser.parse_args()
-    lines = [
-        "# Fronts that leak through walls, by the walls' speed [cells per tau]",
-        "",
+    rows = {
+        "Walls without thickness, margin 1": ENGINES,
+        "Thicker walls, margin 1": PROMISE,
+        "Cells' centres only, margin 0": BARE,
+    }
+    text = (
+        "# Fronts that leak through walls, by the walls' speed [cells per tau]\n\n"
         "Share of the fronts and, in parentheses, the cells that the worst one reached behind a"
-        f" wall. {arguments.scenes} scenes of every part of the arm and kind of motion.",
-    ]
-    lines += table("Walls without thickness, margin 1", ENGINES, arguments.scenes)
-    lines += table("Thicker walls, margin 1", PROMISE, arguments.scenes)
-    lines += table("Cells' centres only, margin 0", BARE, arguments.scenes)
-    arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        f" wall. {arguments.scenes} scenes of every part of the arm and kind of motion.\n\n"
+    )
+    tables = {title: measured(ways, arguments.scenes) for title, ways in rows.items()}
+    arguments.out.write_text(text + sections(tables), encoding="utf-8")
 
 
 if __name__ == "__main__":

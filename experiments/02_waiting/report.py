@@ -1,18 +1,18 @@
-"""The table and the figure."""
+"""The table and the figure, computed from outcomes."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from answers import Answer
 
-from experiments.common.suite import STRATA, Case
+from experiments.common.comparing import complaints, share, times
+from experiments.common.outcomes import Outcomes, read
+from experiments.common.tables import table
 from gcm_learn.evaluation import stratified
 
 REACHABLE = ("L", "W", "Q")
@@ -22,84 +22,78 @@ WORDS = {
     "W": "W: a way round",
     "Q": "Q: only with waiting",
 }
+SHARES = (0.5, 0.95)  # of processor times
+SOON = 1e-6  # the oracle's catches at once have no ratio [s]
 
 
-def _columns(cases: list[Case], answers: list[Answer]) -> dict[str, np.ndarray]:
-    """Arrays (m,) over the cases that a planner has answered."""
-    by_index = {case.index: case for case in cases}
-    mine = [by_index[answer.index] for answer in answers]
-    return {
-        "stratum": np.array([case.stratum for case in mine]),
-        "family": np.array([case.family for case in mine]),
-        "reference": np.array([min(case.upper, 1e9) for case in mine]),
-        "lower": np.array([case.lower for case in mine]),
-        "caught": np.array([answer.caught for answer in answers]),
-        "time": np.array([answer.catch_time for answer in answers]),
-        "ms": np.array([answer.planning_ms for answer in answers]),
-        "broken": np.array([answer.broken for answer in answers]),
-    }
+def results(folder: Path) -> dict[str, str]:
+    """Return the table of the outcomes."""
+    return {"table.md": tabled(read(folder / "outcomes.csv.gz"))}
 
 
-def write_table(
-    file: Path,
-    config: dict[str, Any],
-    cases: list[Case],
-    seen: dict[str, int],
-    answers: dict[str, list[Answer]],
-) -> None:
-    """Catches over reachable by stratum, times over the oracle's, latency, broken promises."""
-    counts = {s: sum(c.stratum == s for c in cases) for s in STRATA}
-    open_cases = sum(not c.decided for c in cases)
-    families = len({case.family for case in cases})
-    lines = [
-        f"Situations: {counts} from {families} families, seed {config['seed']}; draws by kind: "
-        f"{dict(sorted(seen.items()))}. "
-        f"In {open_cases} of U the oracle neither found a catch nor ruled it out.",
-        "",
-        "| planner | L | W | Q | L + W + Q | time / oracle's, median (90 %) | U caught "
-        "| ms, median (95 %) | broken |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    lines += [_row(name, _columns(cases, answers[name])) for name in answers]
-    file.write_text("\n".join(lines) + "\n")
+def tabled(found: Outcomes) -> str:
+    """Return catches over reachable by stratum, times over the oracle's, latency, complaints."""
+    one = found.where(method="layered")
+    counts = {s: len(one.where(stratum=s)) for s in WORDS}
+    still_open = int(np.sum((one["decided"] == 0) & (one["stratum"] == "U")))
+    note = (
+        f"Situations: {counts} from {len(set(one['family'].tolist()))} families. "
+        f"In {still_open} of U the oracle neither found a catch nor ruled it out. "
+        "Some planners answered fewer: the first of each stratum."
+    )
+    head = [
+        "planner", "number", *REACHABLE, " + ".join(REACHABLE), "time / oracle's, median (90 %)",
+        "U caught", "ms", "95 %", "complaints",
+    ]  # fmt: skip
+    names = _order(found)
+    caught = table(head, [_row(found, name) for name in names])
+    clock = "Processor time by stratum [ms], median / 95 %:"
+    spent = table(
+        ["planner", *(f"{s}, ms" for s in WORDS)], [_spent(found, name) for name in _order(found)]
+    )
+    return "\n\n".join([note, caught, clock, spent]) + "\n"
 
 
-def _row(name: str, c: dict[str, np.ndarray]) -> str:
-    cells = []
-    for strata in (("L",), ("W",), ("Q",), REACHABLE):
-        here = np.isin(c["stratum"], strata)
-        _, low, high = stratified(c["caught"][here], c["family"][here])
-        cells.append(f"{100 * c['caught'][here].mean():.1f} ({100 * low:.1f}-{100 * high:.1f})")
-    both = c["caught"] & np.isin(c["stratum"], REACHABLE) & (c["reference"] > 1e-6)
-    ratio = c["time"][both] / c["reference"][both]
-    cells.append(f"{np.median(ratio):.3f} ({np.percentile(ratio, 90):.2f})")
-    cells.append(str(int(c["caught"][c["stratum"] == "U"].sum())))
-    cells.append(f"{np.median(c['ms']):.2f} ({np.percentile(c['ms'], 95):.1f})")
-    cells.append(str(int(c["broken"].sum())))
-    return f"| `{name}` | {' | '.join(cells)} |"
+def _spent(found: Outcomes, name: str) -> list[str]:
+    mine = found.where(method=name)
+    return [f"`{name}`", *(" / ".join(times(mine.where(stratum=s), SHARES)) for s in WORDS)]
 
 
-def _hard(columns: dict[str, np.ndarray]) -> float:
-    """Share that is caught where a straight line does not do."""
-    return float(columns["caught"][np.isin(columns["stratum"], ("W", "Q"))].mean())
+def _row(found: Outcomes, name: str) -> list[str]:
+    mine = found.where(method=name)
+    shares = [share(mine.where(stratum=s), 1) for s in (*REACHABLE, REACHABLE)]
+    both = mine.where(mine["caught"] & (mine["oracle"] > SOON), stratum=REACHABLE)
+    ratio = both["catch_time"] / both["oracle"]
+    late = f"{np.median(ratio):.3f} ({np.percentile(ratio, 90):.2f})"
+    lost = str(int(mine.where(stratum="U")["caught"].sum()))
+    clock = times(mine, SHARES)
+    return [f"`{name}`", str(len(mine)), *shares, late, lost, *clock, complaints(mine)]
 
 
-def write_figure(file: Path, cases: list[Case], answers: dict[str, list[Answer]]) -> None:
-    """Catch rate by stratum and planner, with intervals."""
-    names = sorted(answers, key=lambda name: _hard(_columns(cases, answers[name])))
+def _hard(rows: Outcomes) -> float:
+    """Return the share that is caught where a straight line does not do."""
+    return float(rows.where(stratum=("W", "Q"))["caught"].mean())
+
+
+def _order(found: Outcomes) -> list[str]:
+    """Return the planners by what they catch of W and Q."""
+    return sorted(found.methods(), key=lambda name: _hard(found.where(method=name)))
+
+
+def write_figure(file: Path, found: Outcomes) -> None:
+    """Draw catch rates by stratum and planner, with intervals."""
+    names = _order(found)
     figure, axes = plt.subplots(1, 3, figsize=(11, 0.42 * len(names) + 1.6), sharey=True)
     for ax, stratum in zip(axes, REACHABLE, strict=True):
         for row, name in enumerate(names):
-            c = _columns(cases, answers[name])
-            here = c["stratum"] == stratum
-            share = 100 * c["caught"][here].mean()
-            _, low, high = stratified(c["caught"][here], c["family"][here])
+            mine = found.where(method=name, stratum=stratum)
+            value, low, high = (100 * one for one in stratified(mine["caught"], mine["family"]))
             colour = "tab:red" if name.startswith("layered") else "0.55"
-            ax.barh(row, share, color=colour, alpha=0.85, height=0.7)
-            ax.plot([100 * low, 100 * high], [row, row], color="black", lw=1.2)
-            inside = share >= 10
-            place, colour = (2, "white") if inside else (share + 2, "black")
-            ax.text(place, row, f"{share:.0f}", va="center", color=colour, fontsize=8)
+            ax.barh(row, value, color=colour, alpha=0.85, height=0.7)
+            ax.plot([low, high], [row, row], color="black", lw=1.2)
+            inside = value >= 10
+            place, colour = (2, "white") if inside else (value + 2, "black")
+            ax.text(place, row, f"{value:.0f}", va="center", color=colour, fontsize=8)
         ax.set(title=WORDS[stratum], xlim=(0, 101), xlabel="caught [% of reachable]")
         for side in ("top", "right"):
             ax.spines[side].set_visible(False)

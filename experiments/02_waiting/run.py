@@ -1,9 +1,9 @@
-"""Which planner catches what: the same situations of every stratum for all; writes table.md.
+"""Which planner catches what: the same situations of every stratum for all; writes outcomes.
 
-python -m experiments 02_waiting                     draw, plan, judge: hours on two cores
+python -m experiments 02_waiting                     draw, plan, judge: an hour
 python -m experiments 02_waiting --per-stratum 50    a quick look, minutes
 
-What is done is kept in out/ and not done again; Ctrl-C is safe.
+Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
 
 from __future__ import annotations
@@ -13,15 +13,18 @@ import json
 from pathlib import Path
 
 from answers import answers_of
-from report import write_figure, write_table
+from report import write_figure
 
+from experiments import recompute
+from experiments.common import outcomes
 from experiments.common.suite import make
 
 HERE = Path(__file__).resolve().parent
+OUTCOMES = HERE / "outcomes.csv.gz"
 
 
 def main() -> None:
-    """Run what is missing and write table.md and figure.png."""
+    """Run what is missing; write the outcomes, and table and figure from them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--per-stratum", type=int, help="situations of each stratum")
     parser.add_argument("--workers", type=int, default=2)
@@ -30,10 +33,10 @@ def main() -> None:
     if arguments.per_stratum is not None:
         config["per_stratum"] = arguments.per_stratum
     out = HERE / "out" / str(config["per_stratum"])
-    cases, seen = make(config, out / "draws", arguments.workers)
-    answers = answers_of(config, cases, out / "answers", arguments.workers)
-    write_table(HERE / "table.md", config, cases, seen, answers)
-    write_figure(HERE / "figure.png", cases, answers)
+    cases, _ = make(config, out / "draws", arguments.workers)
+    outcomes.write(OUTCOMES, answers_of(config, cases, out / "answers", arguments.workers))
+    recompute.update(HERE)
+    write_figure(HERE / "figure.png", outcomes.read(OUTCOMES))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the families hold: strata, thrown-away draws and cost; writes table.md or table-space.md.
+"""Measure the families: strata, thrown-away draws and cost; write table.md or table-space.md.
 
 python -m experiments 03_families              300 situations a family: half an hour on one core
 python -m experiments 03_families --count 30   a quick look
@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from time import process_time
 
+from experiments.common.tables import line, table
 from gcm_learn import seeding
 from gcm_learn.families import draw, family_names, get_family
 from gcm_learn.motion.rules import start_clearance
@@ -23,26 +24,23 @@ HERE = Path(__file__).resolve().parent
 SEED = 20
 PLANNERS = {"straight": "L", "marching": "W", "layered": "Q"}
 BATCH = 25  # draws that are timed together; the fastest batch is the least disturbed one
-HEAD = (
-    "| family | L | W | Q | U | thrown away | draw [µs] | straight | marching | layered | 95 % |\n"
-    "|---|---|---|---|---|---|---|---|---|---|---|\n"
-)
+HEAD = ("family", *"LWQU", "thrown away", "draw [µs]", *PLANNERS, "95 %")
 
 
 def blocked(situation: AnySituation) -> bool:
-    """Whether the limb touches something at t = 0."""
+    """Return whether the limb touches something at t = 0."""
     return start_clearance(pack(situation)) <= 0.0
 
 
 def timed(work: Callable[[], object]) -> tuple[object, float]:
-    """What some work gives, and its processor time [ms]."""
+    """Return the result of some work, and its processor time [ms]."""
     before = process_time()
     result = work()
     return result, 1e3 * (process_time() - before)
 
 
-def row(name: str, count: int) -> str:
-    """Measure one family."""
+def row(name: str, count: int) -> list[str]:
+    """Return what is measured of one family."""
     family = get_family(name)
     sketches = (family.sketch(seeding.rng(SEED + 1, k), "x") for k in range(count))
     thrown = sum(map(blocked, sketches)) / count
@@ -66,9 +64,7 @@ def row(name: str, count: int) -> str:
     shares = [f"{100 * strata[s] / count:.0f}" for s in strata]
     means = [f"{sum(ms) / count:.1f}" for ms in spent.values()]
     slow = f"{sorted(spent['layered'])[int(0.95 * count)]:.0f}"
-    return " | ".join(
-        [f"| {name}", *shares, f"{100 * thrown:.0f}", f"{min(batches):.0f}", *means, f"{slow} |\n"]
-    )
+    return [name, *shares, f"{100 * thrown:.0f}", f"{min(batches):.0f}", *means, slow]
 
 
 def main() -> None:
@@ -81,14 +77,13 @@ def main() -> None:
     for planner in PLANNERS:  # compiled code is loaded before anything is timed
         for name in names if given.spatial else ("gate", "pendulum"):
             get_planner(planner).plan(draw(name, SEED, count))
-    text = HEAD
+    rows = []
     for name in names:
-        text += row(name, count)
-        print(text.splitlines()[-1], flush=True)
-    note = (
-        f"\n{count} situations each, seed {SEED}. Shares in %, planners in ms of processor time.\n"
-    )
-    (HERE / ("table-space.md" if given.spatial else "table.md")).write_text(text + note, "utf-8")
+        rows.append(row(name, count))
+        print(line(rows[-1]), flush=True)
+    note = f"{count} situations each, seed {SEED}. Shares in %, planners in ms of processor time."
+    file = HERE / ("table-space.md" if given.spatial else "table.md")
+    file.write_text(f"{table(HEAD, rows)}\n\n{note}\n", "utf-8")
 
 
 if __name__ == "__main__":

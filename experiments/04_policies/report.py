@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from experiments.common.tables import table
 from gcm_learn.plots import style
 
 if TYPE_CHECKING:
@@ -23,25 +24,22 @@ Row = tuple["Arm", Path, Mapping[str, float]]
 
 def write_report(folder: Path, rows: Sequence[Row]) -> None:
     """Write table.md and figure.png."""
-    lines = [
-        "| learner | how | told | validation | L | W | Q | touched | best after steps |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
+    head = ["learner", "how", "told", "validation", *"LWQ", "touched", "best after steps"]
+    lines = []
     for arm, place, scores in rows:
         told = "state, embedding" if arm.embedding else "state"
-        caught = " | ".join(f"{100 * scores[f'caught {s}']:.1f}" for s in "LWQ")
         state = json.loads((place / "state.json").read_text("utf-8"))
-        lines.append(
-            f"| {NAMES[arm.learner]} | {HELP[arm.help]} | {told} "
-            f"| {100 * state['scores']['caught']:.1f} | {caught} "
-            f"| {100 * scores['touched']:.1f} | {state['best']:,} |"
-        )
-    (folder / "table.md").write_text("\n".join(lines) + "\n", "utf-8")
+        names = [f"caught {stratum}" for stratum in "LWQ"] + ["touched"]
+        shares = [state["scores"]["caught"], *(scores[name] for name in names)]
+        cells = [f"{100 * share:.1f}" for share in shares]
+        learner = [NAMES[arm.learner], HELP[arm.help], told]
+        lines.append([*learner, *cells, f"{state['best']:,}"])
+    (folder / "table.md").write_text(table(head, lines) + "\n", "utf-8")
     _draw(rows, folder / "figure.png")
 
 
 def _draw(rows: Sequence[Row], path: Path) -> None:
-    """Learning curves: a panel for each learner, broken lines where an embedding is told."""
+    """Learning curves: a panel for each learner, broken lines where the embedding is observed."""
     learners = [name for name in ("ppo", "sac", "tqc") if any(r[0].learner == name for r in rows)]
     figure = style.new_figure(3.2 * len(learners), 3.4)
     axes = np.atleast_1d(figure.subplots(1, len(learners), sharey=True))

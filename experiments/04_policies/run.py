@@ -1,4 +1,4 @@
-"""What learners catch: by reward alone, guided by maps, or begun with planned catches.
+"""Compare learners: by reward alone, guided by maps, or begun with planned catches.
 
 python -m experiments 04_policies OUT [--workers 2]   goes on where it was stopped
 
@@ -56,7 +56,7 @@ class Arm:
     """scratch, guide (maps' time to go in the reward) or catches (a cloned start; learners with a
     replay buffer are also shown the catches)."""
     embedding: bool = False
-    """Whether the embedding of the situation is told, too."""
+    """True if the embedding of the situation is observed, too."""
 
     @property
     def name(self) -> str:
@@ -64,7 +64,7 @@ class Arm:
         return f"{self.learner}-{self.help}" + ("-embedding" if self.embedding else "")
 
     def plan(self, out: Path, seed: int) -> TrainingPlan:
-        """What is trained; arms differ only in what they are about."""
+        """Return the training of an arm; arms differ in one thing each."""
         entry: dict[str, Any] = {**LEARNERS[self.learner], "seed": seed}
         entry["situations"] = [
             {"source": "data/train", "count": SITUATIONS, "strata": list(STRATA)}

@@ -1,9 +1,9 @@
-"""What policies in space catch that others do not who learned nothing: unseen situations, in pairs.
+"""Compare policies in space with rules that do not learn: unseen situations, in pairs.
 
     python -m experiments 04_policies/space models/ppo-space [models/OTHER ...]
 
-Situations are drawn from all families in space, or read (`--source`), under a seed that trained
-nothing and chose nothing. All are counted, whether or not there is a way to catch.
+Situations are drawn from all families in space, or read (`--source`), under a seed that served
+neither training nor choice. All are counted, whether or not there is a way to catch.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.common.tables import line, table
 from gcm_learn.evaluation import mcnemar, wilson
 from gcm_learn.execution import (
     AIM,
@@ -39,14 +40,14 @@ class Straight:
         self.at = settings.straight
 
     def act(self, moment: Moment) -> np.ndarray:
-        """That command (n, 4), as it is told."""
+        """Return that command (n, 4), as it is observed."""
         return moment.observations[:, self.at : self.at + 4].astype(float)
 
 
 class Fan:
-    """A rule without learning: the ray that is free longest, has most room and turns least.
+    """A rule without learning: the ray that is free longest, has most clearance and turns least.
 
-    One that leads into the target comes first. Room counts half of a turn about; these weights were
+    A ray into the target comes first. Clearance counts half of a turn about. These weights were
     chosen on the validation situations.
     """
 
@@ -85,9 +86,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         rules: list[Any] = [Straight(actor.settings)]
         if actor.settings.fan:
             rules.append(Fan(actor.settings))
-        names = "".join(f" {type(rule).__name__.lower()} | won | lost | p |" for rule in rules)
-        print(f"\n{folder}\n\n| situations | number | caught | touched |{names}")
-        print("|---|---|---|---|" + "---|---|---|---|" * len(rules))
+        head = ["situations", "number", "caught", "touched"]
+        for rule in rules:
+            head += [type(rule).__name__.lower(), "won", "lost", "p"]
+        print(f"\n{folder}\n\n{table(head)}")
         for source in options.source or family_names("spatial"):
             pool = pool_of(source, options.count, options.seed, actor.settings)
             places = np.arange(len(pool))
@@ -96,19 +98,19 @@ def main(arguments: Sequence[str] | None = None) -> None:
             played += [run_episode(rule, plant, places) for rule in rules]
             caught.append(np.array([e.outcomes == CAUGHT for e in played]))
             touched.append(played[0].outcomes == COLLIDED)
-            print(row(source, caught[-1], touched[-1]), flush=True)
-        print(row("all", np.hstack(caught), np.hstack(touched)), flush=True)
+            print(line(row(source, caught[-1], touched[-1])), flush=True)
+        print(line(row("all", np.hstack(caught), np.hstack(touched))), flush=True)
 
 
-def row(name: str, caught: np.ndarray, touched: np.ndarray) -> str:
-    """Return a row of the table."""
+def row(name: str, caught: np.ndarray, touched: np.ndarray) -> list[str]:
+    """Return the cells of a row of the table."""
     n, mine = caught.shape[1], caught[0]
-    text = f"| {name} | {n} | {interval(int(mine.sum()), n)} | {touched.mean():.1%} |"
+    cells = [name, str(n), interval(int(mine.sum()), n), f"{touched.mean():.1%}"]
     for other in caught[1:]:
         won, lost, p = mcnemar(mine, other)
         rare = f"{p:.1g}" if p > 1e-99 else "under 1e-99"
-        text += f" {interval(int(other.sum()), n)} | {won} | {lost} | {rare} |"
-    return text
+        cells += [interval(int(other.sum()), n), str(won), str(lost), rare]
+    return cells
 
 
 if __name__ == "__main__":

@@ -1,23 +1,18 @@
-"""Planar situations unlike those of the families, where a straight line fails; for suites.py.
+"""Planar situations unlike the families', in which a straight line fails.
 
-python -m experiments 05_recall/standin FOLDER --seed N [--count 300]
-
-Other arms (upper arms of 0.55 to 1.6 forearms, thick ones, slow and fast hands), two to six bodies
-of all shapes and sizes anywhere, half of which rest. Kept is what `layered` catches and `straight`
-does not: as W what `marching` catches, else as Q. Families of the rows are classes of arms.
+Arms differ: upper arms of 0.55 to 1.6 forearms, thick limbs, slow and fast hands. Two to six bodies
+of all shapes and sizes are anywhere, half of them at rest. Kept are situations that `layered`
+catches and `straight` does not: W if `marching` catches, else Q. Families are classes of arms.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-from pathlib import Path
+from itertools import count
 
+from experiments.common.questions import Question
 from gcm_learn import get_planner, seeding
 from gcm_learn.families.family import ArmRanges
 from gcm_learn.families.random_planar import RandomPlanar
-from gcm_learn.situation import situation_to_json
-from gcm_learn.storage import write_whole
 
 ARM = ArmRanges(
     upper_arm=(0.55, 1.6), thickness=(0.0, 0.03, 0.06), hand_speed=(1.5, 5.0), horizon=(0.7, 2.0)
@@ -31,33 +26,21 @@ FAMILY = RandomPlanar(
     corners=(0.08, 0.45),
 )
 TRAINED = (0.8, 1.15)  # upper arms [forearms]
+MOST = 300  # situations
 
 
-def main() -> None:
-    """Draw, sort, write W.jsonl and Q.jsonl."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=300)
-    given = parser.parse_args()
+def suite(seed: int) -> list[Question]:
+    """Return the first situations of a seed that are kept."""
     straight, marching, layered = map(get_planner, ("straight", "marching", "layered"))
-    rows: dict[str, list[str]] = {"W": [], "Q": []}
-    index = 0
-    while sum(map(len, rows.values())) < given.count:
-        situation = FAMILY.draw(seeding.rng(given.seed, index), f"stand-in-{index:05d}")
-        index += 1
+    kept: list[Question] = []
+    for index in count():
+        situation = FAMILY.draw(seeding.rng(seed, index), f"stand-in-{index:05d}")
         if straight.plan(situation).caught or not layered.plan(situation).caught:
             continue
         stratum = "W" if marching.plan(situation).caught else "Q"
         arm = situation.arm.upper_arm
         side = "short" if arm < TRAINED[0] else "long" if arm > TRAINED[1] else "as trained"
-        row = {"family": side, "situation": situation_to_json(situation)}
-        rows[stratum].append(json.dumps(row) + "\n")
-    given.folder.mkdir(parents=True, exist_ok=True)
-    for stratum, lines in rows.items():
-        write_whole(given.folder / f"{stratum}.jsonl", "".join(lines))
-    print(f"{index} draws", {name: len(lines) for name, lines in rows.items()})
-
-
-if __name__ == "__main__":
-    main()
+        kept.append(Question(stratum, side, index, situation))
+        if len(kept) == MOST:
+            return kept
+    return kept

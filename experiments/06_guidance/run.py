@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.common.tables import table
 from gcm_learn.plots import style
 from gcm_learn.policies import TrainingPlan, plan_of, train
 
@@ -87,22 +88,22 @@ def steps_to(curve: np.ndarray, rate: float) -> float:
 def report(curves: dict[str, list[np.ndarray]]) -> str:
     """The table: steps to 80 % of the final rate from scratch, by arm."""
     final = {arm: [float(np.mean(c[-3:, 1])) for c in each] for arm, each in curves.items()}
-    lines = [
-        "| arm | seeds | final rate [%], median (least to most) | goal: 80 % of scratch's [%] "
-        "| steps to the goal, median (least to most) | of scratch's |",
-        "|---|---|---|---|---|---|",
-    ]
+    head = [
+        "arm", "seeds", "final rate [%], median (least to most)", "goal: 80 % of scratch's [%]",
+        "steps to the goal, median (least to most)", "of scratch's",
+    ]  # fmt: skip
+    lines = []
     for arm, each in curves.items():
         goal = SHARE * float(np.median(final[BASES[arm]]))
         base = float(np.median([steps_to(c, goal) for c in curves[BASES[arm]]]))
         needed = [steps_to(c, goal) for c in each]
         middle = float(np.median(needed))
-        lines.append(
-            f"| {ARMS[arm]} | {len(each)} | {100 * np.median(final[arm]):.1f} "
-            f"({100 * min(final[arm]):.0f} to {100 * max(final[arm]):.0f}) | {100 * goal:.0f} | "
-            f"{middle:,.0f} ({min(needed):,.0f} to {max(needed):,.0f}) | {middle / base:.2f} |"
-        )
-    return "\n".join(lines) + "\n"
+        low, high = 100 * min(final[arm]), 100 * max(final[arm])
+        rate = f"{100 * np.median(final[arm]):.1f} ({low:.0f} to {high:.0f})"
+        steps = f"{middle:,.0f} ({min(needed):,.0f} to {max(needed):,.0f})"
+        share = f"{middle / base:.2f}"
+        lines.append([ARMS[arm], len(each), rate, f"{100 * goal:.0f}", steps, share])
+    return table(head, lines) + "\n"
 
 
 def draw(curves: dict[str, list[np.ndarray]], path: Path) -> None:

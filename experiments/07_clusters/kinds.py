@@ -46,7 +46,7 @@ BRISK = 3.0  # rates of their joints, in hand speeds [rad / forearm]
 
 
 def features_of(situation: Any, trajectory: Any) -> np.ndarray:
-    """What a movement to a catch is like (len(FEATURES),), of either kind of arm."""
+    """Return the features of a movement to a catch (len(FEATURES),), of either kind of arm."""
     hand, line = (way / situation.arm.reach for way in ways_of(trajectory))
     steps, least = (np.linalg.norm(np.diff(way, axis=0), axis=1) for way in (hand, line))
     resting = steps < SLOW * np.quantile(steps, 0.95)
@@ -123,7 +123,7 @@ class Kinds(NamedTuple):
         return np.asarray(self.fit.predict(self.scaled(rows)))
 
     def named(self, rows: np.ndarray) -> dict[int, str]:
-        """What to call each kind, by the medians of its movements."""
+        """Return a name for each kind, by the medians of its movements."""
         mine = self(rows)
         middle = np.array([np.median(rows[mine == k], axis=0) for k in range(self.fit.n_clusters)])
         way, straight, round_ = middle[:, WAY], [], {}
@@ -170,7 +170,7 @@ def lifted(situation: Situation, *, held: bool) -> Situation[SpatialArm]:
 
 
 def posture_of(arm: Arm) -> tuple[float, float]:
-    """How a planar arm with its elbow on the right is bent, and how it is turned [rad]."""
+    """Return the angles of a planar arm with its elbow on the right: elbow and direction [rad]."""
     x, y = arm.hand
     cosine = (x * x + y * y - arm.upper_arm**2 - 1.0) / (2.0 * arm.upper_arm)
     bend = math.acos(min(max(cosine, -1.0), 1.0))

@@ -20,6 +20,7 @@ from sklearn.decomposition import PCA
 from sklearn.manifold import TSNE
 from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
 
+from experiments.common.tables import table
 from gcm_learn import dataset, seeding
 from gcm_learn.dataset import Record
 from gcm_learn.recall import (
@@ -46,7 +47,7 @@ REPEATS = 8  # resamples whose clusterings are compared
 ASKED, TRIED = 1500, 120  # situations that need more than a straight line; memories tried on each
 LETTERS = 2  # obstacles passed that a class tells; more are summed up
 REST = -1  # HDBSCAN: in no cluster
-Cluster = Callable[[np.ndarray, int], np.ndarray]
+Transfer = tuple[float, float, float, float, float]
 
 
 class Experience(NamedTuple):
@@ -101,7 +102,7 @@ def short(sides: str) -> str:
 
 
 def spaces(some: Experience, encoder: Encoder) -> dict[str, np.ndarray]:
-    """Where the catches lie (n, d), by what is known of them."""
+    """Return the places of the catches (n, d), by the features they are placed by."""
     situations = [record.situation for record in some.records]
     queries = np.array([encoder.embed_situation(s) for s in situations])
     memories = encoder.embed_memories(situations, some.traces, some.goals)
@@ -121,7 +122,7 @@ def directions(rows: np.ndarray) -> np.ndarray:
 
 
 def without(rows: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """What is left of rows (n, d) when all that is linear in some numbers (n, m) is taken out."""
+    """Return the residuals of rows (n, d) after a linear fit by some numbers (n, m)."""
     inputs = np.column_stack([np.ones(len(rows)), (known - known.mean(0)) / (known.std(0) + 1e-9)])
     weights, *_ = np.linalg.lstsq(inputs, rows, rcond=None)
     return rows - inputs @ weights
@@ -133,7 +134,7 @@ def k_means(rows: np.ndarray, seed: int) -> KMeans:
 
 
 def hdbscan(rows: np.ndarray) -> np.ndarray:
-    """Clusters (n,), REST for what lies in none; densities are asked for in few dimensions."""
+    """Clusters (n,), REST for what lies in none; densities are estimated in few dimensions."""
     few = PCA(FEW, random_state=0).fit_transform(rows)
     return np.asarray(HDBSCAN(min_cluster_size=LEAST, min_samples=5, copy=True).fit_predict(few))
 
@@ -150,10 +151,10 @@ def agreement(clusters: np.ndarray, labels: np.ndarray) -> tuple[float, float, f
     return value, value - 1.96 * spread, value + 1.96 * spread
 
 
-def stability(rows: np.ndarray) -> tuple[float, float]:
+def stability(rows: np.ndarray, repeats: int = REPEATS) -> tuple[float, float]:
     """Mean adjusted Rand index and mutual information of k-means on bootstrap samples."""
     fits = []
-    for k in range(REPEATS):
+    for k in range(repeats):
         sample = seeding.rng(8, k).integers(len(rows), size=len(rows))
         fits.append(k_means(rows[sample], k).predict(rows.astype(rows[sample].dtype)))
     pairs = [(a, b) for k, a in enumerate(fits) for b in fits[:k]]
@@ -177,6 +178,9 @@ def stability_of_densities(rows: np.ndarray, repeats: int = 3) -> float:
     return float(np.mean(values))
 
 
+Times = Callable[[Experience, int, np.ndarray], np.ndarray]
+
+
 class Tries(NamedTuple):
     """Memories tried on situations of others."""
 
@@ -185,19 +189,24 @@ class Tries(NamedTuple):
     holds: np.ndarray  # (m, t) bool
 
 
-def tries(some: Experience) -> Tries:
-    """Random memories on situations in which a straight line does not catch."""
+def on_situation(some: Experience, index: int, row: np.ndarray) -> np.ndarray:
+    """Return catch times of memories on a situation in the plane, negative without a catch."""
+    return transfer(some.records[index].situation, some.traces, some.goals, row)
+
+
+def tries(some: Experience, times: Times = on_situation, most: int = ASKED) -> Tries:
+    """Return random memories on situations in which a straight line does not catch.
+
+    `times` gives the catch times of such memories on one situation, `most` bounds the situations.
+    """
     rng = seeding.rng(10)
-    hard = rng.permutation(np.flatnonzero(some.labels["stratum"] != "L"))[:ASKED]
+    hard = rng.permutation(np.flatnonzero(some.labels["stratum"] != "L"))[:most]
     tried = rng.integers(len(some.records), size=(len(hard), TRIED))
-    holds = [
-        transfer(some.records[i].situation, some.traces, some.goals, row) >= 0.0
-        for i, row in zip(hard.tolist(), tried, strict=True)
-    ]
+    holds = [times(some, i, row) >= 0.0 for i, row in zip(hard.tolist(), tried, strict=True)]
     return Tries(hard, tried, np.array(holds) & (tried != hard[:, None]))
 
 
-def transfers(found: Tries, clusters: np.ndarray) -> tuple[float, float, float, float, float]:
+def transfers(found: Tries, clusters: np.ndarray) -> Transfer:
     """Share of tries that hold within a cluster and across; the ratio and its interval."""
     same = clusters[found.tried] == clusters[found.asked][:, None]
     if clusters.dtype.kind == "i":
@@ -216,7 +225,7 @@ def transfers(found: Tries, clusters: np.ndarray) -> tuple[float, float, float, 
     return float(within), float(across), float(within / across), float(low), float(high)
 
 
-def table(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> tuple[list, dict]:
+def rows_of(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> tuple[list, dict]:
     """Rows of the table and the clusters by space."""
     rows, clusters = [], {}
     left = {"": None, ", less the hand": some.hand, ", less hand and catch": some.end}
@@ -252,32 +261,38 @@ def table(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> tupl
 
 def write_table(file: Path, rows: list, some: Experience, found: Tries, key: str) -> None:
     """The table as text."""
-    heads = ["space", "by", "clusters (left over)", *(f"AMI {name}" for name in some.labels),
-             "stable: Rand", "transfers within", "across", "ratio"]  # fmt: skip
-    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    head = ["space", "by", "clusters (left over)", *(f"AMI {name}" for name in some.labels),
+            "stable: Rand", "transfers within", "across", "ratio"]  # fmt: skip
+    lines = []
     for row in rows:
         cells = [f"{v:.2f} ({a:.2f}–{b:.2f})" for v, a, b in (row[x] for x in some.labels)]
-        within, across, ratio, low, high = row["transfer"]
         some_left = f" ({100 * row['rest']:.0f} %)" if row["by"] == "HDBSCAN" else ""
-        lines.append(
-            f"| {row['space']} | {row['by']} | {row['clusters']}{some_left} | "
-            f"{' | '.join(cells)} | {row['rand']:.2f} | {100 * within:.1f} % | "
-            f"{100 * across:.1f} % | {ratio:.2f} ({low:.2f}–{high:.2f}) |"
-        )
-    lines += ["", "| what two memories share | transfers where they do | where not | ratio |",
-              "|---|---|---|---|"]  # fmt: skip
-    for name, values in some.labels.items():
-        within, across, ratio, low, high = transfers(found, values)
-        lines.append(f"| {name} | {100 * within:.1f} % | {100 * across:.1f} % | "
-                     f"{ratio:.2f} ({low:.2f}–{high:.2f}) |")  # fmt: skip
+        which = [row["space"], row["by"], f"{row['clusters']}{some_left}"]
+        lines.append([*which, *cells, f"{row['rand']:.2f}", *shares(row["transfer"])])
     counts = {k: dict(zip(*(x.tolist() for x in np.unique(v, return_counts=True)), strict=True))
               for k, v in some.labels.items()}  # fmt: skip
-    lines += ["", f"{len(some.records)} catches, encoder `{key}`; transfer: {len(found.asked)} "
-              f"situations of W and Q, {TRIED} random memories each, bent and verified by the "
-              f"quick verdict. AMI: adjusted mutual information, 0 is chance; 95 % "
-              "intervals. Sides: "
-              + ", ".join(f"{k} {v}" for k, v in counts["sides"].items()) + "."]  # fmt: skip
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    note = (
+        f"{len(some.records)} catches, encoder `{key}`; transfer: {len(found.asked)} situations of "
+        f"W and Q, {TRIED} random memories each, bent and verified by the quick verdict. AMI: "
+        "adjusted mutual information, 0 is chance; 95 % intervals. Sides: "
+        + ", ".join(f"{k} {v}" for k, v in counts["sides"].items())
+        + "."
+    )
+    parts = [table(head, lines), shared("memories", some, found), note]
+    file.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+
+
+def shares(transfer: Transfer) -> list[str]:
+    """Return the cells about transfer within and across groups."""
+    within, across, ratio, low, high = transfer
+    return [f"{100 * within:.1f} %", f"{100 * across:.1f} %", f"{ratio:.2f} ({low:.2f}–{high:.2f})"]
+
+
+def shared(what: str, some: Experience, found: Tries) -> str:
+    """Return the table of transfer where two memories or catches share a label, and where not."""
+    head = [f"what two {what} share", "transfers where they do", "where not", "ratio"]
+    labels = some.labels.items()
+    return table(head, [[name, *shares(transfers(found, values))] for name, values in labels])
 
 
 def main() -> None:
@@ -291,7 +306,7 @@ def main() -> None:
     encoder = load_encoder(given.encoder)
     some = experience(dataset.open(given.dataset), given.memories)
     found, places = tries(some), spaces(some, encoder)
-    rows, clusters = table(some, found, places)
+    rows, clusters = rows_of(some, found, places)
     write_table(HERE / "table.md", rows, some, found, encoder.key)
     picture = TSNE(init="pca", perplexity=40, random_state=0).fit_transform(places["memories"])
     write_figure(HERE / "figure.png", rows, some.labels, picture, clusters["memories"])

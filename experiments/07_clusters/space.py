@@ -1,9 +1,9 @@
-"""Which kinds of catches are there in space, and are they those of the plane? Writes space.md.
+"""Find kinds of catches in space, and compare them with the plane's; write space.md.
 
 python -m experiments 07_clusters/space SPACE PLANE
 
 Both are folders of `gcm-learn generate`, of data/specs/space.toml and recall.toml.  Pictures are
-space.png and kinds.gif.  What planners were asked is kept in out/ and not asked again.
+space.png and kinds.gif.  Answers of planners are kept in out/ and reused.
 """
 
 from __future__ import annotations
@@ -22,12 +22,17 @@ from run import (
     Tries,
     directions,
     k_means,
+    shared,
+    shares,
     transfers,
+    tries,
 )
+from run import stability as k_means_stability
 from sklearn.cluster import HDBSCAN
 from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
 from space_pictures import write_figure, write_films
 
+from experiments.common.tables import line, table
 from gcm_learn import dataset, seeding
 from gcm_learn.arms import SPATIAL
 from gcm_learn.planners import posture_layered
@@ -65,7 +70,7 @@ class Catches(NamedTuple):
 
 
 def catches(folder: str, most: int) -> Catches:
-    """Those of a dataset of either kind of arm."""
+    """Return the catches of a dataset of either kind of arm."""
     records, plans = [], []
     for record in dataset.open(folder).where(split="train"):
         found = [plan for plan in record.plans.values() if plan.caught]
@@ -80,7 +85,7 @@ def catches(folder: str, most: int) -> Catches:
 
 
 def experience(some: Catches, kinds: np.ndarray) -> Experience:
-    """What clusters in space are held against; what is linear in arm, start and end is known."""
+    """Return the labels and features that clusters in space are compared with."""
     memories = [waypoints_of(r.situation, p) for r, p in zip(some.records, some.plans, strict=True)]
     arms = [r.situation.arm for r in some.records]
     start = np.array([[*a.joints, np.hypot(*a.upper_arm[:2]) / a.reach] for a in arms])
@@ -97,7 +102,7 @@ def experience(some: Catches, kinds: np.ndarray) -> Experience:
 
 
 def spaces(some: Experience) -> dict[str, np.ndarray]:
-    """Where the catches lie (n, d), by what is known of them."""
+    """Return the places of the catches (n, d), by the features they are placed by."""
     index: Any = shipped_memory("recall", SPATIAL).index
     assert isinstance(index, LearnedIndex)
     situations = [record.situation for record in some.records]
@@ -113,44 +118,24 @@ def spaces(some: Experience) -> dict[str, np.ndarray]:
     }
 
 
-def clusters_table(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> list[str]:
-    """What clusters of places agree with, and where catches transfer."""
-    heads = ["space", *(f"AMI {name}" for name in some.labels), "stable: Rand",
-             "transfers within", "across", "ratio"]  # fmt: skip
-    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+def clusters_table(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> str:
+    """Return what clusters of places agree with, and where catches transfer."""
+    head = ["space", *(f"AMI {name}" for name in some.labels), "stable: Rand",
+            "transfers within", "across", "ratio"]  # fmt: skip
+    lines = []
     groups = {name: k_means(rows, 0).labels_.astype(int) for name, rows in places.items()}
     for name, rows in places.items():
         cells = [f"{adjusted_mutual_info_score(v, groups[name]):.2f}" for v in some.labels.values()]
-        fits = []
-        for k in range(REPEATS):
-            sample = seeding.rng(8, k).integers(len(rows), size=len(rows))
-            fits.append(k_means(rows[sample], k).predict(rows.astype(rows[sample].dtype)))
-        pairs = [adjusted_rand_score(a, b) for k, a in enumerate(fits) for b in fits[:k]]
-        lines.append(f"| {name} | " + " | ".join([*cells, f"{np.mean(pairs):.2f}"])
-                     + f" | {told(found, groups[name])} |")  # fmt: skip
-        print(lines[-1], flush=True)
-    lines += ["", "| what two catches share | transfers where they do | where not | ratio |",
-              "|---|---|---|---|"]  # fmt: skip
-    return lines + [f"| {name} | {told(found, v)} |" for name, v in some.labels.items()]
+        rand = f"{k_means_stability(rows, REPEATS)[0]:.2f}"
+        lines.append([name, *cells, rand, *shares(transfers(found, groups[name]))])
+        print(line(lines[-1]), flush=True)
+    return table(head, lines) + "\n\n" + shared("catches", some, found)
 
 
-def told(found: Tries, groups: np.ndarray) -> str:
-    """Cells about transfer within and across groups."""
-    within, across, ratio, low, high = transfers(found, groups)
-    return f"{100 * within:.1f} % | {100 * across:.1f} % | {ratio:.2f} ({low:.2f}–{high:.2f})"
-
-
-def tries(some: Experience) -> Tries:
-    """Random memories on situations in which a straight line does not catch."""
-    rng = seeding.rng(10)
-    hard = rng.permutation(np.flatnonzero(some.labels["stratum"] != "L"))[:ASKED]
-    tried = rng.integers(len(some.records), size=(len(hard), TRIED))
-    holds = []
-    for i, row in zip(hard.tolist(), tried, strict=True):
-        problem = MOVEMENTS.problem(some.records[i].situation, "transfer")
-        found = MOVEMENTS.tries(problem, Adaptation()).catch_times(some.traces, some.goals, row)
-        holds.append(found >= 0.0)
-    return Tries(hard, tried, np.array(holds) & (tried != hard[:, None]))
+def on_situation(some: Experience, index: int, row: np.ndarray) -> np.ndarray:
+    """Return catch times of memories on a situation in space, negative without a catch."""
+    problem = MOVEMENTS.problem(some.records[index].situation, "transfer")
+    return MOVEMENTS.tries(problem, Adaptation()).catch_times(some.traces, some.goals, row)
 
 
 def stability(rows: np.ndarray, count: int) -> float:
@@ -209,10 +194,10 @@ def in_space(plane: Catches) -> list[dict[str, Any]]:
     return rows
 
 
-def kinds_table(worlds: dict[str, Catches], names: dict[str, np.ndarray]) -> list[str]:
-    """What the kinds are, in both worlds."""
-    lines = ["| kind | world | share | L / W / Q | most of its families | "
-             + " | ".join(FEATURES) + " |", "|---" * (5 + len(FEATURES)) + "|"]  # fmt: skip
+def kinds_table(worlds: dict[str, Catches], names: dict[str, np.ndarray]) -> str:
+    """Return what the kinds are, in both worlds."""
+    head = ["kind", "world", "share", "L / W / Q", "most of its families", *FEATURES]
+    lines = []
     for kind in ordered(names["space"]):
         for world, some in worlds.items():
             mine = names[world] == kind
@@ -223,9 +208,9 @@ def kinds_table(worlds: dict[str, Catches], names: dict[str, np.ndarray]) -> lis
             common = Counter(some.family[mine].tolist()).most_common(2)
             families = ", ".join(f"{f} {100 * n / mine.sum():.0f} %" for f, n in common)
             middle = np.median(some.features[mine], axis=0)
-            lines.append(f"| {kind} | {world} | {100 * mine.mean():.0f} % | {each} | {families} | "
-                         + " | ".join(f"{v:.2f}" for v in middle) + " |")  # fmt: skip
-    return lines
+            which = [kind, world, f"{100 * mine.mean():.0f} %", each, families]
+            lines.append([*which, *(f"{value:.2f}" for value in middle)])
+    return table(head, lines)
 
 
 def ordered(names: np.ndarray) -> list[str]:
@@ -236,15 +221,15 @@ def ordered(names: np.ndarray) -> list[str]:
     )
 
 
-def stability_table(plane: Catches, space: Catches) -> list[str]:
-    """How stable so many kinds are, and whether those of the plane are those of space."""
-    lines = ["| kinds | stable: plane | stable: space | plane's kinds in space | if shuffled |",
-             "|---|---|---|---|---|"]  # fmt: skip
+def stability_table(plane: Catches, space: Catches) -> str:
+    """Return how stable so many kinds are, and how well kinds of the plane fit space."""
+    head = ["kinds", "stable: plane", "stable: space", "plane's kinds in space", "if shuffled"]
+    lines = []
     for count in MANY:
         two = [stability(some.features, count) for some in (plane, space)]
         cells = [*two, *carried_over(plane, space, count)]
-        lines.append(f"| {count} | " + " | ".join(f"{cell:.2f}" for cell in cells) + " |")
-        print(lines[-1], flush=True)
+        lines.append([count, *(f"{cell:.2f}" for cell in cells)])
+        print(line(lines[-1]), flush=True)
     dense = {}
     for name, some in (("plane", plane), ("space", space)):
         scaled = Kinds.of(some.features).scaled(some.features)
@@ -252,40 +237,38 @@ def stability_table(plane: Catches, space: Catches) -> list[str]:
         dense[name] = (
             f"{found.max() + 1} in {WORLDS[name]} ({100 * (found < 0).mean():.0f} % left out)"
         )
-    return [*lines, "", "HDBSCAN finds " + " and ".join(dense.values()) + "."]
+    return f"{table(head, lines)}\n\nHDBSCAN finds {' and '.join(dense.values())}."
 
 
 def lifted_table(
     plane: Catches, rows: list[dict[str, Any]], kinds: Kinds, call: dict[int, str]
-) -> tuple[list[str], np.ndarray, list[str]]:
-    """Kinds of the plane beside those of the same situations in space; shares as an array, too."""
+) -> tuple[str, np.ndarray, list[str]]:
+    """Return kinds in the plane beside kinds of the same situations in space, also as shares."""
     there = [row for row in rows if row["free"] is not None]
     words = np.array([call[k] for k in range(len(call))])
     before = words[kinds(plane.features[[row["place"] for row in there]])]
     after = words[kinds(np.array([row["free"] for row in there]))]
     names = ordered(words)
-    shares = np.array([[np.mean(after[before == a] == b) for b in names] for a in names])
-    lines = ["| in the plane | situations | " + " | ".join(names) + " |",
-             "|---" * (2 + len(names)) + "|"]  # fmt: skip
-    for name, row in zip(names, shares, strict=True):
-        cells = " | ".join(f"{100 * share:.0f}" for share in row)
-        lines.append(f"| {name} | {(before == name).sum()} | {cells} |")
+    moved = np.array([[np.mean(after[before == a] == b) for b in names] for a in names])
+    lines = [
+        [name, (before == name).sum(), *(f"{100 * share:.0f}" for share in row)]
+        for name, row in zip(names, moved, strict=True)
+    ]
+    first = table(["in the plane", "situations", *names], lines)
     held = [row for row in rows if row["held"] is not None]
-    heads = ("the same arm", "catches", "same kind", "if independent", "AMI", "waits stay waits")
-    lines += ["", "| " + " | ".join(heads) + " |",
-              "|---|---|---|---|---|---|"]  # fmt: skip
+    head = ("the same arm", "catches", "same kind", "if independent", "AMI", "waits stay waits")
+    lines = []
     for how, mine in (("held", held), ("free", there)):
         one = words[kinds(plane.features[[row["place"] for row in mine]])]
         other = words[kinds(np.array([row[how] for row in mine]))]
         chance = sum(np.mean(one == name) * np.mean(other == name) for name in names)
         waits = np.array([name.startswith("wait") for name in one])
         still = np.array([name.startswith("wait") for name in other])
-        lines.append(
-            f"| {how} | {len(mine)} of {len(rows)} | {100 * np.mean(one == other):.0f} % | "
-            f"{100 * chance:.0f} % | {adjusted_mutual_info_score(one, other):.2f} | "
-            f"{100 * np.mean(still[waits]):.0f} % of {waits.sum()} |"
-        )
-    return lines, shares, names
+        agreed = [f"{100 * np.mean(one == other):.0f} %", f"{100 * chance:.0f} %"]
+        mutual = f"{adjusted_mutual_info_score(one, other):.2f}"
+        waited = f"{100 * np.mean(still[waits]):.0f} % of {waits.sum()}"
+        lines.append([how, f"{len(mine)} of {len(rows)}", *agreed, mutual, waited])
+    return f"{first}\n\n{table(head, lines)}", moved, names
 
 
 def main() -> None:
@@ -302,17 +285,15 @@ def main() -> None:
         call[world] = found[world].named(some.features)
         names[world] = np.array([call[world][k] for k in found[world](some.features)])
     rows = in_space(plane)
-    moved, shares, order = lifted_table(plane, rows, found["plane"], call["plane"])
-    lines = kinds_table({"plane": plane, "space": space}, names)
-    lines += ["", *stability_table(plane, space), "", *moved, ""]
+    lifts, moved, order = lifted_table(plane, rows, found["plane"], call["plane"])
     worlds = {"plane": plane, "space": space}
-    write_figure(HERE / "space.png", worlds, found, names, shares, order)
+    parts = [kinds_table(worlds, names), stability_table(plane, space), lifts]
+    write_figure(HERE / "space.png", worlds, found, names, moved, order)
     write_films(HERE / "kinds.gif", space, found["space"], names["space"], order)
-    (HERE / "space.md").write_text("\n".join(lines) + "\n", "utf-8")
     few = Catches(*(part[:PLACED] for part in space))
     some = experience(few, names["space"][:PLACED])
-    tried = tries(some)
-    lines += clusters_table(some, tried, spaces(some))
+    tried = tries(some, on_situation, ASKED)
+    parts.append(clusters_table(some, tried, spaces(some)))
     note = (
         f"{len(space.records)} catches in space and {len(plane.records)} in the plane, of which "
         f"{len(few.records)} in space are placed. Features are medians; strata and families in "
@@ -320,7 +301,7 @@ def main() -> None:
         f"{TRIED} random memories each, bent and checked. AMI: adjusted mutual information, 0 is "
         "chance."
     )
-    (HERE / "space.md").write_text("\n".join([*lines, "", note]) + "\n", "utf-8")
+    (HERE / "space.md").write_text("\n\n".join([*parts, note]) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -112,6 +112,6 @@ def write_films(
 
 
 def _scene(scenery: Scenery) -> Any:
-    """What a panel shows at a share of its movement."""
+    """Draw a panel at a share of its movement."""
     pixels = round(SIDE * DPI)
     return lambda ax, share, turn: scenery.show(ax, share * scenery.end, 0.0, pixels)

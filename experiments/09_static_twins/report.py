@@ -12,6 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from experiments.common.tables import percent, rounded, table
 from gcm_learn.evaluation import difference, stratified
 from gcm_learn.maps import build_map
 from gcm_learn.plots import (
@@ -33,7 +34,7 @@ Line = dict[str, Any]
 
 
 def caught(lines: list[Line], bank: str, index: str, stratum: str, checks: int) -> np.ndarray:
-    """Whether each situation of a stratum was caught within so many checks."""
+    """Return whether each situation of a stratum was caught within so many checks."""
     some = [x for x in lines if (x["bank"], x["index"], x["stratum"]) == (bank, index, stratum)]
     return np.array([x["caught"] and x["checks"] <= checks for x in some])
 
@@ -50,34 +51,36 @@ def _names(lines: list[Line], what: str) -> list[str]:
 
 
 def write_table(file: Path, lines: list[Line], twins: list[Line], key: str) -> None:
-    """What is caught, what that is less than by the dynamic memory, and what the twins are."""
-    heads = [f"{s}, {k}" for s in STRATA for k in CHECKS]
-    out = ["| memory | found by | " + " | ".join(heads) + " |", "|---|---|" + "---|" * len(heads)]
-    for index in _names(lines, "index"):
-        for bank in _names(lines, "bank"):
-            cells = []
-            for s in STRATA:
-                groups = families(lines, s)
-                for k in CHECKS:
-                    value, low, high = stratified(caught(lines, bank, index, s, k), groups)
-                    cells.append(f"{100 * value:.1f} ({100 * low:.0f}–{100 * high:.0f})")
-            out.append(f"| {bank} | {index} | " + " | ".join(cells) + " |")
-    out += ["", "Less the memory of dynamic situations, found by the same index [points]:", "",
-            *out[:2]]  # fmt: skip
-    for index in _names(lines, "index"):
-        for bank in _names(lines, "bank"):
-            if bank == BASE:
-                continue
-            cells = []
-            for s in STRATA:
-                for k in CHECKS:
-                    mine, base = (caught(lines, b, index, s, k) for b in (bank, BASE))
-                    value, low, high = difference(mine, base, families(lines, s))
-                    cells.append(f"{100 * value:+.1f} ({100 * low:+.0f}…{100 * high:+.0f})")
-            out.append(f"| {bank} | {index} | " + " | ".join(cells) + " |")
-    heads = ["twin", "of stratum", "made", "caught by first arrival",
-             "effective cells that stay shut", "reached cells that stay open"]  # fmt: skip
-    out += ["", "| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    """Write shares caught, their differences to the dynamic memory, and the twins."""
+    asked = [(s, k) for s in STRATA for k in CHECKS]
+    ways = [(bank, index) for index in _names(lines, "index") for bank in _names(lines, "bank")]
+    head = ["memory", "found by", *(f"{s}, {k}" for s, k in asked)]
+    shares, less = [], []
+    for way in ways:
+        hits = [caught(lines, *way, s, k) for s, k in asked]
+        groups = [families(lines, s) for s, _ in asked]
+        shares.append([*way, *map(percent, map(stratified, hits, groups))])
+        if way[0] != BASE:
+            base = [caught(lines, BASE, way[1], s, k) for s, k in asked]
+            less.append([*way, *map(rounded, map(difference, hits, base, groups))])
+    counts = ", ".join(f"{len(families(lines, s))} {s}" for s in STRATA)
+    parts = [
+        table(head, shares),
+        "Less the memory of dynamic situations, found by the same index [points]:",
+        table(head, less),
+        made_of(twins),
+        f"Caught [%] of planar test situations with an obstacle that moves ({counts}) with "
+        f"at most 1, 5, 20 checked paths; {lines[0]['size']} memories each; encoder `{key}`; "
+        "95 % intervals, bootstrapped within families, of differences over pairs.",
+    ]
+    file.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+
+
+def made_of(twins: list[Line]) -> str:
+    """Return the table of twins: how many there are, and which cells of the map they keep."""
+    head = ["twin", "of stratum", "made", "caught by first arrival",
+            "effective cells that stay shut", "reached cells that stay open"]  # fmt: skip
+    rows = []
     for name in _names(twins, "twin"):
         for s in STRATA:
             some = [x for x in twins if (x["twin"], x["stratum"]) == (name, s)]
@@ -85,13 +88,8 @@ def write_table(file: Path, lines: list[Line], twins: list[Line], key: str) -> N
                 continue
             shut, open_ = np.nanmean([x["agreement"] for x in some], axis=0)
             share = np.mean([x["caught"] for x in some])
-            out.append(f"| {name} | {s} | {len(some)} | {100 * share:.0f} % | {100 * shut:.0f} % | "
-                       f"{100 * open_:.0f} % |")  # fmt: skip
-    counts = ", ".join(f"{len(families(lines, s))} {s}" for s in STRATA)
-    out += ["", f"Caught [%] of planar test situations with an obstacle that moves ({counts}) with "
-            f"at most 1, 5, 20 checked paths; {lines[0]['size']} memories each; encoder `{key}`; "
-            "95 % intervals, bootstrapped within families, of differences over pairs."]  # fmt: skip
-    file.write_text("\n".join(out) + "\n", encoding="utf-8")
+            rows.append([name, s, len(some), *(f"{100 * x:.0f} %" for x in (share, shut, open_))])
+    return table(head, rows)
 
 
 def write_figure(file: Path, lines: list[Line]) -> None:

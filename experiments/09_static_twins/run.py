@@ -53,11 +53,11 @@ class Twin(NamedTuple):
     """Share of the effective obstacles that the twin's front does not enter, either; share of the
     cells that were reached that its front reaches, too."""
     trace: Waypoints | None
-    """Its catch by first arrival; None if there is none."""
+    """The catch by first arrival, or None."""
 
 
 def moving(situation: Situation) -> bool:
-    """Whether an obstacle moves; only planar situations are asked for."""
+    """Return whether an obstacle of a planar situation moves."""
     if situation.is_solid:
         return False
     rows = pack_bodies(situation).rows
@@ -104,7 +104,7 @@ def twin_of(record: Record, poses: int) -> Situation:
     """Every obstacle stands where the front met it, the target where it was caught.
 
     With several poses an obstacle stands wherever it was met at as many shares of its effective
-    cells, in order of time. What the front never met is left out.
+    cells, in order of time. Cells that the front never met are left out.
     """
     situation, plan = record.situation, best_plan(record)
     bodies, arm, out = pack_bodies(situation), situation.arm, []
@@ -205,7 +205,7 @@ def questions(records: dataset.Dataset, count: int) -> list[tuple[str, str, Situ
 def answers(
     banks: dict[str, list[Catch]], indexes: Sequence[Index], asked: list
 ) -> Iterator[dict[str, Any]]:
-    """What is caught of every question by every memory, found by every index."""
+    """Return the catches of every question by every memory, found by every index."""
     for name, catches in banks.items():
         for index in indexes:
             memory = Memory(index, "exact")

@@ -38,13 +38,13 @@ class AutoencoderIndex:
         return cls(encoder, regression.predicting(codes, raw))
 
     def embed_query(self, situation: Situation, scene: Scene | None = None) -> np.ndarray:
-        """Where the map of a situation probably lies."""
+        """Return the probable place of the map of a situation."""
         return self.regression.embed_query(situation, scene)
 
     def embed_memories(
         self, situations: Sequence[Situation], traces: Sequence[Waypoints]
     ) -> np.ndarray:
-        """Where the maps of memories lie."""
+        """Return the places of the maps of memories."""
         pictures = np.array([map_picture(s) for s in situations])
         return nearest_rows(_codes(self.encoder, pictures - self.regression.centre))
 

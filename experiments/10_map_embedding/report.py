@@ -11,6 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from experiments.common.tables import percent, rounded, table
 from gcm_learn.evaluation import Interval, difference, stratified
 
 CHECKS = (1, 5, 20)
@@ -44,21 +45,14 @@ def values(lines: list[Line], key: str) -> list:
     return list(dict.fromkeys(x[key] for x in lines))
 
 
-def _shown(interval: Interval, form: str = ".1f") -> str:
-    value, low, high = (100.0 * v for v in interval)
-    if form.startswith("+"):
-        return f"{value:{form}} ({low:+.0f}…{high:+.0f})"
-    return f"{value:{form}} ({low:.0f}–{high:.0f})"
-
-
 def gap(lines: list[Line], name: str, base: str, checks: int, extra: int) -> Interval:
-    """How much more one index catches than another, with so many obstacles added."""
+    """Return the lead of one index over another, with so many obstacles added."""
     mine, less = (chosen(lines, index=k, extra=extra) for k in (name, base))
     return difference(caught(mine, checks), caught(less, checks), families(mine))
 
 
 def growth(lines: list[Line], name: str, against: str, checks: int, extra: int) -> Interval:
-    """How much that is more with so many obstacles added than with none."""
+    """Return the growth of that lead from no added obstacles to so many."""
     gaps = []
     for number in (extra, 0):
         mine, base = (chosen(lines, index=k, extra=number) for k in (name, against))
@@ -71,16 +65,17 @@ def gaps(lines: list[Line], name: str, base: str, checks: int) -> list[str]:
     ends = (min(values(lines, "extra")), max(values(lines, "extra")))
     found = [gap(lines, name, base, checks, extra) for extra in ends]
     found.append(growth(lines, name, base, checks, ends[1]))
-    return [_shown(interval, "+.1f") for interval in found]
+    return [rounded(interval) for interval in found]
 
 
 def write_table(file: Path, lines: list[Line], told: str) -> None:
     """Catches, and gaps to raw neighbours."""
     extras = values(lines, "extra")
-    heads = ["added", "stratum", "checks", "found by", *(f"+{e}" for e in extras)]
-    heads += [f"less raw neighbours, +{e}" for e in (extras[0], extras[-1])] + ["that gap grew by"]
-    out = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
-    counts = []
+    ends = (extras[0], extras[-1])
+    head = ["added", "stratum", "checks", "found by", *(f"+{e}" for e in extras),
+            *(f"less raw neighbours, +{e}" for e in ends), "that gap grew by"]  # fmt: skip
+    less = ["added", "stratum", "checks", "gap of", *(f"+{e}" for e in ends), "grew by"]
+    counts, shares, differences = [], [], []
     for added in values(lines, "added"):
         for stratum in values(lines, "stratum"):
             some = chosen(lines, added=added, stratum=stratum)
@@ -88,25 +83,18 @@ def write_table(file: Path, lines: list[Line], told: str) -> None:
             for checks in CHECKS:
                 for name in values(some, "index"):
                     rows = [chosen(some, index=name, extra=e) for e in extras]
-                    cells = [_shown(stratified(caught(r, checks), families(r))) for r in rows]
+                    cells = [percent(stratified(caught(r, checks), families(r))) for r in rows]
                     cells += ["", "", ""] if name == BASE else gaps(some, name, BASE, checks)
-                    out.append(f"| {added} | {stratum} | {checks} | {name} | " + " | ".join(cells)
-                               + " |")  # fmt: skip
-    heads = ["added", "stratum", "checks", "gap of", *(f"+{e}" for e in (extras[0], extras[-1])),
-             "grew by"]  # fmt: skip
-    out += ["", "| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
-    for added in values(lines, "added"):
-        for stratum in values(lines, "stratum"):
-            some = chosen(lines, added=added, stratum=stratum)
-            for checks in CHECKS:
+                    shares.append([added, stratum, checks, name, *cells])
                 for name, base in PAIRS:
-                    cells = gaps(some, name, base, checks)
-                    out.append(f"| {added} | {stratum} | {checks} | {name} less {base} | "
-                               + " | ".join(cells) + " |")  # fmt: skip
-    out += ["", f"Caught [%] of planar test situations with so many obstacles added: "
-            f"{', '.join(counts)}. {told}. 95 % intervals, bootstrapped within families; gaps over "
-            "the same situations."]  # fmt: skip
-    file.write_text("\n".join(out) + "\n", encoding="utf-8")
+                    which = [added, stratum, checks, f"{name} less {base}"]
+                    differences.append([*which, *gaps(some, name, base, checks)])
+    note = (
+        f"Caught [%] of planar test situations with so many obstacles added: {', '.join(counts)}. "
+        f"{told}. 95 % intervals, bootstrapped within families; gaps over the same situations."
+    )
+    text = "\n\n".join([table(head, shares), table(less, differences), note])
+    file.write_text(text + "\n", encoding="utf-8")
 
 
 def write_figure(file: Path, lines: list[Line]) -> None:

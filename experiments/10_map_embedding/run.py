@@ -92,7 +92,7 @@ def controls(labels: TransferLabels) -> dict[str, Memory]:
 
 
 def same_map(before: Situation, after: Situation) -> bool:
-    """Whether an obstacle changed nothing of a situation's map: arrivals, effective obstacles."""
+    """Return whether an obstacle leaves a situation's map alone: arrivals, effective obstacles."""
     maps = [build_map(s, MarchingParams(n=CELLS)) for s in (before, after)]
     arrivals = [made.arrival.filled(-1.0) for made in maps]
     walls = [made.effective_obstacles for made in maps]
@@ -140,7 +140,7 @@ def questions(
 
 
 def answers(memories: dict[str, Memory], records: dataset.Dataset, count: int) -> Iterator[dict]:
-    """What is caught of every question with every memory."""
+    """Return the catches of every question with every memory."""
     for added in ("map unchanged", "catch unchanged"):
         for stratum in STRATA:
             asked = questions(records, stratum, count, added == "map unchanged")

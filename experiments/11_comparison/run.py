@@ -1,9 +1,9 @@
-"""Compare all ways to catch on the same frozen situations (H1 and the whole comparison).
+"""Compare planners, memories and policies where thinking costs time and percepts are inexact (H1).
 
-python -m experiments 11_comparison OUT [--count 1000]   goes on where it was stopped
+python -m experiments 11_comparison OUT [--count 1000]   goes on from where it was stopped
 
-OUT holds the results and a page for each part; table.md and the figures are written beside this
-file.
+OUT holds the results and a page; table.md and charged.png are written beside this file. All methods
+answer the same frozen situations.
 """
 
 from __future__ import annotations
@@ -18,16 +18,15 @@ from pathlib import Path
 import numpy as np
 from report import write_tables
 
-from gcm_learn.evaluation import Entry, Results, compare, compare_under_noise, draw_suite, hash_of
-from gcm_learn.plots import charged_figure, rates_figure, write_report
+from gcm_learn.evaluation import Results, compare, compare_under_noise, draw_suite, hash_of
+from gcm_learn.plots import charged_figure, write_report
 
 HERE = Path(__file__).parent
-POLICIES = (
-    "straight", "straight-wait", "potential", "gcm", "marching", "layered", "splines-random",
-    "recall-random", "recall-raw", "recall-1", "recall", "hybrid", "clone", "ppo-clone",
-    "ppo-clone@20", "sac",
+METHODS = (
+    "straight", "gcm", "marching", "layered", "splines-random", "recall-random", "recall-raw",
+    "recall", "hybrid", "ppo-clone", "ppo-clone@20",
 )  # fmt: skip
-DRAWN = ("gcm", "layered", "recall-raw", "recall", "hybrid", "ppo-clone")  # in the charged figure
+DRAWN = ("gcm", "layered", "recall-raw", "recall", "hybrid", "ppo-clone")  # in the figure
 NOISY = ("hybrid", "layered")
 DEVIATIONS = (0.005, 0.01, 0.02)  # [forearms]
 
@@ -41,7 +40,7 @@ def spent() -> float:
 
 
 def part(out: Path, name: str, do: Callable[[], Results]) -> Results:
-    """The results of a part, made unless they are there; what it took is noted."""
+    """Return the results of a part, made unless they are there; note its cost."""
     folder = out / name
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "results.parquet"
@@ -57,56 +56,33 @@ def part(out: Path, name: str, do: Callable[[], Results]) -> Results:
 
 def main() -> None:
     """Draw, compare, report."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
-    parser.add_argument("--count", type=int, default=1000, help="situations of a stratum")
-    parser.add_argument("--rare", type=int, help="of Q and U, if fewer")
-    parser.add_argument("--natural", type=int, default=300, help="situations of the natural mix")
-    parser.add_argument("--charge", type=int, default=100, help="of L, Q and U; of W it is all")
+    parser.add_argument("--count", type=int, default=1000, help="situations of W")
     parser.add_argument("--noisy", type=int, default=100, help="of W and of Q, under noise")
     parser.add_argument("--workers", type=int)
     given = parser.parse_args()
-    workers, hashes = given.workers, dict[str, str]()
-    counts = dict.fromkeys("LW", given.count) | dict.fromkeys("QU", given.rare or given.count)
-
-    def suite(name: str, count: int) -> list[Entry]:
-        entries = draw_suite(name, count, workers=workers)
-        hashes[name] = f"{len(entries)}, {hash_of(entries)}"
-        return entries
-
-    drawn = {name: suite(name, counts[name]) for name in counts}
-    detours = part(
-        given.out, "W",
-        lambda: compare(POLICIES, drawn["W"], charge=given.count, workers=workers),
+    workers = given.workers
+    counts = {"W": given.count, "Q": given.noisy}
+    drawn = {name: draw_suite(name, count, workers=workers) for name, count in counts.items()}
+    charged = part(
+        given.out, "charged",
+        lambda: compare(METHODS, drawn["W"], charge=given.count, workers=workers),
     )  # fmt: skip
-    others = [entry for name in "LQU" for entry in drawn[name]]
-    rest = part(
-        given.out, "L, Q and U",
-        lambda: compare(POLICIES, others, charge=given.charge, workers=workers),
-    )  # fmt: skip
-    few = [entry for name in "WQ" for entry in drawn[name][: given.noisy]]
+    few = [*drawn["W"][: given.noisy], *drawn["Q"]]
     noise = part(
         given.out, "noise", lambda: compare_under_noise(NOISY, few, DEVIATIONS, workers=workers)
     )
-    natural: Results | None = None
-    if given.natural:
-        mix = suite("natural", given.natural)
-        natural = part(
-            given.out, "natural", lambda: compare(POLICIES, mix, charge=0, workers=workers)
-        )
-        write_report(natural, mix, given.out / "natural")
-    whole = Results.joined(detours, rest)
-    (given.out / "all").mkdir(exist_ok=True)
-    page = write_report(whole, [*drawn["W"], *others], given.out / "all", "layered", noise)
-    rates_figure(whole).savefig(HERE / "figure.png", dpi=110)
-    figure = charged_figure(detours.where(np.isin(detours["entrant"], DRAWN)))
+    page = write_report(charged, drawn["W"], given.out / "charged", "layered", noise)
+    figure = charged_figure(charged.where(np.isin(charged["entrant"], DRAWN)))
     if figure is not None:
         figure.savefig(HERE / "charged.png", dpi=110)
+    hashes = {name: f"{len(entries)}, {hash_of(entries)}" for name, entries in drawn.items()}
     costs = {
         path.parent.name: json.loads(path.read_text())
         for path in sorted(given.out.glob("*/cost.json"))
     }
-    write_tables(HERE / "table.md", whole, detours, noise, natural, hashes, costs)
+    write_tables(HERE / "table.md", charged, noise, hashes, costs)
     print((HERE / "table.md").read_text("utf-8"))
     print(f"Open {page.resolve().as_uri()} in a browser.")
 

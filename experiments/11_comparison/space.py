@@ -1,10 +1,10 @@
-"""Who catches what with an arm in space: kinematic, and with mass. Writes space.json.
+"""Compare methods with an arm in space, kinematic and with mass; write space.json.
 
 python -m experiments 11_comparison/space              144 situations, 12 of each family
 python -m experiments 11_comparison/space --minutes 8  what can be done in eight minutes
 python -m experiments 11_comparison/space --only ppo-space,ppo-space@20   only these methods
 
-What is done is kept in out/ and not done again; Ctrl-C is safe.
+Answers are kept in out/ and reused; Ctrl-C is safe.
 """
 
 from __future__ import annotations
@@ -94,8 +94,8 @@ def followed(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
 def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
     """A policy that acts as it goes, unverified.
 
-    With mass its way under the motors' limits is followed as plans are; beside it, its commands are
-    what the motors servo to, as in the arena with mass.
+    With mass its path under the motors' limits is followed as plans are. Beside it, the motors
+    servo to its commands, as in the arena with mass.
     """
     result = get_method(name).run(free)
     told: dict[str, Any] = {
@@ -119,9 +119,9 @@ def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
 
 
 def judged(situation: Spatial, moves: Any) -> list[str]:
-    """What the referee has against a movement, with the target that it has least against.
+    """Return the referee's complaints about a movement, with the target that has the fewest.
 
-    It tells no clearance, so that one is not asked for.
+    A movement claims no clearance, so complaints about it do not count.
     """
     plan = Plan(
         situation.name, "policy", "caught", "", 0.0, catch_time=moves.duration, trajectory=moves
@@ -170,7 +170,7 @@ def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def unverified(told: list[dict[str, Any]]) -> dict[str, Any]:
-    """What is counted of a policy besides."""
+    """Return further counts of a policy."""
     return {
         "touched": sum(one["touched"] for one in told),
         "servoed": share(sum(one["servo"] == "caught" for one in told), len(told)),

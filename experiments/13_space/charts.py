@@ -3,8 +3,8 @@
 python -m experiments 13_space/charts              5 situations of each family
 python -m experiments 13_space/charts --minutes 5  what can be done in five minutes
 
-The situations are the first of those of run.py, whose table has more sizes of the joints' lattice.
-What is done is kept in out/ and not done again; Ctrl-C is safe.
+The situations are the first that run.py asks. Its table has more sizes of the joints' lattice.
+Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
 
 from __future__ import annotations

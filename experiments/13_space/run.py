@@ -4,30 +4,33 @@ python -m experiments 13_space               13 situations of each family: half 
 python -m experiments 13_space --count 2     a quick look
 python -m experiments 13_space --minutes 10  what can be done in ten minutes
 
-What is done is kept in out/ and not done again; Ctrl-C is safe.
+Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from report import write_table
+from report import HELD, YARDSTICK
 
+from experiments import recompute
+from experiments.common import outcomes
 from gcm_learn import seeding
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import SPATIAL, SpatialArm
 from gcm_learn.families import draw, family_names
 from gcm_learn.planners import (
     STRRTStarPlanner,
     get_planner,
     plan_to_json,
     planner_names,
+    takes,
     yardstick,
 )
 from gcm_learn.planners.joints.layered import LayeredInSpace
@@ -39,6 +42,7 @@ HERE = Path(__file__).resolve().parent
 SEED = 1300
 COUNT = 13  # situations of each family
 TREES = "st-rrt-star"
+PASSED_OVER = ("oracle", "search", TREES)  # `search` is `layered` here
 BUDGETS_MS = (100.0, 1000.0)  # of ST-RRT*
 TREES_MS = 10_000.0  # of the yardstick's
 LATTICES = (6, 10, 16, 24)  # nodes along a joint, on average
@@ -65,8 +69,8 @@ def drawn(family: str, index: int) -> Spatial:
 def held(situation: Spatial) -> Spatial:
     """The same scene with shoulder pitch and elbow yaw held: what is left moves in a plane.
 
-    Where the yaw is not 0 at the start the hand's surface is a cone's or a torus' instead; it has
-    two dimensions all the same.
+    The hand's surface is a cone or a torus instead if the yaw is not 0 at the start. It has two
+    dimensions all the same.
     """
     arm = situation.arm
     ranges = list(arm.joint_range)
@@ -104,10 +108,10 @@ def timed(situation: Spatial, planner: Any) -> list[Any]:
 
 
 def answered(situation: Spatial, before: dict[str, list[Any]]) -> dict[str, list[Any]]:
-    """What every planner answers, if it has not before."""
+    """Return the answer of every planner that has not answered before."""
     out = dict(before)
-    taking = [get_planner(name) for name in planner_names() if name not in ("oracle", TREES)]
-    asked = {p.name: p for p in taking if getattr(p, "takes_space", False)}
+    taking = [get_planner(name) for name in planner_names() if name not in PASSED_OVER]
+    asked = {p.name: p for p in taking if takes(p, SPATIAL)}
     asked["layered, earliest"] = LayeredInSpace(earliest=True)
     for name, planner in asked.items():
         if name not in out:
@@ -121,13 +125,13 @@ def answered(situation: Spatial, before: dict[str, list[Any]]) -> dict[str, list
 
 
 def costs(situation: Spatial) -> dict[str, list[Any]]:
-    """What `layered` takes on lattices of other sizes, and among more bodies."""
+    """Return the answers of `layered` on lattices of other sizes, and among more bodies."""
     layered = LayeredInSpace()
     sizes = {}
     for n in LATTICES:
         coarse, fine = (e._replace(nodes=n**4) for e in (layered.coarse, layered.fine))
-        sizes[f"{n}^4"] = timed(situation, LayeredInSpace(coarse=coarse, fine=fine))
-    crowds = {f"+{k}": timed(crowded(situation, k), layered) for k in BYSTANDERS}
+        sizes[f"lattice {n:02d}^4"] = timed(situation, LayeredInSpace(coarse=coarse, fine=fine))
+    crowds = {f"bystanders +{k:02d}": timed(crowded(situation, k), layered) for k in BYSTANDERS}
     return sizes | crowds
 
 
@@ -143,14 +147,30 @@ def measured(family: str, index: int) -> dict[str, Any]:
         "lower": None if np.isinf(known.lower) else known.lower,
         "yardstick": {name: plan.catch_time for name, plan in known.plans.items()},
         "answers": answered(situation, {}),
-        "plane": {p: timed(plane, get_planner(p)) for p in ("straight-wait", "layered")},
         "plane, yardstick": yardstick(plane, BUDGETS_MS[-1], earliest=False).stratum,
         "costs": costs(situation) if index < COSTLY else {},
     }
 
 
+def lines_of(row: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield the outcomes of a situation; `lower` is before which nobody catches [s]."""
+    about = {
+        "situation": f"{row['family']}-{row['index']:02d}",
+        "stratum": row["stratum"],
+        "family": row["family"],
+        "lower": row["lower"],
+    }
+    times = [time for time in row["yardstick"].values() if time is not None]
+    caught = row["stratum"] != "U"
+    yield about | {"method": YARDSTICK, "caught": caught, "catch_time": min(times, default=None)}
+    yield about | {"method": HELD, "caught": row["plane, yardstick"] != "U"}
+    for name, (time, ms, complaints) in (row["answers"] | row["costs"]).items():
+        told = {"caught": time is not None, "catch_time": time, "ms": ms}
+        yield about | {"method": name, "complaints": len(complaints)} | told
+
+
 def main() -> None:
-    """Run what is missing and write table.md."""
+    """Run what is missing; write the outcomes, and the tables from them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=COUNT, help="situations of each family")
     parser.add_argument("--minutes", type=float, default=np.inf, help="no new one after that")
@@ -171,7 +191,8 @@ def main() -> None:
             rows.append(measured(family, index))
             stream.write(json.dumps(rows[-1]) + "\n")
             stream.flush()
-    write_table(HERE / "table.md", rows)
+    outcomes.write(HERE / "outcomes.csv.gz", (line for row in rows for line in lines_of(row)))
+    recompute.update(HERE)
 
 
 def _warm_up() -> None:

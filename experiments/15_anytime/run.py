@@ -1,11 +1,12 @@
-"""What more time to think is worth, with a memory and without; writes ARM.json and ARM.png.
+"""Ask if memory is worth most where planning is dear: W and Q in space, thinking charged.
 
-python -m experiments 15_anytime                     the plane: 150 of W and 100 of Q
-python -m experiments 15_anytime --arm space         as much as there is in space
-python -m experiments 15_anytime --minutes 9         what can be done in nine minutes
+python -m experiments 15_anytime choose            who is the fastest without memory
+python -m experiments 15_anytime choose --limits   likewise, acceleration limited
+python -m experiments 15_anytime run --seed 7      free joints: a suite of this seed
+python -m experiments 15_anytime run --seed 7 --limits   joints with limited acceleration
+python -m experiments 15_anytime report            dear.json, dear.png
 
-What is done is kept in out/ and not done again; Ctrl-C is safe.  The plane's situations are the
-first of the frozen suites, which are drawn if they are not there (`--suites DIR`).
+`--minutes 9` begins no new situation after that; what is done is kept in out/ and not done again.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from time import monotonic, process_time
@@ -21,248 +22,298 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn import CognitiveMap, build_map, get_planner
-from gcm_learn.evaluation import draw_suite, wilson
-from gcm_learn.families import draw, family_names, get_family
+from experiments.common.judging import first_answer
+from experiments.common.memories import random_by_family
+from gcm_learn.dataset import make_item, read_spec
+from gcm_learn.evaluation.kinds import resting
+from gcm_learn.planners import (
+    GAIN,
+    SpatialProblem,
+    STRRTStarPlanner,
+    any_straight,
+    get_planner,
+    plan_to_json,
+)
 from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
-from gcm_learn.plots import style
-from gcm_learn.recall import HybridPlanner
-from gcm_learn.situation import AnySituation
+from gcm_learn.recall import HybridPlanner, RecallPlanner
+from gcm_learn.scene import later
+from gcm_learn.situation import situation_to_json
 from gcm_learn.storage import write_whole
-from gcm_learn.wave import MarchingParams
+from tests.referee_of_spatial_arms import judge
 
 HERE = Path(__file__).resolve().parent
-DEADLINES = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)  # processor time [ms]
-SUITES = {"W": 150, "Q": 100}
-SEED, EACH = 1500, 12  # of situations in space, of each family
-NEAR = 0.1  # of the horizon: as late as that counts as well caught
-TOLD = (1, 10, 100)  # of these at the axis
-NAMES = {"hybrid-random": "hybrid, random memories"}
-COLOURS = {"hybrid": style.TARGET, "layered": style.OBSTACLE, "hybrid-random": style.FAINT}
+REPOSITORY = HERE.parents[1]
 OUT = HERE / "out"
+CHOICE = HERE / "dear-choice.json"
+SPECS = {"free": "space", "limits": "space-accelerated"}
+AS_TRAINED = ("train", "validation", "test")  # splits: whatever a seed draws, no memory has seen
+VALIDATION, EACH = 1515, 60  # seed and situations of W by which the control is chosen
+WARM = 3  # situations that are asked about first and not counted
+LIMIT = 1.0  # processor time after which there is no answer [s]
+SHORT = 0.02  # one period of perception [s]
+NEAR, ENOUGH = 0.1, 0.05  # of the horizon: well caught; so near that nothing better is looked for
+CURVE = (1.0, 2.0, 5.0, 10.0, 50.0, 100.0, 200.0)  # budgets beside the two [ms]
+CURVED = 120  # situations of each kind of joints for which they are asked
+INSTANTS = 96  # at which straight movements are looked for, as by the yardstick
+LOOKS = 4  # at an arm that goes on while one thinks
+TREES_MS = (5.0, 10.0, 20.0, 50.0, 100.0)
 
 
 class Case(NamedTuple):
-    """A situation with a name that does not change."""
+    """A situation of W or Q."""
 
-    group: str
-    index: int
-    situation: AnySituation
-
-
-def in_plane(folder: Path | None) -> Iterator[Case]:
-    """The first of W and of Q."""
-    for name, count in SUITES.items():
-        for entry in draw_suite(name, count, folder):
-            yield Case(name, entry.index, entry.situation)
+    item: int
+    family: str
+    stratum: str
+    situation: Any
 
 
-def in_space(folder: Path | None) -> Iterator[Case]:
-    """Of all families in turn, without limits of acceleration."""
-    for index in range(EACH):
-        for name in family_names("spatial"):
-            situation: Any = draw(get_family(name), SEED, index)
-            free = replace(situation.arm, max_joint_acceleration=None, joint_rates=None)
-            yield Case(name, index, replace(situation, arm=free))
+def drawn(kind: str, seed: int, strata: str = "WQ") -> Iterator[Case]:
+    """Situations as the specification draws them, sorted by `layered`, without end."""
+    spec = read_spec(REPOSITORY / "data" / "specs" / f"{SPECS[kind]}.toml")
+    spec = replace(spec, seed=seed, audit=0.0, count=10**6)
+    for k in range(spec.count):
+        record = make_item(spec, k)
+        if record.situation is None or record.split not in AS_TRAINED:
+            continue
+        if record.stratum in strata and not _straight(kind, record.situation):
+            yield Case(k, record.family, record.stratum, record.situation)
+
+
+def _straight(kind: str, situation: Any) -> bool:
+    """Return whether a straight movement catches after all."""
+    if kind == "limits":
+        return False
+    return any_straight(SpatialProblem(situation, "straight"), instants=INSTANTS).caught
 
 
 @cache
-def planners(arm: str) -> dict[str, Any]:
-    """Who is compared: the hybrid, the same without memory, the same with random memories."""
-    found: dict[str, Any] = {"layered": get_planner("layered")}
-    hybrid: Any = get_planner("hybrid")
-    if arm == "plane" or getattr(hybrid, "takes_space", False):
-        chance: Any = get_planner("recall-random")
-        found |= {"hybrid": hybrid, "hybrid-random": HybridPlanner(chance, name="hybrid-random")}
+def configurations() -> dict[str, Any]:
+    """All that plan without memory."""
+
+    def lattice(side: int) -> dict[str, Any]:
+        return {
+            "coarse": COARSE._replace(nodes=side**4),
+            "fine": FINE._replace(nodes=side**4),
+        }
+
+    few = {"instants": 16, "swivels": 6}
+    found = {
+        "layered": LayeredInSpace(),
+        "layered, 6^4": LayeredInSpace(**lattice(6)),
+        "layered, 16^4": LayeredInSpace(**lattice(16)),
+        "layered, few goals": LayeredInSpace(**few),
+        "layered, few goals, 6^4": LayeredInSpace(**few, **lattice(6)),
+        "layered, a quarter of tries": LayeredInSpace(coarse=COARSE.times(0.25)),
+        "layered, half the weight": LayeredInSpace(
+            coarse=COARSE._replace(weight=0.5), fine=FINE._replace(weight=0.5)
+        ),
+        "layered, in order of time": LayeredInSpace(
+            coarse=COARSE._replace(weight=0.0), fine=FINE._replace(weight=0.0)
+        ),
+        "layered, to the earliest": LayeredInSpace(earliest=True),
+        "marching": get_planner("marching"),
+        "straight-wait": get_planner("straight-wait"),
+    }
     return found
 
 
-def recalled(arm: str) -> dict[str, Any]:
-    """What memory says alone, and what one drawn at random does."""
-    names = ("recall", "recall-random") if "hybrid" in planners(arm) else ()
-    return {name: get_planner(name) for name in names}
+def trees(situation: Any) -> float:
+    """When ST-RRT* has a catch [s], the limit if it has none by the largest of its budgets."""
+    plans = STRRTStarPlanner().plan_anytime(situation, TREES_MS)
+    return min((1e-3 * plan.planning_ms for plan in plans if plan.caught), default=LIMIT)
 
 
-@dataclass(frozen=True)
-class InOrder:
-    """Search in order of time in the plane: a map of a front that may wait, up to its contact."""
-
-    def plan(self, situation: Any, bound: float | None = None) -> Any:
-        """The map's interception, and how many arrivals it has."""
-        ends = situation.horizon if bound is None else min(bound, situation.horizon)
-        made: CognitiveMap = build_map(
-            replace(situation, horizon=ends), MarchingParams(margin=0.0, lookback=0.0), wait=True
-        )
-        met = made.interception
-        return Counted(None if met is None else met.time, int(made.sheets.count()))
-
-
-class Counted(NamedTuple):
-    """A search's answer."""
-
-    catch_time: float | None
-    nodes: int
-
-
-@cache
-def searches(arm: str) -> dict[str, Any]:
-    """Searches whose nodes are counted."""
-    if arm == "plane":
-        return {"A*, to the earliest": get_planner("layered"), "in order of time": InOrder()}
-    coarse, fine = COARSE._replace(weight=0.0), FINE._replace(weight=0.0)
-    return {
-        "A*, first catch": LayeredInSpace(),
-        "A*, to the earliest": LayeredInSpace(earliest=True),
-        "in order of time": LayeredInSpace(coarse=coarse, fine=fine),
+def choose(kind: str, minutes: float) -> None:
+    """Ask all configurations on validation draws; the fastest on W is the control."""
+    path, started = OUT / f"dear-choice-{kind}.jsonl", monotonic()
+    OUT.mkdir(exist_ok=True)
+    lines = path.read_text("utf-8").splitlines() if path.exists() else []
+    rows = [json.loads(line) for line in lines]
+    with path.open("a", encoding="utf-8") as stream:
+        for number, case in enumerate(drawn(kind, VALIDATION, "W")):
+            if number == EACH + WARM or monotonic() - started > 60.0 * minutes:
+                break
+            if WARM <= number < WARM + len(rows):
+                continue
+            mine = {
+                name: first(planner, case.situation)
+                for name, planner in configurations().items()
+                if kind == "free" or name.startswith("layered")  # keep limits of acceleration
+            }
+            if kind == "free":
+                mine["st-rrt-star"] = trees(case.situation)
+            if number >= WARM:  # kernels are loaded now
+                rows.append(mine)
+                stream.write(json.dumps(mine) + "\n")
+                stream.flush()
+    times = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    median = {name: 1e3 * float(np.median(took)) for name, took in times.items()}
+    control = min(median, key=lambda name: median[name])
+    made = json.loads(CHOICE.read_text("utf-8")) if CHOICE.exists() else {}
+    made[kind] = {
+        "control": control,
+        "budget ms": round(0.5 * median[control], 2),
+        "situations": len(rows),
+        "median ms": {name: round(ms, 2) for name, ms in median.items()},
+        "90 % ms": {name: round(1e3 * np.quantile(t, 0.9), 2) for name, t in times.items()},
+        "caught": {name: float(np.mean(took < LIMIT)) for name, took in times.items()},
     }
+    write_whole(CHOICE, json.dumps(made, indent=1) + "\n")
 
 
-def answer(arm: str, case: Case) -> dict[str, Any]:
-    """All that is asked of a situation."""
-    situation: Any = case.situation
-    row: dict[str, Any] = {"group": case.group, "index": case.index, "horizon": situation.horizon}
-    row["answers"] = {
-        name: [timed(planner, situation, deadline=1e-3 * ms) for ms in DEADLINES]
-        for name, planner in planners(arm).items()
-    }
-    first = get_planner("layered").plan(situation)
-    known = {"none": None, "A*": first.catch_time}
-    known |= {name: p.plan(situation).catch_time for name, p in recalled(arm).items()}
-    row["known"] = known
-    row["nodes"] = {
-        name: {
-            bound: timed(search, situation, bound=when)
-            for bound, when in known.items()
-            if bound == "none" or when
+def first(planner: Any, situation: Any) -> float:
+    """Processor time until a first catch [s], at most the limit."""
+    since = process_time()
+    plan = planner.plan(situation)
+    took = process_time() - since
+    return min(took, LIMIT) if plan.caught else LIMIT
+
+
+class Arms:
+    """Planners that are compared, by the family of the situation: only memory differs.
+
+    All plan as the control does where nothing is recalled.
+    """
+
+    def __init__(self, kind: str) -> None:
+        self.control = configurations()[json.loads(CHOICE.read_text("utf-8"))[kind]["control"]]
+        hybrid: Any = get_planner("hybrid")
+        own = hybrid.recall.other()  # for arms in space
+        self.hybrid = HybridPlanner(replace(own, name="hybrid"), fallback=self.control)
+        self.random = random_by_family(own.memory)
+
+    def of(self, family: str) -> dict[str, Any]:
+        """Planners by name."""
+        chance = RecallPlanner(self.random.get(family, self.random[""]), name="hybrid-random")
+        return {
+            "control": self.control,
+            "hybrid": self.hybrid,
+            "hybrid-random": HybridPlanner(chance, fallback=self.control),
         }
-        for name, search in searches(arm).items()
+
+
+def charged(case: Case, arms: dict[str, Any], budget: float) -> dict[str, Any] | str:
+    """Answers if the world goes on for a budget [s] while one thinks.
+
+    An arm whose joints move and cannot stop at once goes on as it did; any other rests. If it
+    is touched or caught meanwhile, nobody is asked: all share that fate.
+    """
+    situation = case.situation
+    if budget >= situation.horizon:
+        return "late"
+    rates = situation.arm.joint_rates
+    if rates is not None and any(rates):
+        for share in np.linspace(0.0, 1.0, LOOKS + 1)[1:]:
+            moved = coasting(situation, share * budget)
+            if moved is None or SpatialProblem(moved, "rest").start_clearance <= 0.0:
+                return "touched"
+    else:
+        moved, fate = later(situation, budget), resting(situation, budget)
+        if fate:
+            return fate
+    return {name: first_answer(planner, moved) for name, planner in arms.items()}
+
+
+def coasting(situation: Any, t: float) -> Any | None:
+    """The situation t [s] later, its joints turning on; None where one comes to its end."""
+    arm = situation.arm
+    joints = tuple(q + t * rate for q, rate in zip(arm.joints, arm.joint_rates, strict=True))
+    ends = zip(joints, arm.joint_range, strict=True)
+    if not all(low <= q <= high for q, (low, high) in ends):
+        return None
+    return later(situation, t, joints=joints, rates=arm.joint_rates)
+
+
+def improved(planner: Any, control: Any, situation: Any, enough: float) -> list[list[float]]:
+    """Catches [s] and when they were known [ms], until one comes by `enough` [s] or none is found.
+
+    After the first answer the control is asked again, under the bound of what there is. A catch
+    that the referee complains of is left out.
+    """
+    known, took, bound = [], 0.0, None
+    while True:
+        since = process_time()
+        plan = planner.plan(situation) if bound is None else control.plan(situation, bound=bound)
+        took += process_time() - since
+        if plan.catch_time is None or took > LIMIT:
+            return known
+        if not judge(situation_to_json(situation), plan_to_json(plan, situation)).complaints:
+            known.append([plan.catch_time, round(1e3 * took, 3)])
+        bound = plan.catch_time - GAIN * situation.horizon
+        if plan.catch_time <= enough or bound <= 0.0:
+            return known
+
+
+def answered(kind: str, case: Case, arms: Arms, more: bool) -> dict[str, Any]:
+    """Return the answers of all arms to a situation."""
+    mine, situation = arms.of(case.family), case.situation
+    row: dict[str, Any] = {
+        "item": case.item, "family": case.family, "stratum": case.stratum,
+        "horizon": situation.horizon,
+    }  # fmt: skip
+    own = json.loads(CHOICE.read_text("utf-8"))[kind]["budget ms"]
+    budgets = {"half": 1e-3 * own, "short": SHORT}
+    row["charged"] = {name: charged(case, mine, budget) for name, budget in budgets.items()}
+    if more:
+        row["curve"] = {f"{ms:g}": charged(case, mine, 1e-3 * ms) for ms in CURVE}
+    best = configurations()["layered, to the earliest"].plan(situation).catch_time
+    row["reference"] = best
+    enough = -np.inf if best is None else best + ENOUGH * situation.horizon
+    row["improved"] = {
+        name: improved(planner, arms.control, situation, enough) for name, planner in mine.items()
     }
     return row
 
 
-def timed(planner: Any, situation: AnySituation, **given: float | None) -> list[Any]:
-    """When an answer catches [s], how long it took [ms], and how many nodes."""
-    since = process_time()
-    plan = planner.plan(situation, **given)
-    return [plan.catch_time, round(1e3 * (process_time() - since), 3), plan.nodes]
+def balanced(kind: str, seed: int, count: int) -> Iterator[Case]:
+    """The first W and the first Q of a suite, `count` of each, as they come."""
+    left = dict.fromkeys("WQ", count)
+    for case in drawn(kind, seed):
+        if left[case.stratum] > 0:
+            left[case.stratum] -= 1
+            yield case
+        if not any(left.values()):
+            return
 
 
-def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Catches and lateness by deadline, nodes by bound."""
-    out: dict[str, Any] = {"situations": len(rows), "deadlines": DEADLINES}
-    rows = [row for row in rows if earliest(row) < np.inf]
-    out |= {"catchable": len(rows), "methods": {}, "nodes": {}}
-    for name in rows[0]["answers"]:
-        out["methods"][name] = [
-            by_then([(row, row["answers"][name][k]) for row in rows], ms)
-            for k, ms in enumerate(DEADLINES)
-        ]
-    for search in rows[0]["nodes"]:
-        whole = [row for row in rows if row["known"]["A*"] and row["nodes"][search]["none"][2] > 0]
-        bounds = [bound for bound in rows[0]["known"] if bound != "none"]
-        out["nodes"][search] = {bound: under(whole, search, bound) for bound in bounds}
-    return out
-
-
-def earliest(row: dict[str, Any]) -> float:
-    """The earliest catch that anybody knows [s]."""
-    told = [one[0] for mine in row["answers"].values() for one in mine]
-    told += [row["known"]["A*"]]
-    told += [one[0] for name, all_of_it in row["nodes"].items() if "A*" in name
-             for one in all_of_it.values()]  # fmt: skip
-    return min((t for t in told if t is not None), default=np.inf)
-
-
-def by_then(told: list[tuple[dict[str, Any], list[Any]]], ms: float) -> dict[str, Any]:
-    """What was caught by a deadline, and how much later than the earliest that is known."""
-    late = np.array([
-        (one[0] - earliest(row)) / row["horizon"] if one[0] is not None else np.inf
-        for row, one in told
-    ])  # fmt: skip
-    caught, well = np.isfinite(late), late <= NEAR
-    over = np.array([one[1] - ms for _, one in told])
-    return {
-        "caught": list(wilson(int(caught.sum()), len(told))),
-        "well caught": list(wilson(int(well.sum()), len(told))),
-        "later, mean [horizons]": float(late[caught].mean()) if caught.any() else None,
-        "ms beyond, median": float(np.median(over)),
-        "ms beyond, 95 %": float(np.quantile(over, 0.95)),
-    }
-
-
-def under(rows: list[dict[str, Any]], search: str, bound: str) -> dict[str, Any]:
-    """Nodes under a bound, as shares of those without, where the bound is known."""
-    both = [(row["nodes"][search]["none"], row["nodes"][search].get(bound), row) for row in rows]
-    pairs = [(free, held, row) for free, held, row in both if held is not None]
-    if not pairs:
-        return {"situations": 0}
-    off = [(row["known"][bound] - earliest(row)) / row["horizon"] for *_, row in pairs]
-    found = [(free, held) for free, held, _ in pairs if held[0] is not None]
-    shares = [held[2] / free[2] for free, held in found] or [np.nan]
-    return {
-        "situations": len(pairs),
-        "bound after the earliest, median [horizons]": float(np.median(off)),
-        "nodes without, median": float(np.median([free[2] for free, *_ in pairs])),
-        "finds a catch": len(found),
-        "nodes there, share, median": float(np.median(shares)),
-        "nodes there, share, 10 %": float(np.quantile(shares, 0.1)),
-        "nodes there, share of all": of_all(found),
-        "nodes elsewhere, share of all": of_all([(f, h) for f, h, _ in pairs if h[0] is None]),
-    }
-
-
-def of_all(pairs: list[Any]) -> float | None:
-    """Nodes of second answers, as a share of those of first ones."""
-    return sum(h[2] for _, h in pairs) / sum(f[2] for f, _ in pairs) if pairs else None
-
-
-def figure(made: dict[str, Any], path: Path) -> None:
-    """Catch rate and lateness over the time that there is."""
-    drawn = style.new_figure(8.0, 3.0)
-    rate, late = drawn.subplots(1, 2)
-    for name, mine in made["methods"].items():
-        colour = COLOURS[name]
-        told = NAMES.get(name, name)
-        rate.plot(DEADLINES, [100 * one["caught"][0] for one in mine], color=colour, label=told)
-        rate.plot(DEADLINES, [100 * one["well caught"][0] for one in mine], "--", color=colour)
-        later = [one["later, mean [horizons]"] for one in mine]
-        late.plot(DEADLINES, [np.nan if t is None else 100 * t for t in later], color=colour)
-    rate.set_ylabel("caught [%]; dashed: early")
-    late.set_ylabel("mean delay [% of horizon]")
-    for panel in (rate, late):
-        panel.set_xscale("log")
-        panel.set_xticks(TOLD, [str(one) for one in TOLD])
-        panel.set_xlabel("time to think [ms]")
-    rate.legend(frameon=False)
-    drawn.savefig(path)
+def run(kind: str, seed: int, count: int, minutes: float) -> None:
+    """Answer what is missing of a suite."""
+    path, started = OUT / f"dear-{kind}-{seed}.jsonl", monotonic()
+    OUT.mkdir(exist_ok=True)
+    lines = path.read_text("utf-8").splitlines() if path.exists() else []
+    known = {json.loads(line)["item"] for line in lines}
+    arms = Arms(kind)
+    for _, case in zip(range(WARM), drawn(kind, VALIDATION), strict=False):
+        answered(kind, case, arms, True)  # kernels are loaded now
+    with path.open("a", encoding="utf-8") as stream:
+        for number, case in enumerate(balanced(kind, seed, count)):
+            if monotonic() - started > 60.0 * minutes:
+                break
+            if case.item not in known:
+                row = answered(kind, case, arms, number < CURVED)
+                stream.write(json.dumps(row) + "\n")
+                stream.flush()
 
 
 def main() -> None:
-    """Answer what is missing, then write table and figure."""
+    """Choose, run or report."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--arm", choices=("plane", "space"), default="plane")
+    parser.add_argument("what", choices=("choose", "run", "report"))
+    parser.add_argument("--seed", type=int, default=VALIDATION + 1)
+    parser.add_argument("--limits", action="store_true", help="of acceleration")
+    parser.add_argument("--count", type=int, default=300, help="of W, and of Q")
     parser.add_argument("--minutes", type=float, default=np.inf, help="no new one after that")
-    parser.add_argument("--suites", type=Path, help="where frozen suites are kept")
-    asked, started = parser.parse_args(), monotonic()
-    OUT.mkdir(exist_ok=True)
-    path = OUT / f"{asked.arm}.jsonl"
-    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-    known = {(row["group"], row["index"]) for row in rows}
-    cases = list({"plane": in_plane, "space": in_space}[asked.arm](asked.suites))
-    for case in cases[:3]:
-        answer(asked.arm, case)  # kernels are loaded now
-    order = np.random.default_rng(0).permutation(len(cases))  # whatever is done is a fair part
-    with path.open("a") as stream:
-        for case in (cases[k] for k in order):
-            late = monotonic() - started > 60.0 * asked.minutes
-            if late or (case.group, case.index) in known:
-                continue
-            rows.append(answer(asked.arm, case))
-            stream.write(json.dumps(rows[-1]) + "\n")
-            stream.flush()
-    made = table(rows)
-    write_whole(HERE / f"{asked.arm}.json", json.dumps(made, indent=1) + "\n")
-    figure(made, HERE / f"{asked.arm}.png")
+    given = parser.parse_args()
+    kind = "limits" if given.limits else "free"
+    if given.what == "choose":
+        choose(kind, given.minutes)
+    elif given.what == "run":
+        run(kind, given.seed, given.count, given.minutes)
+    else:
+        from report import report
+
+        report(OUT, given.seed, json.loads(CHOICE.read_text("utf-8")))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What came of the lives of `run.py`: results.json, table.md and figure.png."""
+"""Reports on the lives of `run.py`: results.json, table.md and figure.png."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from stream import Met
 
+from experiments.common.tables import table
 from gcm_learn.evaluation import holm, mcnemar, stratified, wilson
 from gcm_learn.plots import style
 from gcm_learn.storage import write_whole
@@ -17,6 +18,8 @@ from gcm_learn.storage import write_whole
 HERE = Path(__file__).resolve().parent
 OTHERS = ("least used", "oldest", "random", "stops", "drawn")
 MEASURES = {"life": "during life", "first": "first family at the end", "all": "all at the end"}
+LIVES = ("life", "memories", *MEASURES.values(), "planned", "seconds")
+PAIRS = ("pair", "measure", "only the first", "only the other", "points", "p", "p (Holm)")
 COLOURS = {
     "no limit": style.INK,
     "covered": style.GOOD,
@@ -30,13 +33,13 @@ Run = dict[str, Any]
 
 
 def hits(row: str, mets: Sequence[Met]) -> np.ndarray:
-    """Whether what the teacher catches was caught from memory (n,)."""
+    """Return whether catches of the teacher were caught from memory (n,)."""
     pairs = zip(row, mets, strict=True)
     return np.array([bit == "1" for bit, met in pairs if met.plan.caught])
 
 
 def rows_of(run: Run) -> dict[str, str]:
-    """What each measure is taken of."""
+    """Return the answers that each measure is taken of."""
     return {"life": run["recalled"], "first": run["first"][-1][1], "all": run["mixed"]}
 
 
@@ -86,19 +89,17 @@ def pairs_of(runs: dict[str, Run], seen: dict[str, list[Met]]) -> list[Run]:
 
 def write_table(results: Run) -> None:
     """table.md."""
-    heads = ["life", "memories", *MEASURES.values(), "planned", "seconds"]
-    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    lives = []
     for title, run in results["lives"].items():
         cells = ["{:.1f} ({:.1f}–{:.1f})".format(*run[name]["percent"]) for name in MEASURES]
-        lines.append(f"| {title} | {run['size']} | " + " | ".join(cells)
-                     + f" | {run['planned']:.1f} | {run['seconds']:.0f} |")  # fmt: skip
-    heads = ["pair", "measure", "only the first", "only the other", "points", "p", "p (Holm)"]
-    lines += ["", "| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+        cells += [f"{run['planned']:.1f}", f"{run['seconds']:.0f}"]
+        lives.append([title, run["size"], *cells])
+    pairs = []
     for pair in results["pairs"]:
         other = pair["other"].rsplit(", ", 1)[1]
-        lines.append(f"| {pair['one']} against {other} | {MEASURES[pair['measure']]} | "
-                     f"{pair['only one']} | {pair['only other']} | {pair['points']:+.1f} | "
-                     f"{pair['p']:.1g} | {pair['holm']:.1g} |")  # fmt: skip
+        which = [f"{pair['one']} against {other}", MEASURES[pair["measure"]]]
+        which += [pair["only one"], pair["only other"], f"{pair['points']:+.1f}"]
+        pairs.append([*which, f"{pair['p']:.1g}", f"{pair['holm']:.1g}"])
     counts = {name: next(iter(results["lives"].values()))[name]["n"] for name in MEASURES}
     judged = sum(run["judged"] for run in results["lives"].values())
     broken = sum(run["complaints"] for run in results["lives"].values())
@@ -110,8 +111,8 @@ def write_table(results: Run) -> None:
         "recall failed. Seconds of processor time, the referee's among them. It judged "
         f"{judged} catches: {broken} complaints."
     )
-    lines += ["", about]
-    write_whole(HERE / "table.md", "\n".join(lines) + "\n")
+    parts = [table(LIVES, lives), table(PAIRS, pairs), about]
+    write_whole(HERE / "table.md", "\n\n".join(parts) + "\n")
 
 
 def draw(results: Run) -> None:

@@ -5,7 +5,7 @@ python -m experiments 16_lifelong DATASET --done                    report what 
 python -m experiments 16_lifelong DATASET --count 500 --seed 1     a short life
 
 DATASET is the folder of `gcm-learn generate data/specs/recall.toml`, from which fixed memories are
-drawn.  What is done is kept in out/ and not done again.  Writes results.json; `report.py` makes
+drawn.  Lives are kept in out/ and reused.  Writes results.json; `report.py` makes
 table.md and figure.png of it.
 """
 
@@ -57,7 +57,7 @@ EVERY = 4  # families, after which a memory is asked for the first again
 
 @dataclass(frozen=True)
 class Setting:
-    """What all lives have in common."""
+    """Parts that all lives share."""
 
     seed: int
     count: int

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from questions import Question
 
 from experiments.common.judging import Referee
+from experiments.common.questions import Question
 from gcm_learn.planners import Plan
 from gcm_learn.recall import Memory, RandomIndex, RecallPlanner
 from gcm_learn.storage import write_whole

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from answers import CHECKS, Answer, Ask, among_equals, by
 from lessons import drawn_from, experience
-from questions import Question
 from regressor import by_regressor, regressor, told
 from trainings import FEW, LONG, PROTOTYPES, REST, SEEDS, SIZES, STILL, WHOLE
 
+from experiments.common.questions import Question
 from gcm_learn import dataset
 from gcm_learn.dataset import Dataset
 from gcm_learn.recall import (

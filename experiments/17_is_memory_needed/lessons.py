@@ -151,7 +151,7 @@ class Still(Strict):
 def at_rest(situation: Situation) -> Situation | None:
     """Obstacles as they are at t = 0 for good, the target where `layered` catches it.
 
-    Return None without a catch, or where something swings.
+    Return None if nothing is caught or something swings.
     """
     plan = get_planner("layered").plan(situation)
     if plan.catch_time is None or any(isinstance(b.motion, Pendulum) for b in situation.bodies):

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import torch
 from answers import CHECKS, Answer, Ask
-from questions import Question
 from torch import Tensor, nn
 from torch.nn import functional
 
+from experiments.common.questions import Question
 from gcm_learn import seeding
 from gcm_learn.planners import Problem
 from gcm_learn.recall import Adaptation, EncoderConfig, Labels
@@ -120,7 +120,7 @@ def proposed(net: Paths, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
 
 
 def by_regressor(net: Paths) -> Ask:
-    """Its paths, adapted, bent and checked like memories."""
+    """Return its paths, adapted, changed and checked like memories."""
 
     def ask(question: Question, checks: int) -> Answer:
         problem = Problem(question.situation, "regressor")

@@ -15,23 +15,15 @@ import json
 from pathlib import Path
 from typing import Any
 
-import fronts
 import report
 from answers import answered
 from entrants import equal, longer, needed, opened, resting, shipped
 from lessons import at_rest
-from questions import (
-    SPLITS,
-    TIMED,
-    Question,
-    asked,
-    development,
-    outside,
-    suite,
-)
+from questions import SPLITS, development, outside
 from trainings import train, train_all
 
 from experiments.common.judging import Referee
+from experiments.common.questions import Question, asked, suite
 from gcm_learn.dataset import Dataset
 from gcm_learn.errors import EncoderError
 from gcm_learn.planners import get_planner
@@ -63,7 +55,7 @@ def main() -> None:
         ask(given)
 
 
-PARTS = ("equal", "needed", "shipped", "fronts", "resting", "outside", "longer", "report")
+PARTS = ("equal", "needed", "shipped", "resting", "outside", "longer", "report")
 
 
 def ask(given: argparse.Namespace) -> None:
@@ -77,8 +69,6 @@ def ask(given: argparse.Namespace) -> None:
         if name in given.only:
             for who, make in part(records, OUT):
                 _answered(out / "answers" / f"{who}.json", make, rows, referee)
-    if "fronts" in given.only:
-        fronts.parts(out / "fronts.jsonl", asked(whole, TIMED), referee, fronts.planners())
     if "resting" in given.only:
         for group, some in waitless(whole).items():
             for who, make in resting(records, OUT):

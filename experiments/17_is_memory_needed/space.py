@@ -3,8 +3,8 @@
 python -m experiments 17_is_memory_needed/space DATASET train   the encoders, one after the other
 python -m experiments 17_is_memory_needed/space DATASET ask     what is missing, then the tables
 
-DATASET is a folder of `gcm-learn generate data/specs/space.toml`.  What is done is kept in
-out/space and not done again.
+DATASET is a folder of `gcm-learn generate data/specs/space.toml`.  Finished parts are kept in
+out/space and not repeated.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ import json
 from pathlib import Path
 
 import fronts
-import space_report
+import report
 from run import _answered
 from space_asked import RefereeInSpace, planners, suite
 from space_entrants import equal, needed, shipped
 from space_lessons import catches_of, names, train_all
 
+from experiments import recompute
+from experiments.common import outcomes
 from gcm_learn import dataset
 
 HERE = Path(__file__).resolve().parent
@@ -57,9 +59,11 @@ def ask(folder: Path, only: list[str]) -> None:
     if "fronts" in only:
         numbers = [n for n in range(len(rows)) if n % frozen["each"] < frozen["fronts"]]
         some = [rows[n] for n in numbers]
-        fronts.parts(out / "fronts.jsonl", some, referee, planners())
+        answers = fronts.parts(some, referee, planners())
+        outcomes.write(HERE / "outcomes-fronts-space.csv.gz", answers)
+        recompute.update(HERE)
     if "report" in only:
-        space_report.write(HERE, out, rows)
+        report.write_space(HERE, out, rows)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 from fronts import BUDGET_MS
-from questions import Question
 
 from experiments.common.judging import Referee
+from experiments.common.questions import Question
 from gcm_learn.dataset import make_item, read_spec
 from gcm_learn.planners import Planner, STRRTStarPlanner, get_planner, plan_to_json
 from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 from answers import CHECKS, Answer, Ask, by
 from entrants import Make, with_controls
-from questions import Question
 from regressor import WAITS, Paths, regressor, told
 from space_lessons import OF, PROTOTYPES, SEEDS, SIZES, TURNS, Catches
 from torch import argsort, no_grad
 
+from experiments.common.questions import Question
 from gcm_learn.arms import SPATIAL
 from gcm_learn.planners import SpatialProblem
 from gcm_learn.recall import (

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from gcm_learn.cli import main
-from gcm_learn.execution import SpatialSettings, execution_to_json, shipped_bodies
+from gcm_learn.execution import execution_to_json, shipped_bodies
 from gcm_learn.families import paper_scene
-from gcm_learn.policies import Actor
 from gcm_learn.situation import SolidQuadratic, write_situations
+from tests.policies.test_in_space import straight_actor
 
 
 @pytest.fixture
@@ -122,14 +121,9 @@ def test_who_recalls_moves_arms_with_mass(planner, noise, tmp_path, capsys):
 @pytest.fixture
 def actor(tmp_path, monkeypatch):
     """The name of an actor of the user's own that goes straight."""
-    layer = (np.zeros((4, 145), np.float32), np.zeros(4, np.float32))
-    made = Actor(
-        layers=(layer,), mean=np.zeros(145), deviation=np.ones(145), head="velocity",
-        activation="relu", squash=False, spread=np.zeros(4), settings=SpatialSettings(),
-    )  # fmt: skip
     folder = tmp_path / "models" / "goes-straight"
     folder.mkdir(parents=True)
-    made.save(folder)
+    straight_actor(145).save(folder)
     monkeypatch.setenv("GCM_LEARN_MODELS", str(tmp_path / "models"))
     return "goes-straight"
 

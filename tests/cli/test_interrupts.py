@@ -30,9 +30,15 @@ def wait() -> None:
         time.sleep(0.01)
 
 
-def test_a_dropped_interrupt_comes_again(capsys):
+def print_an_interrupt() -> None:
+    """Do as PyErr_Print does, by which a library shows an interrupt and goes on."""
+    sys.excepthook(KeyboardInterrupt, KeyboardInterrupt(), None)
+
+
+@pytest.mark.parametrize("lose", [drop_an_interrupt, print_an_interrupt])
+def test_a_lost_interrupt_comes_again(capsys, lose):
     with pytest.raises(KeyboardInterrupt), Interrupts() as interrupts:
-        drop_an_interrupt()
+        lose()
         assert interrupts.lost
         wait()
     assert capsys.readouterr().err == ""
@@ -44,35 +50,22 @@ def test_it_does_not_come_after_the_end():
     time.sleep(0.15)
 
 
+def err_after_it(situation):
+    drop_an_interrupt()
+    raise RuntimeError("no compiled object yet")
+
+
+def err_as_compiled_code_does(situation):
+    raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
+
+
+@pytest.mark.parametrize("plan", [err_after_it, err_as_compiled_code_does])
 def test_an_error_that_follows_from_it_is_not_blamed(
-    scene_file, scene, planner, capsys, monkeypatch
+    scene_file, scene, planner, capsys, monkeypatch, plan
 ):
-    def plan(situation):
-        drop_an_interrupt()
-        raise RuntimeError("no compiled object yet")
-
     monkeypatch.setattr(planner, "plan", plan)
     assert main(["solve", str(scene_file(scene()))]) == 130
     assert capsys.readouterr() == ("", "gcm-learn: interrupted\n")
-
-
-def test_an_error_that_compiled_code_makes_of_it_is_one(
-    scene_file, scene, planner, capsys, monkeypatch
-):
-    def plan(situation):
-        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
-
-    monkeypatch.setattr(planner, "plan", plan)
-    assert main(["solve", str(scene_file(scene()))]) == 130
-    assert capsys.readouterr() == ("", "gcm-learn: interrupted\n")
-
-
-def test_one_that_a_library_prints_comes_again(capsys):
-    with pytest.raises(KeyboardInterrupt), Interrupts() as interrupts:
-        sys.excepthook(KeyboardInterrupt, KeyboardInterrupt(), None)  # as PyErr_Print does
-        assert interrupts.lost
-        wait()
-    assert capsys.readouterr().err == ""
 
 
 def test_other_dropped_errors_are_reported_as_ever(monkeypatch):

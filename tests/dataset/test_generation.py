@@ -27,6 +27,7 @@ from gcm_learn.dataset.spec import spec_to_json
 from gcm_learn.errors import DatasetError
 from gcm_learn.processes import Here
 from tests.dataset.conftest import SMALL, make_here
+from tests.dataset.test_space import SPEC as SPACE
 
 ROOT = Path(__file__).parents[2]
 
@@ -265,19 +266,26 @@ def test_eight_workers_and_one_give_the_same_bytes(small, tmp_path):
 
 
 @pytest.mark.slow
-def test_ctrl_c_leaves_a_folder_that_goes_on(small, tmp_path, interruptible):
-    spec = write_spec(small, tmp_path, count=4000)
-    done = run_generate(spec, tmp_path / "out", "--workers", "2")
-    wait_for(lambda: len(list((tmp_path / "out").glob("shards/shard-*"))) >= 2)
+@pytest.mark.parametrize(
+    ("spec", "changes", "workers", "shards"),
+    [(SMALL, {"count": 4000}, "2", 200), (SPACE, {"count": 60, "effort": 0.1}, "1", 15)],
+    ids=["plane", "space"],
+)
+def test_ctrl_c_leaves_a_folder_that_goes_on(
+    spec, changes, workers, shards, tmp_path, interruptible
+):
+    spec = write_spec(spec, tmp_path, **changes)
+    done = run_generate(spec, tmp_path / "out", "--workers", workers)
+    wait_for(lambda: len(list((tmp_path / "out").glob("shards/shard-*"))) >= 2, 200.0)
     done.send_signal(signal.SIGINT)
-    _, error = done.communicate(timeout=20)
+    _, error = done.communicate(timeout=60)
     assert done.returncode == 130 and error == "gcm-learn: interrupted\n"
     there = hashes(tmp_path / "out")
-    assert 2 <= len(there) < 200
+    assert 2 <= len(there) < shards
     second = run_generate(spec, tmp_path / "out", "--workers", "2")
     assert second.wait() == 0
     whole = hashes(tmp_path / "out")
-    assert len(whole) == 200 and there.items() <= whole.items()
+    assert len(whole) == shards and there.items() <= whole.items()
 
 
 @pytest.mark.slow

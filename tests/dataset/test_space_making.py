@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +24,6 @@ from gcm_learn.families import draw, family_names
 from gcm_learn.planners import get_planner, yardstick
 from gcm_learn.situation import Sphere, canonical
 from tests.dataset.conftest import SMALL
-from tests.dataset.test_generation import hashes, run_generate, wait_for, write_spec
 from tests.dataset.test_space import SPEC
 from tests.planners.test_joint_straight import GOAL, ball, flying, hand_of, scene
 from tests.planners.test_joint_trees import POST
@@ -152,21 +150,3 @@ def test_what_lies_otherwise_is_a_twin(name):
     assert len(keys) == 1
     other, _ = canonical(draw(name, 8, 1))
     assert twin_key(structure_of(other), parameters_of(other)) not in keys
-
-
-# --- by whatever hands ------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_ctrl_c_in_space_leaves_a_folder_that_goes_on(tmp_path, interruptible):
-    spec = write_spec(SPEC, tmp_path, count=60, effort=0.1)
-    done = run_generate(spec, tmp_path / "out", "--workers", "1")
-    wait_for(lambda: len(list((tmp_path / "out").glob("shards/shard-*"))) >= 2, 200.0)
-    done.send_signal(signal.SIGINT)
-    _, error = done.communicate(timeout=60)
-    assert done.returncode == 130 and error == "gcm-learn: interrupted\n"
-    there = hashes(tmp_path / "out")
-    assert 2 <= len(there) < 15
-    assert run_generate(spec, tmp_path / "out", "--workers", "2").wait() == 0
-    whole = hashes(tmp_path / "out")
-    assert len(whole) == 15 and there.items() <= whole.items()

@@ -140,12 +140,19 @@ def test_make_knows_it(name, pool, prefix):
     assert arms.reset(seed=1)[0].shape == (3, WIDTH[name])
 
 
-def test_batches_are_single_ones(name, pool):
-    n, settings = len(pool), {"weights": {"guide": 1.0}, "slots": 2}
+GUIDED = {"weights": {"guide": 1.0}, "slots": 2}
+BATCHES = [*((name, GUIDED, 12) for name in NAMES), ("CatchArm", {}, 90),
+           ("CatchArm", {"control": "joint"}, 90),
+           ("CatchArm", {"fan": True} | GUIDED, 90)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "settings", "count"), BATCHES)
+def test_batches_are_single_ones(name, pool, settings, count):
+    n, ends = len(pool), 0
     arms, alone = many(name, n, pool, settings=settings), one(name, pool, settings=settings)
     first, _ = arms.reset(options={"index": np.arange(n)})
     rng, steps = np.random.default_rng(3), []
-    actions = rng.uniform(-1, 1, (12, n, alone.settings.commands))
+    actions = rng.uniform(-1.2, 1.2, (count, n, alone.settings.commands))
     for action in actions:
         steps.append(arms.step(action))
     for e in range(n):
@@ -162,7 +169,9 @@ def test_batches_are_single_ones(name, pool):
                 assert info["_final_obs"][e] and final["index"][e] == e
                 assert final["outcome"][e] == own[4]["outcome"]
                 assert final["time"][e] == own[4]["time"]
+                ends += 1
                 break
+    assert ends == n or count < 90
 
 
 def test_seeds_and_pickles_give_the_same_episode(name, pool):

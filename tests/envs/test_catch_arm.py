@@ -22,6 +22,7 @@ from tests.transforms import mirrored, turned
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn.envs.catch_arm import CatchArm  # noqa: E402
 from gcm_learn.execution.arena.kernels.hands.observation import ARM  # noqa: E402
+from gcm_learn.execution.arena.kernels.hands.stepping import time_to_go  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -131,25 +132,18 @@ def test_turned_and_mirrored_situations_look_the_same(scenes, rng):
             np.testing.assert_allclose(other[1], seen[0][1], atol=1e-6)
 
 
-def test_the_guide_adds_up_to_the_first_potential(scenes, rng):
-    """Potential-based: whatever the arm does, the discounted sum is the potential of the start."""
-    settings = {"weights": {"guide": 2.0}, "discount": 0.97}
-    env = CatchArm(scenes[:6], settings=settings)
+def test_the_guide_adds_up_to_the_time_to_go(scenes, rng):
+    env = CatchArm(scenes[:6], settings={"weights": {"guide": 2.0}, "discount": 0.97})
     for index in range(6):
         env.reset(options={"index": index})
+        world, start = env.pool.world, env.situation.arm.hand[0]
+        assert 0.0 <= world.fields[index].min() < 0.1 or np.all(world.fields[index] == 1.0)
         total, factor, over = 0.0, 1.0, False
-        field = env.pool.world.fields[index]
-        assert 0.0 <= field.min() < 0.1 or np.all(field == 1.0)  # 1 where no target is met
         while not over:
             _, _, ended, late, info = env.step(rng.uniform(-1, 1, 2))
             total += factor * info["reward_terms"]["guide"]
             factor, over = 0.97 * factor, ended or late
-        again = CatchArm(scenes[:6], settings=settings)
-        again.reset(options={"index": index})
-        from gcm_learn.execution.arena.kernels.hands.stepping import time_to_go
-
-        first = time_to_go(env.pool.world, index, env.situation.arm.hand[0], 0.0)
-        assert total == pytest.approx(2.0 * first, abs=1e-9)
+        assert total == pytest.approx(2.0 * time_to_go(world, index, start, 0.0), abs=1e-9)
 
 
 def test_time_to_go_leads_to_the_target_in_an_empty_world():

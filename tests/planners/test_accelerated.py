@@ -9,9 +9,8 @@ import pytest
 
 from gcm_learn import get_planner, solve
 from gcm_learn.motion import Failure
-from gcm_learn.planners import plan_to_json
-from gcm_learn.situation import read_situations, situation_to_json
-from tests.referee_of_spatial_arms import judge
+from gcm_learn.situation import read_situations
+from tests.referee import judge
 from tests.spatial import EXAMPLES
 
 SITUATIONS = read_situations(EXAMPLES)
@@ -29,8 +28,7 @@ def promised(situation):
     """The plan; what it claims is judged."""
     plan = solve(situation, "layered")
     if plan.caught:
-        verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
-        assert not verdict.complaints, (situation.name, verdict.complaints)
+        assert judge(situation, plan).complaints == [], situation.name
         assert plan.trajectory.rates is not None
     return plan
 

@@ -12,7 +12,6 @@ from gcm_learn import families, get_planner, seeding, solve
 from gcm_learn.arms import forward_in_space
 from gcm_learn.charts import joint_lattice
 from gcm_learn.charts.joint_lattice import nearest, neighbour, posture_of
-from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.joints.backward import reversed_scene
 from gcm_learn.planners.joints.layered import LayeredInSpace
 from gcm_learn.scene import pack, poses_at
@@ -27,9 +26,8 @@ from gcm_learn.situation import (
     Sphere,
     read_situations,
     situation_from_json,
-    situation_to_json,
 )
-from tests import referee_of_spatial_arms
+from tests.referee import judge
 from tests.situation.scenes import NAO
 from tests.spatial import EXAMPLES
 
@@ -59,20 +57,13 @@ def scene_of(rng, walls=2):
     return Situation("drawn", horizon, replace(arm, joints=tuple(start)), tuple(bodies))
 
 
-def complaints(situation, plan):
-    """What the referee has to say of a catch."""
-    return referee_of_spatial_arms.judge(
-        situation_to_json(situation), plan_to_json(plan, situation)
-    ).complaints
-
-
 def test_the_referee_has_no_complaints():
     caught = 0
     for k in range(40):
         situation = scene_of(seeding.rng(7, k), walls=k % 4)
         plan = solve(situation, "layered")
         caught += plan.caught
-        assert not plan.caught or complaints(situation, plan) == []
+        assert not plan.caught or judge(situation, plan).complaints == []
     assert caught >= 20
 
 
@@ -81,7 +72,7 @@ def test_examples_are_caught():
     plans = [solve(situation, "layered") for situation in situations]
     assert sum(plan.caught for plan in plans) >= 0.9 * len(plans)
     for situation, plan in zip(situations, plans, strict=True):
-        assert not plan.caught or complaints(situation, plan) == []
+        assert not plan.caught or judge(situation, plan).complaints == []
 
 
 def behind(cover):
@@ -96,7 +87,7 @@ def behind(cover):
 def test_it_waits_until_a_cover_has_gone():
     situation = behind(SolidQuadratic(NOTHING, NOTHING, (0.0, 0.0, 2.0)))
     plan = solve(situation, "layered")
-    assert plan.caught and complaints(situation, plan) == []
+    assert plan.caught and judge(situation, plan).complaints == []
     assert plan.catch_time > math.sqrt(2.0 * 0.05 / 2.0)
 
 
@@ -108,10 +99,7 @@ def test_a_target_that_can_only_be_grazed_is_caught(family, index):
     situation = replace(situation, arm=arm)
     plan = LayeredInSpace().plan(situation)
     assert plan.caught
-    told = referee_of_spatial_arms.judge(
-        situation_to_json(situation), plan_to_json(plan, situation)
-    )
-    assert told.complaints == []
+    assert judge(situation, plan).complaints == []
 
 
 def test_what_is_shut_in_is_given_up_soon():

@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.motion import rules_of
-from gcm_learn.planners import SpatialProblem, plan_to_json
+from gcm_learn.planners import SpatialProblem
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.joints.moves import study_of, time_of
 from gcm_learn.planners.joints.pull import box, met_from, slope_at
@@ -25,9 +25,8 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
     read_situations,
-    situation_to_json,
 )
-from tests.referee_of_spatial_arms import judge
+from tests.referee import judge
 from tests.spatial import EXAMPLES
 
 ARM = SpatialArm(
@@ -168,8 +167,7 @@ def test_most_of_the_examples():
     assert all(b.catch_time == a.catch_time for a, b in plans if a.caught)
     for situation, pair in zip(drawn, plans, strict=True):
         for plan in (p for p in pair if p.caught):
-            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
-            assert verdict.complaints == []
+            assert judge(situation, plan).complaints == []
     assert sum(a.caught for a, _ in plans) >= 22
     assert sum(b.caught for _, b in plans) >= 30
 

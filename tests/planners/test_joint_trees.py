@@ -6,14 +6,13 @@ import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.arms import forward_in_space
-from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.st_rrt_star_joints import draw_posture, task_in_space
 from gcm_learn.planners.completion import SpatialProblem
-from gcm_learn.situation import Sphere, read_situations, situation_to_json
+from gcm_learn.situation import Sphere, read_situations
 from tests.planners.test_joint_straight import ARM, GOAL, RADIUS, ball, flying, hand_of, scene
 from tests.planners.test_st_rrt_star import needs_ompl
-from tests.referee_of_spatial_arms import judge
+from tests.referee import judge
 from tests.spatial import EXAMPLES
 
 POST = flying("obstacle", Sphere(0.2), hand_of((np.array(ARM.joints) + GOAL) / 2.0))
@@ -61,7 +60,7 @@ def test_it_goes_round_a_post():
     situation = scene(ball(hand_of(GOAL)), POST)
     plan = STRRTStarPlanner().plan(situation)
     assert plan.caught
-    assert judge(situation_to_json(situation), plan_to_json(plan, situation)).complaints == []
+    assert judge(situation, plan).complaints == []
 
 
 @needs_ompl
@@ -73,7 +72,6 @@ def test_budgets_of_the_examples():
         times = [np.inf if plan.catch_time is None else plan.catch_time for plan in plans]
         assert times[1] <= times[0]
         for plan in (p for p in plans if p.caught):
-            solution = plan_to_json(plan, situation)
-            assert judge(situation_to_json(situation), solution).complaints == []
+            assert judge(situation, plan).complaints == []
         caught += plans[1].caught
     assert caught >= 5

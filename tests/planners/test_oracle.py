@@ -227,16 +227,12 @@ def contradictions(situations, rivals):
     return wrong, caught
 
 
-def test_no_planner_beats_the_lower_bound():
-    situations = [random_planar(seeding.rng(82, k)) for k in range(60)]
-    wrong, caught = contradictions(situations, RIVALS)
-    assert wrong == [] and caught > 120
-
-
-def test_no_planner_beats_the_lower_bound_in_3d():
-    situations = [random_solid(seeding.rng(83, k)) for k in range(12)]
-    wrong, caught = contradictions(situations, RIVALS)
-    assert wrong == [] and caught > 20
+@pytest.mark.parametrize(
+    ("family", "seed", "count", "least"), [(random_planar, 82, 60, 120), (random_solid, 83, 12, 20)]
+)
+def test_no_planner_beats_the_lower_bound(family, seed, count, least):
+    wrong, caught = contradictions([family(seeding.rng(seed, k)) for k in range(count)], RIVALS)
+    assert wrong == [] and caught > least
 
 
 @pytest.mark.slow

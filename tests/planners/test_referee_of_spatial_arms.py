@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
+from tests.planners.test_referee_of_chains import ball, body, changed, still
 from tests.referee_of_spatial_arms import (
     body_of,
     curve_of,
@@ -41,21 +42,6 @@ ARM = {
 TIME = [0.0, 0.3, 0.7]
 JOINTS = [ARM["joints"], [0.9, 0.1, 0.4, -0.9], [1.2, 0.8, 0.1, -0.3]]
 RATES = [[1.0, -1.0, 2.0, 0.0], [2.0, 0.5, 0.5, 2.0], [0.5, -0.5, -1.0, 1.0]]
-
-
-def still(position, **more):
-    """A law of motion that rests but for what is given."""
-    zero = [0.0, 0.0, 0.0]
-    motion = {"kind": "quadratic", "position": list(map(float, position))}
-    return motion | {"velocity": zero, "acceleration": zero} | more
-
-
-def body(role, name, shape, motion):
-    return {"role": role, "name": name, "shape": shape, "motion": motion}
-
-
-def ball(radius):
-    return {"kind": "sphere", "radius": radius}
 
 
 def scene_of(smooth=False, obstacle=None, **changes):
@@ -152,16 +138,6 @@ def test_a_catch_at_once_has_one_sample():
 # --- one promise broken ----------------------------------------------------------------------
 
 
-def changed(solution, *path, to):
-    """The solution with one value replaced."""
-    solution = copy.deepcopy(solution)
-    place = solution
-    for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = to
-    return solution
-
-
 @pytest.mark.parametrize(
     ("path", "to", "word"),
     [
@@ -187,7 +163,7 @@ def changed(solution, *path, to):
 )
 def test_numbers_that_do_not_fit_are_refused(path, to, word):
     situation, solution = scene_of()
-    assert word in complaints(situation, changed(solution, *path, to=to))
+    assert word in complaints(situation, changed(solution, path, to))
 
 
 @pytest.mark.parametrize("name", ["time", "joints", "hand", "elbow", "rates"])
@@ -207,14 +183,14 @@ def test_hand_and_elbow_follow_from_the_joints(name):
     situation, solution = scene_of()
     for off, wrong in ((0.9e-6, False), (1.1e-6, True)):
         value = solution["trajectory"][name][1][0] + off
-        other = changed(solution, "trajectory", name, 1, 0, to=value)
+        other = changed(solution, ("trajectory", name, 1, 0), value)
         assert (f"{name} and joints disagree" in complaints(situation, other)) == wrong
         assert (complaints(situation, other) == "") != wrong
 
 
 def test_another_first_rate_is_refused():
     situation, solution = scene_of(smooth=True)
-    other = changed(solution, "trajectory", "rates", 0, 1, to=-1.0 + 1e-7)
+    other = changed(solution, ("trajectory", "rates", 0, 1), -1.0 + 1e-7)
     assert "joint_rates" in complaints(situation, other)
     del situation["arm"]["joint_rates"]  # at rest, then
     assert "joint_rates" in complaints(situation, solution)

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from gcm_learn.motion import Failure
-from gcm_learn.planners import plan_to_json, stratum, yardstick
+from gcm_learn.planners import stratum, yardstick
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.joints.moves import study_of
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.oracle.posture_boxes import earliest_possible
-from gcm_learn.situation import Box, Sphere, read_situations, situation_to_json
+from gcm_learn.situation import Box, Sphere, read_situations
 from tests.planners.test_joint_straight import ARM, GOAL, ball, flying, hand_of, scene
 from tests.planners.test_joint_trees import POST
-from tests.referee_of_spatial_arms import judge
+from tests.referee import judge
 from tests.spatial import EXAMPLES
 
 LID = flying("obstacle", Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
@@ -28,10 +28,6 @@ LID = flying("obstacle", Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
 def lower(situation):
     problem = SpatialProblem(situation, "test")
     return earliest_possible(study_of(problem.scene, problem.rules))
-
-
-def good(situation, plan):
-    return judge(situation_to_json(situation), plan_to_json(plan, situation)).complaints == []
 
 
 # --- what is ruled out ------------------------------------------------------------------------
@@ -90,13 +86,13 @@ def test_strata(bodies, expected):
     assert known.stratum in expected and stratum(situation, known) == known.stratum
     assert known.decided and (known.lower <= known.upper)
     if known.plan.caught:
-        assert good(situation, known.plan)
+        assert judge(situation, known.plan).complaints == []
 
 
 def test_the_oracle_answers_with_its_best():
     situation = scene(ball(hand_of(GOAL)), POST)
     plan = OraclePlanner(trees_ms=200.0).plan(situation)
-    assert plan.planner == "oracle" and plan.caught and good(situation, plan)
+    assert plan.planner == "oracle" and plan.caught and judge(situation, plan).complaints == []
     buried = scene(ball(hand_of(GOAL)), flying("obstacle", Sphere(0.7), hand_of(GOAL)))
     assert OraclePlanner().plan(buried).failure is Failure.IMPOSSIBLE
 
@@ -107,14 +103,14 @@ def test_the_oracle_answers_with_its_best():
 def test_the_field_leads_straight_where_nothing_is():
     free = scene(ball(hand_of(GOAL)))
     plan = PotentialPlanner().plan(free)
-    assert plan.caught and good(free, plan)
+    assert plan.caught and judge(free, plan).complaints == []
     assert plan.catch_time <= 1.2 * StraightPlanner().plan(free).catch_time
 
 
 def test_the_field_follows_a_moving_target():
     moving = scene(ball(hand_of(GOAL) - (0.2, 0.0, 0.0), (0.8, -0.5, 0.3)))
     plan = PotentialPlanner().plan(moving)
-    assert plan.caught and good(moving, plan)
+    assert plan.caught and judge(moving, plan).complaints == []
 
 
 def test_the_field_gives_up_where_a_target_is_buried():

@@ -32,23 +32,9 @@ def test_last_snapshot_names_both_instants(name, caption):
     assert abs(float(contact.split()[2].rstrip(":")) / caption - 1) < 0.15
 
 
-def test_all_figures_of_the_paper_are_there():
-    planar = [f"fig{k}" for k in range(1, 9)]
-    assert list(FIGURES) == [*planar, "fig5-space", "fig8-space", "fig8-body"]
-
-
 def test_unknown_figure_names_the_known_ones():
     with pytest.raises(UnknownNameError, match=r"'fig9'.* fig1, fig2.* did you mean 'fig8'"):
         draw_figure("fig9")
-
-
-def test_plan_figure_of_a_planar_catch(planar_case, drawn):
-    situation, plan = planar_case
-    figure = plan_figure(situation, plan)
-    drawn(figure)
-    assert len(figure.axes) == 2
-    headline = figure.get_suptitle()
-    assert "goal" in headline and f"{plan.catch_time:.3f} s" in headline
 
 
 def test_plan_figure_of_a_3d_catch_has_a_view(solid_case, drawn):
@@ -56,23 +42,6 @@ def test_plan_figure_of_a_3d_catch_has_a_view(solid_case, drawn):
     drawn(figure)
     assert figure.axes[0].get_title() == "at the catch"
     assert len(figure.axes) == 3
-
-
-def test_plan_figure_without_a_catch_says_why(planar_case, drawn):
-    situation, plan = planar_case
-    failed = dataclasses.replace(
-        plan,
-        status="unreachable",
-        message="the target never comes near",
-        catch_time=None,
-        catch_body=None,
-        clearance=None,
-        trajectory=None,
-        map=None,
-    )
-    figure = plan_figure(situation, failed)
-    drawn(figure)
-    assert "the target never comes near" in figure.get_suptitle()
 
 
 def test_plan_figure_without_a_map_shows_hand_space(planar_case, drawn):

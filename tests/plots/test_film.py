@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 
 import numpy as np
@@ -51,12 +50,3 @@ def test_film_leaves_no_trace_of_earlier_frames(planar_case, tmp_path):
         lasts.append(frames_of(tmp_path / "film.gif")[0][-1])
     different = (np.abs(lasts[0] - lasts[1]).max(axis=-1) > 60).mean()
     assert different < 1e-3
-
-
-def test_film_of_a_plan_without_a_catch(planar_case, tmp_path):
-    situation, plan = planar_case
-    failed = dataclasses.replace(
-        plan, status="unreachable", catch_time=None, catch_body=None, trajectory=None, map=None
-    )
-    animate(situation, failed, tmp_path / "film.gif", frames=3)
-    assert len(frames_of(tmp_path / "film.gif")[0]) == 3

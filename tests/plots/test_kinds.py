@@ -46,7 +46,8 @@ def test_plan_figure_of_a_catch(case, drawn):
     figure = plan_figure(situation, plan)
     drawn(figure)
     assert [ax.get_title() for ax in figure.axes] == TITLES[name]
-    assert f"caught {situation.targets[0].name!r} after" in figure.get_suptitle()
+    headline = figure.get_suptitle()
+    assert f"caught {situation.targets[0].name!r} after {plan.catch_time:.3f} s" in headline
     labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert labels == KEYS[name]
 

@@ -16,7 +16,6 @@ from gcm_learn.execution import (
     CAUGHT,
     COMMANDS,
     RUNNING,
-    ExactPlant,
     Loop,
     Perception,
     PhysicalArms,
@@ -32,6 +31,7 @@ from gcm_learn.policies import Actor, ActorPlanner, plan_of, read_plan, shipped_
 from gcm_learn.policies.actor import file_of
 from gcm_learn.policies.directions import STEER, choices_in, choices_of, chosen, moved, said
 from gcm_learn.scene import later
+from tests.execution.loop.test_closed_loop import Watched
 
 CONFIGS = Path(__file__).parents[2] / "experiments" / "04_policies"
 FAMILY = "crossing-swarm-space"
@@ -260,18 +260,6 @@ def test_an_actor_plans_where_it_catches(tmp_path):
     assert all(now or not before for now, before in zip(found, caught[:10], strict=True))
     with pytest.raises(ArmKindError, match="does not take planar arms"):
         planner.plan(families.draw("random-planar", 3, 0))
-
-
-class Watched(ExactPlant):
-    """A plant that notes where it was after every look."""
-
-    def __init__(self, situation):
-        super().__init__(situation)
-        self.rows = []
-
-    def follow(self, trajectory, until):
-        super().follow(trajectory, until)
-        self.rows.append((self.time, *self.arm.joints, *self.arm.joint_rates))
 
 
 @pytest.mark.parametrize("shipped", [False, True])

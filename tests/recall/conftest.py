@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from gcm_learn import seeding
@@ -24,6 +27,18 @@ def caught(seed, count):
             found.append((situation, plan))
         k += 1
     return found
+
+
+def limited(rng):
+    """A random planar situation whose joints have limits of speed."""
+    situation = random_planar(rng)
+    limits = tuple(float(v) for v in rng.uniform(3.0, 12.0, 2))
+    return replace(situation, arm=replace(situation.arm, max_joint_speed=limits))
+
+
+def stacked(traces):
+    """Knots and goals of several traces."""
+    return np.array([t.knots for t in traces]), np.array([t.goal for t in traces])
 
 
 def memory_in_space(catches):

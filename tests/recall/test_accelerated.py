@@ -10,7 +10,6 @@ import pytest
 from hypothesis import assume, given, settings
 
 from gcm_learn import get_planner, solve
-from gcm_learn.planners import plan_to_json
 from gcm_learn.recall import RecallPlanner, waypoints_of
 from gcm_learn.recall.joint_moves import EARLIEST, TIME
 from gcm_learn.situation import (
@@ -19,13 +18,13 @@ from gcm_learn.situation import (
     Sphere,
     canonical,
     situation_from_json,
-    situation_to_json,
 )
 from tests import strategies
-from tests.planners.test_joint_fuzz import answered, wild_situations
+from tests.planners.test_fuzz import answered
+from tests.planners.test_joint_fuzz import wild_situations
 from tests.recall.conftest import memory_in_space
 from tests.recall.worlds import LIMITED, catches_of, memory_of
-from tests.referee_of_spatial_arms import judge
+from tests.referee import judge
 from tests.situation.scenes import MOVING
 
 
@@ -64,8 +63,7 @@ def test_weaker_joints_keep_the_way_and_need_more_time(memory, catches):
             found = planner.recollect(weak)
             if found.memory == k and found.plan.catch_time > 1.03 * plan.catch_time:
                 retimed += 1
-                verdict = judge(situation_to_json(weak), plan_to_json(found.plan, weak))
-                assert verdict.complaints == []
+                assert judge(weak, found.plan).complaints == []
                 again = waypoints_of(weak, found.plan).knots
                 assert np.abs(again[-1, :4] - memory.knots[k, -1, :4]).max() < 1.0
                 break
@@ -118,8 +116,7 @@ def test_what_touches_at_all_times_is_pushed_aside(catches):
         found = planner.plan(blocked)
         if found.caught:
             pushed += 1
-            record = plan_to_json(found, blocked)
-            assert judge(situation_to_json(blocked), record).complaints == []
+            assert judge(blocked, found).complaints == []
     assert pushed >= 5
 
 
@@ -137,8 +134,7 @@ def test_hybrid_keeps_deadlines_and_bounds():
         bounded += asked.caught
         for plan in (patient, asked):
             if plan.caught:
-                verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
-                assert verdict.complaints == []
+                assert judge(situation, plan).complaints == []
     assert sooner > 0 and bounded > 0
 
 
@@ -156,9 +152,8 @@ def _compiled():
 @given(situation=strategies.spatial_situations())
 def test_valid_situations_get_an_answer_that_holds(_compiled, planner, situation):
     assume(situation.arm.max_joint_acceleration is not None)
-    record = answered(situation, planner)
-    if record["status"] == "caught":
-        assert judge(situation_to_json(situation), record).complaints == []
+    plan = answered(situation, planner)
+    assert not plan.caught or judge(situation, plan).complaints == []
 
 
 @settings(max_examples=15)

@@ -19,15 +19,12 @@ from gcm_learn.recall.planners import random_waypoints
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.scene.shapes.choice import gap_in_plane
 from gcm_learn.situation.canonical import canonical
+from tests.recall.conftest import limited, stacked
 from tests.transforms import mirrored, turned
 
 EVERY = [
     Adaptation(style, tempo) for style in ("polar", "cartesian") for tempo in ("hurry", "keep")
 ]
-
-
-def stacked(traces):
-    return np.array([t.knots for t in traces]), np.array([t.goal for t in traces])
 
 
 def apart(way, other):
@@ -129,12 +126,6 @@ def test_paths_turn_and_mirror_with_the_situation(catches, traces, style):
             )
     assert compared > 100
     assert off <= 0.05 * 400
-
-
-def limited(rng):
-    situation = random_planar(rng)
-    limits = tuple(float(v) for v in rng.uniform(3.0, 12.0, 2))
-    return replace(situation, arm=replace(situation.arm, max_joint_speed=limits))
 
 
 @pytest.mark.parametrize(

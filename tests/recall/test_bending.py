@@ -30,13 +30,10 @@ from gcm_learn.recall.styles import HURRY, Style
 from gcm_learn.recall.styles import POLAR as POLAR_SPACE
 from gcm_learn.recall.waypoints import EARLIEST, TIME
 from gcm_learn.scene.bodies import poses_at
+from tests.recall.conftest import stacked
 
 BARE, BENT = Adaptation(bends=0), Adaptation()
 POLAR = Style(POLAR_SPACE, HURRY)
-
-
-def stacked(traces):
-    return np.array([t.knots for t in traces]), np.array([t.goal for t in traces])
 
 
 def still(x, y):

@@ -10,7 +10,6 @@ import pytest
 from gcm_learn import families, get_planner, solve
 from gcm_learn.arms import SPATIAL
 from gcm_learn.errors import ArmKindError, RecallError
-from gcm_learn.planners import plan_to_json
 from gcm_learn.recall import (
     Adaptation,
     HybridPlanner,
@@ -22,10 +21,10 @@ from gcm_learn.recall import (
     waypoints_of,
 )
 from gcm_learn.recall.waypoints import EARLIEST, TIME
-from gcm_learn.situation import canonical, situation_to_json
+from gcm_learn.situation import canonical
 from gcm_learn.situation.spatial_frame import _in_base, _mirrored
 from tests.recall.worlds import FREE, LIMITED, catches_of, memory_of, times
-from tests.referee_of_spatial_arms import judge
+from tests.referee import judge
 
 WORLDS = pytest.mark.parametrize("world", [FREE, LIMITED], ids=["free", "limited"])
 
@@ -63,8 +62,7 @@ def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(n
         assert plan.status in ("caught", "unreachable", "start_blocked")
         if plan.caught:
             caught, other = caught + 1, other + (known[k % 12] not in world.names)
-            verdict = judge(situation_to_json(situation), plan_to_json(plan, situation))
-            assert verdict.complaints == []
+            assert judge(situation, plan).complaints == []
             if world.accelerates:
                 assert tuple(plan.trajectory.rates[0]) == situation.arm.joint_rates
     assert caught > (1 if name == "recall-1" else 4) and other > 0

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -26,6 +24,7 @@ from gcm_learn.recall import (
     unverified,
 )
 from gcm_learn.situation.canonical import canonical
+from tests.recall.conftest import limited
 from tests.referee import judge
 from tests.transforms import turned
 
@@ -37,12 +36,6 @@ PLANNERS = {
     "both": lambda memory: RecallPlanner(memory, how=Adaptation("cartesian", "both")),
     "splines-random": lambda memory: SplinesPlanner(),
 }
-
-
-def limited(rng):
-    situation = random_planar(rng)
-    limits = tuple(float(v) for v in rng.uniform(3.0, 12.0, 2))
-    return replace(situation, arm=replace(situation.arm, max_joint_speed=limits))
 
 
 @pytest.mark.parametrize("name", PLANNERS)

@@ -22,10 +22,11 @@ PENDULUM = {
 }
 
 
-def message(record, fields, change):
-    with pytest.raises(SituationError) as caught:
-        record(**fields | change)
-    return str(caught.value)
+LAWS = {
+    "planar": (PlanarQuadratic, PLANAR),
+    "solid": (SolidQuadratic, SOLID),
+    "pendulum": (Pendulum, PENDULUM),
+}
 
 
 def test_defaults():
@@ -39,49 +40,38 @@ def test_defaults():
 
 
 @pytest.mark.parametrize(
-    ("change", "expected"),
+    ("law", "change", "expected"),
     [
-        ({"position": (1, 2, 3)}, "position: must be a list of 2 numbers (got 3)"),
-        ({"velocity": (1, True)}, "velocity[1]: must be a number (got true)"),
-        ({"acceleration": None}, "acceleration: must be a list of 2 numbers (got null)"),
-        ({"angle": math.inf}, "angle: must be finite (got inf)"),
-        ({"spin": (0, 0, 1)}, "spin: must be a number (got a list of 3)"),
+        ("planar", {"position": (1, 2, 3)}, "position: must be a list of 2 numbers (got 3)"),
+        ("planar", {"velocity": (1, True)}, "velocity[1]: must be a number (got true)"),
+        ("planar", {"acceleration": None}, "acceleration: must be a list of 2 numbers (got null)"),
+        ("planar", {"angle": math.inf}, "angle: must be finite (got inf)"),
+        ("planar", {"spin": (0, 0, 1)}, "spin: must be a number (got a list of 3)"),
+        ("solid", {"position": (1, 2)}, "position: must be a list of 3 numbers (got 2)"),
+        ("solid", {"spin": 2.0}, "spin: must be a list of 3 numbers (got 2.0)"),
+        ("solid", {"orientation": (1, 0, 0)}, "orientation: must be a list of 4 numbers (got 3)"),
+        (
+            "solid",
+            {"orientation": (1, 0, 0, 0.1)},
+            "orientation: must have length 1 (got 1.00498756)",
+        ),
+        ("solid", {"orientation": (0, 0, 0, 0)}, "orientation: must have length 1 (got 0)"),
+        ("pendulum", {"axis": (0, 2, 0)}, "axis: must have length 1 (got 2)"),
+        ("pendulum", {"down": (0, 0, 0)}, "down: must have length 1 (got 0)"),
+        ("pendulum", {"down": (0, 0.6, 0.8)}, "down: must be orthogonal to axis (dot product 0.6)"),
+        ("pendulum", {"length": 0}, "length: must be positive (got 0.0)"),
+        ("pendulum", {"gravity": -1}, "gravity: must not be negative (got -1.0)"),
+        ("pendulum", {"rate": "fast"}, 'rate: must be a number (got "fast")'),
+        ("pendulum", {"damping": -0.1}, "damping: must not be negative (got -0.1)"),
+        ("pendulum", {"hang": -2}, "hang: must not be negative (got -2.0)"),
+        ("pendulum", {"hang": False}, "hang: must be a number (got false)"),
     ],
 )
-def test_planar_refuses(change, expected):
-    assert message(PlanarQuadratic, PLANAR, change) == expected
-
-
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        ({"position": (1, 2)}, "position: must be a list of 3 numbers (got 2)"),
-        ({"spin": 2.0}, "spin: must be a list of 3 numbers (got 2.0)"),
-        ({"orientation": (1, 0, 0)}, "orientation: must be a list of 4 numbers (got 3)"),
-        ({"orientation": (1, 0, 0, 0.1)}, "orientation: must have length 1 (got 1.00498756)"),
-        ({"orientation": (0, 0, 0, 0)}, "orientation: must have length 1 (got 0)"),
-    ],
-)
-def test_solid_refuses(change, expected):
-    assert message(SolidQuadratic, SOLID, change) == expected
-
-
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        ({"axis": (0, 2, 0)}, "axis: must have length 1 (got 2)"),
-        ({"down": (0, 0, 0)}, "down: must have length 1 (got 0)"),
-        ({"down": (0, 0.6, 0.8)}, "down: must be orthogonal to axis (dot product 0.6)"),
-        ({"length": 0}, "length: must be positive (got 0.0)"),
-        ({"gravity": -1}, "gravity: must not be negative (got -1.0)"),
-        ({"rate": "fast"}, 'rate: must be a number (got "fast")'),
-        ({"damping": -0.1}, "damping: must not be negative (got -0.1)"),
-        ({"hang": -2}, "hang: must not be negative (got -2.0)"),
-        ({"hang": False}, "hang: must be a number (got false)"),
-    ],
-)
-def test_pendulum_refuses(change, expected):
-    assert message(Pendulum, PENDULUM, change) == expected
+def test_laws_refuse(law, change, expected):
+    record, fields = LAWS[law]
+    with pytest.raises(SituationError) as caught:
+        record(**fields | change)
+    assert str(caught.value) == expected
 
 
 def test_unit_vectors_may_be_off_by_rounding():

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 
 from gcm_learn.arms import Arm
 from gcm_learn.charts.lattice import Lattice
@@ -12,9 +14,20 @@ from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import kappa_of
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
+from tests.transforms import mirrored, turned
 
 SPEED = 3.4  # kappa is about 1/400 s on 80 cells
 STILL = (0.0, 0.0)
+SYMMETRIES = pytest.mark.parametrize(
+    ("move", "back"),
+    [
+        (mirrored, lambda a: a[..., ::-1, :]),
+        (lambda s: turned(s, 0.5 * np.pi), lambda a: np.rot90(a, axes=(-2, -1))),
+        (lambda s: turned(s, np.pi), lambda a: np.rot90(a, 2, axes=(-2, -1))),
+    ],
+    ids=["mirror", "quarter turn", "half turn"],
+)
+"""Moves of a situation, and what takes its map (..., n, n) back."""
 
 
 def disc(role, name, position, velocity=STILL, radius=0.1):
@@ -83,3 +96,16 @@ def away(setting):
     """Distance (n, n) of every cell's centre from the hand [cells]."""
     x, y = np.meshgrid(setting.lattice.centres, setting.lattice.centres)
     return np.hypot(x - setting.hand[0], y - setting.hand[1]) / setting.lattice.spacing
+
+
+def earliest(front, n):
+    """First arrival in every cell (n, n) [s], infinite where there is none."""
+    out = np.full((n, n), np.inf)
+    np.minimum.at(out, tuple(front.cells.T), front.arrival)
+    return out
+
+
+def in_threads(*works):
+    """Results of some functions, each called in a thread of its own."""
+    with ThreadPoolExecutor(len(works)) as pool:
+        return [job.result() for job in [pool.submit(work) for work in works]]

@@ -12,7 +12,7 @@ from gcm_learn.charts.lattice import hand_space
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams, fastest, march, march_layers, propagate
 from gcm_learn.wave.reference import propagate_reference
-from tests.wave.scenes import disc, scene, setting_of
+from tests.wave.scenes import disc, earliest, scene, setting_of
 
 LIMITS = (2.0, 3.0)
 FAST = 50.0  # hand speed that is never the limit
@@ -47,20 +47,12 @@ def well_inside(setting, margin=0.15):
     return inside.reshape(setting.lattice.n, -1)
 
 
-def first_sheet(setting, params):
-    """Earliest arrivals of layered marching (n, n) [s], infinite where it never came."""
-    front = march_layers(*setting, params)
-    out = np.full((params.n, params.n), np.inf)
-    np.minimum.at(out, tuple(front.cells.T), front.arrival)
-    return out
-
-
 @pytest.mark.parametrize(("rho", "elbow"), [(1.0, "right"), (0.8, "left")])
 def test_marching_takes_the_time_that_joints_take(rho, elbow):
     setting = free_task(rho=rho, elbow=elbow)
     inside, least = well_inside(setting), exact(setting)
     params = MarchingParams(n=60, until="horizon")
-    for arrival in (march(*setting, params).first, first_sheet(setting, params)):
+    for arrival in (march(*setting, params).first, earliest(march_layers(*setting, params), 60)):
         ratio = arrival[inside & (least > 0.2)] / least[inside & (least > 0.2)]
         # Straight hand paths are slower than even turning, so the front is late but never early.
         assert np.percentile(ratio, 1) > 0.95

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 import pytest
 
@@ -13,8 +11,16 @@ from gcm_learn.situation import Body, PlanarQuadratic, Polygon
 from gcm_learn.wave import WaveParams, kappa_of, propagate
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.reference import propagate_reference
-from tests.transforms import mirrored, turned
-from tests.wave.scenes import arrival_tau, disc, scene, setting_of, state_of, three_discs
+from tests.wave.scenes import (
+    SYMMETRIES,
+    arrival_tau,
+    disc,
+    in_threads,
+    scene,
+    setting_of,
+    state_of,
+    three_discs,
+)
 
 EXPLORE = "horizon"
 LATE = 0.25  # the kernel traces a crossing back over at most 1.2 tau of curved rise [tau]
@@ -136,21 +142,13 @@ def test_threads_do_not_share_their_lattices():
     settings = [setting_of(three_discs(seeding.rng(24, k)), 40) for k in range(12)]
     params = WaveParams(n=40, until=EXPLORE)
     alone = [propagate(*s, params).first.tobytes() for s in settings]
-    found = {}
 
-    def work(name, order):
-        found[name] = {k: propagate(*settings[k], params).first.tobytes() for k in order}
+    def work(order):
+        return {k: propagate(*settings[k], params).first.tobytes() for k in order}
 
-    threads = [
-        threading.Thread(target=work, args=("up", list(range(12)) * 4)),
-        threading.Thread(target=work, args=("down", list(range(12))[::-1] * 4)),
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert [found["up"][k] for k in range(12)] == alone
-    assert [found["down"][k] for k in range(12)] == alone
+    up, down = list(range(12)) * 4, list(range(12))[::-1] * 4
+    for found in in_threads(lambda: work(up), lambda: work(down)):
+        assert [found[k] for k in range(12)] == alone
 
 
 def square(position, velocity):
@@ -160,15 +158,7 @@ def square(position, velocity):
     )
 
 
-@pytest.mark.parametrize(
-    ("move", "back"),
-    [
-        (mirrored, lambda a: a[::-1]),
-        (lambda s: turned(s, 0.5 * np.pi), lambda a: np.rot90(a)),
-        (lambda s: turned(s, np.pi), lambda a: np.rot90(a, 2)),
-    ],
-    ids=["mirror", "quarter turn", "half turn"],
-)
+@SYMMETRIES
 def test_symmetry(move, back):
     """The lattice is symmetric, so a moved scene gives the moved map."""
     situation = scene(

@@ -10,18 +10,11 @@ from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import hand_space
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.wave import MarchingParams, march, march_layers
-from tests.wave.scenes import SPEED, away, disc, scene, setting_of, state_of, three_discs
+from tests.wave.scenes import SPEED, away, disc, earliest, scene, setting_of, state_of, three_discs
 
 N = 48
 BARE = MarchingParams(n=N, margin=0.0, lookback=0.0, until="horizon")
 GUARDED = MarchingParams(n=N, until="horizon")
-
-
-def earliest(front, n=N):
-    """First arrival in every cell (n, n) [s], infinite where there is none."""
-    out = np.full((n, n), np.inf)
-    np.minimum.at(out, tuple(front.cells.T), front.arrival)
-    return out
 
 
 def test_all_but_exact_in_free_space():
@@ -30,7 +23,7 @@ def test_all_but_exact_in_free_space():
         setting = setting_of(scene(hand=hand, horizon=3.0), N)
         front = march_layers(*setting, GUARDED)
         inside = hand_space(setting.lattice).inside.reshape(N, N)
-        first = earliest(front)
+        first = earliest(front, N)
         assert np.array_equal(np.isfinite(first), inside)
         assert len(front.cells) == inside.sum()  # one sheet
         error = first * SPEED / setting.lattice.spacing - away(setting)
@@ -44,7 +37,7 @@ def test_among_things_at_rest_waiting_gains_nothing():
     for k in range(20):
         setting = setting_of(three_discs(seeding.rng(62, k), moving=False, horizon=2.0), N)
         plain, front = march(*setting, GUARDED), march_layers(*setting, GUARDED)
-        layered = earliest(front)
+        layered = earliest(front, N)
         # Plain marching goes round the cells of a target, as round what is frozen.
         both = (plain.first >= 0.0) & (state_of(plain) == 0) & (layered < front.met_time)
         if not both.any():
@@ -117,7 +110,7 @@ def test_a_cell_is_entered_again_when_it_is_free():
         disc("obstacle", "disc", (0.6, 1.6), (0.0, -1.6), radius=0.2), hand=(1.5, 0.0), horizon=2.0
     )
     setting = setting_of(crossing, N)
-    plain, first = march(*setting, GUARDED), earliest(march_layers(*setting, GUARDED))
+    plain, first = march(*setting, GUARDED), earliest(march_layers(*setting, GUARDED), N)
     frozen = state_of(plain) == 1
     assert frozen.sum() > 20
     again = frozen & np.isfinite(first)

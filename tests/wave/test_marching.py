@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 import pytest
 
@@ -11,8 +9,17 @@ from gcm_learn import seeding
 from gcm_learn.charts.lattice import hand_space
 from gcm_learn.wave import MarchingParams, WaveParams, march, propagate
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
-from tests.transforms import mirrored, turned
-from tests.wave.scenes import SPEED, away, disc, scene, setting_of, state_of, three_discs
+from tests.wave.scenes import (
+    SPEED,
+    SYMMETRIES,
+    away,
+    disc,
+    in_threads,
+    scene,
+    setting_of,
+    state_of,
+    three_discs,
+)
 
 EXPLORE = MarchingParams(until="horizon")
 COARSE = MarchingParams(n=40, until="horizon")
@@ -162,15 +169,7 @@ def test_marching_and_wave_agree(place, scatter):
     assert np.count_nonzero(frozen[0] != frozen[1]) <= 0.05 * np.count_nonzero(frozen[0])
 
 
-@pytest.mark.parametrize(
-    ("move", "back"),
-    [
-        (mirrored, lambda a: a[::-1]),
-        (lambda s: turned(s, 0.5 * np.pi), lambda a: np.rot90(a)),
-        (lambda s: turned(s, np.pi), lambda a: np.rot90(a, 2)),
-    ],
-    ids=["mirror", "quarter turn", "half turn"],
-)
+@SYMMETRIES
 def test_symmetry(move, back):
     for k in range(8):
         situation = three_discs(seeding.rng(44, k))
@@ -205,14 +204,8 @@ def test_the_front_stops_at_the_horizon():
 def test_same_bytes_again_and_in_threads():
     settings = [setting_of(three_discs(seeding.rng(45, k)), 40) for k in range(8)]
     alone = [march(*s, COARSE).first.tobytes() for s in settings]
-    found: dict[int, list[bytes]] = {}
 
-    def work(name):
-        found[name] = [march(*s, COARSE).first.tobytes() for _ in range(10) for s in settings]
+    def work():
+        return [march(*s, COARSE).first.tobytes() for _ in range(10) for s in settings]
 
-    threads = [threading.Thread(target=work, args=(name,)) for name in (0, 1)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert found[0] == found[1] == alone * 10
+    assert in_threads(work, work) == [alone * 10] * 2

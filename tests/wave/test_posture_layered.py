@@ -13,7 +13,7 @@ from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.charts import PostureLattice
 from gcm_learn.collision.postures import desk_of, distance_at, move_is_free
 from gcm_learn.collision.rests import free_spans
-from gcm_learn.maps import CognitiveMap, chain_to, descend
+from gcm_learn.maps import chain_to, descend
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, read_situations
 from gcm_learn.wave import MarchingParams, fastest, march, march_layers
@@ -184,20 +184,6 @@ def test_a_wait_meets_what_a_front_that_cannot_wait_does_not():
     assert (np.diff(times) > 0.0).all() and times[-1] <= patient.interception.time
     step = chart.spacing / fastest(pack(situation))
     assert np.diff(times).max() > 5.0 * step  # it waits
-
-
-@pytest.mark.parametrize("postures", [1, 2])
-def test_maps_with_sheets_are_kept_in_files(tmp_path, postures):
-    situation = SITUATIONS[15]
-    chart = PostureLattice(situation.arm, N, postures)
-    made = build_map(situation, TO_CONTACT, chart=chart, wait=True)
-    read = CognitiveMap.load(made.save(tmp_path / "map"))
-    assert made.later is not None and read.sheets.shape == made.sheets.shape
-    np.testing.assert_array_equal(read.sheets.filled(-1.0), made.sheets.filled(-1.0))
-    np.testing.assert_array_equal(read.via, made.via)
-    assert read.interception == made.interception and read.met == made.met >= 0
-    for ours, theirs in zip(descend(read), descend(made), strict=True):
-        np.testing.assert_array_equal(ours, theirs)
 
 
 def test_it_ends_with_the_contact_and_leaves_out_what_cannot_meet_a_target():

@@ -152,14 +152,17 @@ def test_the_first_node_near_a_target_is_met_and_the_way_there_holds(k):
     assert later.interception is None or later.interception.time > made.interception.time
 
 
-@pytest.mark.parametrize("postures", [1, 4])
-def test_maps_are_kept_in_files(tmp_path, postures):
-    situation = SITUATIONS[6]
-    made = build_map(situation, TO_CONTACT, chart=PostureLattice(situation.arm, N, postures))
+@pytest.mark.parametrize(("wait", "postures"), [(False, 1), (False, 4), (True, 1), (True, 2)])
+def test_maps_are_kept_in_files(tmp_path, wait, postures):
+    situation = SITUATIONS[15 if wait else 6]
+    chart = PostureLattice(situation.arm, N, postures)
+    made = build_map(situation, TO_CONTACT, chart=chart, wait=wait)
     read = CognitiveMap.load(made.save(tmp_path / "map"))
-    assert read.chart == made.chart and read.hand == made.hand
+    assert read.chart == made.chart and read.hand == made.hand and read.met == made.met
     assert read.interception == made.interception and read.kappa == made.kappa
-    np.testing.assert_array_equal(read.arrival.filled(-1.0), made.arrival.filled(-1.0))
+    assert read.sheets.shape == made.sheets.shape and (made.later is not None) == wait
+    np.testing.assert_array_equal(read.sheets.filled(-1.0), made.sheets.filled(-1.0))
+    np.testing.assert_array_equal(read.via, made.via)
     np.testing.assert_array_equal(read.effective_obstacles, made.effective_obstacles)
     for ours, theirs in zip(descend(read), descend(made), strict=True):
         np.testing.assert_array_equal(ours, theirs)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import threading
 
 import numpy as np
 import pytest
@@ -25,20 +24,23 @@ from gcm_learn.wave import (
 from gcm_learn.wave.inhibition import TICK
 from gcm_learn.wave.reference import propagate_reference
 from gcm_learn.wave.waiting import free_clock
-from tests.transforms import mirrored, turned
-from tests.wave.scenes import SPEED, STILL, away, disc, scene, setting_of, three_discs
+from tests.wave.scenes import (
+    SPEED,
+    STILL,
+    SYMMETRIES,
+    away,
+    disc,
+    earliest,
+    in_threads,
+    scene,
+    setting_of,
+    three_discs,
+)
 
 EXPLORE = "horizon"
 NINE = WaveParams(n=80, laplacian=9, until=EXPLORE)
 MARCH = MarchingParams(until=EXPLORE)
 SPECK = 1e-4  # radius of bodies that are walls in hand-space and nothing else [forearm lengths]
-
-
-def earliest(front, n):
-    """First arrival in every cell (n, n) [s], infinite where there is none."""
-    out = np.full((n, n), np.inf)
-    np.minimum.at(out, tuple(front.cells.T), front.arrival)
-    return out
 
 
 def lateness(front, other, where):
@@ -325,15 +327,7 @@ def test_a_hand_that_is_fast_beyond_measure_waits_for_what_is_slow():
 # --- the same again ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("move", "back"),
-    [
-        (mirrored, lambda a: a[..., ::-1, :]),
-        (lambda s: turned(s, 0.5 * np.pi), lambda a: np.rot90(a, axes=(-2, -1))),
-        (lambda s: turned(s, np.pi), lambda a: np.rot90(a, 2, axes=(-2, -1))),
-    ],
-    ids=["mirror", "quarter turn", "half turn"],
-)
+@SYMMETRIES
 def test_symmetry(move, back):
     """The lattice is symmetric, so a moved scene has the moved states."""
     params = WaveParams(n=40, laplacian=9, until=EXPLORE)
@@ -362,14 +356,7 @@ def test_same_bytes_again_and_in_threads():
         fronts = [propagate_layers(*s, params) for s in settings]
         return [front.arrival.tobytes() + front.via.tobytes() for front in fronts]
 
-    alone = work()
-    found: list[list[bytes]] = []
-    threads = [threading.Thread(target=lambda: found.append(work())) for _ in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert found == [alone, alone]
+    assert in_threads(work, work) == [work()] * 2
 
 
 def test_the_front_speed_is_measured_once_whatever_the_lattice():

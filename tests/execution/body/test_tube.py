@@ -13,9 +13,8 @@ from gcm_learn.errors import ArmKindError, PhysicsError
 from gcm_learn.execution import Execution, body_for, execute, measured_tube, with_motor_limits
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.families import paper_scene
-from gcm_learn.planners import InTube, Tube, get_planner, plan_to_json
-from gcm_learn.situation import situation_to_json
-from tests.referee_of_spatial_arms import judge
+from gcm_learn.planners import InTube, Tube, get_planner
+from tests.referee import judge
 
 NAO = paper_scene("fig8-space")
 LAYERED = get_planner("layered")
@@ -34,10 +33,10 @@ def test_a_plan_in_a_tube_keeps_its_width_and_meets_deeper(limited):
                                      axis=0), axis=1).max() / STEP  # fmt: skip
     assert roomy.clearance >= min(tube.at(fastest), 0.0009)
     assert bare.clearance < roomy.clearance
-    told = judge(situation_to_json(limited), plan_to_json(roomy, limited))
+    told = judge(limited, roomy)
     assert told.complaints == []
     smaller = replace(limited, arm=replace(limited.arm, grasp=limited.arm.grasp - tube.at(0.0)))
-    assert judge(situation_to_json(smaller), plan_to_json(roomy, smaller)).complaints == []
+    assert judge(smaller, roomy).complaints == []
 
 
 def test_no_room_is_no_plan(limited):

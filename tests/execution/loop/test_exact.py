@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import families
 from gcm_learn.arms import Arm, SpatialArm
 from gcm_learn.execution import CAUGHT, COLLIDED, LATE, RUNNING, ExactPlant
-from gcm_learn.execution.loop import hand_leading
+from gcm_learn.execution.loop import hand_leading, joint_leading
 from gcm_learn.execution.loop.joint_leading import at_first, begun, led, rest_of
 from gcm_learn.execution.loop.kinds import LEADS
 from gcm_learn.motion import Movement
@@ -62,26 +62,6 @@ def test_who_jumps_is_refused():
     plant.follow(begun(ARM, swing(), 0.0), 0.2)
     with pytest.raises(ValueError, match=r"trajectory: is 0.* away from the arm at 0.2 s"):
         plant.follow(at_first(ARM), 0.3)
-
-
-@pytest.mark.parametrize("steps", [1, 7, 50])
-def test_a_ball_that_comes_is_met_when_it_is(steps):
-    """The arm rests along x; a target flies at the hand, an obstacle at the forearm."""
-    flies = ball("target", (2.0, 1.15, 0.0), (0.0, -2.0, 0.0), "target", 0.1)
-    hits = ball("stone", (1.5, 1.5, 0.0), (0.0, -3.0, 0.0))
-    for bodies, outcome, when in (
-        ((flies,), CAUGHT, 0.5),
-        ((hits,), COLLIDED, 0.4),
-        ((flies, hits), COLLIDED, 0.4),
-        ((flies, ball("stone", (1.5, 1.5, 0.0), (0.0, -2.0, 0.0))), CAUGHT, 0.5),
-        ((ball("stone", (1.5, 1.5, 0.0), (0.0, -1.0, 0.0)),), LATE, 1.0),
-    ):
-        plant = ExactPlant(world(*bodies))
-        for k in range(steps):
-            plant.follow(at_first(ARM), (k + 1) / steps)
-        assert plant.outcome == outcome
-        assert plant.time == pytest.approx(when, abs=2e-3)
-        assert plant.catch_time == (plant.time if outcome == CAUGHT else None)
 
 
 def test_a_moving_arm_touches_when_it_does():
@@ -209,21 +189,43 @@ def straight(until=0.5):
     return Movement.of_hand(HAND, np.array([0.0, 0.6 * until, until]), hand)
 
 
-@pytest.mark.parametrize("steps", [1, 7, 50])
-def test_events_of_a_planar_arm(steps):
-    """The hand rests at (1.5, 0), with a stretched limb but for the elbow."""
-    flies = disc("target", (1.5, 1.15), (0.0, -2.0), "target", 0.1)
-    hits = disc("stone", (2.6, 0.0), (-2.0, 0.0))
+def resting(lead, made, arm, body, flies, stones):
+    """Yield situations of an arm at rest with the outcome and its time.
+
+    A target flies at its hand; of three stones one hits first, one later, one too late.
+    """
+    first, later, late = (body("stone", *stone) for stone in stones)
+    ball = body("target", *flies, "target", 0.1)
+    at_rest = lead.at_first(arm)
     for bodies, outcome, when in (
-        ((flies,), CAUGHT, 0.5),
-        ((hits,), COLLIDED, 0.4),
-        ((flies, hits), COLLIDED, 0.4),
-        ((flies, disc("stone", (2.8, 0.0), (-1.0, 0.0))), CAUGHT, 0.5),
-        ((disc("stone", (2.8, 0.0), (-0.9, 0.0)),), LATE, 1.0),
+        ((ball,), CAUGHT, 0.5),
+        ((first,), COLLIDED, 0.4),
+        ((ball, first), COLLIDED, 0.4),
+        ((ball, later), CAUGHT, 0.5),
+        ((late,), LATE, 1.0),
     ):
-        plant = ExactPlant(plane(*bodies))
+        yield made(*bodies), at_rest, outcome, when
+
+
+RESTING = {
+    "space": (
+        joint_leading, world, ARM, ball, ((2.0, 1.15, 0.0), (0.0, -2.0, 0.0)),
+        [((1.5, 1.5, 0.0), (0.0, -speed, 0.0)) for speed in (3.0, 2.0, 1.0)],
+    ),
+    "plane": (
+        hand_leading, plane, HAND, disc, ((1.5, 1.15), (0.0, -2.0)),
+        [((2.6, 0.0), (-2.0, 0.0)), ((2.8, 0.0), (-1.0, 0.0)), ((2.8, 0.0), (-0.9, 0.0))],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("steps", [1, 7, 50])
+@pytest.mark.parametrize("arm", RESTING)
+def test_what_comes_to_an_arm_at_rest_is_met_when_it_comes(arm, steps):
+    for situation, at_rest, outcome, when in resting(*RESTING[arm]):
+        plant = ExactPlant(situation)
         for k in range(steps):
-            plant.follow(hand_leading.at_first(HAND), (k + 1) / steps)
+            plant.follow(at_rest, (k + 1) / steps)
         assert plant.outcome == outcome
         assert plant.time == pytest.approx(when, abs=2e-3)
         assert plant.catch_time == (plant.time if outcome == CAUGHT else None)
