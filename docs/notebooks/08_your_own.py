@@ -55,7 +55,7 @@ from gcm_learn.evaluation import compare, draw_suite
 
 suite = draw_suite("demo", 8)
 results = compare(["straight", Patient(0.4, 0.9), "search"], suite, charge=0, workers=1)
-names, outcomes = results["policy"], results["outcome"]
+names, outcomes = results["entrant"], results["outcome"]
 for name in dict.fromkeys(names.tolist()):
     rows = outcomes[names == name]
     print(f"{name:12}", {one: int((rows == one).sum()) for one in sorted(set(rows.tolist()))})
