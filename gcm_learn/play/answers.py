@@ -106,7 +106,7 @@ def answer(question: Values) -> Values:
 
 
 def _plan(name: str, situation: Situation, deadline: float | None) -> Plan | Values:
-    """Return a plan; an error of one planner leaves those of others as they are."""
+    """Return a plan, or the error of this planner alone."""
     try:
         planner = get_planner(name)
         limit = deadline if getattr(planner, "anytime", False) else None
@@ -168,7 +168,7 @@ def _why(found: str, known: Bounds) -> list[str]:
         return [f"{certain} within the horizon."]
     round_it, queue = (
         "A hand that goes round without a wait catches.",
-        "No way without a wait was found; a hand that waits catches.",
+        "Only a hand that waits was found to catch.",
     )
     reasons = [round_it if found == "W" else queue]
     if math.isfinite(known.upper):

@@ -1,10 +1,11 @@
-"""The page's server: this machine only, one secret address, no files but the page's own."""
+"""The page's server: this machine only, one secret address, and only the page's own files."""
 
 from __future__ import annotations
 
 import hmac
 import json
 import secrets
+import sys
 from collections.abc import Collection
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -18,7 +19,7 @@ from gcm_learn.situation import JsonTextError, parse
 LOOPBACK = "127.0.0.1"
 LARGEST_QUESTION = 1_000_000  # [bytes]
 PATIENCE = 30.0  # [s] for a request that began
-KINDS = {
+TYPES = {
     "html": "text/html; charset=utf-8",
     "css": "text/css; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
@@ -87,14 +88,16 @@ class Server(ThreadingHTTPServer):
         return f"http://{LOOPBACK}:{self.server_address[1]}/{self.secret}/"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say nothing about browsers that went away."""
+        """Report errors, but not browsers that went away."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
 
 
 def _pages() -> dict[str, tuple[bytes, str]]:
     """Return the page's files with their kinds, by the name in the address; "" is the page."""
     found = {}
     for file in files(__package__).joinpath("pages").iterdir():
-        kind = KINDS.get(file.name.rpartition(".")[2])
+        kind = TYPES.get(file.name.rpartition(".")[2])
         if kind is not None:
             found["" if file.name == "index.html" else file.name] = (file.read_bytes(), kind)
     return found
@@ -139,7 +142,7 @@ class Handler(BaseHTTPRequestHandler):
     do_HEAD = do_PUT = do_PATCH = do_DELETE = do_OPTIONS = do_TRACE = do_CONNECT = _reject
 
     def _name(self) -> str | None:
-        """Return what is asked for below the secret, or refuse the request."""
+        """Return the part of the path below the secret, or refuse the request."""
         hosts, origins = (self.headers.get_all(name, []) for name in ("Host", "Origin"))
         own = len(hosts) == 1 and hosts[0].lower() in self.server.hosts
         if not own or any(origin.lower() != f"http://{hosts[0].lower()}" for origin in origins):

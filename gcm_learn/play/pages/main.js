@@ -12,11 +12,12 @@ const SLOWNESS = 0.45; // of a film to real time
 const HOLD = 1.2; // [s] at the end of a film
 const GOAL = 85; // [ms] for an answer while something is dragged
 const DEADLINES = [0.01, 0.04], LAZY = 3; // [s] of plans, and answers for each map, where answers are slow
+const STARTING = "The engine is starting. The first time it compiles for this machine, which may take a minute.";
 const byId = (id) => document.getElementById(id);
 
 const state = { situation: null, view: 2.2, t: 0, chosen: 0, plans: [] };
 let maps = [], film = new Map(), moving = false, playing = 0, looped = false, aged = true, drawn = 0;
-let slow = false, deadline = DEADLINES[1], count = 0;
+let started = false, slow = false, deadline = DEADLINES[1], count = 0;
 
 const scenes = [
   new Scene(document.querySelector("#workspace svg"), { hands: false, changed, choose }),
@@ -38,7 +39,8 @@ const filming = new Stream("extend", () => ({ situation: state.situation, instan
 const hurried = () => moving && slow;
 
 function useAnswer(answer, question, took) {
-  say("");
+  if (!started) say("");
+  started = true;
   problem(answer.error);
   if (answer.error) return;
   slow = took > GOAL || (slow && moving);
@@ -46,7 +48,7 @@ function useAnswer(answer, question, took) {
   state.plans = answer.plans;
   maps = answer.plans.map((plan, k) => (plan.map ? readMap(plan.map) : question.map ? null : maps[k]));
   film = new Map(answer.extended.map((e) => [e.time, readExtended(e)]));
-  plans.show(state.plans);
+  plans.show(state.plans, byId("verdict"));
   speed(answer.parts_ms, took);
   draw();
   if (!moving && !answers.wanted) fillFilm();
@@ -279,14 +281,14 @@ function offer(offered) {
 }
 
 async function begin() {
-  say("The engine is starting. The first time it compiles for this machine, which may take a minute.");
+  say(STARTING);
   offer(await ask("begin"));
   const given = await (await fetch("given.json")).json();
   if (!(await openFragment())) { if (given) take(given); else await open("example"); }
-  say("The engine is starting. The first time it compiles for this machine, which may take a minute.");
-  const started = setInterval(() => {
+  if (!started) say(STARTING);
+  const waiting = setInterval(() => {
     if (!state.plans.length) return;
-    clearInterval(started);
+    clearInterval(waiting);
     if (state.t === 0 && !moving && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
   }, 150);
 }

@@ -8,7 +8,7 @@ const STRATA = {
   U: ["unreachable", "No catch is known within the horizon."],
 };
 
-const RESULTS = { caught: (p) => `✓ caught ${p.catch_body} at ${p.catch_time.toFixed(3)} s`, start_blocked: () => "✗ blocked at the start", error: () => "✗ no answer" };
+const MISSED = { start_blocked: "✗ blocked at the start", error: "✗ no answer" };
 
 export class Plans {
   constructor(place, changed) { Object.assign(this, { place, changed, cards: [] }); }
@@ -31,15 +31,22 @@ export class Plans {
 
   names() { return this.cards.map((c) => c.select.value).filter(Boolean); }
 
-  show(plans) {
+  // Show results here, and the first one over the picture as well.
+  show(plans, verdict) {
     this.cards.forEach(({ result, small }, k) => {
-      const plan = plans[k];
-      const looking = /deadline/.test(plan?.message ?? "") && plan.status !== "caught"; // it goes on after the drag
-      result.className = "result " + (!plan || looking ? "" : plan.status === "caught" ? "caught" : "missed");
-      result.textContent = !plan ? "" : looking ? "… no catch yet" : (RESULTS[plan.status] ?? (() => "✗ no catch"))(plan);
-      small.textContent = plan ? details(plan) : "";
+      const [text, style] = plans[k] ? outcome(plans[k]) : ["", ""];
+      Object.assign(result, { textContent: text, className: `result ${style}` });
+      if (!k) Object.assign(verdict, { textContent: text, className: style });
+      small.textContent = plans[k] ? details(plans[k]) : "";
     });
   }
+}
+
+// Text and style of a result; a search that was stopped goes on when the drag ends.
+function outcome(plan) {
+  if (plan.status === "caught") return [`✓ caught ${plan.catch_body} at ${plan.catch_time.toFixed(3)} s`, "caught"];
+  if (/deadline/.test(plan.message ?? "")) return ["… no catch yet", ""];
+  return [MISSED[plan.status] ?? "✗ no catch", "missed"];
 }
 
 function details(plan) {

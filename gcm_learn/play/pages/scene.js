@@ -131,20 +131,23 @@ export class Scene {
     const poses = [plans[1]?.trajectory && Infinity, plans[0]?.trajectory && Infinity, plans[1] && t, t];
     const owners = [plans[1], plans[0], plans[1], plans[0]];
     this.arms.forEach((drawn, k) => {
-      const hand = poses[k] === undefined || poses[k] === null || this.hands ? null : handAt(owners[k], arm, poses[k]);
+      const shown = !this.hands && (poses[k] || poses[k] === 0), hand = shown ? this.handOf(owners[k], arm, poses[k]) : null;
       const elbow = hand && elbowOf(arm, hand);
       set(drawn.group, { visibility: elbow ? "visible" : "hidden" });
       if (!elbow) return;
       set(drawn.bone, { d: line([[0, 0], elbow, hand]), "stroke-width": thick });
       [[0, 0], elbow].forEach(([x, y], j) => set(drawn.joints[j], { cx: x, cy: -y, r: 5 * unit }));
     });
-    const [x, y] = handAt(plans[0], arm, t), begin = arm.hand;
+    const [x, y] = this.handOf(plans[0], arm, t), begin = arm.hand;
     set(this.begin, { cx: begin[0], cy: -begin[1], r: 7 * unit, visibility: t > 0 ? "visible" : "hidden" });
     set(this.hand, { transform: `translate(${x} ${-y})`, "aria-label": `hand, at ${begin.map((v) => v.toFixed(2)).join(", ")}` });
     set(this.hand.grip, { r: 16 * unit });
     set(this.hand.dot, { r: 7 * unit });
     this.write(this.hand.word, this.hands ? "" : "hand", x, y - 20 * unit);
   }
+
+  // At the start the hand is where it was dragged to, also before the answer comes.
+  handOf(plan, arm, t) { return t > 0 ? handAt(plan, arm, t) : arm.hand; }
 
   drawWays(arm, plans, unit) {
     const paths = [plans[1], plans[0], plans[0]].map((plan) => (plan?.trajectory ? line(plan.trajectory.hand) : ""));
