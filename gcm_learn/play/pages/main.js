@@ -24,6 +24,7 @@ const scenes = [
   ...[0, 1].map((k) => new Scene(document.querySelector(`#hands-${k} svg`), { hands: true, changed, choose })),
 ];
 scenes[2].svg.classList.add("second-hands");
+const painted = new Map(); // what each canvas shows
 const canvases = [0, 1].map((k) => document.querySelector(`#hands-${k} canvas`));
 const fields = new Fields(byId("bodies"), byId("fields"), { choose, changed });
 const plans = new Plans(byId("plans"), () => { compare(); answers.want(); });
@@ -129,13 +130,17 @@ function drawNow() {
 function picture(canvas, map) {
   const arm = state.situation.arm, reach = reachOf(arm);
   const size = Math.round(canvas.clientWidth * Math.min(2, devicePixelRatio || 1)) || 320;
-  if (canvas.width !== size) canvas.width = canvas.height = size;
   let nearest = null;
   for (const frame of film.values()) if (!nearest || Math.abs(frame.time - state.t) < Math.abs(nearest.time - state.t)) nearest = frame;
-  paint(canvas, {
+  const shown = {
     map: byId("map").checked ? map : null, extended: nearest, t: state.t, speed: arm.max_hand_speed,
-    inner: Math.abs(reach - 2) / reach, share: reach / state.view,
-  });
+    inner: Math.abs(reach - 2) / reach, share: reach / state.view, size,
+  };
+  const before = painted.get(canvas);
+  if (before && Object.keys(shown).every((name) => shown[name] === before[name])) return;
+  painted.set(canvas, shown);
+  if (canvas.width !== size) canvas.width = canvas.height = size;
+  paint(canvas, shown);
 }
 
 function ticks() {
