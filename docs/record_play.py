@@ -15,14 +15,14 @@ from pathlib import Path
 from PIL import Image, ImageDraw
 from playwright.sync_api import Page, sync_playwright
 
-from gcm_learn.play import KINDS, Newest, Server, respond
+from gcm_learn.play import KINDS, Newest, Server, example, respond
 from gcm_learn.plots.figures.film import write_film
 from tests.play.conftest import FLAGS
 
 TARGET = Path(__file__).parent / "images" / "play.gif"
 SIZE = {"width": 1180, "height": 800}
 WIDTH = 700  # of the film [pixels]
-HORIZON = respond("example", {})["situation"]["horizon"]  # [s]
+HORIZON = example()["horizon"]  # [s]
 PAUSE = 160  # [ms] after a move, until the answer is drawn
 POINTER = ((0, 0), (0, 17), (4, 13), (7, 20), (10, 19), (7, 12), (12, 12))
 
@@ -91,7 +91,7 @@ class Film:
 
 def record() -> None:
     """Serve the page, act on it, and write the film."""
-    server = Server(Newest(respond), KINDS)
+    server = Server(Newest(respond), KINDS, example())
     threading.Thread(target=server.serve_forever, daemon=True).start()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(

@@ -36,10 +36,10 @@ class Play:
         """Serve the page until it is interrupted."""
         if not 0 <= self.port <= LARGEST_PORT:
             raise CommandFailure(f"--port {self.port}: must be from 0 to {LARGEST_PORT}")
-        start = None if self.file is None else _first(self.file)
-        from gcm_learn.play import KINDS, Newest, Server, respond
+        from gcm_learn.play import KINDS, Newest, Server, example, respond
 
-        with Server(Newest(respond), KINDS, self.port, start) as server:
+        start = example() if self.file is None else _first(self.file)
+        with Server(Newest(respond), KINDS, start, self.port) as server:
             print(f"Open {server.address} in a browser. Ctrl-C ends it.", flush=True)
             if self.browser:
                 threading.Thread(

@@ -62,10 +62,11 @@ def read(question: Values) -> Values:
     return {"situation": situation_to_json(questions.text_of(question))}
 
 
-def example(question: Values) -> Values:
+def example() -> Values:
     """Return the situation with which the page begins."""
     text = files(__package__).joinpath("pages", "start.json").read_text("utf-8")
-    return {"situation": json.loads(text)}
+    found: Values = json.loads(text)
+    return found
 
 
 def draw(question: Values) -> Values:
@@ -180,7 +181,6 @@ def _why(found: str, known: Bounds) -> list[str]:
 
 ANSWERS: dict[str, Callable[[Values], Values]] = {
     "begin": begin,
-    "example": example,
     "read": read,
     "draw": draw,
     "extend": extend,

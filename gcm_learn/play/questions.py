@@ -110,7 +110,8 @@ def planners_of(question: dict[str, Any]) -> list[str]:
     if not isinstance(names, list) or not 1 <= len(names) <= MOST_PLANNERS:
         raise QuestionError("planners", f"must be a list of 1 to {MOST_PLANNERS} names")
     for name in names:
-        known(name, planners(), "planner")
+        if name not in PLANNERS:  # the memory is looked for only when it is asked
+            known(name, planners(), "planner")
     return names
 
 

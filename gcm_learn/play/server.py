@@ -50,10 +50,10 @@ class Server(ThreadingHTTPServer):
         Answers questions.
     kinds : collection of str
         Kinds of questions that it answers.
+    start : dict
+        Situation as JSON with which the page begins.
     port : int
         0 takes a free one.
-    start : dict, optional
-        Situation as JSON with which the page begins; without one it asks for an example.
 
     Raises
     ------
@@ -67,8 +67,8 @@ class Server(ThreadingHTTPServer):
         self,
         worker: Newest,
         kinds: Collection[str],
+        start: dict[str, Any],
         port: int = 0,
-        start: dict[str, Any] | None = None,
     ) -> None:
         try:
             super().__init__((LOOPBACK, port), Handler)

@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from gcm_learn.play import KINDS, Newest, Server, respond
+from gcm_learn.play import KINDS, Newest, Server, example, respond
 
 FLAGS = (
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
@@ -18,7 +18,7 @@ FLAGS = (
 @pytest.fixture(scope="session")
 def server():
     """Serve the page in a thread, with the example to begin with."""
-    with Server(Newest(respond), KINDS) as made:
+    with Server(Newest(respond), KINDS, example()) as made:
         thread = threading.Thread(target=made.serve_forever, daemon=True)
         thread.start()
         yield made

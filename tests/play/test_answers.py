@@ -14,13 +14,13 @@ from gcm_learn.charts import Lattice, occupied_cells
 from gcm_learn.families import draw, gate_scene
 from gcm_learn.maps import build_map
 from gcm_learn.planners import get_planner, plan_with, solve, stratum
-from gcm_learn.play import KINDS, Newest, respond
+from gcm_learn.play import KINDS, Newest, example, respond
 from gcm_learn.play.newest import DROPPED
 from gcm_learn.play.pictures import LEVELS, NEVER, OBSTACLE, extended_pictures, map_picture
 from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.wave import MarchingParams
 
-FIRST = respond("example", {})["situation"]
+FIRST = example()
 PATHS = ("search", "gcm")
 
 
@@ -87,6 +87,9 @@ def test_everything_that_is_offered_is_answered():
         drawn = respond("draw", {"name": name, "index": 3})["situation"]
         answer = respond("answer", {"situation": drawn, "planners": offered["planners"][:1]})
         assert answer["plans"][0]["status"] in ("caught", "unreachable", "start_blocked")
+    for name in offered["planners"]:
+        (plan,) = respond("answer", {"situation": FIRST, "planners": [name]})["plans"]
+        assert plan["planner"] == name and plan["map"]["size"] in (80, 160)
 
 
 def test_a_text_is_read_with_its_defaults():
@@ -159,4 +162,4 @@ def test_the_newest_question_wins_and_errors_are_answers():
 
 
 def test_kinds_are_those_of_the_page():
-    assert set(KINDS) == {"begin", "example", "read", "draw", "extend", "answer", "explain"}
+    assert set(KINDS) == {"begin", "read", "draw", "extend", "answer", "explain"}

@@ -108,7 +108,7 @@ def test_a_request_for_two_hosts_is_refused(server):
 def test_a_port_that_is_taken_is_one_line(server, capsys):
     port = server.server_address[1]
     with pytest.raises(PortError):
-        Server(Newest(lambda kind, question: {}), (), port)
+        Server(Newest(lambda kind, question: {}), (), {}, port)
     assert main(["play", "--no-browser", "--port", str(port)]) == 2
     assert capsys.readouterr().err.startswith(f"gcm-learn: port {port}: cannot be listened on")
 

@@ -13,6 +13,7 @@ const HOLD = 1.2; // [s] at the end of a film
 const GOAL = 85; // [ms] for an answer while something is dragged
 const DEADLINES = [0.01, 0.04], LAZY = 3; // [s] of plans, and answers for each map, where answers are slow
 const STARTING = "The engine is starting. The first time it compiles for this machine, which may take a minute.";
+const WORKING = "The engine is still working. The first answer of a planner compiles it, which may take a minute.";
 const byId = (id) => document.getElementById(id);
 
 const state = { situation: null, view: 2.2, t: 0, chosen: 0, plans: [] };
@@ -34,8 +35,9 @@ const strata = new Strata(byId("letters"), byId("reasons"));
 const answers = new Stream("answer", () => ({
   situation: state.situation, planners: plans.names(), instants: [state.t],
   map: byId("map").checked && !(hurried() && (count += 1) % LAZY), ...(hurried() ? { deadline } : {}),
-}), useAnswer, failed);
-const filming = new Stream("extend", () => ({ situation: state.situation, instants: missing().slice(0, CHUNK) }), useFilm, failed);
+}), useAnswer, { fail: failed, late });
+const filming = new Stream("extend", () => ({ situation: state.situation, instants: missing().slice(0, CHUNK) }), useFilm, { fail: failed, late });
+function late(yes) { if (started) say(yes ? WORKING : ""); }
 
 const hurried = () => moving && slow;
 
@@ -104,10 +106,10 @@ function take(situation) {
 }
 
 async function open(kind, question) {
-  say(kind === "draw" ? "Drawing …" : "");
+  if (kind === "draw") say("Drawing …");
   try {
     const found = await ask(kind, question);
-    say("");
+    if (started) say("");
     if (found.error) note(found.error);
     else if (found.situation) take(found.situation);
   } catch (error) { failed(error); }
@@ -243,7 +245,6 @@ async function openFragment() {
   let text = null;
   try { text = fromFragment(location.hash); } catch { note("The address holds no situation that can be read"); }
   if (text !== null) await open("read", { text });
-  return text !== null && state.situation !== null;
 }
 
 // --- bodies and strata --------------------------------------------------------------------------
@@ -281,15 +282,17 @@ function offer(offered) {
   };
   const own = new Option("this one", "");
   family.replaceChildren(own, group("scenes", offered.scenes, "no"), group("families", offered.families, "yes"));
-  byId("numbered").hidden = byId("next").hidden = true;
-  plans.offer(offered.planners, ["search"]);
+  plans.offer(offered.planners, plans.names());
+  plans.show(state.plans, byId("verdict"));
 }
 
+// The scene is there at once; the first plan comes when the engine is ready, and the lists after it.
 async function begin() {
   say(STARTING);
-  offer(await ask("begin"));
-  const given = await (await fetch("given.json")).json();
-  if (!(await openFragment())) { if (given) take(given); else await open("example"); }
+  plans.offer(["search"], ["search"]);
+  take(await (await fetch("given.json")).json());
+  ask("begin").then(offer, failed);
+  await openFragment();
   if (!started) say(STARTING);
   const waiting = setInterval(() => {
     if (!state.plans.length) return;
