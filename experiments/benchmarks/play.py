@@ -70,7 +70,7 @@ def line(name: str, came: list[float], answers: list[dict[str, Any]], seconds: f
 
 
 def measure(page: Page, seconds: float) -> None:
-    """Drag bodies of the example, then those of drawn situations, and print a row for each."""
+    """Drag bodies of the example and of drawn situations, and print a row for each."""
     for name, index in (("example: target", 0), ("example: obstacle", 1), ("example: hand", -1)):
         print(line(name, *dragged(page, body(index), seconds), seconds), flush=True)
     for name, index in DRAWN:
