@@ -55,6 +55,7 @@ def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
     wanted.add(Path("models/recall-space/manifest.json"))
     assert wanted | {Path("data/suites/demo.jsonl")} <= carried
     assert all((ROOT / path).is_file() for path in carried)
+    assert "gcm_learn/play/pages/index.html" in names
     assert {path.suffix for path in carried}.isdisjoint({".zip", ".pkl", ".parquet"})
     code = {path.relative_to(ROOT).as_posix() for path in (ROOT / "gcm_learn").rglob("*.py")}
     assert code == {name for name in names if name.endswith(".py")}

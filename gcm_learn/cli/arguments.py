@@ -23,6 +23,7 @@ from gcm_learn.cli.figure import Figure
 from gcm_learn.cli.gallery import Gallery
 from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.inspect import Inspect
+from gcm_learn.cli.play import Play
 from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
 from gcm_learn.cli.train_encoder import TrainEncoder
@@ -38,6 +39,7 @@ examples:
   gcm-learn solve scenes.jsonl --out solutions.jsonl   one solution a line, in input order
   gcm-learn solve scenes.jsonl --plot pictures         and a picture of each situation
   gcm-learn solve - --planner marching < scenes.jsonl
+  gcm-learn play                                       drag a situation in the browser, see its plan
   gcm-learn demo --out demo                            the paper's results as a web page
   gcm-learn figure fig4                                one figure of the paper
   gcm-learn animate scene.json --out scene.gif         the catch as a film
@@ -68,6 +70,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "demo": Demo,
     "figure": Figure,
     "animate": Animate,
+    "play": Play,
     "execute": Execute,
     "families": Families,
     "draw": Draw,

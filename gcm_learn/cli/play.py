@@ -1,0 +1,61 @@
+"""``gcm-learn play``: a situation in the browser, changed by hand and answered at once."""
+
+from __future__ import annotations
+
+import threading
+import webbrowser
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.failures import CommandFailure
+
+LARGEST_PORT = 65535
+
+
+@dataclass(frozen=True)
+class Play:
+    """Open a page on which arm, target and obstacles of a planar situation are dragged.
+
+    Plan, map and film follow at once. The page is served to this machine only, until Ctrl-C.
+    """
+
+    file: Annotated[
+        Positional[str | None], arg(metavar="FILE", help_behavior_hint="(default: an example)")
+    ] = None
+    """situation to begin with: a .json file, or the first of a .jsonl file"""
+
+    port: Annotated[int, arg(help_behavior_hint="(default: a free one)")] = 0
+    """port of the page's address"""
+
+    browser: bool = True
+    """open the page in a browser; --no-browser only prints its address"""
+
+    def run(self) -> int:
+        """Serve the page until it is interrupted."""
+        if not 0 <= self.port <= LARGEST_PORT:
+            raise CommandFailure(f"--port {self.port}: must be from 0 to {LARGEST_PORT}")
+        from gcm_learn.play import KINDS, Newest, Server, example, respond
+
+        start = example() if self.file is None else _first(self.file)
+        with Server(Newest(respond), KINDS, start, self.port) as server:
+            print(f"Open {server.address} in a browser. Ctrl-C ends it.", flush=True)
+            if self.browser:
+                threading.Thread(
+                    target=webbrowser.open, args=(server.address,), daemon=True
+                ).start()
+            server.serve_forever()
+        return 0
+
+
+def _first(file: str) -> dict[str, Any]:
+    """Return the first situation of a file as JSON, if the page can show it."""
+    from gcm_learn.errors import SituationError
+    from gcm_learn.play import shown
+    from gcm_learn.situation import read_situations, situation_to_json
+
+    try:
+        return situation_to_json(shown(read_situations(file)[0]))
+    except SituationError as error:
+        raise CommandFailure(f"{file}: {error}") from None
