@@ -13,7 +13,13 @@ import pytest
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.py"))
 PICTURES = {"01": 1, "02": 1, "03": 0, "04": 1, "05": 2, "06": 1, "07": 1, "08": 1}
-NEEDS = {"02": "pyarrow", "03": "pyarrow", "04": "stable_baselines3", "05": "gymnasium", "07": "mujoco"}
+NEEDS = {
+    "02": "pyarrow",
+    "03": "pyarrow",
+    "04": "stable_baselines3",
+    "05": "gymnasium",
+    "07": "mujoco",
+}
 FAST = {**os.environ, "GCM_LEARN_FAST": "1", "PYTHONPATH": str(ROOT)}
 
 
