@@ -121,7 +121,7 @@ def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
 def judged(situation: Spatial, moves: Any) -> list[str]:
     """Return the referee's complaints about a movement, with the target that has the fewest.
 
-    A movement claims no clearance, so complaints about it do not count.
+    Complaints about clearance do not count, because a movement claims none.
     """
     plan = Plan(
         situation.name, "policy", "caught", "", 0.0, catch_time=moves.duration, trajectory=moves

@@ -84,7 +84,7 @@ def _say(step: str) -> None:
 def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
     """Start compiling what methods run; join the process before they are needed.
 
-    None if there are no names, or a single core, where a second process would only be in the way.
+    Nothing starts if there are no names, or on a single core.
     """
     from gcm_learn.processes import Context, cores
 

@@ -52,7 +52,7 @@ def who(names: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def _of_model(bare: str) -> str:
-    """What the configuration of a trained network tells; nothing if there is none."""
+    """Describe a trained network by its configuration; empty without one."""
     config = configuration_of(bare)
     if "algo" not in config:
         return ""

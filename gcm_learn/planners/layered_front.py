@@ -32,15 +32,15 @@ DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
 def layered(params: MarchingParams | None = None, name: str = "layered") -> FrontPlanner:
-    """The planner of first choice: the hand may wait.
+    """Return the planner of first choice for planar arms: the hand may wait.
 
-    Where the straight line to the earliest interception holds, that is the answer.  A search that
+    The straight line to the earliest interception is the answer if it holds.  A search that
     heads for the target comes next (`goal_directed`).  Neither makes a map; `build_map` with
     ``wait=True`` does.  Causal marching over cells and their safe intervals is for arms with limits
     of joints and for what the search leaves open.
 
-    The map without margin sees every gap that is as wide as a cell, so where it has no interception
-    none is looked for any more.  Descents on first-arrival maps cut corners in another way than
+    The map without margin sees every gap that is as wide as a cell. The search ends if this map has
+    no interception.  Descents on first-arrival maps cut corners in another way than
     chains of cells do, and now and then hold where those fail.
     """
     params = MarchingParams() if params is None else params
@@ -86,7 +86,7 @@ def spread(problem: Problem, params: WaveParams | MarchingParams, feedback: Feed
 
 
 def explored(problem: Problem, front: Front, params: WaveParams | MarchingParams) -> Exploration:
-    """What comes of a front that waits: its map and the paths that end at its interception."""
+    """Map of a front that waits, and the paths that end at its interception."""
     found = map_of(problem.situation, problem.scene, front, params)
     if front.met_state < 0:
         return Exploration(found)

@@ -21,8 +21,8 @@ GAIN = 0.01
 class Deadline:
     """A time by which an answer is wanted, counted from now.
 
-    By default it is processor time, as thinking is charged everywhere here: on an idle core that is
-    the time on the wall, on a busy one others' work is not counted. Searches look at it about once
+    By default it is processor time, as thinking is charged everywhere here. On an idle core that is
+    the time on the wall. On a busy one, the work of others is not counted. Searches look at it about once
     in a millisecond.
 
     Parameters
@@ -40,12 +40,12 @@ class Deadline:
 
     @property
     def over(self) -> bool:
-        """Whether it is too late."""
+        """True after the deadline."""
         return self._clock() >= self._end
 
 
 def deadline_of(given: float | Deadline | None) -> Deadline | None:
-    """A deadline that many seconds from now; one that runs already is kept, as is none."""
+    """Convert seconds to a deadline; return a deadline or None unchanged."""
     return Deadline(given) if isinstance(given, (int, float)) else given
 
 

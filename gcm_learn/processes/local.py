@@ -127,7 +127,7 @@ class LocalCrew(Crew):
 
 
 def crew_of(workers: int | None = None, cluster: str | None = None) -> Crew:
-    """Whoever does the work.
+    """Return the crew that does the work.
 
     Parameters
     ----------

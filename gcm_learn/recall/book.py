@@ -49,7 +49,7 @@ class Book:
         return unpacked(self._texts[page])
 
     def offered(self) -> int | None:
-        """Where the next situation that is met belongs, None if it is not kept."""
+        """Page for the next situation that is met, None if it is not kept."""
         self.met += 1
         if self.met <= PAGES:
             return len(self)
