@@ -22,8 +22,8 @@ class Deadline:
     """A time by which an answer is wanted, counted from now.
 
     By default it is processor time, as thinking is charged everywhere here. On an idle core that is
-    the time on the wall. On a busy one, the work of others is not counted. Searches look at it about once
-    in a millisecond.
+    the time on the wall. On a busy one, the work of others is not counted. Searches read it about
+    once in a millisecond.
 
     Parameters
     ----------
