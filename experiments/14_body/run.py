@@ -10,14 +10,16 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 from time import process_time
 from typing import Any
 
-import numpy as np
-from scipy.stats import binomtest
+from report import JUDGED, WAYS
 
+from experiments import recompute
+from experiments.common import outcomes
 from experiments.common.masses import CONDITIONS, followed
 from gcm_learn.arms import SpatialArm
 from gcm_learn.execution import (
@@ -38,7 +40,6 @@ EACH_DEVELOPMENT = 10  # situations of each family that tubes are measured on
 PLANS = 1000  # that are wanted of each condition
 MOST = 200  # situations of each family, at most
 OUT, TUBES = HERE / "out" / "h10.jsonl", HERE / "tubes.json"
-JUDGED = ("known", "heavy")
 
 Spatial = Situation[SpatialArm]
 
@@ -117,8 +118,7 @@ def work() -> list[dict[str, Any]]:
     OUT.parent.mkdir(exist_ok=True)
     rows = [json.loads(line) for line in OUT.read_text().splitlines()] if OUT.exists() else []
     known = {(row["family"], row["index"]) for row in rows}
-    keys = [f"{condition} {tube}" for condition in JUDGED for tube in ("without", "with")]
-    counts = {k: sum(r[k]["status"] != "no plan" for r in rows) for k in keys}
+    counts = {k: sum(r[k]["status"] != "no plan" for r in rows) for k in WAYS}
     with OUT.open("a") as stream:
         for index in range(MOST):
             for family in family_names("spatial"):
@@ -127,49 +127,28 @@ def work() -> list[dict[str, Any]]:
                 if (family, index) in known:
                     continue
                 rows.append(answer(family, index, tubes))
-                for k in keys:
+                for k in WAYS:
                     counts[k] += rows[-1][k]["status"] != "no plan"
                 stream.write(json.dumps(rows[-1]) + "\n")
                 stream.flush()
     return rows
 
 
-def table(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Results of the plans, condition by condition."""
-    kinematic = sum(row["kinematic"] for row in rows)
-    out: dict[str, Any] = {"situations": len(rows), "kinematic": kinematic, "conditions": {}}
-    for condition in JUDGED:
-        for tube in ("without", "with"):
-            key = f"{condition} {tube}"
-            done = [row[key] | {"body": row["body"]} for row in rows]
-            planned = [one for one in done if one["status"] != "no plan"]
-            kept = sum(row["kinematic"] and row[key]["status"] != "no plan" for row in rows)
-            out["conditions"][key] = summed(planned) | {"keeps_of_kinematic": kept / kinematic}
-    return out
-
-
-def summed(planned: list[dict[str, Any]]) -> dict[str, Any]:
-    """Shares and errors of those that had a plan."""
-    caught = [one for one in planned if one["status"] == "caught"]
-    share = binomtest(len(caught), len(planned)).proportion_ci(method="wilson")
-    out: dict[str, Any] = {
-        "plans": len(planned),
-        "caught": len(caught),
-        "caught_interval": [share.low, share.high],
-        "collided": sum(one["status"] == "collided" for one in planned),
-        "stays": sum(bool(one["stays"]) for one in caught),
-        "brakes_into": sum(one["braked_into"] for one in caught),
-        "saturated": sum(one["torque"] > 0.999 for one in planned),
-        "error_at_the_end_mm": {},
-    }
-    for body in sorted({one["body"] for one in planned}):
-        ends = np.array([one["error"][2] for one in planned if one["body"] == body])
-        out["error_at_the_end_mm"][body] = {
-            "median": float(np.median(ends)),
-            "95 %": float(np.quantile(ends, 0.95)),
-            "most": float(ends.max()),
-        }
-    return out
+def outcome_rows(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Yield one outcome for each situation and way, `kinematic` among the ways."""
+    for row in rows:
+        known = {"situation": f"{row['family']}-{row['index']}", "family": row["family"]}
+        known["body"] = row["body"]
+        yield known | {"method": "kinematic", "caught": row["kinematic"]}
+        for way in WAYS:
+            done = row[way]
+            values = {"status": done["status"], "caught": done["status"] == "caught"}
+            values["ms"] = row["ms"] if way == WAYS[0] else None
+            if "error" in done:
+                values |= {"error_mm": done["error"][2], "torque": done["torque"]}
+                values |= {"stays": int(bool(done["stays"]))}
+                values |= {"braked_into": int(done["braked_into"])}
+            yield known | {"method": way} | values
 
 
 def main() -> None:
@@ -181,9 +160,9 @@ def main() -> None:
         measure_tubes()
         return
     rows = work() if asked.part is None else [json.loads(r) for r in OUT.read_text().splitlines()]
-    made = table(rows)
-    write_whole(HERE / "h10.json", (json.dumps(made, indent=1) + "\n").encode())
-    print(json.dumps(made, indent=1))
+    outcomes.write(HERE / "outcomes.csv.gz", outcome_rows(rows))
+    recompute.update(HERE)
+    print((HERE / "h10.json").read_text())
 
 
 if __name__ == "__main__":
