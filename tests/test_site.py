@@ -13,15 +13,13 @@ ROOT = Path(__file__).parents[1]
 
 
 def test_the_site_is_built_without_warnings(tmp_path):
-    """Notebooks are not executed here; test_notebooks does that."""
+    """Pages are read and their links resolved; test_notebooks executes the notebooks."""
     for library in ("sphinx", "myst_nb", "furo"):
         pytest.importorskip(library)
-    command = [sys.executable, "-m", "sphinx", "-b", "html", "-q", "-W", "--keep-going"]
+    command = [sys.executable, "-m", "sphinx", "-b", "dummy", "-q", "-W", "--keep-going"]
     done = subprocess.run(
         [*command, str(ROOT / "docs"), str(tmp_path)],
         env={**os.environ, "GCM_LEARN_DOCS": "off", "PYTHONPATH": str(ROOT)},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-3000:]
-    for page in ("index", "quickstart", "api/planners", "schemas", "notebooks/01_first_map"):
-        assert (tmp_path / f"{page}.html").stat().st_size > 5000
