@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 from collections.abc import Generator, Iterator
 from typing import TypeVar
@@ -15,6 +16,10 @@ from gcm_learn import compiled, seeding
 from tests import skips
 
 CI = bool(os.environ.get("CI"))
+FLAGS = (
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
+    "--disable-background-networking", "--disable-component-update",
+)  # fmt: skip
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 
 # Compilation makes the first example slow, so there is no deadline. Continuous integration
@@ -66,3 +71,16 @@ def scheduler():
         n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
     ) as made:
         yield made.scheduler_address
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Start the system's Chromium."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    found = shutil.which("chromium") or shutil.which("google-chrome")
+    if found is None:
+        pytest.skip("no Chromium")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
+        yield chromium
+        chromium.close()

@@ -59,7 +59,9 @@ class Demo:
         recalled = self._recalled(folder)
         report = None
         if self.compare > 0:
-            report = build_comparison(folder / "comparison", self.compare, _say)
+            report = build_comparison(
+                folder / "comparison", self.compare, _say, back="../index.html"
+            )
         print(f"Open {page.resolve().as_uri()} in a browser.")
         if recalled is not None:
             print(f"What is remembered, and how it is recalled: {recalled.resolve().as_uri()}.")
@@ -74,7 +76,7 @@ class Demo:
         from gcm_learn.plots import write_shipped_page
 
         _say(f"Recalling; drawing {self.memory} memories")
-        return write_shipped_page(folder / "memory", self.memory)
+        return write_shipped_page(folder / "memory", self.memory, back="../index.html")
 
 
 def _say(step: str) -> None:

@@ -6,9 +6,10 @@ import dataclasses
 from html.parser import HTMLParser
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from gcm_learn.plots.figures.summary import STATUSES, summary_figure, tally
-from gcm_learn.plots.reports.page import Picture, Section, Table, render
+from gcm_learn.plots.reports.page import Picture, Section, Table, picture_of, render
 
 
 class Links(HTMLParser):
@@ -90,3 +91,20 @@ def test_words_may_lead_to_other_pages():
     section = Section("beside", "Beside", ["See [a <page>](memory/index.html) of `code`."])
     text = render("title", [], Picture("a.png", "alt", "words"), [], [section])
     assert '<a href="memory/index.html">a &lt;page&gt;</a> of <code>code</code>' in text
+
+
+def test_pictures_are_enlarged_by_click_and_by_keyboard(tmp_path, browser):
+    tall = picture_of(Figure(figsize=(14, 3)), tmp_path / "wide.png", "A wide figure")
+    text = render("Title", ["Lead"], tall, (), [], back="../index.html")
+    (tmp_path / "page.html").write_text(text, "utf-8")
+    page = browser.new_page(viewport={"width": 400, "height": 800})
+    page.goto((tmp_path / "page.html").as_uri())
+    assert page.get_by_role("link", name="All results").get_attribute("href") == "../index.html"
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    small = page.get_by_role("img").first.bounding_box()["width"]
+    for act in (lambda one: one.click(), lambda one: one.press("Enter")):
+        act(page.get_by_title("Enlarge"))
+        assert page.locator("#large img").bounding_box()["width"] > 2 * small
+        page.keyboard.press("Escape")
+        assert not page.locator("#large").evaluate("dialog => dialog.open")
+    page.close()

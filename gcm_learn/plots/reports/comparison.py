@@ -39,6 +39,7 @@ def write_report(
     out: Path,
     reference: str | None = None,
     noise: Results | None = None,
+    back: str = "",
 ) -> Path:
     """Write the page and its figures.
 
@@ -53,6 +54,8 @@ def write_report(
         Method that the others are compared with; by default the one that catches most.
     noise : Results, optional
         Of `compare_under_noise`.
+    back : str
+        Address of the page that links to this one.
 
     Returns
     -------
@@ -72,7 +75,8 @@ def write_report(
         *_learning(results, out),
     ]
     page = out / PAGE
-    page.write_text(render(WORDS["title"], _lead(results), opening, (), sections), "utf-8")
+    text = render(WORDS["title"], _lead(results), opening, (), sections, back=back)
+    page.write_text(text, "utf-8")
     return page
 
 
@@ -200,9 +204,17 @@ def shipped_methods() -> list[str]:
 
 
 def build_comparison(
-    out: Path, count: int, progress: Callable[[str], None], workers: int | None = None
+    out: Path,
+    count: int,
+    progress: Callable[[str], None],
+    workers: int | None = None,
+    *,
+    back: str = "",
 ) -> Path | None:
-    """Compare what is shipped; returns the page, or None if no suite is shipped either."""
+    """Compare what is shipped; return the page, or None if no suite is shipped either.
+
+    `back` is the address of the page that links to the report.
+    """
     if suite_file("demo") is None:
         return None
     entries = draw_suite("demo", count)
@@ -211,4 +223,4 @@ def build_comparison(
     results = compare(names, entries, charge=CHARGED, workers=workers)
     out.mkdir(parents=True, exist_ok=True)
     progress("Drawing the comparison")
-    return write_report(results, entries, out)
+    return write_report(results, entries, out, back=back)

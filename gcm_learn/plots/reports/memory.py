@@ -76,6 +76,7 @@ def write_memory_page(
     groups: Mapping[str, Sequence[str]] | None = None,
     title: str = "A memory of catches",
     seed: int = 0,
+    back: str = "",
 ) -> Path:
     """Write a page on which memories are points.
 
@@ -95,6 +96,8 @@ def write_memory_page(
         Further words for every memory (n,) by which points are coloured, by what they tell.
     title : str
     seed : int
+    back : str
+        Address of the page that links to this one.
 
     Returns
     -------
@@ -118,14 +121,14 @@ def write_memory_page(
     about = {"title": title, "size": len(memory), "index": memory.index.name}
     data = {"about": about, "points": points, "asked": questions, "colours": COLOURS}
     page = out / "index.html"
-    page.write_text(fill("memory.html", {"data": data, "key": KEY}), "utf-8")
+    page.write_text(fill("memory.html", {"data": data, "key": KEY, "back": back}), "utf-8")
     return page
 
 
-def write_shipped_page(out: Path, count: int = SHOWN) -> Path | None:
+def write_shipped_page(out: Path, count: int = SHOWN, *, back: str = "") -> Path | None:
     """The page of the memory that is shipped, asked situations that it has not met.
 
-    Returns None if there is no such memory.
+    Returns None if there is no such memory. `back` is the address of the page that links to it.
     """
     if not has_memory():
         return None
@@ -134,7 +137,7 @@ def write_shipped_page(out: Path, count: int = SHOWN) -> Path | None:
         entries = draw_suite(SUITE, ENTRIES)
         hard = [entry for entry in entries if entry.stratum in ("W", "Q")]
         asked = [replace(e.situation, name=f"{e.family} ({e.stratum})") for e in hard[:QUESTIONS]]
-    return write_memory_page(shipped_memory("recall"), out, asked, count=count)
+    return write_memory_page(shipped_memory("recall"), out, asked, count=count, back=back)
 
 
 def principal_places(embeddings: np.ndarray) -> np.ndarray:

@@ -56,7 +56,7 @@ class Section:
 
 
 def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tuple[str, str]],
-           sections: Sequence[Section]) -> str:  # fmt: skip
+           sections: Sequence[Section], *, back: str = "") -> str:  # fmt: skip
     """Return a page as HTML.
 
     Parameters
@@ -68,13 +68,15 @@ def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tupl
     key : sequence of (str, str)
         Colours of the pictures and their meanings.
     sections : sequence of Section
+    back : str
+        Address of the page that links here.
 
     Returns
     -------
     str
     """
     told = {"title": title, "lead": lead, "opening": opening, "key": key, "sections": sections}
-    return fill("page.html", told)
+    return fill("page.html", told | {"back": back})
 
 
 def section(
@@ -115,7 +117,7 @@ def words(page: str) -> dict[str, Any]:
 
 def fill(template: str, values: Mapping[str, Any]) -> str:
     """Return one of the package's templates with values in it."""
-    return _templates().get_template(template).render(values)
+    return _templates().get_template(template).render({"back": ""} | dict(values))
 
 
 @cache
