@@ -55,7 +55,7 @@ def test_page_is_balanced_escaped_and_linked():
     assert links.images == ["o.gif", "a.png", "b.png"]
     assert page.index("first") < page.index("o.gif") < page.index("rest")
     assert "run <code>a &lt; b</code>" in page
-    assert links.anchors == ["#one"] and links.ids == ["one"]
+    assert links.anchors == ["#one"] and links.ids == ["one", "large"]
     assert "A &lt; B" in page and "1 &amp; 2" in page and "<td>&lt;b&gt;</td>" in page
     assert "http" not in page
 
