@@ -1,4 +1,4 @@
-"""What becomes of plans in physics, computed from outcomes: h10.json."""
+"""Plans in physics: h10.json, computed from outcomes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gcm_learn.evaluation import wilson
 
 JUDGED = ("known", "heavy")
 WAYS = tuple(f"{condition} {tube}" for condition in JUDGED for tube in ("without", "with"))
-"""Whether the controller knows the masses, and whether the plan keeps a tube."""
+"""Known or heavier masses; plans without or with a tube."""
 NO_PLAN = "no plan"
 SATURATED = 0.999  # of a motor's torque
 

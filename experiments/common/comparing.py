@@ -17,7 +17,7 @@ STRATA = ("W", "Q")
 def share(rows: Outcomes, digits: int = 0) -> str:
     """Return the share that is caught with its interval within families [%].
 
-    A bootstrap has no width if all or none are caught; the interval is Wilson's then.
+    A bootstrap of equal outcomes has zero width; the interval is Wilson's then.
     """
     caught = rows["caught"]
     if len(rows) == 0:

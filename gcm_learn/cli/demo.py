@@ -86,7 +86,7 @@ def _say(step: str) -> None:
 def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
     """Start compiling what methods run; join the process before they are needed.
 
-    Nothing starts if there are no names, or on a single core.
+    Start nothing for an empty list, or on a single core.
     """
     from gcm_learn.processes import Context, cores
 

@@ -49,7 +49,7 @@ class Book:
         return unpacked(self._texts[page])
 
     def offered(self) -> int | None:
-        """Page for the next situation that is met, None if it is not kept."""
+        """Return the page of the next situation; None if it is dropped."""
         self.met += 1
         if self.met <= PAGES:
             return len(self)

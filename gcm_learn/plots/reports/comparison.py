@@ -211,7 +211,7 @@ def build_comparison(
     *,
     back: str = "",
 ) -> Path | None:
-    """Compare what is shipped; return the page, or None if no suite is shipped either.
+    """Compare the shipped methods; return the page, None without a shipped suite.
 
     `back` is the address of the page that links to the report.
     """

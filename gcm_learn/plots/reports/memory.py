@@ -128,7 +128,7 @@ def write_memory_page(
 def write_shipped_page(out: Path, count: int = SHOWN, *, back: str = "") -> Path | None:
     """The page of the memory that is shipped, asked situations that it has not met.
 
-    Returns None if there is no such memory. `back` is the address of the page that links to it.
+    Return None if no memory is shipped. `back` is the address of the page that links to it.
     """
     if not has_memory():
         return None
