@@ -40,7 +40,7 @@ registration.announce()  # so that gymnasium.make("gcm_learn:CatchArm-v0") finds
 
 # Loaded when they are asked for: compiled code takes most of a second to load, in which the
 # command line could neither answer nor be stopped.
-_late, _PLACE = late_names(__name__, {
+_late = late_names(__name__, {
     "arms": ("Arm", "SpatialArm"),
     "errors": ("GcmError", "SituationError"),
     "families": ("paper_scene",),
@@ -59,7 +59,7 @@ _late, _PLACE = late_names(__name__, {
 
 def __getattr__(name: str) -> Any:
     """A public name, or a folder of the package, when it is first asked for."""
-    if name in _PLACE or name.startswith("_"):
+    if name in __all__ or name.startswith("_"):
         return _late(name)
     if importlib.util.find_spec(f"gcm_learn.{name}") is not None:
         return importlib.import_module(f"gcm_learn.{name}")
@@ -67,7 +67,7 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_PLACE})
+    return sorted({*globals(), *__all__})
 
 
 __all__ = [

@@ -8,10 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 
-def late_names(
-    package: str, places: Mapping[str, Sequence[str]]
-) -> tuple[Callable[[str], Any], dict[str, str]]:
-    """Return the `__getattr__` of a package, and the place of each late name.
+def late_names(package: str, places: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
+    """Return the `__getattr__` of a package.
 
     Parameters
     ----------
@@ -22,10 +20,8 @@ def late_names(
 
     Returns
     -------
-    getattr : callable
+    callable
         Imports a name's module at the first use, and keeps the name in the package.
-    place : dict of str to str
-        Module of each name.
     """
     place = {name: module for module, names in places.items() for name in names}
 
@@ -36,4 +32,4 @@ def late_names(
         setattr(sys.modules[package], name, value)
         return value
 
-    return get, place
+    return get

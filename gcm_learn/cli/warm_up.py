@@ -40,7 +40,7 @@ class WarmUp:
         except GcmError as error:
             raise CommandFailure(f"--planners: {error}") from None
         tasks = [(name, kind) for kind in ("spatial", "planar", "chain") for name in names]
-        with crew_of(self.workers) as crew, Progress(len(tasks), "kernels") as progress:
+        with crew_of(self.workers) as crew, Progress(len(tasks), "planners") as progress:
             for _ in crew.results(answered, tasks):
                 progress.advance()
         print(f"compiled for {', '.join(names)}")

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from gcm_learn.planners.tube import InTube, Tube
 
 # Loaded when they are asked for: a planner's compiled code takes a second to load.
-__getattr__, _ = late_names(__name__, {
+__getattr__ = late_names(__name__, {
     "baselines.st_rrt_star": ("STRRTStarPlanner",),
     "baselines.straight": ("StraightPlanner",),
     "completion": (

@@ -109,9 +109,11 @@ def path_to(front: Front, arm: Arm, chain: list[int]) -> tuple[np.ndarray, np.nd
 def _attempts(problem: Problem, front: Front, chain: list[int], wait: int) -> Iterator[Attempt]:
     """Paths that end at the interception, the soonest first.
 
-    From the last corner straight to the target; through the cell of the interception and on to the
-    target; the same, but resting in that cell until the target comes; from the last wait straight
-    to the target, left a little later if need be (`wait` is its index, -1 if there is none).
+    - From the last corner straight to the target.
+    - Through the cell of the interception and on to the target.
+    - The same with a rest in that cell until the target comes.
+    - From the last wait straight to the target, a little later if need be. `wait` is its index, -1
+      without a wait.
     """
     arm, crossing = problem.situation.arm, front.chart.spacing / fastest(problem.scene)
 

@@ -45,7 +45,12 @@ def respond(kind: str, question: Values) -> Values:
     try:
         return ANSWERS[kind](question)
     except (GcmError, RecursionError) as error:
-        return {"error": " ".join(str(error).split())}
+        return {"error": _line(error)}
+
+
+def _line(error: BaseException) -> str:
+    """Return an error's sentence as one line."""
+    return " ".join(str(error).split())
 
 
 def begin(question: Values) -> Values:
@@ -113,7 +118,7 @@ def _plan(name: str, situation: Situation, deadline: float | None) -> Plan | Val
         limit = deadline if getattr(planner, "anytime", False) else None
         return plan_with(planner, situation, limit)
     except GcmError as error:
-        return {"planner": name, "status": "error", "message": " ".join(str(error).split())}
+        return {"planner": name, "status": "error", "message": _line(error)}
 
 
 def _map(plan: Plan, name: str, situation: Situation) -> CognitiveMap:

@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from gcm_learn.planners import in_words
+
 Values = dict[str, Any]
 DROPPED: Values = {"dropped": True}
 """Answer to a question after which a newer one came."""
@@ -64,6 +66,5 @@ class Newest:
             try:
                 asked.answer = self._respond(asked.kind, asked.question)
             except Exception as error:  # the page goes on, and shows what happened
-                text = " ".join(f"{type(error).__name__}: {error}".split())
-                asked.answer = {"error": f"unexpected error: {text}"}
+                asked.answer = {"error": f"unexpected error: {in_words(error)}"}
             asked.done.set()

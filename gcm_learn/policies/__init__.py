@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from gcm_learn.policies.training import train
 
 # Loaded when it is asked for: it needs torch.
-__getattr__, _ = late_names(__name__, {"training": ("train",)})
+__getattr__ = late_names(__name__, {"training": ("train",)})
 
 __all__ = [
     "Acting",

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from gcm_learn.recall.transfer_labels import Best, Labels, Sizes, TransferLabels
 
 # Loaded when they are asked for: they need pyarrow or torch.
-__getattr__, _ = late_names(
+__getattr__ = late_names(
     __name__,
     {
         "training": ("Effort", "Trainer", "write_model"),
