@@ -34,6 +34,8 @@ class WarmUp:
         from gcm_learn.processes import crew_of
 
         names = [name.strip() for name in self.planners.split(",") if name.strip()]
+        if not names:
+            raise CommandFailure("--planners: names no planner")
         try:
             for name in names:
                 get_planner(name)

@@ -24,6 +24,7 @@ MISTAKES = [
     (["demo", "--seed", "-1"], "--seed -1"),
     (["demo", "--random", "-1"], "--random -1"),
     (["warm-up", "--planners", "layerd"], "did you mean 'layered'?"),
+    (["warm-up", "--planners", " ,"], "--planners: names no planner"),
     (["warm-up", "--workers", "0"], "--workers 0"),
 ]
 
