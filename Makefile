@@ -12,6 +12,8 @@ export NUMBA_NUM_THREADS    ?= 1
 export OMP_NUM_THREADS      ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 export MPLBACKEND           ?= Agg
+# Without bytecode each start compiles numba, numpy and scipy anew: 3 s in place of 1.4 s.
+unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
