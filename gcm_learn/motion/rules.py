@@ -9,7 +9,7 @@ import numpy as np
 
 from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.collision.postures import desk_of, gap_at
-from gcm_learn.collision.sweep import least_distance
+from gcm_learn.collision.sweep import limb_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import may_be_reached
 from gcm_learn.motion.joint_interception import fastest_hand, may_be_met
@@ -74,9 +74,11 @@ def opening(scene: Scene) -> Opening:
 @njit
 def _at_start(scene):
     """Distance of the limb to obstacles, speeds of hand and targets, if one may be reached."""
-    hand = np.empty((1, 2))
-    hand[0, 0], hand[0, 1] = scene.limb.x, scene.limb.y
-    distance = least_distance(scene, np.zeros(1), hand, -1.0, 1.0)[0]
+    bodies, limb, distance = scene.bodies, scene.limb, 1e300
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    for b in range(bodies.rows.shape[0]):
+        if bodies.rows[b, PART] != HAND:
+            distance = min(distance, limb_distance(scene, b, 0.0, limb.x, limb.y, poses))
     return distance, scene.limits.speed, _fastest_target(scene.bodies.rows), may_be_reached(scene)
 
 

@@ -18,13 +18,14 @@ from gcm_learn.planners.completion import (
     timed,
 )
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.sipp import begin, search
+from gcm_learn.planners.sipp import search
 from gcm_learn.planners.sipp_labels import (
     PIECES,
     Catch,
     Ground,
     Labels,
     leg_room,
+    new_hunt,
     room_for,
     unasked,
 )
@@ -80,9 +81,9 @@ def searched(problem: Problem, n: int, most: int = MOST) -> tuple[Ground, Labels
     arm, gain = problem.situation.arm, problem.gain
     ground = ground_of(problem, Lattice(n, arm.upper_arm, arm.elbow))
     labels = room_for(LABELS * n * n)
-    hunt = begin(ground, labels, problem.situation.horizon)
+    hunt = new_hunt(labels.node.size, problem.situation.horizon)
     catches: list[Catch] = []
-    while most > 0 and hunt.queue.size[0] > 0 and not problem.over:
+    while most > 0 and hunt.goes_on and not problem.over:
         caught, hunt, taken = search(ground, labels, hunt, gain, problem.slices(SLICE, most))
         most, problem.nodes = most - taken, problem.nodes + taken
         if caught.label >= 0:

@@ -41,7 +41,7 @@ def aim_at(ground, end):
             away = max(drift(bodies, b, since, middle), drift(bodies, b, middle, until))
             ways[i, targets, 3] = SHUT if blocker >= 0 else near + away
         targets += 1
-    return Aim(ways[:, :targets], step, end)
+    return Aim(ways[:, :targets].copy(), step, end)
 
 
 @njit(_nrt=False)

@@ -23,7 +23,7 @@ from gcm_learn.collision.sweep import leg_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.planners.meetings import aim_at, comes_near, last_use, outlook
-from gcm_learn.planners.sipp_labels import Aim, Catch, Hunt, pop, push, queue_of
+from gcm_learn.planners.sipp_labels import Aim, Catch, Hunt, pop, push
 from gcm_learn.scene.bodies import HAND, PART
 from gcm_learn.wave.plane import STEP_I, STEP_J
 
@@ -179,20 +179,21 @@ def dash(s, since, end, ground, labels):
 
 
 @njit
-def begin(ground, labels, bound):
-    """Begin to look for a catch before a bound [s], with nothing asked for yet, and room."""
-    start, speed = ground.n * ground.n, ground.rules.speed
-    aim, queue = aim_at(ground, bound), queue_of(labels.node.size)
+def _begin(ground, labels, hunt):
+    """Begin to look for a catch, with nothing asked for yet; returns what is searched for."""
+    start, speed, bound = ground.n * ground.n, ground.rules.speed, hunt.aim.bound
+    aim = aim_at(ground, bound)
     labels.node[0], labels.since[0], labels.arrival[0] = start, 0.0, 0.0
     labels.until[0] = free_until(ground.postures, start, 0.0, bound, FINE * ground.spacing / speed)
     ground.first[start], ground.size[start] = 0, 1
-    offers(0, aim, queue, ground, labels)
-    return Hunt(aim, queue, np.ones(1, np.int64))
+    hunt.total[0] = 1
+    offers(0, aim, hunt.queue, ground, labels)
+    return aim
 
 
 @njit
 def search(ground, labels, hunt, gain, most):
-    """Go on to find the earliest catch, to within `gain`, until nothing is left.
+    """Begin, or go on, to find the earliest catch, to within `gain`, until nothing is left.
 
     Parameters
     ----------
@@ -216,7 +217,8 @@ def search(ground, labels, hunt, gain, most):
     speed, limb = ground.rules.speed, ground.postures.limb
     near = NEAR * ground.spacing
     caught, taken = Catch(NEVER, -1, 0.0, 0.0, 0.0, -1), 0
-    aim, queue, total = hunt.aim, hunt.queue, hunt.total[0]
+    aim = _begin(ground, labels, hunt) if hunt.total[0] == 0 else hunt.aim
+    queue, total = hunt.queue, hunt.total[0]
     while queue.size[0] > 0 and taken < most:
         t, s = pop(queue)
         if s < 0:

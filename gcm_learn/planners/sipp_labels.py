@@ -70,7 +70,12 @@ class Hunt(NamedTuple):
 
     aim: Aim
     queue: Queue
-    total: np.ndarray  # (1,) int: labels of nodes that were asked for
+    total: np.ndarray  # (1,) int: labels of nodes that were asked for; 0 before it begins
+
+    @property
+    def goes_on(self) -> bool:
+        """True until nothing is left to be taken up."""
+        return bool(self.total[0] == 0 or self.queue.size[0] > 0)
 
 
 class Catch(NamedTuple):
@@ -82,12 +87,6 @@ class Catch(NamedTuple):
     x: float
     y: float
     body: int
-
-
-@njit
-def queue_of(count):
-    """Nothing queued yet."""
-    return Queue(np.empty(count), np.empty(count), np.empty(count, np.int64), np.zeros(1, np.int64))
 
 
 @njit(_nrt=False)
@@ -123,6 +122,12 @@ def pop(queue):
     return time, label
 
 
+def new_hunt(labels: int, bound: float) -> Hunt:
+    """Return a search for a catch before a bound [s], with room for so many labels."""
+    queue = np.empty(labels), np.empty(labels), np.empty(labels, np.int64), np.zeros(1, np.int64)
+    return Hunt(Aim(np.empty((0, 0, 4)), 0.0, bound), Queue(*queue), np.zeros(1, np.int64))
+
+
 def leg_room(bodies: int, floor: float) -> Sweep:
     """Room to ask for legs among so many bodies; nearer than `floor` counts as touching."""
     stack = np.empty((DEEPEST + 2, 3))
@@ -134,8 +139,7 @@ def unasked(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.full(nodes, -1), np.zeros(nodes, dtype=np.int64), np.full(nodes, NEVER)
 
 
-@njit
-def room_for(count):
+def room_for(count: int) -> Labels:
     """Labels of nothing yet."""
     node, via, by, tries = np.full((4, count), -1)
     since, until, arrival, tent = np.full((4, count), NEVER)

@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 
+from gcm_learn.scene.bodies import COLUMNS, KIND, SIZE, no_bodies
 from gcm_learn.scene.packing import pose
 from gcm_learn.scene.shapes.choice import cut
 from gcm_learn.scene.shapes.entries import entry_of
+from gcm_learn.scene.shapes.region import new_cut
 from gcm_learn.situation import PLANAR, PlanarShape, Situation, SolidShape
 
 CIRCLE = np.linspace(0.0, 2 * np.pi, 65)[:-1]
@@ -67,13 +69,24 @@ def cut_outline(
     """
     if isinstance(shape, PLANAR):
         raise TypeError(f"only solids are cut (got {type(shape).__name__})")
-    kind, sizes, *_ = entry_of(shape)
-    centre, rotation = np.asarray(centre, dtype=float), np.asarray(rotation, dtype=float)
-    discs, polygon = cut(kind, np.array(sizes(shape)), centre, np.ascontiguousarray(rotation))
+    discs, polygon = solid_cut(shape, centre, rotation)
     angles = np.arange(n) * (2.0 * math.pi / n)
     circle = np.column_stack((np.cos(angles), np.sin(angles)))
     pieces = [polygon, *(disc[:2] + disc[2] * circle for disc in discs)]
     return _convex_hull(np.concatenate(pieces))
+
+
+def solid_cut(
+    shape: SolidShape, centre: np.ndarray, rotation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return discs (k, 3) and corners (m, 2) of a solid's cut with z = 0; see `region`."""
+    kind, sizes, *_ = entry_of(shape)
+    bodies = no_bodies()._replace(rows=np.zeros((1, COLUMNS)))
+    bodies.rows[0, KIND], bodies.rows[0, SIZE : SIZE + 3] = kind, sizes(shape)
+    poses = np.concatenate([np.ravel(centre), np.ravel(rotation)])[None].astype(float)
+    made = new_cut()
+    discs, corners = cut(bodies, poses, 0, made)
+    return made.discs[:discs], made.corners[:corners]
 
 
 def _convex_hull(points: np.ndarray) -> np.ndarray:

@@ -166,5 +166,8 @@ def _bound_speeds(bodies, horizon):
                     fast = k.top_speed(k.of_piece, bodies, b, p, 0.0, span)
                     rows[b, k.TOP_SPEED] = max(rows[b, k.TOP_SPEED], fast)
         else:
-            rate = np.abs(bodies.angles[int(rows[b, k.SWING]), :, 1]).max() * (1.0 + 1e-6)
-            rows[b, k.TOP_SPEED] = rate * (rows[b, k.HANG] + rows[b, k.REACH])
+            rate, swing = 0.0, int(rows[b, k.SWING])
+            for i in range(bodies.angles.shape[1]):
+                rate = max(rate, abs(bodies.angles[swing, i, 1]))
+            reach = rows[b, k.HANG] + rows[b, k.REACH]
+            rows[b, k.TOP_SPEED] = rate * (1.0 + 1e-6) * reach

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+from numba.extending import register_jitable
 
 from gcm_learn.compiled import njit
 from gcm_learn.errors import SituationError
@@ -17,7 +18,7 @@ _ROUNDING = 3.3306690738754716e-16
 _UNDERFLOW = 1e-290
 
 
-@njit
+@register_jitable
 def _sure_orientation(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> int:
     """Return `orientation` where rounding leaves no doubt, else 0."""
     left = (ax - cx) * (by - cy)
@@ -55,7 +56,7 @@ def check_polygon(vertices: list[Point], field: str) -> None:
     count = len(vertices)
     if count < 3:
         raise SituationError(field, f"must have at least 3 points (got {count})")
-    if _surely_convex(np.array(vertices)):  # most are: spare the questions for the others
+    if _surely_convex(vertices):  # most are: spare the questions for the others
         return
     for k in range(count):
         if vertices[k] == vertices[(k + 1) % count]:
@@ -68,18 +69,15 @@ def check_polygon(vertices: list[Point], field: str) -> None:
     _check_direction(vertices, field)
 
 
-@njit
-def _surely_convex(vertices: np.ndarray) -> bool:
-    """Whether a polygon (n, 2) surely turns left at every corner, and in all of them once round.
+def _surely_convex(vertices: list[Point]) -> bool:
+    """Whether a polygon surely turns left at every corner, and in all of them once round.
 
     Edges that turn left by less than half a turn each point to the right again, after having
     pointed to the left, once in every turn.
     """
     rounds = 0
-    for k in range(vertices.shape[0]):
-        ax, ay = vertices[k - 2]
-        bx, by = vertices[k - 1]
-        cx, cy = vertices[k]
+    for k in range(len(vertices)):
+        (ax, ay), (bx, by), (cx, cy) = vertices[k - 2], vertices[k - 1], vertices[k]
         if _sure_orientation(ax, ay, bx, by, cx, cy) <= 0:
             return False
         rounds += bx < ax and cx >= bx

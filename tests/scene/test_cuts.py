@@ -9,12 +9,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from gcm_learn.scene.bodies import DISC
-from gcm_learn.scene.outlines import cut_outline
+from gcm_learn.scene.outlines import cut_outline, solid_cut
 from gcm_learn.scene.shapes import region
-from gcm_learn.scene.shapes.choice import cut
-from gcm_learn.scene.shapes.entries import entry_of
-from gcm_learn.scene.shapes.region import EMPTY_DISTANCE, region_distance
+from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
 from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Sphere
 from tests import strategies
 
@@ -36,9 +33,12 @@ def leaning(angle):
 
 
 def cut_of(shape, centre=ORIGIN, rotation=UPRIGHT):
-    entry = entry_of(shape)
-    centre, rotation = np.array(centre, dtype=float), np.ascontiguousarray(rotation)
-    return cut(entry.number, np.array(entry.sizes(shape)), centre, rotation)
+    return solid_cut(shape, centre, rotation)
+
+
+def region_distance(x, y, discs, polygon):
+    made = region.Cut(discs, polygon, polygon)
+    return region.region_distance(x, y, made, len(discs), len(polygon))
 
 
 def polygon_distance(x, y, vertices):
@@ -319,8 +319,6 @@ def test_extreme_sizes_give_finite_cuts(shape, centre, rotation):
 
 
 def test_planar_shapes_are_not_cut():
-    with pytest.raises(ValueError, match="SPHERE, BOX, CAPSULE or CYLINDER"):
-        cut(DISC, np.ones(3), ORIGIN, UPRIGHT)
     with pytest.raises(TypeError, match=r"only solids are cut \(got Disc\)"):
         cut_outline(Disc(1.0), ORIGIN, UPRIGHT)
 

@@ -66,21 +66,19 @@ def gap_in_plane(bodies, poses, b, x, y):
     return np.sqrt(dx * dx + dy * dy) - np.sqrt(left) if left >= 0.0 else EMPTY_DISTANCE
 
 
-@njit
-def cut(
-    size: np.ndarray, centre: np.ndarray, rotation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+@njit(_nrt=False)
+def cut(bodies, poses, b, made):
     """Cut a ball with the plane z = 0: one disc, or none."""
-    return ball_cut(size[0], centre), np.empty((0, 2))
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    return ball_cut(made.discs, 0, bodies.rows[b, SIZE], x, y, z), 0
 
 
-@njit
-def ball_cut(radius: float, centre: np.ndarray) -> np.ndarray:
-    """Return the disc (1, 3) that a plane cuts from a ball, or (0, 3)."""
-    height = abs(centre[2])
+@njit(_nrt=False)
+def ball_cut(discs, k, radius, x, y, z):
+    """Write the disc that the plane cuts from a ball into row k; returns the next free row."""
+    height = abs(z)
     if height > radius:
-        return np.empty((0, 3))
-    disc = np.empty((1, 3))
-    disc[0, :2] = centre[:2]
-    disc[0, 2] = np.sqrt((radius - height) * (radius + height))
-    return disc
+        return k
+    discs[k, 0], discs[k, 1] = x, y
+    discs[k, 2] = np.sqrt((radius - height) * (radius + height))
+    return k + 1

@@ -101,40 +101,42 @@ def long_axis(bodies, b):
     return (0.0, y, 0.0) if y > x else (x, 0.0, 0.0)
 
 
-@njit
-def cut(
-    half: np.ndarray, centre: np.ndarray, rotation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Cut a box with the plane z = 0: the polygon in which the plane meets it."""
-    return np.empty((0, 3)), _box_cut(half, centre, rotation)
-
-
-@njit
-def _box_cut(half: np.ndarray, centre: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """Cut of a box: a square that surely holds it, clipped by the box's six half-spaces."""
-    bound = 2.0 * np.sqrt(half[0] ** 2 + half[1] ** 2 + half[2] ** 2)
-    polygon = np.array([[-bound, -bound], [bound, -bound], [bound, bound], [-bound, bound]])
+@njit(_nrt=False)
+def cut(bodies, poses, b, made):
+    """Cut a box with the plane z = 0: a square that surely holds it, clipped by six half-spaces."""
+    rows, corners, spare = bodies.rows, made.corners, made.spare
+    x, y, z = rows[b, SIZE], rows[b, SIZE + 1], rows[b, SIZE + 2]
+    bound = 2.0 * np.sqrt(x**2 + y**2 + z**2)
+    corners[0, 0], corners[0, 1] = -bound, -bound
+    corners[1, 0], corners[1, 1] = bound, -bound
+    corners[2, 0], corners[2, 1] = bound, bound
+    corners[3, 0], corners[3, 1] = -bound, bound
+    count = 4
     for axis in range(3):
-        gx, gy = rotation[0, axis], rotation[1, axis]
-        offset = rotation[2, axis] * centre[2]
-        polygon = _clip(polygon, gx, gy, half[axis] + offset)
-        polygon = _clip(polygon, -gx, -gy, half[axis] - offset)
-    return placed(polygon, centre)
+        gx, gy = poses[b, 3 + axis], poses[b, 6 + axis]
+        half, offset = rows[b, SIZE + axis], poses[b, 9 + axis] * poses[b, 2]
+        count = _clip(corners, count, spare, gx, gy, half + offset)
+        count = _clip(spare, count, corners, -gx, -gy, half - offset)
+    return 0, placed(corners, count, poses[b, 0], poses[b, 1])
 
 
-@njit
-def _clip(polygon: np.ndarray, gx: float, gy: float, limit: float) -> np.ndarray:
-    """Part of a convex polygon where gx x + gy y <= limit (Sutherland and Hodgman)."""
-    kept = np.empty((polygon.shape[0] + 2, 2))
+@njit(_nrt=False)
+def _clip(polygon, corners, kept, gx, gy, limit):
+    """Part of a convex polygon where gx x + gy y <= limit (Sutherland and Hodgman).
+
+    Written into `kept`; returns the number of its corners.
+    """
     count = 0
-    for k in range(polygon.shape[0]):
-        a, b = polygon[k - 1], polygon[k]
-        over_a = gx * a[0] + gy * a[1] - limit
-        over_b = gx * b[0] + gy * b[1] - limit
+    for k in range(corners):
+        a = k - 1 if k > 0 else corners - 1
+        ax, ay, bx, by = polygon[a, 0], polygon[a, 1], polygon[k, 0], polygon[k, 1]
+        over_a = gx * ax + gy * ay - limit
+        over_b = gx * bx + gy * by - limit
         if (over_a > 0.0) != (over_b > 0.0):
-            kept[count] = a + over_a / (over_a - over_b) * (b - a)
+            share = over_a / (over_a - over_b)
+            kept[count, 0], kept[count, 1] = ax + share * (bx - ax), ay + share * (by - ay)
             count += 1
         if over_b <= 0.0:
-            kept[count] = b
+            kept[count, 0], kept[count, 1] = bx, by
             count += 1
-    return kept[:count]
+    return count

@@ -66,12 +66,12 @@ def long_axis(bodies, b):
     return 0.0, 0.0, bodies.rows[b, SIZE + 1]
 
 
-@njit
-def cut(
-    size: np.ndarray, centre: np.ndarray, rotation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+@njit(_nrt=False)
+def cut(bodies, poses, b, made):
     """Cut a capsule with the plane z = 0: the cuts of a cylinder and of both end balls."""
-    discs, polygon = cylinder.cut(size, centre, rotation)
-    end = size[1] * rotation[:, 2]
-    first, last = ball_cut(size[0], centre - end), ball_cut(size[0], centre + end)
-    return np.concatenate((discs, first, last)), polygon
+    radius, half = bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1]
+    discs, corners = cylinder.cut(bodies, poses, b, made)
+    x, y, z = half * poses[b, 5], half * poses[b, 8], half * poses[b, 11]
+    px, py, pz = poses[b, 0], poses[b, 1], poses[b, 2]
+    discs = ball_cut(made.discs, discs, radius, px - x, py - y, pz - z)
+    return ball_cut(made.discs, discs, radius, px + x, py + y, pz + z), corners

@@ -5,12 +5,10 @@ Points are in the body's own frame unless a pose is given.
 
 from __future__ import annotations
 
-import numpy as np
-
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import BALL, BOX, CAPSULE, CYLINDER, KIND, POLYGON, SIZE, SPHERE
+from gcm_learn.scene.bodies import BALL, BOX, CAPSULE, CYLINDER, KIND, POLYGON
 from gcm_learn.scene.shapes import ball, box, capsule, cylinder, polygon
-from gcm_learn.scene.shapes.region import region_distance
+from gcm_learn.scene.shapes.region import new_cut, region_distance
 
 
 @njit(_nrt=False)
@@ -84,40 +82,32 @@ def long_axis(bodies, b):
     return ball.long_axis(bodies, b)
 
 
-@njit
-def cut(
-    kind: int, size: np.ndarray, centre: np.ndarray, rotation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Cut a solid with the plane z = 0.
+@njit(_nrt=False)
+def cut(bodies, poses, b, made):
+    """Cut solid b at its pose with the plane z = 0.
 
     Parameters
     ----------
-    kind : int
-        SPHERE, BOX, CAPSULE or CYLINDER of `gcm_learn.scene.bodies`.
-    size : (3,) ndarray
-        Numbers in the columns from SIZE on.
-    centre : (3,) ndarray
-        Centre of the body, in arm-plane coordinates.
-    rotation : (3, 3) ndarray
-        Body frame to arm-plane frame; capsules and cylinders lie along the last column.
+    poses : (n, 12) ndarray
+        In arm-plane coordinates; capsules and cylinders lie along the last column of the rotation.
+    made : Cut
+        Filled.
 
     Returns
     -------
-    discs : (k, 3) ndarray
-        x, y and radius; k <= 3. A plane that touches a ball gives radius 0.
-    polygon : (m, 2) ndarray
-        Convex, counter-clockwise; m = 0 when there is none, and 1 or 2 (or no area) when the
-        plane only touches the solid.
+    discs : int
+        A plane that touches a ball gives radius 0.
+    corners : int
+        0 when there is no polygon, and 1 or 2 (or no area) when the plane only touches the solid.
     """
-    if kind == SPHERE:
-        return ball.cut(size, centre, rotation)
+    kind = bodies.rows[b, KIND]
     if kind == BOX:
-        return box.cut(size, centre, rotation)
+        return box.cut(bodies, poses, b, made)
     if kind == CYLINDER:
-        return cylinder.cut(size, centre, rotation)
+        return cylinder.cut(bodies, poses, b, made)
     if kind == CAPSULE:
-        return capsule.cut(size, centre, rotation)
-    raise ValueError("kind must be SPHERE, BOX, CAPSULE or CYLINDER")
+        return capsule.cut(bodies, poses, b, made)
+    return ball.cut(bodies, poses, b, made)
 
 
 @njit
@@ -132,10 +122,6 @@ def gap_in_plane(bodies, poses, b, x, y):
         dx, dy = x - poses[b, 0], y - poses[b, 1]
         c, s = poses[b, 3], poses[b, 6]
         return polygon.gap(bodies, b, c * dx + s * dy, -s * dx + c * dy, 0.0)
-    discs, corners = cut(
-        int(bodies.rows[b, KIND]),
-        bodies.rows[b, SIZE : SIZE + 3].copy(),
-        poses[b, :3].copy(),
-        poses[b, 3:].copy().reshape((3, 3)),
-    )
-    return region_distance(x, y, discs, corners)
+    made = new_cut()
+    discs, corners = cut(bodies, poses, b, made)
+    return region_distance(x, y, made, discs, corners)

@@ -102,64 +102,57 @@ def long_axis(bodies, b):
     return 0.0, 0.0, bodies.rows[b, SIZE + 1]
 
 
-@njit
-def cut(
-    size: np.ndarray, centre: np.ndarray, rotation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Cut a cylinder with the plane z = 0: a disc, or the polygon of an ellipse or a strip."""
-    return _tube_cut(size[0], size[1], centre, rotation)
-
-
-@njit
-def _tube_cut(
-    radius: float, half: float, centre: np.ndarray, rotation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Cut of a cylinder.
+@njit(_nrt=False)
+def cut(bodies, poses, b, made):
+    """Cut a cylinder with the plane z = 0: a disc, or the polygon of an ellipse or a strip.
 
     Let u run along the axis' shadow on the plane and w across it, both from the point below the
     centre. Let lean and rise be the axis' components along u and z. A point of the plane lies
     ``lean u - rise z`` along the axis and ``hypot(w, rise u + lean z)`` off it.
     """
-    ax, ay, rise = rotation[0, 2], rotation[1, 2], rotation[2, 2]
+    radius, half = bodies.rows[b, SIZE], bodies.rows[b, SIZE + 1]
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    ax, ay, rise = poses[b, 5], poses[b, 8], poses[b, 11]
     if rise < 0.0:  # the cylinder looks the same from its other end
         ax, ay, rise = -ax, -ay, -rise
     lean = np.hypot(ax, ay)
-    no_polygon = np.empty((0, 2))
     if lean <= _NORMAL:
-        discs = np.empty((1, 3))
-        discs[0] = centre[0], centre[1], radius
-        return discs[: 1 if abs(centre[2]) <= half else 0], no_polygon
-    low = (rise * centre[2] - half) / lean
-    high = (rise * centre[2] + half) / lean
-    shift = lean * centre[2]
+        made.discs[0, 0], made.discs[0, 1], made.discs[0, 2] = x, y, radius
+        return 1 if abs(z) <= half else 0, 0
+    low = (rise * z - half) / lean
+    high = (rise * z + half) / lean
+    shift = lean * z
     if rise > _PARALLEL:
         low = max(low, (-radius - shift) / rise)
         high = min(high, (radius - shift) / rise)
     elif abs(shift) > radius:
-        return np.empty((0, 3)), no_polygon
+        return 0, 0
     if low > high:
-        return np.empty((0, 3)), no_polygon
-    chain = _half_outline(radius, rise, shift, low, high)
-    polygon = np.empty((2 * chain.shape[0], 2))
-    last = polygon.shape[0] - 1
-    for k in range(chain.shape[0]):
-        u, w = chain[k]
-        polygon[k] = (ax * u + ay * w) / lean, (ay * u - ax * w) / lean
-        polygon[last - k] = (ax * u - ay * w) / lean, (ay * u + ax * w) / lean
-    return np.empty((0, 3)), placed(polygon, centre)
+        return 0, 0
+    chain, corners = made.spare, made.corners
+    count = _half_outline(chain, corners, radius, rise, shift, low, high)
+    last = 2 * count - 1
+    for k in range(count):
+        u, w = chain[k, 0], chain[k, 1]
+        corners[k, 0], corners[k, 1] = (ax * u + ay * w) / lean, (ay * u - ax * w) / lean
+        corners[last - k, 0] = (ax * u - ay * w) / lean
+        corners[last - k, 1] = (ay * u + ax * w) / lean
+    return 0, placed(corners, 2 * count, x, y)
 
 
-@njit
-def _half_outline(radius: float, rise: float, shift: float, low: float, high: float) -> np.ndarray:
-    """Vertices (u, w), u rising from `low` to `high`, on w^2 + (rise u + shift)^2 = radius^2."""
-    ends = np.array([rise * low + shift, rise * high + shift])
-    ends = np.minimum(np.maximum(ends / radius, -1.0), 1.0)
-    nodes = _arc_nodes(np.arccos(-ends[0]), np.arccos(-ends[1]), rise)
-    chain = np.empty((nodes.size + 2, 2))
+@njit(_nrt=False)
+def _half_outline(chain, spare, radius, rise, shift, low, high):
+    """Vertices (u, w), u rising from `low` to `high`, on w^2 + (rise u + shift)^2 = radius^2.
+
+    Written into `chain`; returns their number.
+    """
+    start = min(max((rise * low + shift) / radius, -1.0), 1.0)
+    stop = min(max((rise * high + shift) / radius, -1.0), 1.0)
+    nodes = _arc_nodes(spare, np.arccos(-start), np.arccos(-stop), rise)
     chain[0, 0] = low
     count = 1
-    for angle in nodes:
-        u = (-radius * np.cos(angle) - shift) / rise
+    for k in range(nodes):
+        u = (-radius * np.cos(spare[k, 0]) - shift) / rise
         if chain[count - 1, 0] < u < high:
             chain[count, 0] = u
             count += 1
@@ -170,43 +163,49 @@ def _half_outline(radius: float, rise: float, shift: float, low: float, high: fl
         climb = rise * chain[k, 0]
         below, above = (radius + shift) + climb, (radius - shift) - climb
         chain[k, 1] = np.sqrt(max(below, 0.0) * max(above, 0.0))
-    return chain[: count + 1]
+    return count + 1
 
 
-@njit
-def _arc_nodes(start: float, stop: float, rise: float) -> np.ndarray:
-    """Angles between `start` and `stop` in [0, pi] at which to put vertices on an ellipse.
+@njit(_nrt=False)
+def _arc_nodes(nodes, start, stop, rise):
+    """Write angles between `start` and `stop` in [0, pi] at which an ellipse gets vertices.
 
     The half axes are 1 (angle pi/2) and 1/rise (angles 0 and pi). Nodes are laid from both ends
     towards the middle, where the ellipse bends least, and spread out if they are too many.
+    Written into the first column; returns their number.
     """
     middle = 0.5 * np.pi
     step = np.sqrt(8.0 * ARC_ERROR)
     while True:
-        rising = _march(start, min(stop, middle), rise, step)
-        falling = _march(np.pi - stop, min(np.pi - start, middle), rise, step)
-        centre = np.full(1 if start < middle < stop else 0, middle)
-        nodes = np.concatenate((rising, centre, np.pi - falling[::-1]))
-        if nodes.size <= _MOST_NODES:
-            return nodes
+        first = _march(nodes, 0, start, min(stop, middle), rise, step)
+        if start < middle < stop:
+            nodes[first, 0] = middle
+            first += 1
+        last = _march(nodes, first, np.pi - stop, min(np.pi - start, middle), rise, step)
+        if last <= _MOST_NODES:
+            break
         step *= 1.01
+    for k in range((last - first + 1) // 2):  # the second march came from the other end
+        a, b = first + k, last - 1 - k
+        nodes[a, 0], nodes[b, 0] = np.pi - nodes[b, 0], np.pi - nodes[a, 0]
+    return last
 
 
-@njit
-def _march(start: float, stop: float, rise: float, step: float) -> np.ndarray:
-    """Angles after `start` and before `stop` <= pi/2, so that every chord misses as much.
+@njit(_nrt=False)
+def _march(nodes, first, start, stop, rise, step):
+    """Write angles after `start` and before `stop` <= pi/2, so that every chord misses as much.
 
     A chord over the angle d misses d^2 / (8 s) where s is the ellipse's speed per angle over
     its value at pi/2. Since s grows from `start` on, the value at the chord's start is safe.
+    Written from row `first` on; returns the next free row.
     """
-    nodes = np.empty(2 * _MOST_NODES)
-    count = 0
+    count = first
     angle = start
-    while count < nodes.size:
+    while count < first + 2 * _MOST_NODES:
         speed = np.hypot(np.sin(angle), rise * np.cos(angle))
         angle += step * np.sqrt(speed)
         if angle >= stop:
             break
-        nodes[count] = angle
+        nodes[count, 0] = angle
         count += 1
-    return nodes[:count]
+    return count

@@ -15,27 +15,52 @@ Ellipse arcs are sampled: vertices lie on the true boundary, so the polygon lies
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gcm_learn.compiled import njit
 
 EMPTY_DISTANCE = 1e300
 """Distance to a region that is empty."""
+MOST_DISCS = 3
+ROWS = 512  # of corners and of the spare array: more than any cut needs on the way
+
+
+class Cut(NamedTuple):
+    """Arrays that a cut is written into.
+
+    Kernels that make arrays take several times as long to compile as those that fill them.
+    """
+
+    discs: np.ndarray  # (MOST_DISCS, 3): x, y and radius
+    corners: np.ndarray  # (ROWS, 2): a convex polygon, counter-clockwise
+    spare: np.ndarray  # (ROWS, 2): intermediate results
 
 
 @njit
-def placed(polygon: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Shift a polygon by the centre and drop vertices that repeat the one before them."""
-    kept = np.empty_like(polygon)
-    count = 0
-    for k in range(polygon.shape[0]):
-        x, y = polygon[k, 0] + centre[0], polygon[k, 1] + centre[1]
-        if count == 0 or x != kept[count - 1, 0] or y != kept[count - 1, 1]:
-            kept[count] = x, y
-            count += 1
-    while count > 1 and kept[0, 0] == kept[count - 1, 0] and kept[0, 1] == kept[count - 1, 1]:
-        count -= 1
-    return kept[:count]
+def new_cut():
+    """Return arrays for a cut."""
+    return Cut(np.empty((MOST_DISCS, 3)), np.empty((ROWS, 2)), np.empty((ROWS, 2)))
+
+
+@njit(_nrt=False)
+def placed(corners, count, x, y):
+    """Shift a polygon's first corners and drop the ones that repeat the one before them.
+
+    Returns the number that is left.
+    """
+    kept = 0
+    for k in range(count):
+        cx, cy = corners[k, 0] + x, corners[k, 1] + y
+        if kept == 0 or cx != corners[kept - 1, 0] or cy != corners[kept - 1, 1]:
+            corners[kept, 0], corners[kept, 1] = cx, cy
+            kept += 1
+    while (
+        kept > 1 and corners[0, 0] == corners[kept - 1, 0] and corners[0, 1] == corners[kept - 1, 1]
+    ):
+        kept -= 1
+    return kept
 
 
 @njit(_nrt=False)
@@ -77,16 +102,16 @@ def polygon_distance(px: float, py: float, vertices: np.ndarray, first: int, las
     return -best if inside else best
 
 
-@njit
-def region_distance(px: float, py: float, discs: np.ndarray, polygon: np.ndarray) -> float:
+@njit(_nrt=False)
+def region_distance(px, py, made, discs, corners):
     """Signed distance of a point to a cut.
 
     Parameters
     ----------
     px, py : float
-    discs : (k, 3) ndarray
-    polygon : (m, 2) ndarray
-        As `cut` returns them.
+    made : Cut
+    discs, corners : int
+        How many there are, as `cut` returns them.
 
     Returns
     -------
@@ -94,7 +119,8 @@ def region_distance(px: float, py: float, discs: np.ndarray, polygon: np.ndarray
         Exact outside; inside it is negative and its magnitude at most the distance to the
         boundary; `EMPTY_DISTANCE` when the cut is empty.
     """
-    best = polygon_distance(px, py, polygon, 0, polygon.shape[0])
-    for k in range(discs.shape[0]):
-        best = min(best, np.hypot(px - discs[k, 0], py - discs[k, 1]) - discs[k, 2])
+    best = polygon_distance(px, py, made.corners, 0, corners)
+    for k in range(discs):
+        away = np.hypot(px - made.discs[k, 0], py - made.discs[k, 1])
+        best = min(best, away - made.discs[k, 2])
     return best
