@@ -2,8 +2,8 @@
 
 Numba optimises a function together with all code below it, and makes machine code of that, once
 for each level of calls.  Parts are only simplified and kept as LLVM's bitcode.  A function that
-Python calls is optimised together with its parts.  It is optimised twice: counts of references go
-at the end of the first time, and only then some loops are simple enough.
+Python calls is optimised together with its parts.  It is optimised once more if counts of
+references went that span several blocks: only without them some loops are simple enough.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, ClassVar
 
+import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 
@@ -26,12 +27,20 @@ class _Library(JITCodeLibrary):  # type: ignore[misc]
         passes.run(self._final_module, *builder)
 
 
+def _counts_across_blocks() -> int:
+    """Return how many counts of references have gone, in this process, that span several blocks."""
+    gone = llvm.dump_refprune_stats()
+    return int(gone.diamond + gone.fanout + gone.fanout_raise)
+
+
 class WholeLibrary(_Library):
     """Code of a function that Python calls, with that of its parts."""
 
     def _optimize_final_module(self) -> None:
+        before = _counts_across_blocks()
         super()._optimize_final_module()
-        self._run()
+        if _counts_across_blocks() != before:
+            self._run()
 
 
 class PartLibrary(_Library):
