@@ -113,6 +113,26 @@ def test_how_tos_run(which, tmp_path, monkeypatch, capsys):
         assert "error" not in printed and f"\n{name} [" in printed
 
 
+def test_the_how_to_of_data_runs(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("pyarrow")
+    path = ROOT / "docs" / "own-data.md"
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "crossings.toml").write_text(blocks(path, "toml")[0], "utf-8")
+    examples = zip(blocks(path, "bash"), blocks(path, "python"), blocks(path, "text"), strict=True)
+    for commands, example, promised in examples:
+        for command in commands.splitlines():
+            setting, _, asked = command.partition("gcm-learn ")
+            with monkeypatch.context() as set_for_this:
+                if setting:
+                    set_for_this.setenv(*setting.strip().split("="))
+                assert main(asked.split()) == 0
+        capsys.readouterr()
+        exec(compile(example, str(path), "exec"), {"__name__": "example"})
+        assert capsys.readouterr().out == promised
+    answers = (tmp_path / "caught.jsonl").read_text("utf-8").splitlines()
+    assert {json.loads(line)["planner"] for line in answers} == {"recall"}
+
+
 def test_the_situation_has_the_solution_that_is_shown(tmp_path, capsys):
     situation, solution = blocks(COMMAND_LINE, "json")
     scene = tmp_path / "scene.jsonl"

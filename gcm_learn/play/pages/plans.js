@@ -4,7 +4,7 @@
 const STRATA = {
   L: ["line", "The hand catches on a straight line."],
   W: ["way round", "The hand goes round an obstacle, but need not wait."],
-  Q: ["queueing", "Only waiting helps: the hand stops on its way until an obstacle has passed."],
+  Q: ["queueing", "No catch at full speed was found: the hand waits until an obstacle has passed."],
   U: ["unreachable", "No catch is known within the horizon."],
 };
 
