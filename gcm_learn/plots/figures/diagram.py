@@ -20,7 +20,7 @@ from gcm_learn.plots.figures.hand_space import (
 )
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored, plot_map, plot_plan
 from gcm_learn.plots.figures.sheets import sheet_panels
-from gcm_learn.plots.figures.solid_scene import draw_scene
+from gcm_learn.plots.figures.solid_scene import SolidFilm, draw_scene
 from gcm_learn.plots.figures.style import Panel, Scene
 from gcm_learn.plots.figures.workspace import (
     draw_arm,
@@ -29,6 +29,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_movement,
     draw_waits,
     draw_workspace,
+    film_frame,
     notable_waits,
     waiting_at,
 )
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 PANEL, MARGIN = 4.0, 0.6  # [inches] of a panel, and below all panels
 LATER = 0.3  # strength of bodies at the end of a movement
 BEFORE = 0.25  # strength of bodies at t = 0
+DASHED = (0, (2, 1.5))  # the hand's path
 COARSE = 240  # cells a side of the drawn extended obstacles
 
 
@@ -140,20 +142,38 @@ class Diagram:
 
     def scenes(self, panels: Sequence[Axes], pixels: int) -> tuple[Scene, Scene]:
         """Return functions that draw work-space and hand-space at a time [s]."""
-        for ax, name in zip(panels, ("work-space", "hand-space"), strict=True):
-            style.frame(ax, self.situation.arm.upper_arm)
-            style.title(ax, name)
-        return self._work_space, self._hand_space
+        work, hands = panels
+        end = self.situation.horizon if self.trajectory is None else self.trajectory.duration
+        style.frame(hands, self.situation.arm.upper_arm)
+        style.title(hands, "hand-space")
+        if not self.situation.is_solid:
+            film_frame(work, self.situation, end)
+            style.title(work, "work-space")
+            return self._work_space, self._hand_space
+        film = SolidFilm(self.situation, end)
+        style.view_frame(work, film.window.extent, "work-space")
+
+        def show(ax: Axes, t: float, turn: float) -> None:
+            film.show(ax, t, self._hand_at(t), pixels)
+            ax.plot(*film.seen(self._past(t)).T, color=style.PATH, lw=1.6, ls=DASHED, zorder=4)
+            style.note_in_corner(ax, self._moment(t))
+
+        return show, self._hand_space
+
+    def _past(self, t: float) -> np.ndarray:
+        """Return the hand's path (k, 2) until time t [s]."""
+        moves = self.trajectory
+        return np.empty((0, 2)) if moves is None else moves.hand[moves.time <= t]
+
+    def _moment(self, t: float) -> str:
+        waits = self.trajectory is not None and waiting_at(self.trajectory, t)
+        return f"t = {t:.2f} s" + (", waiting" if waits else "")
 
     def _work_space(self, ax: Axes, t: float, turn: float) -> None:
-        note = f"t = {t:.2f} s"
-        if self.trajectory is not None:
-            note += ", waiting" if waiting_at(self.trajectory, t) else ""
-            past = self.trajectory.hand[self.trajectory.time <= t]
-            ax.plot(*past.T, color=style.PATH, lw=1.6, ls=(0, (2, 1.5)), zorder=4)
+        ax.plot(*self._past(t).T, color=style.PATH, lw=1.6, ls=DASHED, zorder=4)
         draw_bodies(ax, self.situation, t)
         draw_arm(ax, self.situation.arm, self._hand_at(t))
-        style.note_in_corner(ax, note)
+        style.note_in_corner(ax, self._moment(t))
 
     def _hand_space(self, ax: Axes, t: float, turn: float) -> None:
         assert self.plan is not None
@@ -210,7 +230,7 @@ class MissedDiagram:
 
     def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
         """Draw time t [s] of a film until `end` [s]."""
-        style.frame(ax, self.situation.arm.upper_arm)
+        film_frame(ax, self.situation, end)
         self._draw(ax, t, end)
 
     def _draw(self, ax: Axes, t: float, end: float) -> None:
