@@ -16,8 +16,10 @@ from gcm_learn.evaluation.suites import Entry, draw_suite
 from gcm_learn.evaluation.table import Results
 from gcm_learn.plots import write_report
 from gcm_learn.plots.figures import comparison as figures
-from gcm_learn.plots.figures import failures
+from gcm_learn.plots.figures import failures, style
+from gcm_learn.plots.figures.charged import TOGETHER, charged_figure, charged_figures
 from gcm_learn.plots.reports import tables
+from gcm_learn.plots.reports.page import SHARPNESS
 from gcm_learn.rendering import body_poses
 
 NAMES = ["straight", "layered", "clone"]
@@ -154,12 +156,54 @@ def test_one_page_holds_everything(results, entries, tmp_path):
     assert '<h2 id="failures">' not in write_report(quiet, entries, tmp_path).read_text()
 
 
+def of_many(results, count):
+    """The results of a method under so many names."""
+    mine = results.of_method("layered")
+    columns = {n: np.concatenate([v] * count) for n, v in mine.columns.items()}
+    names = [f"method {k}" for k in range(count)]
+    columns["entrant"] = np.repeat(names, len(mine)).astype(object)
+    return Results(columns, dict.fromkeys(names, "layered"))
+
+
+def test_many_methods_have_a_chart_each_with_the_others_in_grey(results):
+    many = of_many(results, TOGETHER + 1)
+    drawn = charged_figures(many)
+    assert [figure.axes[0].get_title() for figure in drawn] == many.methods
+    for name, figure in zip(many.methods, drawn, strict=True):
+        (ax,) = figure.axes
+        colours = [line.get_color() for line in ax.lines if len(line.get_xdata()) > 1]
+        assert colours == [style.FAINT] * TOGETHER + [figures.colour_of(many, name)]
+        assert ax.get_ylim() == (-2, 104)
+    (together,) = charged_figures(of_many(results, TOGETHER))
+    assert len(together.axes) == len(results.strata) - 1
+
+
+def test_charts_of_many_methods_are_readable_on_a_phone(results, entries, tmp_path, browser):
+    path = write_report(of_many(results, TOGETHER + 1), entries, tmp_path)
+    page = browser.new_page(viewport={"width": 400, "height": 800})
+    page.goto(path.as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    charts = page.locator("#thinking ~ .row").first.get_by_role("img")
+    assert charts.count() == TOGETHER + 1
+    for chart in charts.all():
+        natural = chart.evaluate("image => image.naturalWidth") / SHARPNESS
+        assert chart.bounding_box()["width"] > 0.95 * natural  # not made smaller
+    first = page.locator("#thinking ~ .row").first.get_by_title("Enlarge").first
+    first.focus()
+    page.keyboard.press("Enter")
+    assert page.locator("#large img").get_attribute("alt") == "method 0"
+    page.keyboard.press("Escape")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.querySelector('img').alt") == "method 1"
+    page.close()
+
+
 def test_what_was_not_measured_is_left_out(results):
     columns = dict(results.columns)
     for name in columns:
         if name.startswith("charged"):
             columns[name] = np.full(len(results), None, object)
-    assert figures.charged_figure(Results(columns)) is None
+    assert charged_figure(Results(columns)) is None and charged_figures(Results(columns)) == []
     planners = results.where(results["entrant"] != "clone")
     assert figures.learning_figure(planners) is None
     assert figures.learning_figure(results) is not None
