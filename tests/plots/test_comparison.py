@@ -6,6 +6,7 @@ import io
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from gcm_learn import families
@@ -14,13 +15,16 @@ from gcm_learn.evaluation.contest import compare
 from gcm_learn.evaluation.measures import measured
 from gcm_learn.evaluation.suites import Entry, draw_suite
 from gcm_learn.evaluation.table import Results
+from gcm_learn.planners import get_planner
 from gcm_learn.plots import write_report
 from gcm_learn.plots.figures import comparison as figures
 from gcm_learn.plots.figures import failures, style
 from gcm_learn.plots.figures.charged import TOGETHER, charged_figure, charged_figures
+from gcm_learn.plots.figures.diagram import MissedDiagram
 from gcm_learn.plots.reports import tables
 from gcm_learn.plots.reports.page import SHARPNESS
 from gcm_learn.rendering import body_poses
+from tests.rendering.test_rendering import near
 
 NAMES = ["straight", "layered", "clone"]
 
@@ -127,6 +131,20 @@ def test_failures_in_space_are_drawn_too(tmp_path):
     assert "layered catches (grey)" in caption
     assert np.any(first != np.asarray(film.convert("RGB")))
     assert '<h2 id="failures">' in write_report(results, entries, tmp_path).read_text()
+
+
+@pytest.mark.parametrize("touches", [True, False])
+def test_films_of_failures_among_solids_show_the_target_from_the_start(touches):
+    situation = families.paper_scene("fig8")
+    caught = get_planner("gcm").plan(situation).trajectory
+    missed = MissedDiagram(situation, caught if touches else None, caught, touches)
+    for share in (0.0, 0.5, 1.0):
+        ax = Figure().subplots()
+        missed.show(ax, share * caught.duration, 200, caught.duration)
+        (image,) = ax.images
+        assert near(np.asarray(image.get_array()), style.TARGET) > 1e-4
+        marks = [line for line in ax.lines if line.get_marker() == "o"]
+        assert len(marks) == (touches and share == 1.0)
 
 
 def test_without_an_example_a_failure_in_space_ends_when_its_target_is_closest():

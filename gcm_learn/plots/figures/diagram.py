@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 PANEL, MARGIN = 4.0, 0.6  # [inches] of a panel, and below all panels
 LATER = 0.3  # strength of bodies at the end of a movement
 BEFORE = 0.25  # strength of bodies at t = 0
-DASHED = (0, (2, 1.5))  # the hand's path
+DASHED, DOTTED = (0, (2, 1.5)), (0, (1, 1.5))  # paths of hands
 COARSE = 240  # cells a side of the drawn extended obstacles
 
 
@@ -220,6 +220,7 @@ class MissedDiagram:
         self.situation, self.movement, self.example = situation, movement, example
         self.touches = touches and movement is not None
         self.resting_until = situation.horizon
+        self._film: SolidFilm | None = None
 
     def show_end(self, ax: Axes, t: float, pixels: int) -> None:
         """Draw time t [s], and where bodies come from."""
@@ -230,27 +231,57 @@ class MissedDiagram:
 
     def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
         """Draw time t [s] of a film until `end` [s]."""
+        if self.situation.is_solid:
+            self._show_solids(ax, t, pixels, end)
+            return
         film_frame(ax, self.situation, end)
         self._draw(ax, t, end)
 
+    def _show_solids(self, ax: Axes, t: float, pixels: int, end: float) -> None:
+        """Draw time t [s] of a film until `end` [s] among solids."""
+        if self._film is None:
+            self._film = SolidFilm(self.situation, end)
+        film, example = self._film, self.example
+        other = None if example is None or t > example.duration else example.hand_at(t)
+        film.show(ax, t, self._hand_at(t), pixels, other=other)
+        if example is not None:
+            ax.plot(*film.seen(example.hand).T, color=style.FAINT, lw=1.4, ls=DOTTED, zorder=3)
+        ax.plot(*film.seen(self._past(t)).T, color=style.PATH, lw=1.4, zorder=4)
+        if t >= end and self.touches:
+            self._mark_touch(ax, film.seen)
+
+    def _hand_at(self, t: float) -> np.ndarray:
+        moves = self.movement
+        return np.asarray(self.situation.arm.hand) if moves is None else moves.hand_at(t)
+
+    def _past(self, t: float) -> np.ndarray:
+        """Return the hand's path (k, 2) until time t [s]."""
+        moves = self.movement
+        if moves is None:
+            return np.empty((0, 2))
+        return np.vstack([moves.hand[moves.time <= t], self._hand_at(t)])
+
+    def _mark_touch(self, ax: Axes, seen: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Put a ring where an obstacle is touched; `seen` places points (k, 2) in the picture."""
+        assert self.movement is not None
+        point = np.asarray(collision_point(self.situation, self.movement))
+        (place,) = seen(point[None])
+        ax.plot(*place, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)
+
     def _draw(self, ax: Axes, t: float, end: float) -> None:
-        arm, moves = self.situation.arm, self.movement
         draw_bodies(ax, self.situation, t)
         self._draw_example(ax, t)
-        hand = np.asarray(arm.hand) if moves is None else moves.hand_at(t)
-        if moves is not None:
-            ax.plot(*np.vstack([moves.hand[moves.time <= t], hand]).T, color=style.PATH, lw=1.4)
-        draw_arm(ax, arm, hand)
-        if t >= end and self.touches and moves is not None:
-            point = collision_point(self.situation, moves)
-            ax.plot(*point, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)
+        ax.plot(*self._past(t).T, color=style.PATH, lw=1.4)
+        draw_arm(ax, self.situation.arm, self._hand_at(t))
+        if t >= end and self.touches:
+            self._mark_touch(ax, lambda points: points)
 
     def _draw_example(self, ax: Axes, t: float) -> None:
         """Draw the path of a method that catches, in grey, and its arm up to the catch."""
         arm, example = self.situation.arm, self.example
         if example is None:
             return
-        ax.plot(*example.hand.T, color=style.FAINT, lw=1.4, ls=(0, (1, 1.5)), zorder=3)
+        ax.plot(*example.hand.T, color=style.FAINT, lw=1.4, ls=DOTTED, zorder=3)
         if t <= example.duration:
             hand = example.hand_at(t)
             limb = np.array([(0.0, 0.0), elbow_position(hand, arm.upper_arm, arm.elbow), hand])

@@ -103,9 +103,20 @@ class SolidFilm:
         """Return points (k, 2) of the arm's plane as they are in the picture."""
         return self.view.see(to_world(_plane_of(self.situation), points))[:, :2]
 
-    def show(self, ax: Axes, t: float, hand: np.ndarray, pixels: int = PIXELS) -> None:
-        """Draw time t [s] with the hand (2,) in arm-plane coordinates."""
+    def show(
+        self,
+        ax: Axes,
+        t: float,
+        hand: np.ndarray,
+        pixels: int = PIXELS,
+        *,
+        other: np.ndarray | None = None,
+    ) -> None:
+        """Draw time t [s] with hands (2,) in arm-plane coordinates, another arm in grey."""
         things = scene_faces(self.situation, t, hand)
+        if other is not None:
+            grey = rgb(style.FAINT)
+            things += [part._replace(colours=grey) for part in limb_in_plane(self.situation, other)]
         show_image(ax, staged(self.view, self.window, self.floor, things, pixels), self.window)
 
 
@@ -151,14 +162,22 @@ def scene_faces(
     situation: Situation, t: float, hand: np.ndarray | tuple[float, float] | None = None
 ) -> list[Faces]:
     """Solids, the glass of the arm's plane and the arm at time t [s], in the world."""
-    plane, arm = _plane_of(situation), situation.arm
+    arm = situation.arm
     solids = [_solid(situation, index, t) for index in range(len(situation.bodies))]
-    things = [_glass(plane, arm.reach), *(solid for solid in solids if solid is not None)]
-    end = np.asarray(arm.hand if hand is None else hand, dtype=float)
+    things = [
+        _glass(_plane_of(situation), arm.reach),
+        *(solid for solid in solids if solid is not None),
+    ]
+    return things + limb_in_plane(situation, arm.hand if hand is None else hand)
+
+
+def limb_in_plane(situation: Situation, hand: np.ndarray | tuple[float, float]) -> list[Faces]:
+    """Return the arm with its hand (2,) in arm-plane coordinates, in the world."""
+    arm, end = situation.arm, np.asarray(hand, dtype=float)
     elbow = elbow_position(end, arm.upper_arm, arm.elbow)
-    joints = to_world(plane, np.array([np.zeros(2), elbow, end]))
+    joints = to_world(_plane_of(situation), np.array([np.zeros(2), elbow, end]))
     ends = np.array([[joints[:2], joints[1:]]])
-    return things + limb_faces(Limb(ends, np.full(2, BONE), joints[2:], joints[0]))
+    return limb_faces(Limb(ends, np.full(2, BONE), joints[2:], joints[0]))
 
 
 def _solid(situation: Situation, index: int, t: float) -> Faces | None:
