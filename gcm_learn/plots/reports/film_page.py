@@ -18,6 +18,7 @@ from gcm_learn.plots.reports.page import fill
 from gcm_learn.rendering import (
     APPROACH,
     JointSituation,
+    TargetWay,
     approach_corners,
     balls_of,
     body_colour,
@@ -131,11 +132,21 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
         "solids": solids,
         "ways": [] if moves is None else list(_ways(situation, moves)),
         "box": box.tolist(),
-        "zoom": _short(np.array([scenery.window_at(t).half for t in times]) / scenery.window.half),
+        "zoom": _short(_zoom(scenery.way, times, box)),
         "eye": dict(zip("xyz", _eye(scenery, box).tolist(), strict=True)),
         "ending": ": caught" if plan.caught else "",
         "hands": _hands(situation, plan.map, times, box),
     }
+
+
+def _zoom(way: TargetWay, times: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Return factors (k,) by which a box (3, 2) holds the target's way from times (k,) on."""
+    corners = way.corners.reshape(len(way.times), -1, 3)
+    away = np.abs(corners - box.mean(axis=1)) / (0.5 * np.ptp(box, axis=1))
+    largest = np.maximum.accumulate(away.max(axis=(1, 2))[::-1])[::-1]
+    ahead = np.searchsorted(way.times, times, side="right") - 1
+    factors: np.ndarray = np.maximum(1.0, largest[ahead])
+    return factors
 
 
 def _eye(scenery: Scenery, box: np.ndarray) -> np.ndarray:
