@@ -23,7 +23,7 @@ BETWEEN_UPDATES = 0.2  # [s]
 class Progress:
     """Bar that shows how far a job is, once the job proves long.
 
-    Nothing is written unless `stream` is a terminal, and the bar is wiped at the end.
+    Only a terminal shows the bar, which is wiped at the end.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Pictures of situations, maps, plans and comparisons, and the pages that show them.
 
-Nothing here uses matplotlib's global state, so it works without a display and in threads.
+Figures do without matplotlib's global state, so they need no display and may be drawn in threads.
 """
 
 from __future__ import annotations

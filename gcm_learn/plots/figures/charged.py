@@ -30,7 +30,7 @@ _THINKING = 1e3 * np.array(DELAYS)  # [ms]
 
 
 def charged_figures(results: Results) -> list[Figure]:
-    """Return a chart of all methods, or one for each of many; none if that was not measured."""
+    """Return a chart of all methods, or one for each of many, as far as they were measured."""
     if len(results.methods) <= TOGETHER:
         figure = charged_figure(results)
         return [] if figure is None else [figure]
@@ -45,7 +45,7 @@ def _percent(curve: list[Interval]) -> list[float]:
 
 
 def _highlighted(results: Results, name: str, shares: dict[str, list[float]]) -> Figure:
-    """Draw the curve of one method before those of the others, in grey."""
+    """Draw the curve of one method over grey curves of the others."""
     figure = style.new_figure(*PANEL)
     ax = figure.subplots()
     for other, values in shares.items():

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gcm_learn.arms import elbow_position
 from gcm_learn.evaluation import collision_point
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_space import (
@@ -19,17 +18,16 @@ from gcm_learn.plots.figures.hand_space import (
     show_image,
 )
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored, plot_map, plot_plan
+from gcm_learn.plots.figures.plane_film import Film, PlaneFilm, film_of
 from gcm_learn.plots.figures.sheets import sheet_panels
-from gcm_learn.plots.figures.solid_scene import SolidFilm, draw_scene
+from gcm_learn.plots.figures.solid_scene import draw_scene
 from gcm_learn.plots.figures.style import Panel, Scene
 from gcm_learn.plots.figures.workspace import (
-    draw_arm,
     draw_bodies,
     draw_courses,
     draw_movement,
     draw_waits,
     draw_workspace,
-    film_frame,
     notable_waits,
     waiting_at,
 )
@@ -146,12 +144,9 @@ class Diagram:
         end = self.situation.horizon if self.trajectory is None else self.trajectory.duration
         style.frame(hands, self.situation.arm.upper_arm)
         style.title(hands, "hand-space")
-        if not self.situation.is_solid:
-            film_frame(work, self.situation, end)
-            style.title(work, "work-space")
-            return self._work_space, self._hand_space
-        film = SolidFilm(self.situation, end)
-        style.view_frame(work, film.window.extent, "work-space")
+        film = film_of(self.situation, end)
+        film.frame(work)
+        style.title(work, "work-space")
 
         def show(ax: Axes, t: float, turn: float) -> None:
             film.show(ax, t, self._hand_at(t), pixels)
@@ -168,12 +163,6 @@ class Diagram:
     def _moment(self, t: float) -> str:
         waits = self.trajectory is not None and waiting_at(self.trajectory, t)
         return f"t = {t:.2f} s" + (", waiting" if waits else "")
-
-    def _work_space(self, ax: Axes, t: float, turn: float) -> None:
-        ax.plot(*self._past(t).T, color=style.PATH, lw=1.6, ls=DASHED, zorder=4)
-        draw_bodies(ax, self.situation, t)
-        draw_arm(ax, self.situation.arm, self._hand_at(t))
-        style.note_in_corner(ax, self._moment(t))
 
     def _hand_space(self, ax: Axes, t: float, turn: float) -> None:
         assert self.plan is not None
@@ -220,69 +209,35 @@ class MissedDiagram:
         self.situation, self.movement, self.example = situation, movement, example
         self.touches = touches and movement is not None
         self.resting_until = situation.horizon
-        self._film: SolidFilm | None = None
+        self._film: Film | None = None
 
     def show_end(self, ax: Axes, t: float, pixels: int) -> None:
         """Draw time t [s], and where bodies come from."""
         style.frame(ax, self.situation.arm.upper_arm)
         draw_bodies(ax, self.situation, 0.0, alpha=BEFORE)
         draw_courses(ax, self.situation, t)
-        self._draw(ax, t, t)
+        self._draw(ax, PlaneFilm(self.situation, t), t, pixels)
 
     def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
         """Draw time t [s] of a film until `end` [s]."""
-        if self.situation.is_solid:
-            self._show_solids(ax, t, pixels, end)
-            return
-        film_frame(ax, self.situation, end)
-        self._draw(ax, t, end)
-
-    def _show_solids(self, ax: Axes, t: float, pixels: int, end: float) -> None:
-        """Draw time t [s] of a film until `end` [s] among solids."""
         if self._film is None:
-            self._film = SolidFilm(self.situation, end)
-        film, example = self._film, self.example
+            self._film = film_of(self.situation, end)
+        self._film.frame(ax)
+        self._draw(ax, self._film, t, pixels)
+
+    def _draw(self, ax: Axes, film: Film, t: float, pixels: int) -> None:
+        """Draw time t [s], with the path of a method that catches in grey."""
+        moves, example = self.movement, self.example
+        hand = np.asarray(self.situation.arm.hand) if moves is None else moves.hand_at(t)
         other = None if example is None or t > example.duration else example.hand_at(t)
-        film.show(ax, t, self._hand_at(t), pixels, other=other)
+        film.show(ax, t, hand, pixels, other)
         if example is not None:
             ax.plot(*film.seen(example.hand).T, color=style.FAINT, lw=1.4, ls=DOTTED, zorder=3)
-        ax.plot(*film.seen(self._past(t)).T, color=style.PATH, lw=1.4, zorder=4)
-        if t >= end and self.touches:
-            self._mark_touch(ax, film.seen)
-
-    def _hand_at(self, t: float) -> np.ndarray:
-        moves = self.movement
-        return np.asarray(self.situation.arm.hand) if moves is None else moves.hand_at(t)
-
-    def _past(self, t: float) -> np.ndarray:
-        """Return the hand's path (k, 2) until time t [s]."""
-        moves = self.movement
         if moves is None:
-            return np.empty((0, 2))
-        return np.vstack([moves.hand[moves.time <= t], self._hand_at(t)])
-
-    def _mark_touch(self, ax: Axes, seen: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Put a ring where an obstacle is touched; `seen` places points (k, 2) in the picture."""
-        assert self.movement is not None
-        point = np.asarray(collision_point(self.situation, self.movement))
-        (place,) = seen(point[None])
-        ax.plot(*place, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)
-
-    def _draw(self, ax: Axes, t: float, end: float) -> None:
-        draw_bodies(ax, self.situation, t)
-        self._draw_example(ax, t)
-        ax.plot(*self._past(t).T, color=style.PATH, lw=1.4)
-        draw_arm(ax, self.situation.arm, self._hand_at(t))
-        if t >= end and self.touches:
-            self._mark_touch(ax, lambda points: points)
-
-    def _draw_example(self, ax: Axes, t: float) -> None:
-        """Draw the path of a method that catches, in grey, and its arm up to the catch."""
-        arm, example = self.situation.arm, self.example
-        if example is None:
             return
-        ax.plot(*example.hand.T, color=style.FAINT, lw=1.4, ls=DOTTED, zorder=3)
-        if t <= example.duration:
-            hand = example.hand_at(t)
-            limb = np.array([(0.0, 0.0), elbow_position(hand, arm.upper_arm, arm.elbow), hand])
-            ax.plot(*limb.T, "o-", color=style.FAINT, lw=3.0, ms=6.0, alpha=0.7, zorder=5.5)
+        past = np.vstack([moves.hand[moves.time <= t], hand])
+        ax.plot(*film.seen(past).T, color=style.PATH, lw=1.4, zorder=4)
+        if t >= film.end and self.touches:
+            point = np.asarray(collision_point(self.situation, moves))
+            (place,) = film.seen(point[None])
+            ax.plot(*place, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)

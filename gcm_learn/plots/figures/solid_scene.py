@@ -14,7 +14,6 @@ from gcm_learn.rendering import (
     AWAY,
     EYE,
     HAND,
-    PIXELS,
     Camera,
     Faces,
     Limb,
@@ -78,7 +77,8 @@ class SolidFilm:
     """
 
     def __init__(self, situation: Situation, end: float) -> None:
-        self.situation, self.view = situation, camera(_plane_of(situation))
+        self.situation, self.end = situation, end
+        self.view = camera(_plane_of(situation))
         things = [thing for t in np.linspace(0.0, end, HELD) for thing in self._held(t)]
         corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
         seen = self.view.see(corners)[:, :2]
@@ -103,16 +103,14 @@ class SolidFilm:
         """Return points (k, 2) of the arm's plane as they are in the picture."""
         return self.view.see(to_world(_plane_of(self.situation), points))[:, :2]
 
+    def frame(self, ax: Axes) -> None:
+        """Frame the picture."""
+        style.view_frame(ax, self.window.extent)
+
     def show(
-        self,
-        ax: Axes,
-        t: float,
-        hand: np.ndarray,
-        pixels: int = PIXELS,
-        *,
-        other: np.ndarray | None = None,
+        self, ax: Axes, t: float, hand: np.ndarray, pixels: int, other: np.ndarray | None = None
     ) -> None:
-        """Draw time t [s] with hands (2,) in arm-plane coordinates, another arm in grey."""
+        """Draw time t [s] with the hand (2,), and an arm with another hand in grey."""
         things = scene_faces(self.situation, t, hand)
         if other is not None:
             grey = rgb(style.FAINT)
@@ -181,7 +179,7 @@ def limb_in_plane(situation: Situation, hand: np.ndarray | tuple[float, float]) 
 
 
 def _solid(situation: Situation, index: int, t: float) -> Faces | None:
-    """Return a body as it is at time t [s], in the world; None for one without a thickness."""
+    """Return a body as it is at time t [s], in the world, if it has a thickness."""
     body, plane = situation.bodies[index], _plane_of(situation)
     if isinstance(body.shape, PLANAR):
         return None

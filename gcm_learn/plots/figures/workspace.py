@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from gcm_learn.motion import Movement, Wait
     from gcm_learn.planners import Plan
 
-HELD = 25  # instants of a film at which targets are in its picture
 PALEST = 0.25  # share of colour of the earliest pose
 SHORTEST = 0.02  # share of the movement: shorter rests are not to be seen
 NEAR = 0.15  # [forearms] rests so close together share a mark
@@ -58,19 +57,6 @@ def draw_workspace(
     draw_bodies(ax, situation, t)
     draw_arm(ax, situation.arm, situation.arm.hand if hand is None else hand)
     return ax
-
-
-def film_frame(ax: Axes, situation: Situation, end: float) -> None:
-    """Frame the arm plane so that films until `end` [s] show targets on their whole way."""
-    style.frame(ax, situation.arm.upper_arm)
-    times = np.linspace(0.0, end, HELD)
-    shapes = [outline(situation, k, t) for k, body in enumerate(situation.bodies)
-              if body.role == "target" for t in times]  # fmt: skip
-    rim = np.array([ax.get_xlim(), ax.get_ylim()]).T
-    seen = np.concatenate([rim, *(corners for corners in shapes if corners is not None)])
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    half, (x, y) = 0.5 * float((high - low).max()), 0.5 * (low + high)
-    ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
 
 
 def draw_bodies(ax: Axes, situation: Situation, t: float, alpha: float = 1.0) -> None:
