@@ -20,6 +20,8 @@ import gymnasium
 import torch
 from sb3_contrib import TQC, RecurrentPPO
 from stable_baselines3 import A2C, PPO, SAC
+from stable_baselines3.common.callbacks import EvalCallback
+from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.save_util import load_from_pkl
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
@@ -90,10 +92,13 @@ def test_code_in_a_file_is_not_run(call, about, tmp_path, capfd):
     assert "boom" not in capfd.readouterr().out
 
 
-def test_scaled_observations_are_scaled_for_an_object_and_refused_for_a_file(tmp_path, seen):
+def test_observations_are_scaled_for_an_object_and_refused_for_a_file(tmp_path, seen):
     env = VecNormalize(DummyVecEnv([arena]))
     model = PPO("MlpPolicy", env, n_steps=16, batch_size=16)
-    model.learn(16)
+    judge = VecNormalize(DummyVecEnv([lambda: Monitor(arena())]), training=False)
+    told = EvalCallback(judge, n_eval_episodes=1, eval_freq=8, verbose=0)
+    model.learn(16, callback=told)
+    assert told.n_calls == 16 and np.isfinite(told.last_mean_reward)
     actions = own_policy(model, "scaled").act(seen)
     wanted = model.predict(env.normalize_obs(seen), deterministic=True)[0]
     np.testing.assert_allclose(actions, np.clip(wanted, -1.0, 1.0), atol=1e-6)
