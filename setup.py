@@ -1,4 +1,4 @@
-"""What a wheel carries beside the code: the trained models and the smallest suite.
+"""Build a wheel that carries the trained models and the smallest suite beside the code.
 
 They stay where they are in the repository, and are copied when the wheel is built. Everything else
 about the package is in pyproject.toml.
@@ -22,7 +22,9 @@ SHIPPED = (
     "data/suites/demo.jsonl",
 )
 NEEDED = {".json", ".jsonl", ".md", ".npy", ".npz", ".safetensors"}
-"""Suffixes: what training needs to go on stays out."""
+"""Suffixes of files that are shipped."""
+TRAINING = {"state.json", "normalisation.npz", "buffer.npz"}
+"""Names of files with which training goes on; they are not shipped."""
 TARGET = Path("gcm_learn", "_shipped")
 
 
@@ -33,7 +35,7 @@ def shipped() -> list[Path]:
         place = ROOT / name
         files = [place] if place.is_file() else place.rglob("*")
         found += [path.relative_to(ROOT) for path in files if path.suffix in NEEDED]
-    return sorted(path for path in found if path.name != "state.json")
+    return sorted(path for path in found if path.name not in TRAINING)
 
 
 class WithModels(build_py):

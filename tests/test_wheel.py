@@ -27,11 +27,12 @@ def wheel(tmp_path_factory):
     )
     for name in SOURCES:
         if (ROOT / name).is_dir():
-            big = shutil.ignore_patterns("train", "cache", "tensorboard", "*.zip", "*.pkl")
+            big = shutil.ignore_patterns("train", "cache", "tensorboard", "*.zip", "buffer.npz")
             shutil.copytree(ROOT / name, copy / name, ignore=big)
         else:
             shutil.copy(ROOT / name, copy / name)
-    (copy / "models" / "clone" / "model.zip").write_bytes(b"what training needs to go on")
+    for name in ("model.zip", "normalisation.npz"):
+        (copy / "models" / "clone" / name).write_bytes(b"what training needs to go on")
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet"]
     subprocess.run([*command, "--wheel-dir", copy / "wheel", copy], check=True)
     return next((copy / "wheel").glob("*.whl"))
@@ -56,7 +57,8 @@ def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
     assert wanted | {Path("data/suites/demo.jsonl")} <= carried
     assert all((ROOT / path).is_file() for path in carried)
     assert "gcm_learn/play/pages/index.html" in names
-    assert {path.suffix for path in carried}.isdisjoint({".zip", ".pkl", ".parquet"})
+    assert {path.suffix for path in carried}.isdisjoint({".zip", ".parquet"})
+    assert "normalisation.npz" not in {path.name for path in carried}
     code = {path.relative_to(ROOT).as_posix() for path in (ROOT / "gcm_learn").rglob("*.py")}
     assert code == {name for name in names if name.endswith(".py")}
 

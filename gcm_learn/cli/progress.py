@@ -1,32 +1,36 @@
-"""Options of long commands, and what they say while they run."""
+"""Options of long commands, and bars that show how far they are."""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable
+from datetime import timedelta
 from types import TracebackType
-from typing import Annotated, Self, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
 
 from tyro.conf import arg
 
 from gcm_learn.cli.failures import CommandFailure
 
-QUIET_FOR = 2.0  # [s] a shorter job needs no progress line
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
+QUIET_FOR = 2.0  # [s] a shorter job needs no bar
 BETWEEN_UPDATES = 0.2  # [s]
 
 
 class Progress:
-    """Counts finished items; shows count, rate and time left once the job proves long.
+    """Bar that shows how far a job is, once the job proves long.
 
-    Nothing is written unless `stream` is a terminal, and the line is wiped at the end.
+    Only a terminal shows the bar, which is wiped at the end.
 
     Parameters
     ----------
     total : int
         Number of items.
     label : str
-        What they are.
+        Plural of an item, e.g. ``"situations"``.
 
     Other Parameters
     ----------------
@@ -53,29 +57,33 @@ class Progress:
         self._live = not quiet and self._stream is not None and self._stream.isatty()
         self._start = clock()
         self._next = self._start + QUIET_FOR
-        self._shown = False
+        self._bar: Bar | None = None
 
     def advance(self, count: int = 1) -> None:
-        """Note that `count` more items are done, and renew the line when it is due."""
+        """Note that `count` more items are done, and renew the bar when it is due."""
         self.done += count
         now = self._clock()
         if self._live and now >= self._next:
             self._next = now + BETWEEN_UPDATES
-            self._shown = True
-            self._stream.write(f"\r{self._line(now - self._start)}\x1b[K")
-            self._stream.flush()
+            self._show(self.done / (now - self._start))
 
-    def _line(self, elapsed: float) -> str:
-        rate = self.done / elapsed if elapsed > 0 else 0.0
-        left = _duration((self.total - self.done) / rate) if rate > 0 else "?"
-        return f"{self.done}/{self.total} {self.label}, {rate:.3g}/s, {left} left"
+    def _show(self, rate: float) -> None:
+        """Draw the bar with a rate [1/s]."""
+        left = timedelta(seconds=round((self.total - self.done) / rate)) if rate > 0.0 else "?"
+        told: dict[str, Any] = {"rate": f"{rate:.3g}/s", "left": f"{left} left"}
+        if self._bar is None:
+            self._bar = _bar(self._stream, self._clock)
+            self._bar.add_task(self.label, total=self.total, completed=self.done, **told)
+            self._bar.start()
+        else:
+            (task,) = self._bar.task_ids
+            self._bar.update(task, completed=self.done, refresh=True, **told)
 
     def close(self) -> None:
-        """Wipe the line."""
-        if self._shown:
-            self._stream.write("\r\x1b[K")
-            self._stream.flush()
-            self._shown = False
+        """Wipe the bar."""
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
 
     def __enter__(self) -> Self:
         return self
@@ -89,11 +97,21 @@ class Progress:
         self.close()
 
 
-def _duration(seconds: float) -> str:
-    """Return a time span in the unit in which a person would say it."""
-    if seconds < 100:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+def _bar(stream: TextIO, clock: Callable[[], float]) -> Bar:
+    """Return a bar on a terminal; rich is imported here, for it takes as long as a short job."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns = (
+        MofNCompleteColumn(), TextColumn("{task.description}"), BarColumn(),
+        TextColumn("{task.fields[rate]}"), TextColumn("{task.fields[left]}"),
+    )  # fmt: skip
+    # Without a thread of its own and without other streams in its hands it disturbs no worker.
+    return Bar(
+        *columns, console=Console(file=stream, force_terminal=True), auto_refresh=False,
+        transient=True, redirect_stdout=False, redirect_stderr=False, get_time=clock,
+    )  # fmt: skip
 
 
 AllCores = Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")]

@@ -282,7 +282,8 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         if self.render_mode is None:
             return None
         if self._viewer is None:
-            self._viewer = Viewer(self.arena.kind, window=self.render_mode == "human")
+            rate = self.metadata["render_fps"] if self.render_mode == "human" else None
+            self._viewer = Viewer(self.arena.kind, rate)
         return self._viewer.show(self.situation, self.trajectory)
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Pictures of an arena: as arrays, or in a window."""
+"""Pictures of an arena, as arrays or in a window."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm, elbow_position
-from gcm_learn.errors import ArenaError
+from gcm_learn.envs.window import Window
 from gcm_learn.motion import Movement
 from gcm_learn.rendering import ARM, INK, PATH, Spectator, body_colour
 from gcm_learn.scene import outline
@@ -25,13 +25,6 @@ class Artist(Protocol):
         """Return the picture (480, 480, 3) uint8 of the end of a trajectory."""
 
 
-def interactive() -> list[str]:
-    """Return the names of matplotlib's backends that open windows."""
-    from matplotlib.backends import BackendFilter, backend_registry
-
-    return [name.lower() for name in backend_registry.list_builtin(BackendFilter.INTERACTIVE)]
-
-
 class Viewer:
     """Pictures of moments, in a window if one is wanted.
 
@@ -39,24 +32,20 @@ class Viewer:
     ----------
     kind : Kind
         Of the arm.
-    window : bool
+    rate : int, optional
+        Pictures per second in a window [1/s]; without a rate there is no window.
+
+    Raises
+    ------
+    MissingExtraError
+        Without pygame, if a window is wanted.
+    ArenaError
+        Without a display, if a window is wanted.
     """
 
-    def __init__(self, kind: Kind, *, window: bool) -> None:
+    def __init__(self, kind: Kind, rate: int | None = None) -> None:
         self._artist = _ARTISTS.of(kind)()
-        self._shown: Any = None
-        if window:
-            import matplotlib.pyplot as plt
-
-            if plt.get_backend().lower() not in interactive():
-                raise ArenaError(
-                    f"render_mode: 'human' needs a window, but matplotlib's {plt.get_backend()!r} "
-                    "cannot open one (check the display and MPLBACKEND); choose 'rgb_array'"
-                )
-            figure = plt.figure(figsize=(SIZE_INCHES, SIZE_INCHES), dpi=DPI)
-            axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-            axes.set_axis_off()
-            self._shown = axes.imshow(np.full((PIXELS, PIXELS, 3), 255, np.uint8))
+        self._window = None if rate is None else Window(PIXELS, rate)
 
     def show(self, situation: Any, way: Any) -> np.ndarray | None:
         """Return the picture of the end of a trajectory, or None if it is shown in the window.
@@ -69,21 +58,15 @@ class Viewer:
             In its coordinates.
         """
         picture = self._artist.picture(situation, way)
-        if self._shown is None:
+        if self._window is None:
             return picture
-        import matplotlib.pyplot as plt
-
-        self._shown.set_data(picture)
-        self._shown.figure.canvas.draw_idle()
-        plt.pause(1e-3)
+        self._window.show(picture)
         return None
 
     def close(self) -> None:
         """Close the window."""
-        if self._shown is not None:
-            import matplotlib.pyplot as plt
-
-            plt.close(self._shown.figure)
+        if self._window is not None:
+            self._window.close()
 
 
 class _PlaneArtist:

@@ -1,12 +1,13 @@
 """Pictures of situations, maps, plans and comparisons, and the pages that show them.
 
-Nothing here uses matplotlib's global state, so it works without a display and in threads.
+Figures do without matplotlib's global state, so they need no display and may be drawn in threads.
 """
 
 from __future__ import annotations
 
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.comparison import charged_figure, families_figure, rates_figure
+from gcm_learn.plots.figures.charged import charged_figure
+from gcm_learn.plots.figures.comparison import families_figure, rates_figure
 from gcm_learn.plots.figures.execution import animate_execution
 from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.kinds import DRAWN

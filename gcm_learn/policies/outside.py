@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.errors import MissingExtraError, PolicyError, UnknownNameError
+from gcm_learn.errors import PolicyError
 from gcm_learn.execution import ARENAS, ArenaSettings, Settings
-from gcm_learn.planners import in_words, name_of
+from gcm_learn.planners import name_of
 from gcm_learn.policies.actor import Acting
+from gcm_learn.policies.model_file import read_model
 from gcm_learn.policies.planner import ActorPlanner
-
-LOADED = ("policy_class", "observation_space", "action_space", "policy_kwargs")
 
 
 class OwnPolicy(Acting):
@@ -42,7 +41,9 @@ class OwnPolicy(Acting):
         self.policy, self.name = policy, name or name_of(policy)
         self.settings = settings or _settings_of(policy, self.name)
         _check_spaces(policy, self.settings, self.name)
-        self._act: Callable[[np.ndarray], Any] = getattr(policy, "act", None) or _predicting(policy)
+        self._act: Callable[[np.ndarray], Any] = getattr(policy, "act", None) or _predicting(
+            policy, self.name
+        )
 
     def act(self, observations: np.ndarray, rng: np.random.Generator | None = None) -> np.ndarray:
         """Return actions (n, commands); numbers beyond -1 and 1 are cut, as environments do.
@@ -63,7 +64,7 @@ class OwnPolicy(Acting):
 
 def own_policy(given: Any, name: str = "") -> OwnPolicy:
     """Return a policy from outside: from an object, or from the file of a model."""
-    return OwnPolicy(_model(given) if isinstance(given, Path) else given, name)
+    return OwnPolicy(read_model(given) if isinstance(given, Path) else given, name)
 
 
 def planner_of(given: Any, name: str) -> ActorPlanner:
@@ -71,20 +72,30 @@ def planner_of(given: Any, name: str) -> ActorPlanner:
     return ActorPlanner(own_policy(given, name), name, tries=1)
 
 
-def _predicting(model: Any) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the most likely actions of a model, asked row by row."""
+def _predicting(model: Any, name: str) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the most likely actions of a model, asked row by row.
+
+    Observations are scaled first if the model holds an environment that scales them.
+    """
     named = inspect.signature(model.predict).parameters
     how = {"deterministic": True} if "deterministic" in named else {}
+    scaling = getattr(model, "get_vec_normalize_env", lambda: None)()
+    scaled = (lambda seen: seen) if scaling is None else scaling.normalize_obs
 
     def act(observations: np.ndarray) -> np.ndarray:
-        return np.stack([_action(model.predict(row, **how)) for row in observations])
+        return np.stack([_action(model.predict(row, **how), name) for row in scaled(observations)])
 
     return act
 
 
-def _action(predicted: Any) -> np.ndarray:
+def _action(predicted: Any, name: str) -> np.ndarray:
     """Return the action of what `predict` returns: a pair with a state, or the action itself."""
-    return np.asarray(predicted[0] if isinstance(predicted, tuple) else predicted)
+    if not isinstance(predicted, tuple):
+        return np.asarray(predicted)
+    action, state = predicted
+    if state is not None:
+        raise PolicyError(f"policy {name!r}: is recurrent; here a policy sees one observation")
+    return np.asarray(action)
 
 
 def _settings_of(policy: Any, name: str) -> ArenaSettings:
@@ -142,27 +153,6 @@ def _check_spaces(policy: Any, settings: ArenaSettings, name: str) -> None:
 
 
 def _shape(policy: Any, which: str) -> tuple[int, ...] | None:
-    """Return the shape of a space, or None for a policy without that space."""
+    """Return the shape of a space if a policy has that space, else None."""
     found = getattr(policy, which, None)
     return None if found is None else tuple(getattr(found, "shape", None) or ())
-
-
-def _model(path: Path) -> Any:
-    """Return the policy in the file of a Stable-Baselines3 model, whatever algorithm made it."""
-    if not path.is_file():
-        raise UnknownNameError(f"{str(path)!r}: there is no such file")
-    try:
-        from stable_baselines3.common.save_util import load_from_zip_file
-    except ImportError:
-        raise MissingExtraError(f"{path.name!r}", "stable_baselines3", "rl") from None
-    try:
-        data, states, _ = load_from_zip_file(path, device="cpu")
-        made, space, actions, more = (data[name] for name in LOADED)
-        noise = {"use_sde": True} if data.get("use_sde") else {}
-        policy = made(space, actions, lambda progress: 0.0, **more | noise)
-        policy.load_state_dict(states["policy"])
-    except Exception as error:
-        reason = f"is no model of Stable-Baselines3 ({in_words(error)})"
-        raise PolicyError(f"{str(path)!r}: {reason}") from error
-    policy.set_training_mode(False)
-    return policy

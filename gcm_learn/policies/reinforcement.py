@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,6 +12,8 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.save_util import load_from_zip_file
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
@@ -23,7 +27,11 @@ from gcm_learn.policies.plan import WHOLE, TrainingPlan, algorithm
 from gcm_learn.policies.vec_env import ArenaVecEnv
 from gcm_learn.storage import whole_file
 
-MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.pkl", "buffer.pkl"
+MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.npz", "buffer.npz"
+_PICKLES = ("normalisation.pkl", "buffer.pkl")  # of older versions
+_SCALES = ("mean", "var", "count")
+_STEPS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+_COUNTS = ("num_timesteps", "_n_updates", "_episode_num")
 _SEEN = 1e12  # observations, after which new ones hardly move the statistics
 _EPSILON = 1e-8  # of VecNormalize
 _NETWORK = "256,256"
@@ -32,7 +40,18 @@ _LEAN = ByKind({PLANAR: 0.0, SPATIAL: 2.0})
 
 
 def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
-    """A learner at its beginning."""
+    """Return a learner at its beginning."""
+    model = _untrained(plan, pool, logs)
+    if plan.start:
+        begin_as(model, Actor.load(Path(plan.start)))
+    elif plan.actions == "choice":
+        with torch.no_grad():
+            model.policy.action_net.bias[0] += _LEAN.of(plan.kind)  # type: ignore[operator,union-attr]
+    return model
+
+
+def _untrained(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
+    """Return a learner with the weights that its library gives it."""
     env = normalised(plan, pool)
     wanted = dict(plan.hyperparameters)
     layers = [int(n) for n in str(wanted.pop("net_arch", _NETWORK)).split(",")]
@@ -43,22 +62,17 @@ def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
         made["log_std_init"] = float(wanted.pop("log_std_init"))
     wanted |= {name: int(wanted[name]) for name in WHOLE if name in wanted}
     try:
-        model = algorithm(plan.algo)(
+        made_model: BaseAlgorithm = algorithm(plan.algo)(
             policy, env, seed=plan.seed, tensorboard_log=str(logs), device="cpu",
             policy_kwargs=made, **wanted,
         )  # fmt: skip
     except TypeError as error:
         raise PolicyError(str(error).replace("\n", " ")) from None
-    if plan.start:
-        begin_as(model, Actor.load(Path(plan.start)))
-    elif plan.actions == "choice":
-        with torch.no_grad():
-            model.policy.action_net.bias[0] += _LEAN.of(plan.kind)  # type: ignore[operator,union-attr]
-    return model
+    return made_model
 
 
 def normalised(plan: TrainingPlan, pool: Pool) -> VecNormalize:
-    """The batched arena; observations are scaled by running statistics if the plan says so."""
+    """Return the batched arena, with scaled observations if the plan says so."""
     env = ArenaVecEnv(pool, plan.n_envs, plan.settings, plan.seed, choices=plan.actions == "choice")
     gamma = float(plan.hyperparameters.get("gamma", 0.99))
     return VecNormalize(
@@ -117,7 +131,7 @@ def show(model: BaseAlgorithm, moves: Steps, settings: ArenaSettings) -> None:
 
 
 def actor_of(model: BaseAlgorithm, plan: TrainingPlan) -> Actor:
-    """The learner's present policy as plain arrays."""
+    """Return the learner's present policy as plain arrays."""
     env = model.get_env()
     assert isinstance(env, VecNormalize)
     width = env.observation_space.shape[0]
@@ -142,22 +156,54 @@ def keep(model: BaseAlgorithm, folder: Path) -> None:
     with whole_file(folder / MODEL) as place:
         model.save(place)
     with whole_file(folder / STATISTICS) as place:
-        env.save(str(place))
-    if hasattr(model, "save_replay_buffer"):
+        np.savez(place, **{name: getattr(env.obs_rms, name) for name in _SCALES})
+    if isinstance(model, OffPolicyAlgorithm):
+        buffer: Any = model.replay_buffer
+        steps = {name: getattr(buffer, name)[: buffer.size()] for name in _STEPS}
         with whole_file(folder / BUFFER) as place:
-            model.save_replay_buffer(place)
+            np.savez(place, next_place=buffer.pos, **steps)
 
 
 def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
-    """The learner that was kept in a folder.
+    """Return the learner that was kept in a folder; nothing in it is unpickled.
 
-    Statistics and replay buffer are pickles, as Stable-Baselines3 writes them: loading them runs
-    code, so go on only in folders of your own.
+    Raises
+    ------
+    PolicyError
+        If an older version kept it, in pickles.
     """
-    fresh = normalised(plan, pool)
-    env = VecNormalize.load(str(folder / STATISTICS), fresh.venv)
-    model = algorithm(plan.algo).load(folder / MODEL, env=env, device="cpu")
-    if (folder / BUFFER).exists():
-        model.load_replay_buffer(folder / BUFFER)  # type: ignore[attr-defined]
+    for name in _PICKLES:
+        if (folder / name).exists():
+            raise PolicyError(f"{folder / name}: pickles are not read; train in another folder")
+    model = _untrained(plan, pool, folder / "tensorboard")
+    env = model.get_env()
+    assert isinstance(env, VecNormalize)
+    _, states, variables = load_from_zip_file(folder / MODEL, load_data=False, device="cpu")
+    model.set_parameters(states, device="cpu")
+    for name, values in (variables or {}).items():
+        getattr(model, name).data = values.data
+    for name, count in _counts(folder / MODEL).items():
+        setattr(model, name, count)
+    with np.load(folder / STATISTICS, allow_pickle=False) as scales:
+        for name in _SCALES:
+            setattr(env.obs_rms, name, scales[name])
+    if isinstance(model, OffPolicyAlgorithm):
+        _fill(model.replay_buffer, folder / BUFFER)
     env.venv.seed(plan.seed + 1 + model.num_timesteps)  # other situations than at the beginning
     return model
+
+
+def _counts(path: Path) -> dict[str, int]:
+    """Return the counts of steps in a model's file, from its JSON alone."""
+    with zipfile.ZipFile(path) as archive:
+        data = json.loads(archive.read("data"))
+    return {name: data[name] for name in _COUNTS if name in data}
+
+
+def _fill(buffer: Any, path: Path) -> None:
+    """Fill a replay buffer with the steps in a file."""
+    with np.load(path, allow_pickle=False) as kept:
+        for name in _STEPS:
+            getattr(buffer, name)[: len(kept[name])] = kept[name]
+        buffer.pos = int(kept["next_place"])
+        buffer.full = len(kept["rewards"]) == buffer.buffer_size

@@ -40,6 +40,7 @@ from gcm_learn.rendering.limbs import (
 from gcm_learn.rendering.poses import JointSituation, body_poses, ground_of
 from gcm_learn.rendering.solids import faces, has_edges, placed, tube
 from gcm_learn.rendering.staging import (
+    AWAY,
     PIXELS,
     box_of,
     centred,
@@ -49,11 +50,13 @@ from gcm_learn.rendering.staging import (
     turned_view,
     window_of,
 )
+from gcm_learn.rendering.target_way import TargetWay, target_way
 from gcm_learn.rendering.views import EYE, Spectator, view_of
 
 __all__ = [
     "APPROACH",
     "ARM",
+    "AWAY",
     "Camera",
     "EYE",
     "FLOOR",
@@ -71,6 +74,7 @@ __all__ = [
     "Spectator",
     "TARGET",
     "TIME",
+    "TargetWay",
     "Window",
     "approach_corners",
     "arm_faces",
@@ -99,6 +103,7 @@ __all__ = [
     "solid_faces",
     "staged",
     "target_paths",
+    "target_way",
     "time_colours",
     "tube",
     "tube_faces",

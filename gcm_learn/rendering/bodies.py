@@ -73,11 +73,12 @@ def path_faces(
     times = np.linspace(0.0, end if until is None else until, SAMPLES)
     radius = LINE * situation.arm.reach
     yield from tube_faces(trajectory.hand_at(times), times / max(end, 1e-9), radius)
-    base = np.asarray(situation.arm.base.origin)
+    base, ground = np.asarray(situation.arm.base.origin), ground_of(situation)
     for path in target_paths(situation, times):
         far = np.linalg.norm(path - base, axis=1).max() / situation.arm.reach
+        seen = far < LONGEST and (ground is None or path[:, 2].min() > ground.height)
         for faces in tube_faces(path, times / max(end, 1e-9), 0.8 * radius, dashed=True):
-            yield faces._replace(kept=bool(far < LONGEST.of(situation)))
+            yield faces._replace(kept=bool(seen))
 
 
 def target_paths(situation: JointSituation, times: np.ndarray) -> np.ndarray:

@@ -7,14 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from gcm_learn.arms import SPATIAL, ByKind
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
 from gcm_learn.rendering.colours import FLOOR, rgb
 from gcm_learn.rendering.poses import JointSituation, ground_of
 
 AWAY = 1.35  # [reaches] from the base: nothing farther widens the picture, but paths of targets
-LONGEST = ByKind({SPATIAL: AWAY}, default=3.0)
-"""Distance from the base up to which a target's path is wholly in the picture [reaches]."""
+LONGEST = 3.0  # [reaches] from the base: paths of targets from within are whole in a figure
 PIXELS = 720  # of a side of a picture
 ABOVE = 75.0  # [degrees] elevation of an eye that looks down
 SHADOW, GRID = "#d9e0e9", "#ffffff"
@@ -62,13 +60,13 @@ def floor_of(situation: JointSituation, things: Sequence[Faces]) -> float:
 
 
 def _near_arm(situation: JointSituation, things: Sequence[Faces]) -> np.ndarray:
-    """Return corners (k, 3) of things above the ground that are not far from the base."""
+    """Return corners (k, 3) that are above the ground and not far from the base, or kept."""
     corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
     away = np.linalg.norm(corners - np.asarray(situation.arm.base.origin), axis=1)
     kept = np.concatenate([np.full(thing.corners.size // 3, thing.kept) for thing in things])
     ground = ground_of(situation)
     above = corners[:, 2] >= (-np.inf if ground is None else ground.height)
-    near: np.ndarray = corners[above & (kept | (away < AWAY * situation.arm.reach))]
+    near: np.ndarray = corners[kept | (above & (away < AWAY * situation.arm.reach))]
     return near
 
 

@@ -1,8 +1,11 @@
-"""The line that shows how far a long command is, and kernels compiled ahead of it."""
+"""The bar that shows how far a long command is, and kernels compiled ahead of it."""
 
 from __future__ import annotations
 
 import io
+import re
+import subprocess
+import sys
 
 import pytest
 
@@ -25,25 +28,41 @@ def run(stream: io.StringIO, seconds_each: float, *, quiet: bool = False) -> str
     return stream.getvalue()
 
 
-def test_a_long_job_shows_count_rate_and_time_left():
-    text = run(Terminal(), 1.0)
-    assert "9/10 situations, 1/s, 1 s left" in text
-    assert text.startswith("\r2/10") and text.endswith("\r\x1b[K") and "\n" not in text
-
-
-def test_nothing_is_said_of_short_jobs_and_to_files_or_quiet_terminals():
-    assert run(Terminal(), 0.1) == ""
-    assert run(io.StringIO(), 1.0) == ""
-    assert run(Terminal(), 1.0, quiet=True) == ""
+@pytest.fixture
+def terminal(monkeypatch) -> Terminal:
+    """Return a terminal of 100 columns that knows colours."""
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("COLUMNS", "100")
+    return Terminal()
 
 
 @pytest.mark.parametrize(
-    ("seconds_each", "left"), [(50.0, "50 s"), (600.0, "10 min"), (9000.0, "2.5 h")]
+    ("seconds_each", "rate", "left"),
+    [(1.0, "1", "0:00:01"), (50.0, "0.02", "0:00:50"), (9000.0, "0.000111", "2:30:00")],
 )
-def test_time_left_is_said_in_a_fitting_unit(seconds_each, left):
-    assert f"9/10 situations, {1 / seconds_each:.3g}/s, {left} left" in run(
-        Terminal(), seconds_each
+def test_a_long_job_shows_count_rate_and_time_left(terminal, seconds_each, rate, left):
+    bars = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", run(terminal, seconds_each))
+    first, *_, last = [bar for bar in re.split(r"[\r\n]+", bars) if bar.strip()]
+    assert re.fullmatch(rf" 9/10 situations ━+[╸╺]?━* +{rate}/s +{left} left *", last)
+    assert first.startswith(f" {2 if seconds_each < 2 else 1}/10")
+    assert terminal.getvalue().count("\n") <= 1  # one line, which is wiped
+    assert terminal.getvalue().endswith("\x1b[2K")
+
+
+def test_nothing_is_said_of_short_jobs_and_to_files_or_quiet_terminals(terminal, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert run(io.StringIO(), 1.0) == ""
+    assert run(terminal, 0.1) == ""
+    assert run(terminal, 1.0, quiet=True) == ""
+
+
+def test_rich_is_imported_with_the_first_bar():
+    code = (
+        "import sys; from gcm_learn.cli.progress import Progress\n"
+        "with Progress(2, 'situations') as p: p.advance()\n"
+        "sys.exit('rich.progress' in sys.modules)"
     )
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_another_process_does_it_and_says_nothing(capfd):

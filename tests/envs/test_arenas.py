@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -244,8 +245,53 @@ def test_a_bad_action_of_one_arm_of_many_is_an_error(name, pool):
     arms.step(np.full_like(actions, 1e200))  # large, but finite
 
 
-def test_a_window_that_cannot_open_is_an_error(name, pool):
-    with pytest.raises(ArenaError, match="render_mode: 'human' needs a window"):
+@pytest.fixture
+def pygame():
+    """Return the library, which ends with the test."""
+    pygame = pytest.importorskip("pygame")
+    yield pygame
+    pygame.quit()
+
+
+def test_a_window_shows_what_arrays_do(name, pool, pygame, monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env, arrays = (one(name, pool, render_mode=mode) for mode in ("human", "rgb_array"))
+    action = np.array([1.0, 0.5, -0.5, 1.0])[: env.settings.commands]
+    for arm in (env, arrays):
+        arm.reset(seed=0)
+        arm.step(action)
+    assert env.render() is None
+    shown = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+    np.testing.assert_array_equal(shown, arrays.render())
+    env.close()
+    assert not pygame.display.get_init()
+    env.reset(seed=1)  # opens another
+    env.close()
+
+
+def test_a_window_is_renewed_no_faster_than_said(name, pool, pygame, monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env = one(name, pool, render_mode="human")
+    env.reset(seed=0)
+    start = time.perf_counter()
+    for _ in range(10):
+        env.render()
+    assert time.perf_counter() - start > 0.8 * 10 / env.metadata["render_fps"]
+    env.close()
+
+
+def test_a_window_without_a_display_is_an_error(name, pool, pygame, monkeypatch):
+    for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(variable, raising=False)
+    for driver in ("", "no such driver"):
+        monkeypatch.setenv("SDL_VIDEODRIVER", driver)
+        with pytest.raises(ArenaError, match=r"^render_mode: 'human' needs a display \(.*'rgb_arr"):
+            one(name, pool, render_mode="human").reset(seed=0)
+
+
+def test_a_window_without_pygame_says_what_to_install(name, pool, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pygame", None)
+    with pytest.raises(MissingExtraError, match=r"pygame: pip install 'gcm_learn\[render\]'"):
         one(name, pool, render_mode="human").reset(seed=0)
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
-from gcm_learn.families import PAPER_SCENES
+import numpy as np
+
+from gcm_learn.families import PAPER_SCENES, draw
 from gcm_learn.planners import Plan, solve
-from gcm_learn.situation import read_situations
+from gcm_learn.situation import SolidQuadratic, read_situations
 from tests.panda import PANDA
 from tests.rendering.test_rendering import turning
 from tests.spatial import EXAMPLES
@@ -32,7 +36,35 @@ def chain() -> Case:
     return situation, plan_of(situation, turning(situation))
 
 
+def swung() -> Case:
+    """A planar arm among solids, whose target swings into its plane from beyond its reach."""
+    situation = PAPER_SCENES["fig8"]()
+    return situation, solve(situation, "gcm")
+
+
+def late() -> Case:
+    """A planar arm whose target is beyond its reach at the start."""
+    situation = draw("late-target", 1, 2)
+    return situation, solve(situation, "layered")
+
+
+def from_afar(case: Callable[[], Case]) -> Case:
+    """Return a case whose target comes from five reaches away and is met at the end."""
+    situation, plan = case()
+    arm, end = situation.arm, plan.trajectory.duration
+    target = situation.targets[0]
+    meeting = plan.trajectory.hand_at(end)
+    start = np.asarray(arm.base.origin) + arm.reach * np.array([3.0, 3.0, 3.0])
+    law = SolidQuadratic(tuple(start), tuple((meeting - start) / end), (0.0, 0.0, 0.0))
+    bodies = [replace(b, motion=law) if b is target else b for b in situation.bodies]
+    return replace(situation, bodies=tuple(bodies)), plan
+
+
 CASES = {"planar": planar, "spatial": spatial, "chain": chain}
+FAR = {
+    "planar": late, "planar among solids": swung,
+    "spatial": lambda: from_afar(spatial), "chain": lambda: from_afar(chain),
+}  # fmt: skip
 AMONG_SOLIDS = {name: CASES[name] for name in ("spatial", "chain")}
 
 

@@ -6,6 +6,7 @@ import io
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from gcm_learn import families
@@ -14,11 +15,16 @@ from gcm_learn.evaluation.contest import compare
 from gcm_learn.evaluation.measures import measured
 from gcm_learn.evaluation.suites import Entry, draw_suite
 from gcm_learn.evaluation.table import Results
+from gcm_learn.planners import get_planner
 from gcm_learn.plots import write_report
 from gcm_learn.plots.figures import comparison as figures
-from gcm_learn.plots.figures import failures
+from gcm_learn.plots.figures import failures, style
+from gcm_learn.plots.figures.charged import TOGETHER, charged_figure, charged_figures
+from gcm_learn.plots.figures.diagram import MissedDiagram
 from gcm_learn.plots.reports import tables
+from gcm_learn.plots.reports.page import SHARPNESS
 from gcm_learn.rendering import body_poses
+from tests.rendering.test_rendering import near
 
 NAMES = ["straight", "layered", "clone"]
 
@@ -127,6 +133,20 @@ def test_failures_in_space_are_drawn_too(tmp_path):
     assert '<h2 id="failures">' in write_report(results, entries, tmp_path).read_text()
 
 
+@pytest.mark.parametrize("touches", [True, False])
+def test_films_of_failures_among_solids_show_the_target_from_the_start(touches):
+    situation = families.paper_scene("fig8")
+    caught = get_planner("gcm").plan(situation).trajectory
+    missed = MissedDiagram(situation, caught if touches else None, caught, touches)
+    for share in (0.0, 0.5, 1.0):
+        ax = Figure().subplots()
+        missed.show(ax, share * caught.duration, 200, caught.duration)
+        (image,) = ax.images
+        assert near(np.asarray(image.get_array()), style.TARGET) > 1e-4
+        marks = [line for line in ax.lines if line.get_marker() == "o"]
+        assert len(marks) == (touches and share == 1.0)
+
+
 def test_without_an_example_a_failure_in_space_ends_when_its_target_is_closest():
     situation = families.draw("late-target-space", 1, 0)
     entry = Entry("mine", 0, situation, "late-target-space", "W", 1.0)
@@ -154,12 +174,54 @@ def test_one_page_holds_everything(results, entries, tmp_path):
     assert '<h2 id="failures">' not in write_report(quiet, entries, tmp_path).read_text()
 
 
+def of_many(results, count):
+    """The results of a method under so many names."""
+    mine = results.of_method("layered")
+    columns = {n: np.concatenate([v] * count) for n, v in mine.columns.items()}
+    names = [f"method {k}" for k in range(count)]
+    columns["entrant"] = np.repeat(names, len(mine)).astype(object)
+    return Results(columns, dict.fromkeys(names, "layered"))
+
+
+def test_many_methods_have_a_chart_each_with_the_others_in_grey(results):
+    many = of_many(results, TOGETHER + 1)
+    drawn = charged_figures(many)
+    assert [figure.axes[0].get_title() for figure in drawn] == many.methods
+    for name, figure in zip(many.methods, drawn, strict=True):
+        (ax,) = figure.axes
+        colours = [line.get_color() for line in ax.lines if len(line.get_xdata()) > 1]
+        assert colours == [style.FAINT] * TOGETHER + [figures.colour_of(many, name)]
+        assert ax.get_ylim() == (-2, 104)
+    (together,) = charged_figures(of_many(results, TOGETHER))
+    assert len(together.axes) == len(results.strata) - 1
+
+
+def test_charts_of_many_methods_are_readable_on_a_phone(results, entries, tmp_path, browser):
+    path = write_report(of_many(results, TOGETHER + 1), entries, tmp_path)
+    page = browser.new_page(viewport={"width": 400, "height": 800})
+    page.goto(path.as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    charts = page.locator("#thinking ~ .row").first.get_by_role("img")
+    assert charts.count() == TOGETHER + 1
+    for chart in charts.all():
+        natural = chart.evaluate("image => image.naturalWidth") / SHARPNESS
+        assert chart.bounding_box()["width"] > 0.95 * natural  # not made smaller
+    first = page.locator("#thinking ~ .row").first.get_by_title("Enlarge").first
+    first.focus()
+    page.keyboard.press("Enter")
+    assert page.locator("#large img").get_attribute("alt") == "method 0"
+    page.keyboard.press("Escape")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.querySelector('img').alt") == "method 1"
+    page.close()
+
+
 def test_what_was_not_measured_is_left_out(results):
     columns = dict(results.columns)
     for name in columns:
         if name.startswith("charged"):
             columns[name] = np.full(len(results), None, object)
-    assert figures.charged_figure(Results(columns)) is None
+    assert charged_figure(Results(columns)) is None and charged_figures(Results(columns)) == []
     planners = results.where(results["entrant"] != "clone")
     assert figures.learning_figure(planners) is None
     assert figures.learning_figure(results) is not None

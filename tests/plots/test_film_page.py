@@ -16,7 +16,7 @@ from gcm_learn.plots import write_film_page
 from gcm_learn.plots.figures.hand_ball import frozen_cells, places_of
 from gcm_learn.plots.reports.film_page import page_data
 from gcm_learn.rendering import body_poses
-from tests.plots.cases import AMONG_SOLIDS, plan_of
+from tests.plots.cases import AMONG_SOLIDS, FAR, plan_of
 
 
 @pytest.fixture(scope="module", params=AMONG_SOLIDS)
@@ -60,6 +60,17 @@ def test_solids_are_where_the_arm_and_the_bodies_are(case):
         assert (f"approach of {body.name}" in named) == (body.approach is not None)
     way = data["ways"][0]
     assert [way["x"][0], way["y"][0], way["z"][0]] == pytest.approx(named["hand"]["centre"][0])
+
+
+@pytest.mark.parametrize("name", ["spatial", "chain"])
+def test_the_box_holds_the_target_that_comes_from_far_away(name):
+    situation, plan = FAR[name]()
+    data = page_data(situation, plan)
+    box, zoom = np.array(data["box"]), np.array(data["zoom"])
+    assert zoom[0] > 1.5 and zoom[-1] == 1.0 and (np.diff(zoom) <= 0.0).all()
+    target = next(s for s in data["solids"] if s["name"] == situation.targets[0].name)
+    away = np.abs(np.array(target["centre"]) - box.mean(axis=1))
+    assert (away < zoom[:, None] * 0.5 * np.ptp(box, axis=1)).all()
 
 
 def test_solids_are_closed(case):

@@ -15,7 +15,7 @@ from gcm_learn.plots.figures.film import ROUND
 from gcm_learn.plots.figures.kinds import DRAWN, pictures_of
 from gcm_learn.plots.figures.scenery import Scenery
 from gcm_learn.plots.reports.dataset import draw_record
-from tests.plots.cases import AMONG_SOLIDS, CASES, plan_of
+from tests.plots.cases import AMONG_SOLIDS, CASES, FAR, plan_of
 from tests.rendering.test_rendering import near
 
 TITLES = {
@@ -90,6 +90,27 @@ def test_films_move_and_look_around_a_catch_where_they_can(case, tmp_path, caugh
             frames.append(np.asarray(film.convert("RGB"), dtype=int))
     assert all(np.abs(b - a).max() > 50 for a, b in itertools.pairwise(frames))
     assert path.stat().st_size < 900_000
+
+
+@pytest.mark.parametrize("name", FAR)
+def test_films_show_arm_and_target_from_the_start_until_just_before_the_catch(name, tmp_path):
+    situation, plan = FAR[name]()
+    animate(situation, plan, tmp_path / "film.gif", frames=5)
+    with Image.open(tmp_path / "film.gif") as film:
+        for k in range(4):
+            film.seek(k)
+            work_space = np.asarray(film.convert("RGB"), dtype=float)[:, : film.width // 2] / 255
+            for colour in (style.ARM, style.TARGET):
+                assert near(work_space, colour) > 5 / work_space[..., 0].size
+
+
+@pytest.mark.parametrize("name", ["spatial", "chain"])
+def test_the_picture_is_larger_while_a_target_is_far_away(name):
+    situation, plan = FAR[name]()
+    scenery = Scenery(situation, plan.trajectory)
+    halves = [scenery.window_at(t).half for t in np.linspace(0.0, scenery.end, 9)]
+    assert halves[0] > 1.5 * halves[-1] == pytest.approx(1.5 * scenery.window.half)
+    assert (np.diff(halves) <= 1e-12).all()
 
 
 def test_a_picture_shows_arm_target_and_obstacles(solid_case):

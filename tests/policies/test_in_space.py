@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -192,8 +193,9 @@ LEARNERS = [
 
 
 @pytest.mark.parametrize(("algo", "environment", "settings"), LEARNERS)
-def test_learners_run_and_go_on(tmp_path, algo, environment, settings):
+def test_learners_run_and_go_on(tmp_path, monkeypatch, algo, environment, settings):
     pytest.importorskip("stable_baselines3")
+    cloudpickle = pytest.importorskip("cloudpickle")
     from gcm_learn.policies import train
 
     given = entry(settings={"weights": {"guide": 1.0}, **settings})
@@ -212,9 +214,44 @@ def test_learners_run_and_go_on(tmp_path, algo, environment, settings):
     assert type(actor.settings) is type(plan.settings)
     assert file_of(actor.settings) in (tmp_path / "made" / "card.md").read_text("utf-8")
     more = plan_of(given | {"n_timesteps": 384}, environment)
+    monkeypatch.setattr(pickle, "load", None)  # nothing is unpickled
+    monkeypatch.setattr(cloudpickle, "loads", None)
     train(more, tmp_path / "made", lambda text: None)
     log = (tmp_path / "made" / "log.jsonl").read_text("utf-8").splitlines()
     assert len(log) >= 4
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_a_learner_goes_on_as_it_was(tmp_path, algo):
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies import reinforcement
+
+    given = entry(algo=algo)
+    if algo == "sac":
+        given = {k: v for k, v in given.items() if k not in ("n_steps", "log_std_init")}
+        given |= {"learning_starts": 50, "buffer_size": 1000}
+    plan = plan_of(given, "CatchArm3D-v0")
+    pool = pool_of(FAMILY, 6, 0, plan.settings)
+    model = reinforcement.make(plan, pool, tmp_path / "tensorboard")
+    model.learn(200)
+    reinforcement.keep(model, tmp_path)
+    again = reinforcement.go_on(plan, pool, tmp_path)
+    assert again.num_timesteps == model.num_timesteps and again._n_updates == model._n_updates
+    np.testing.assert_array_equal(again.get_env().obs_rms.var, model.get_env().obs_rms.var)
+    states = again.get_parameters()
+    for part, kept in model.get_parameters().items():
+        assert str(states[part]) == str(kept)
+    if algo == "sac":
+        assert again.log_ent_coef.item() == model.log_ent_coef.item() != 0.0
+        mine, kept = again.replay_buffer, model.replay_buffer
+        assert (mine.size(), mine.pos) == (kept.size(), kept.pos)
+        np.testing.assert_array_equal(mine.next_observations, kept.next_observations)
+    actors = [reinforcement.actor_of(made, plan) for made in (model, again)]
+    told = np.linspace(-1.0, 1.0, 145)[None]
+    np.testing.assert_array_equal(*(actor.act(told) for actor in actors))
+    (tmp_path / "normalisation.pkl").write_bytes(b"")
+    with pytest.raises(PolicyError, match=r"normalisation.pkl: pickles are not read"):
+        reinforcement.go_on(plan, pool, tmp_path)
 
 
 def test_policies_of_torques_differ_from_the_torques_that_go_straight():

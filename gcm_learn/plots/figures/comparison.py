@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,13 +12,10 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
-from matplotlib.transforms import offset_copy
 
 from gcm_learn.evaluation import (
-    DELAYS,
     Interval,
     Results,
-    charged_curve,
     log_of,
     measured,
     pairs,
@@ -47,7 +43,6 @@ MOVES = (
     ("least clearance", "[forearms]"),
     ("fastest joint", "[rad/s]"),
 )
-BESIDE = 1.6  # [pt] between curves that coincide
 FULL_TOUCH = 50.0  # share of touches that has the darkest colour [%]
 Colour = tuple[float, float, float]
 
@@ -72,7 +67,7 @@ def reachable(results: Results) -> Results:
     return results.where(results["stratum"] != "U")
 
 
-def _chart(ax: Axes, heading: str, label: str, grid: str = "") -> None:
+def chart(ax: Axes, heading: str, label: str, grid: str = "") -> None:
     """Head a chart, name its x axis, and draw lines across the axis `grid`."""
     style.title(ax, heading)
     style.plain(ax)
@@ -97,7 +92,7 @@ def _span(ax: Axes, row: float, share: Interval, colour: Colour) -> None:
     ax.plot(100 * share.value, row, "o", color=colour, ms=5)
 
 
-def _legend_beside(figure: Figure, ax: Axes) -> None:
+def legend_beside(figure: Figure, ax: Axes) -> None:
     """A legend of a panel's lines, right of all panels."""
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", fontsize=style.SMALL, frameon=False)
@@ -114,7 +109,7 @@ def rates_figure(results: Results) -> Figure:
             _span(ax, row, m.caught, colour_of(results, name))
             if m.collisions.value > 0.0:
                 ax.plot(100 * m.collisions.value, row, "x", color=style.EFFECTIVE, ms=5)
-        _chart(ax, f"{NAMES[stratum]} ({m.count})", "caught [%]  (× touched)", "x")
+        chart(ax, f"{NAMES[stratum]} ({m.count})", "caught [%]  (× touched)", "x")
         ax.set_xlim(-2, 102)
     return figure
 
@@ -132,7 +127,7 @@ def outcomes_figure(results: Results) -> Figure:
             for share, (_, colour) in zip(shares, OUTCOMES, strict=True):
                 ax.barh(row, 100 * share, left=left, color=colour, height=0.75, lw=0)
                 left += 100 * share
-        _chart(ax, f"{NAMES[stratum]} ({m.count})", "situations [%]")
+        chart(ax, f"{NAMES[stratum]} ({m.count})", "situations [%]")
         ax.set_xlim(0, 100)
     faulty = np.isin(results["outcome"].astype(str), tuple(style.FAULTS)).any()
     listed = OUTCOMES if faulty else OUTCOMES[: -len(style.FAULTS)]
@@ -158,7 +153,7 @@ def moves_figure(results: Results) -> Figure:
                 ax.plot([early, late], [row, row], color=colour, lw=4, alpha=0.6)
                 ax.plot(middle, row, "o", color=colour, ms=5)
     for ax, (heading, unit) in zip(panels, MOVES, strict=True):
-        _chart(ax, heading, unit, "x")
+        chart(ax, heading, unit, "x")
     for ax in (panels[0], panels[4]):
         ax.set_xscale("log")
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
@@ -189,51 +184,7 @@ def pairs_figure(results: Results, reference: str) -> Figure:
         ax.axvline(0.0, color=style.INK, lw=0.8)
         for row, pair in enumerate(reversed(pairs(of_stratum(results, stratum), reference))):
             _span(ax, row, pair.difference, colour_of(results, pair.first))
-        _chart(ax, NAMES[stratum], f"points against {reference}", "x")
-    return figure
-
-
-def charged_strata(results: Results) -> list[str]:
-    """Situations that can be caught and in which thinking was charged."""
-    names = results.methods
-    return [
-        s
-        for s in catchable_strata(results)
-        if any(charged_curve(of_stratum(results, s), n) for n in names)
-    ]
-
-
-def charged_figure(results: Results) -> Figure | None:
-    """Catches over charged time by stratum; None if that was not measured.
-
-    Curves that coincide are drawn side by side, a line's width apart.
-    """
-    strata, names = charged_strata(results), results.methods
-    if not strata:
-        return None
-    figure = style.new_figure(1.6 + 3.2 * len(strata), max(3.2, 0.5 + 0.2 * len(names)))
-    panels = figure.subplots(1, len(strata), sharey=True, squeeze=False)[0]
-    for ax, stratum in zip(panels, strata, strict=True):
-        part, drawn = of_stratum(results, stratum), Counter[tuple[float, ...]]()
-        for name in names:
-            curve = charged_curve(part, name)
-            if not curve:
-                continue
-            shares = [100 * point.value for point in curve]
-            colour, m = colour_of(results, name), measured(part, name)
-            beside = BESIDE * drawn[tuple(shares)] * (-1 if np.mean(shares) > 50 else 1)
-            drawn[tuple(shares)] += 1
-            aside = offset_copy(ax.transData, figure, 0.0, beside, "points")
-            ax.plot(1e3 * np.array(DELAYS), shares, lw=BESIDE, color=colour, label=name,
-                    transform=aside)  # fmt: skip
-            if m.own is not None:
-                ax.plot(min(m.latency, 1e3 * DELAYS[-1]), 100 * m.own.value, "*", color=colour,
-                        ms=8, mec="white", mew=0.6, zorder=5, transform=aside)  # fmt: skip
-        _chart(ax, NAMES[stratum], "thinking [ms]", "y")
-        ax.set_xlim(-50 * DELAYS[-1], 1050 * DELAYS[-1])  # shifted curves count for no limits
-        ax.set_ylim(-2, 104)
-    panels[0].set_ylabel("caught [%]", fontsize=style.SMALL)
-    _legend_beside(figure, panels[-1])
+        chart(ax, NAMES[stratum], f"points against {reference}", "x")
     return figure
 
 
@@ -280,10 +231,10 @@ def noise_figure(noise: Results) -> Figure:
             ax.plot(across, [100 * b.caught.value for b in points], "o-", ms=3, color=colour,
                     label=habit)  # fmt: skip
             ax.plot(across, [100 * b.collisions for b in points], "--", lw=1, color=colour)
-        _chart(ax, name, "error [forearms]", "y")
+        chart(ax, name, "error [forearms]", "y")
         ax.set_ylim(-2, 104)
     panels[0].set_ylabel("caught, touched (dashed) [%]", fontsize=style.SMALL)
-    _legend_beside(figure, panels[0])
+    legend_beside(figure, panels[0])
     return figure
 
 
@@ -326,7 +277,7 @@ def _draw_course(
             name.partition("@")[0], (curve[-1, 0], 100 * curve[-1, 1]), xytext=(5, 0),
             textcoords="offset points", fontsize=style.SMALL, color=colour, va="center",
         )  # fmt: skip
-    _chart(ax, heading, across)
+    chart(ax, heading, across)
     ax.set_ylim(0, 102)
     ax.margins(x=0.14)
     ax.set_ylabel(unit, fontsize=style.SMALL)

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gcm_learn.arms import elbow_position
 from gcm_learn.evaluation import collision_point
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_space import (
@@ -19,11 +18,11 @@ from gcm_learn.plots.figures.hand_space import (
     show_image,
 )
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored, plot_map, plot_plan
+from gcm_learn.plots.figures.plane_film import Film, PlaneFilm, film_of
 from gcm_learn.plots.figures.sheets import sheet_panels
 from gcm_learn.plots.figures.solid_scene import draw_scene
 from gcm_learn.plots.figures.style import Panel, Scene
 from gcm_learn.plots.figures.workspace import (
-    draw_arm,
     draw_bodies,
     draw_courses,
     draw_movement,
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
 PANEL, MARGIN = 4.0, 0.6  # [inches] of a panel, and below all panels
 LATER = 0.3  # strength of bodies at the end of a movement
 BEFORE = 0.25  # strength of bodies at t = 0
+DASHED, DOTTED = (0, (2, 1.5)), (0, (1, 1.5))  # paths of hands
 COARSE = 240  # cells a side of the drawn extended obstacles
 
 
@@ -140,20 +140,29 @@ class Diagram:
 
     def scenes(self, panels: Sequence[Axes], pixels: int) -> tuple[Scene, Scene]:
         """Return functions that draw work-space and hand-space at a time [s]."""
-        for ax, name in zip(panels, ("work-space", "hand-space"), strict=True):
-            style.frame(ax, self.situation.arm.upper_arm)
-            style.title(ax, name)
-        return self._work_space, self._hand_space
+        work, hands = panels
+        end = self.situation.horizon if self.trajectory is None else self.trajectory.duration
+        style.frame(hands, self.situation.arm.upper_arm)
+        style.title(hands, "hand-space")
+        film = film_of(self.situation, end)
+        film.frame(work)
+        style.title(work, "work-space")
 
-    def _work_space(self, ax: Axes, t: float, turn: float) -> None:
-        note = f"t = {t:.2f} s"
-        if self.trajectory is not None:
-            note += ", waiting" if waiting_at(self.trajectory, t) else ""
-            past = self.trajectory.hand[self.trajectory.time <= t]
-            ax.plot(*past.T, color=style.PATH, lw=1.6, ls=(0, (2, 1.5)), zorder=4)
-        draw_bodies(ax, self.situation, t)
-        draw_arm(ax, self.situation.arm, self._hand_at(t))
-        style.note_in_corner(ax, note)
+        def show(ax: Axes, t: float, turn: float) -> None:
+            film.show(ax, t, self._hand_at(t), pixels)
+            ax.plot(*film.seen(self._past(t)).T, color=style.PATH, lw=1.6, ls=DASHED, zorder=4)
+            style.note_in_corner(ax, self._moment(t))
+
+        return show, self._hand_space
+
+    def _past(self, t: float) -> np.ndarray:
+        """Return the hand's path (k, 2) until time t [s]."""
+        moves = self.trajectory
+        return np.empty((0, 2)) if moves is None else moves.hand[moves.time <= t]
+
+    def _moment(self, t: float) -> str:
+        waits = self.trajectory is not None and waiting_at(self.trajectory, t)
+        return f"t = {t:.2f} s" + (", waiting" if waits else "")
 
     def _hand_space(self, ax: Axes, t: float, turn: float) -> None:
         assert self.plan is not None
@@ -200,38 +209,35 @@ class MissedDiagram:
         self.situation, self.movement, self.example = situation, movement, example
         self.touches = touches and movement is not None
         self.resting_until = situation.horizon
+        self._film: Film | None = None
 
     def show_end(self, ax: Axes, t: float, pixels: int) -> None:
         """Draw time t [s], and where bodies come from."""
         style.frame(ax, self.situation.arm.upper_arm)
         draw_bodies(ax, self.situation, 0.0, alpha=BEFORE)
         draw_courses(ax, self.situation, t)
-        self._draw(ax, t, t)
+        self._draw(ax, PlaneFilm(self.situation, t), t, pixels)
 
     def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
         """Draw time t [s] of a film until `end` [s]."""
-        style.frame(ax, self.situation.arm.upper_arm)
-        self._draw(ax, t, end)
+        if self._film is None:
+            self._film = film_of(self.situation, end)
+        self._film.frame(ax)
+        self._draw(ax, self._film, t, pixels)
 
-    def _draw(self, ax: Axes, t: float, end: float) -> None:
-        arm, moves = self.situation.arm, self.movement
-        draw_bodies(ax, self.situation, t)
-        self._draw_example(ax, t)
-        hand = np.asarray(arm.hand) if moves is None else moves.hand_at(t)
-        if moves is not None:
-            ax.plot(*np.vstack([moves.hand[moves.time <= t], hand]).T, color=style.PATH, lw=1.4)
-        draw_arm(ax, arm, hand)
-        if t >= end and self.touches and moves is not None:
-            point = collision_point(self.situation, moves)
-            ax.plot(*point, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)
-
-    def _draw_example(self, ax: Axes, t: float) -> None:
-        """Draw the path of a method that catches, in grey, and its arm up to the catch."""
-        arm, example = self.situation.arm, self.example
-        if example is None:
+    def _draw(self, ax: Axes, film: Film, t: float, pixels: int) -> None:
+        """Draw time t [s], with the path of a method that catches in grey."""
+        moves, example = self.movement, self.example
+        hand = np.asarray(self.situation.arm.hand) if moves is None else moves.hand_at(t)
+        other = None if example is None or t > example.duration else example.hand_at(t)
+        film.show(ax, t, hand, pixels, other)
+        if example is not None:
+            ax.plot(*film.seen(example.hand).T, color=style.FAINT, lw=1.4, ls=DOTTED, zorder=3)
+        if moves is None:
             return
-        ax.plot(*example.hand.T, color=style.FAINT, lw=1.4, ls=(0, (1, 1.5)), zorder=3)
-        if t <= example.duration:
-            hand = example.hand_at(t)
-            limb = np.array([(0.0, 0.0), elbow_position(hand, arm.upper_arm, arm.elbow), hand])
-            ax.plot(*limb.T, "o-", color=style.FAINT, lw=3.0, ms=6.0, alpha=0.7, zorder=5.5)
+        past = np.vstack([moves.hand[moves.time <= t], hand])
+        ax.plot(*film.seen(past).T, color=style.PATH, lw=1.4, zorder=4)
+        if t >= film.end and self.touches:
+            point = np.asarray(collision_point(self.situation, moves))
+            (place,) = film.seen(point[None])
+            ax.plot(*place, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from gcm_learn.execution import Execution, PhysicalPlant
 
 WIDTH, HEIGHT = 6.6, 3.95  # [inches] of a film
-WIDER = 1.25  # times what shows the arm: targets are seen to come and go
+WIDER = 1.25  # times what shows the arm and its target: it is seen to go
 STOP = 8  # frames for which a film stands still at the catch or the contact
 MET, HIT = style.GOOD, style.EFFECTIVE  # marks of a catch and of a contact
 JOINT_NAMES = ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")
@@ -132,7 +132,7 @@ class Replay(Scenery):
         if t > 0.0:
             times = np.linspace(0.0, t, SAMPLES)
             things += tube_faces(self.moves.hand_at(times), times / self.end, LINE * arm.reach)
-            for way in np.swapaxes(self.places(times), 0, 1):
+            for way in self.places(times):
                 things += tube_faces(way, times / self.end, 0.8 * LINE * arm.reach, dashed=True)
         return things
 
@@ -148,8 +148,8 @@ class Replay(Scenery):
         )  # fmt: skip
 
     def places(self, times: np.ndarray) -> np.ndarray:
-        """Centres (k, m, 3) of the targets in the simulation, in the world."""
-        return logged_targets(self.situation, self.plant, self.step, times)[0]
+        """Return the centres (m, k, 3) of the targets in the simulation, in the world."""
+        return np.swapaxes(logged_targets(self.situation, self.plant, self.step, times)[0], 0, 1)
 
     def _targets(self, t: float) -> Iterator[Faces]:
         targets = [body for body in self.situation.bodies if body.role == "target"]
@@ -279,8 +279,8 @@ def _draw_ways(ax: Axes, replay: Replay, end: float) -> None:
         (plan.hand_at(times), style.FAINT, 6.0, "-", "hand, planned"),
         (replay.moves.hand_at(times), style.ARM, 1.8, "-", "hand"),
         (replay.moves.hand_at(after), style.ARM, 1.8, ":", "hand, braking"),
-        (replay.places(times)[:, 0], style.TARGET, 1.8, "-", "ball"),
-        (replay.places(after)[:, 0], style.TARGET, 1.8, ":", "ball, afterwards"),
+        (replay.places(times)[0], style.TARGET, 1.8, "-", "ball"),
+        (replay.places(after)[0], style.TARGET, 1.8, ":", "ball, afterwards"),
     ):
         seen = replay.view.see(points)[:, :2]
         ax.plot(*seen.T, color=colour, lw=width, ls=dash, label=label, solid_capstyle="round")

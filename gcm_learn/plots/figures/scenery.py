@@ -6,6 +6,8 @@ they hide.  Paths are coloured by time; places of one colour belong to one time.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +16,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Circle, Patch
 
+from gcm_learn.arms import hands_along
 from gcm_learn.plots.figures import style
 from gcm_learn.rendering import (
     APPROACH,
+    AWAY,
     HAND,
     PIXELS,
     SAMPLES,
@@ -27,17 +31,20 @@ from gcm_learn.rendering import (
     Camera,
     Faces,
     JointSituation,
+    TargetWay,
     Window,
     arm_faces,
     body_colour,
     body_faces,
     body_poses,
-    box_of,
     centred,
+    drawn_scale,
     floor_of,
     limb_along,
     path_faces,
     staged,
+    target_paths,
+    target_way,
     turned_view,
     view_of,
     window_of,
@@ -49,6 +56,12 @@ if TYPE_CHECKING:
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", TIME, N=SHADES)
 GHOSTS = 4  # instants at which the arm is drawn, the last one being the catch
 PALEST = 0.15  # alpha of the earliest
+RIM = 0.6  # alpha of the rims of targets
+SEEN = 0.02  # of half a film's picture: radius of the smallest target
+HELD = 6  # instants of a movement that a film's picture has to hold
+WHOLE = 1.8  # [reaches] from the base: obstacles up to there are whole in a film
+MARGIN = 0.05  # [reaches] about what a film's picture holds
+EYES = 2.0  # distance of a film's eye, in that of the farthest target
 
 
 def draw_start(
@@ -99,7 +112,10 @@ def draw_courses(ax: Axes, situation: JointSituation, end: float, view: Camera) 
 
 
 class Scenery:
-    """An arm among solids as seen by a camera, in the same picture at every instant.
+    """An arm among solids as seen by a camera that stays.
+
+    The picture is the same at every instant, unless a target comes from far away: then it is
+    larger until the target is near.
 
     Parameters
     ----------
@@ -108,9 +124,10 @@ class Scenery:
     trajectory : Movement, optional
         Without one the arm rests.
     view : Camera, optional
-        By default `view_of` them.  The camera is moved so that the picture holds everything.
+        By default `view_of` them.  The camera is moved so that the picture holds the arm, the way
+        of the target that is met, and obstacles near the arm.
     turns : bool
-        The picture holds everything while the camera turns, too.
+        The picture holds all this while the camera turns, too.
     """
 
     def __init__(
@@ -122,17 +139,43 @@ class Scenery:
         turns: bool = False,
     ) -> None:
         self.situation, self.trajectory = situation, trajectory
-        self.view = view or view_of(situation, trajectory)
         self.end = situation.horizon if trajectory is None else trajectory.duration
-        things = [thing for t in np.linspace(0.0, self.end, 4) for thing in self.at(t)]
-        self.view = centred(situation, self.view, things)
+        self.way = self._way()
+        held = [part for t in np.linspace(0.0, self.end, HELD) for part in self._held(t)]
+        held.append(self.way.faces(self.way.near))
+        seen = centred(situation, view or view_of(situation, trajectory), held)
+        far = float(np.linalg.norm(self.way.corners - seen.centre, axis=-1).max())
+        self.view = replace(seen, distance=max(seen.distance, EYES * far))
         views = [turned_view(self.view, turn) for turn in range(0, 360, 30 if turns else 360)]
-        half = max(window_of(situation, view, things).reach for view in views)
+        half = max(window_of(situation, view, held).reach for view in views)
         self.window = Window(np.zeros(2), half)
-        self.floor = floor_of(situation, things)
-        self.box = np.stack(box_of(situation, things), axis=1)
-        self.box[2, 0] = self.floor
+        self.floor = floor_of(situation, [*held, self.way.faces()])
+        self.held = held
         self._drawn: tuple[float, float, int, np.ndarray] = (-1.0, 0.0, 0, np.empty(0))
+
+    def places(self, times: np.ndarray) -> np.ndarray:
+        """Return the centres (m, k, 3) of the targets at times (k,) [s], in the world."""
+        return target_paths(self.situation, times)
+
+    def _way(self) -> TargetWay:
+        """Return the way of the target to which the hand comes nearest."""
+        times, arm = np.linspace(0.0, self.end, SAMPLES), self.situation.arm
+        moves = self.trajectory
+        hands = hands_along(arm, arm.joints)[0] if moves is None else moves.hand_at(times)
+        return target_way(self.situation, times, self.places(times), hands)
+
+    def _held(self, t: float) -> Iterator[Faces]:
+        """Yield what the picture holds of time t [s]: things near the arm, obstacles whole."""
+        arm = self.situation.arm
+        base = np.asarray(arm.base.origin)
+        for thing in self.at(t):
+            away = np.linalg.norm(thing.corners - base, axis=2) / arm.reach
+            yield thing._replace(kept=bool(away.min() < AWAY and away.max() < WHOLE))
+
+    def window_at(self, t: float) -> Window:
+        """Return the part of the picture at time t [s], larger while the target is far away."""
+        ahead = self.way.reach_seen(self.view, t) + MARGIN * self.situation.arm.reach
+        return Window(self.window.middle, max(self.window.half, ahead))
 
     def at(self, t: float) -> list[Faces]:
         """Return everything at time t [s], with the paths of hand and target until then."""
@@ -148,15 +191,28 @@ class Scenery:
         """Draw the bodies at time t [s], and the arm as it was at t = 0."""
         arm = self.situation.arm
         things = [*body_faces(self.situation, t), *arm_faces(arm, arm.joints)]
-        show_image(ax, staged(self.view, self.window, self.floor, things), self.window)
+        window = self.window_at(t)
+        show_image(ax, staged(self.view, window, self.floor, things), window)
 
     def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = PIXELS) -> None:
         """Draw time t [s], from a camera that is turned about the vertical [degrees]."""
         if self._drawn[:3] != (t, turn, pixels):
             view, things = turned_view(self.view, turn), self.at(t)
-            image = staged(view, self.window, self.floor, things, pixels)
+            image = staged(view, self.window_at(t), self.floor, things, pixels)
             self._drawn = (t, turn, pixels, image)
-        show_image(ax, self._drawn[3], self.window)
+        show_image(ax, self._drawn[3], self.window_at(t))
+        self._show_targets(ax, t, turn)
+
+    def _show_targets(self, ax: Axes, t: float, turn: float) -> None:
+        """Draw the rims of the targets over what hides them; far ones as discs."""
+        view, smallest = turned_view(self.view, turn), SEEN * self.window_at(t).half
+        for body, place in zip(self.situation.targets, self.places(np.array([t])), strict=True):
+            radius = drawn_scale(self.situation, body) * body.shape.bounding_radius
+            (x, y, _), (side, _, _) = view.see(place[0] + np.outer((0.0, radius), view.right))
+            far = side - x < smallest
+            disc = Circle((x, y), max(side - x, smallest), fill=far, color=style.TARGET, lw=0.8)
+            disc.set(alpha=1.0 if far else RIM, zorder=3)
+            ax.add_patch(disc)
 
 
 def draw_poses(

@@ -11,6 +11,7 @@ from gcm_learn.arms import elbow_position
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.scenery import show_image
 from gcm_learn.rendering import (
+    AWAY,
     EYE,
     HAND,
     Camera,
@@ -33,6 +34,8 @@ GLASS = ("#8fbc9a", "#84b290")  # green, as in Fig. 4; tiles show how the plane 
 GLASS_ALPHA = 0.38
 RINGS, SECTORS = 8, 48  # tiles of the glass
 BONE = 0.055  # [forearms] radius of the drawn bones
+HELD = 9  # instants of a film that its picture has to hold
+MARGIN, UNDER = 0.1, 0.05  # [forearms] about what a film shows, and from it down to the floor
 AZIMUTH, ELEVATION = -40.0, 20.0  # [degrees] of the eye, from the normal of the arm's plane
 
 
@@ -59,7 +62,60 @@ def scene_window(
     things = [thing for t in times for thing in scene_faces(situation, t)]
     seen = np.concatenate([view.see(thing.corners).reshape(-1, 3) for thing in things])[:, :2]
     low, high = seen.min(axis=0), np.minimum(seen.max(axis=0), (np.inf, HEADROOM))
-    return Window(0.5 * (low + high), 0.5 * float((high - low).max()) + 0.1)
+    return Window(0.5 * (low + high), 0.5 * float((high - low).max()) + MARGIN)
+
+
+class SolidFilm:
+    """A solid scene before a camera that holds the whole way of its targets.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a plane.
+    end : float
+        Of the film [s].
+    """
+
+    def __init__(self, situation: Situation, end: float) -> None:
+        self.situation, self.end = situation, end
+        self.view = camera(_plane_of(situation))
+        things = [thing for t in np.linspace(0.0, end, HELD) for thing in self._held(t)]
+        corners = np.concatenate([thing.corners.reshape(-1, 3) for thing in things])
+        seen = self.view.see(corners)[:, :2]
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        half = 0.5 * float((high - low).max()) + MARGIN
+        self.window = Window(0.5 * (low + high), half)
+        self.floor = float(corners[:, 2].min()) - UNDER
+
+    def _held(self, t: float) -> list[Faces]:
+        """Return what the picture holds of time t [s]: targets, the arm's plane, what is near."""
+        situation = self.situation
+        plane, reach = _plane_of(situation), situation.arm.reach
+        held = [_glass(plane, reach)]
+        for index, body in enumerate(situation.bodies):
+            if (solid := _solid(situation, index, t)) is not None:
+                away = np.linalg.norm(solid.corners - plane.origin, axis=2).max(axis=1)
+                near = (away < AWAY * reach) | (body.role == "target")
+                held.append(solid._replace(corners=solid.corners[near]))
+        return held
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        """Return points (k, 2) of the arm's plane as they are in the picture."""
+        return self.view.see(to_world(_plane_of(self.situation), points))[:, :2]
+
+    def frame(self, ax: Axes) -> None:
+        """Frame the picture."""
+        style.view_frame(ax, self.window.extent)
+
+    def show(
+        self, ax: Axes, t: float, hand: np.ndarray, pixels: int, other: np.ndarray | None = None
+    ) -> None:
+        """Draw time t [s] with the hand (2,), and an arm with another hand in grey."""
+        things = scene_faces(self.situation, t, hand)
+        if other is not None:
+            grey = rgb(style.FAINT)
+            things += [part._replace(colours=grey) for part in limb_in_plane(self.situation, other)]
+        show_image(ax, staged(self.view, self.window, self.floor, things, pixels), self.window)
 
 
 def draw_scene(
@@ -95,7 +151,7 @@ def draw_scene(
     view = camera(_plane_of(situation))
     window = window or scene_window(situation, [t], view)
     things = scene_faces(situation, t, hand)
-    floor = min(float(thing.corners[..., 2].min()) for thing in things) - 0.05
+    floor = min(float(thing.corners[..., 2].min()) for thing in things) - UNDER
     show_image(ax, staged(view, window, floor, things), window)
     return ax
 
@@ -104,19 +160,32 @@ def scene_faces(
     situation: Situation, t: float, hand: np.ndarray | tuple[float, float] | None = None
 ) -> list[Faces]:
     """Solids, the glass of the arm's plane and the arm at time t [s], in the world."""
-    plane, arm = _plane_of(situation), situation.arm
-    axes, things = np.array([plane.x, plane.y, plane.normal]), [_glass(plane, arm.reach)]
-    for index, body in enumerate(situation.bodies):
-        if not isinstance(body.shape, PLANAR):
-            centre, rotation = pose(situation, index, t)
-            turn = axes.T @ rotation
-            place = to_world(plane, centre)
-            things.append(placed(body.shape, place, turn, rgb(body_colour(body))))
-    end = np.asarray(arm.hand if hand is None else hand, dtype=float)
+    arm = situation.arm
+    solids = [_solid(situation, index, t) for index in range(len(situation.bodies))]
+    things = [
+        _glass(_plane_of(situation), arm.reach),
+        *(solid for solid in solids if solid is not None),
+    ]
+    return things + limb_in_plane(situation, arm.hand if hand is None else hand)
+
+
+def limb_in_plane(situation: Situation, hand: np.ndarray | tuple[float, float]) -> list[Faces]:
+    """Return the arm with its hand (2,) in arm-plane coordinates, in the world."""
+    arm, end = situation.arm, np.asarray(hand, dtype=float)
     elbow = elbow_position(end, arm.upper_arm, arm.elbow)
-    joints = to_world(plane, np.array([np.zeros(2), elbow, end]))
+    joints = to_world(_plane_of(situation), np.array([np.zeros(2), elbow, end]))
     ends = np.array([[joints[:2], joints[1:]]])
-    return things + limb_faces(Limb(ends, np.full(2, BONE), joints[2:], joints[0]))
+    return limb_faces(Limb(ends, np.full(2, BONE), joints[2:], joints[0]))
+
+
+def _solid(situation: Situation, index: int, t: float) -> Faces | None:
+    """Return a body as it is at time t [s], in the world, if it has a thickness."""
+    body, plane = situation.bodies[index], _plane_of(situation)
+    if isinstance(body.shape, PLANAR):
+        return None
+    centre, rotation = pose(situation, index, t)
+    turn = np.array([plane.x, plane.y, plane.normal]).T @ rotation
+    return placed(body.shape, to_world(plane, centre), turn, rgb(body_colour(body)))
 
 
 def draw_course(ax: Axes, situation: Situation, index: int, end: float) -> None:

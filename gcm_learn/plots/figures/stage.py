@@ -31,6 +31,7 @@ from gcm_learn.rendering import (
     Camera,
     Faces,
     JointSituation,
+    Window,
     arm_faces,
     body_faces,
     from_above,
@@ -156,7 +157,7 @@ class Stage:
 
 
 class MissedStage:
-    """A missed catch, in the same picture at every instant: the arm at rest.
+    """A missed catch: the arm at rest.
 
     Parameters
     ----------
@@ -191,17 +192,18 @@ class MissedStage:
 
     def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
         """Draw time t [s] of a film until `end` [s]."""
-        show_image(ax, self._image(self._at(t), pixels), self.scenery.window)
+        window = self.scenery.window_at(t)
+        show_image(ax, self._image(self._at(t), pixels, window), window)
 
     def show_end(self, ax: Axes, t: float, pixels: int) -> None:
         """Draw time t [s], and where bodies come from."""
         before = list(body_faces(self.situation, 0.0, BEFORE))
-        show_image(ax, self._image([*before, *self._at(t)], pixels), self.scenery.window)
+        window = self.scenery.window
+        show_image(ax, self._image([*before, *self._at(t)], pixels, window), window)
         draw_courses(ax, self.situation, t, self.scenery.view)
 
-    def _image(self, things: list[Faces], pixels: int) -> np.ndarray:
-        stage = self.scenery
-        return staged(stage.view, stage.window, stage.floor, things, pixels)
+    def _image(self, things: list[Faces], pixels: int, window: Window) -> np.ndarray:
+        return staged(self.scenery.view, window, self.scenery.floor, things, pixels)
 
     def _at(self, t: float) -> list[Faces]:
         arm, example, grey = self.situation.arm, self.example, np.array(to_rgb(style.FAINT))

@@ -111,7 +111,7 @@ def frame(ax: Axes, upper_arm: float = 1.0, *, annulus: bool = False) -> Axes:
     return ax
 
 
-def view_frame(ax: Axes, extent: tuple[float, float, float, float], name: str) -> None:
+def view_frame(ax: Axes, extent: tuple[float, float, float, float], name: str = "") -> None:
     """Turn axes into a view of an extent (left, right, bottom, top) in a film, with a title."""
     left, right, bottom, top = extent
     ax.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))

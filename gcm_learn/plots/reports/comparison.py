@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gcm_learn.evaluation import Entry, Results, compare, draw_suite, suite_file, verdict, who
+from gcm_learn.plots.figures import charged
 from gcm_learn.plots.figures import comparison as figures
 from gcm_learn.plots.figures.failures import FILM, failure_film, failures_figure, failures_of
 from gcm_learn.plots.reports import tables
@@ -85,10 +86,11 @@ def _best(results: Results) -> str:
     return max(rates, key=lambda name: rates[name])
 
 
-def _kept(out: Path, name: str, figure: Figure, reference: str = "") -> Picture:
-    """Write a figure, and put it into the page with the caption of its name."""
-    caption = WORDS["captions"][name].format(reference=reference)
-    return picture_of(figure, out / f"{name}.png", caption, embed=True)
+def _kept(out: Path, name: str, figure: Figure, about: str = "", *, number: int = 0) -> Picture:
+    """Write a figure, or one of many, and put it into the page with the caption of its name."""
+    caption = WORDS["captions"][name].format(about=about)
+    file = f"{name}-{number}.png" if number else f"{name}.png"
+    return picture_of(figure, out / file, caption, embed=True)
 
 
 def _lead(results: Results) -> list[str]:
@@ -144,18 +146,22 @@ def _paired(results: Results, reference: str, out: Path) -> Section:
 
 
 def _thinking(results: Results, out: Path) -> list[Section]:
-    """Charged thinking, if it was measured."""
-    figure = figures.charged_figure(results)
-    if figure is None:
+    """Charged thinking, if it was measured: a chart, or a chart for each of many methods."""
+    drawn = charged.charged_figures(results)
+    if not drawn:
         return []
-    strata = figures.charged_strata(results)
+    strata = charged.charged_strata(results)
     folded = [
         tables.charged_table(figures.of_stratum(results, s), f"{s}: {tables.STRATA[s]}")
         for s in (strata if len(strata) > 1 else ())
     ]
     listed = [tables.charged_table(figures.reachable(results)), *folded]
-    told = {"strata": ", ".join(strata)}
-    return [section(WORDS, "thinking", listed, [_kept(out, "charged", figure)], told=told)]
+    pictures = [_kept(out, "charged", drawn[0])] if len(drawn) == 1 else [
+        _kept(out, "charged-many", figure, figure.axes[0].get_title(), number=k)
+        for k, figure in enumerate(drawn, 1)
+    ]  # fmt: skip
+    told = {"strata": ", ".join(strata), "many": WORDS["many"] if len(drawn) > 1 else ""}
+    return [section(WORDS, "thinking", listed, pictures, told=told)]
 
 
 def _under_noise(noise: Results | None, out: Path) -> list[Section]:

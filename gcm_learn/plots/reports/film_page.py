@@ -18,13 +18,16 @@ from gcm_learn.plots.reports.page import fill
 from gcm_learn.rendering import (
     APPROACH,
     JointSituation,
+    TargetWay,
     approach_corners,
     balls_of,
     body_colour,
     body_poses,
     bone_pose,
+    box_of,
     drawn_scale,
     faces,
+    floor_of,
     ground_of,
     has_edges,
     limb_along,
@@ -40,7 +43,8 @@ FRAMES = 41
 DIGITS = 4  # of numbers on the page, after the first of the reach
 SKIN = 40  # cells a side of which the surface of effective obstacles is made
 GROUND = "#dde3ea"
-EYE = 1.6  # distance of plotly's camera, in its own unit
+SIGHT = np.pi / 4  # angle of view of plotly's camera
+SPARE = 1.04  # times the distance from which all is just in the picture
 KEY = tuple(entry for entry in style.KEY if entry[1] in ("arm", "obstacle", "target"))
 APPROACHED = ((APPROACH, "approach of a target"),)
 IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
@@ -106,11 +110,14 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``times`` (k,) [s]; ``solids``; ``ways``; ``box`` (3, 2) of the shown world; ``eye``;
-        ``hands``, the contents of hand-space alone, None where there is no map of it.
+        ``times`` (k,) [s], ``solids``, ``ways``, ``box`` (3, 2) of the shown world, ``zoom`` (k,),
+        ``eye`` in units of the box's longest side, and ``hands``.
 
     Notes
     -----
+    The zoom is the factor by which the box is larger while a target is far away.  The page shows
+    ``hands`` in hand-space alone; they are None without a map.
+
     A solid has corners (n, 3), triangles (m, 3), centre (k, 3) and turn (k, 9), row by row.  Its
     ``hands`` says that it is seen in hand-space, too.
     """
@@ -118,15 +125,41 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
     times = np.linspace(0.0, situation.horizon if moves is None else moves.duration, FRAMES)
     solids = [*_bodies(situation, times), *_limb(situation, moves, times)]
     scenery = Scenery(situation, moves)
+    box = np.stack(box_of(situation, scenery.held), axis=1)
+    box[2, 0] = floor_of(situation, scenery.held)
     return {
         "times": _short(times),
         "solids": solids,
         "ways": [] if moves is None else list(_ways(situation, moves)),
-        "box": scenery.box.tolist(),
-        "eye": dict(zip("xyz", (EYE * scenery.view.nearer).tolist(), strict=True)),
+        "box": box.tolist(),
+        "zoom": _short(_zoom(scenery.way, times, box)),
+        "eye": dict(zip("xyz", _eye(scenery, box).tolist(), strict=True)),
         "ending": ": caught" if plan.caught else "",
-        "hands": _hands(situation, plan.map, times, scenery.box),
+        "hands": _hands(situation, plan.map, times, box),
     }
+
+
+def _zoom(way: TargetWay, times: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Return factors (k,) by which a box (3, 2) holds the target's way from times (k,) on."""
+    corners = way.corners.reshape(len(way.times), -1, 3)
+    away = np.abs(corners - box.mean(axis=1)) / (0.5 * np.ptp(box, axis=1))
+    largest = np.maximum.accumulate(away.max(axis=(1, 2))[::-1])[::-1]
+    ahead = np.searchsorted(way.times, times, side="right") - 1
+    factors: np.ndarray = np.maximum(1.0, largest[ahead])
+    return factors
+
+
+def _eye(scenery: Scenery, box: np.ndarray) -> np.ndarray:
+    """Return the place (3,) of plotly's eye from which all that is held is in the picture.
+
+    Its unit is the longest side of the box (3, 2), in whose middle it looks.
+    """
+    points = np.concatenate([thing.corners.reshape(-1, 3) for thing in scenery.held])
+    inside = points[((points >= box[:, 0]) & (points <= box[:, 1])).all(axis=1)]
+    away = scenery.view.turned(inside - box.mean(axis=1)) / np.ptp(box, axis=1).max()
+    needed = away[:, 2] + np.abs(away[:, :2]).max(axis=1) / np.tan(0.5 * SIGHT)
+    eye: np.ndarray = SPARE * needed.max() * scenery.view.nearer
+    return eye
 
 
 def _bodies(situation: JointSituation, times: np.ndarray) -> list[dict[str, Any]]:

@@ -31,7 +31,7 @@ ENGINE = "gcm"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
 INSTANTS = (0.2, 0.45, 0.7)  # of it: the wave's snapshots; the contact follows
 BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
-FRAMES, VIEWS = 24, 8
+FRAMES, BODY_FRAMES, VIEWS = 24, 18, 6
 WORD = "#b7791f"  # darker than what it names, to be readable
 DPI = 140
 
@@ -66,7 +66,7 @@ def write_solid_gallery(folder: Path) -> list[Path]:
     scene = SPATIAL_SCENES["fig8-space"]()
     swung = with_motor_limits(scene, body_for(scene.arm))
     done = execute(solve(swung, "layered"), swung)
-    animate_execution(swung, done, out[-1], frames=FRAMES, views=VIEWS)
+    animate_execution(swung, done, out[-1], frames=BODY_FRAMES, views=VIEWS)
     return out
 
 

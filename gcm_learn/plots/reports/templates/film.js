@@ -55,14 +55,23 @@ const axis = (range) => ({
   range, title: { text: "" }, showspikes: false, gridcolor: "#e2e8f0", zeroline: false,
   backgroundcolor: "#f4f6f9", showbackground: false, tickfont: { size: 10, color: "#a0aec0" },
 });
+// The eye is farther away where the picture is higher than wide; the box keeps its middle.
+const byAxis = (values) => Object.fromEntries(values.map((value, m) => ["xyz"[m], value]));
+function aspect(box) {
+  const sides = box.map(([a, b]) => b - a), longest = Math.max(...sides);
+  return byAxis(sides.map((side) => side / longest));
+}
+const further = Math.max(1, scene.clientHeight / scene.clientWidth);
+const eye = byAxis(["x", "y", "z"].map((m) => further * data.eye[m]));
+const larger = (box, f) => box.map(([a, b]) => [(a + b - f * (b - a)) / 2, (a + b + f * (b - a)) / 2]);
 const size = () => ({ width: scene.clientWidth, height: scene.clientHeight });
 const layout = {
   ...size(),
   margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: "kept",
   scene: {
     xaxis: axis(data.box[0]), yaxis: axis(data.box[1]),
-    zaxis: { ...axis(data.box[2]), showbackground: true }, aspectmode: "data",
-    camera: { eye: data.eye, center: { x: 0, y: 0, z: 0 } },
+    zaxis: { ...axis(data.box[2]), showbackground: true }, aspectmode: "manual",
+    aspectratio: aspect(data.box), camera: { eye, center: { x: 0, y: 0, z: 0 } },
   },
 };
 const surfaces = data.hands ? [skin(data.hands)] : [];
@@ -73,7 +82,15 @@ addEventListener("resize", () => Plotly.relayout(scene, size()));
 const all = data.solids.map((_, k) => k);
 const ticked = document.getElementById("hands");
 const inHands = () => ticked !== null && ticked.checked;
+let framed = 1;
+function frame(box, zoom) {
+  const [x, y, z] = larger(box, zoom);
+  framed = zoom;
+  Plotly.relayout(scene, { "scene.xaxis.range": x, "scene.yaxis.range": y, "scene.zaxis.range": z,
+    "scene.aspectratio": aspect(box) });
+}
 function show(k) {
+  if (!inHands() && data.zoom[k] !== framed) frame(data.box, data.zoom[k]);
   const at = data.solids.map((solid) => placed(solid, k));
   Plotly.restyle(scene, { x: at.map((p) => p.x), y: at.map((p) => p.y), z: at.map((p) => p.z) }, all);
   if (inHands()) {
@@ -96,9 +113,9 @@ function change() {
   const on = inHands(), box = on ? data.hands.box : data.box;
   const visible = [...data.solids.map((solid) => !on || solid.hands), ...data.ways.map(() => true), on];
   Plotly.restyle(scene, { visible });
-  Plotly.relayout(scene, { "scene.xaxis.range": box[0], "scene.yaxis.range": box[1], "scene.zaxis.range": box[2] });
+  frame(box, 1);
   show(Number(slider.value));
 }
 if (ticked !== null) ticked.onchange = change;
-slider.value = data.times.length - 1;
-show(data.times.length - 1);
+slider.value = 0;
+show(0);
