@@ -6,7 +6,7 @@ import numpy as np
 
 from gcm_learn.arms import elbow_of
 from gcm_learn.charts import LARGEST_LATTICE, Lattice, hand_space
-from gcm_learn.collision import postures_of
+from gcm_learn.collision import DEEPEST, NEVER, Sweep, postures_of
 from gcm_learn.motion import Failure, refine, straight_path
 from gcm_learn.planners.completion import (
     Attempt,
@@ -21,13 +21,12 @@ from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.sipp import search
 from gcm_learn.planners.sipp_labels import (
     PIECES,
+    Aim,
     Catch,
     Ground,
+    Hunt,
     Labels,
-    leg_room,
-    new_hunt,
-    room_for,
-    unasked,
+    Queue,
 )
 
 MOST = 40_000  # labels that are taken up at most
@@ -35,6 +34,7 @@ BRIEF = 4_000  # of them on the finer lattice
 FINER = 3  # its cells a side, for two of the other
 SLICE = 200  # labels that are taken up between two looks at the clock
 INSTANT = 0.1  # resolution of interceptions [crossings of a cell]
+ANY = 1e9  # resolution of a clearance of which only the sign matters
 LABELS = 3  # for which there is room, for every cell
 
 
@@ -132,3 +132,27 @@ def _attempt(problem: Problem, ground: Ground, labels: Labels, caught: Catch) ->
     last = straight_path(hand[-1], np.array([caught.x, caught.y]))
     times, last = refine(arm, np.linspace(leave, max(caught.time, leave), len(last)), last)
     return go_on(problem, time, hand, (times, last, caught.body))
+
+
+def new_hunt(labels: int, bound: float) -> Hunt:
+    """Return a search for a catch before a bound [s], with room for so many labels."""
+    queue = np.empty(labels), np.empty(labels), np.empty(labels, np.int64), np.zeros(1, np.int64)
+    return Hunt(Aim(np.empty((0, 0, 4)), 0.0, bound), Queue(*queue), np.zeros(1, np.int64))
+
+
+def leg_room(bodies: int, floor: float) -> Sweep:
+    """Room to ask for legs among so many bodies; nearer than `floor` counts as touching."""
+    stack = np.empty((DEEPEST + 2, 3))
+    return Sweep(np.zeros(2), np.zeros((2, 2)), floor, ANY, np.zeros((bodies, 12)), stack)
+
+
+def unasked(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """First label, number of labels and `soonest` (nodes,) before any node has been asked for."""
+    return np.full(nodes, -1), np.zeros(nodes, dtype=np.int64), np.full(nodes, NEVER)
+
+
+def room_for(count: int) -> Labels:
+    """Labels of nothing yet."""
+    node, via, by, tries = np.full((4, count), -1)
+    since, until, arrival, tent = np.full((4, count), NEVER)
+    return Labels(node, since, until, arrival, via, tent, by, tries)

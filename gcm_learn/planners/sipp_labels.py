@@ -6,14 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.intervals import NEVER
 from gcm_learn.collision.occupancy import Postures
-from gcm_learn.collision.sweep import DEEPEST, Sweep
+from gcm_learn.collision.sweep import Sweep
 from gcm_learn.compiled import njit
 from gcm_learn.motion.rules import Rules
 from gcm_learn.scene import Scene
 
-ANY = 1e9  # resolution of a clearance of which only the sign matters
 PIECES = 64  # of a leg, whose sweeps are found out once
 
 
@@ -120,27 +118,3 @@ def pop(queue):
         k = down
     queue.key[k], queue.time[k], queue.label[k] = key, queue.time[last], queue.label[last]
     return time, label
-
-
-def new_hunt(labels: int, bound: float) -> Hunt:
-    """Return a search for a catch before a bound [s], with room for so many labels."""
-    queue = np.empty(labels), np.empty(labels), np.empty(labels, np.int64), np.zeros(1, np.int64)
-    return Hunt(Aim(np.empty((0, 0, 4)), 0.0, bound), Queue(*queue), np.zeros(1, np.int64))
-
-
-def leg_room(bodies: int, floor: float) -> Sweep:
-    """Room to ask for legs among so many bodies; nearer than `floor` counts as touching."""
-    stack = np.empty((DEEPEST + 2, 3))
-    return Sweep(np.zeros(2), np.zeros((2, 2)), floor, ANY, np.zeros((bodies, 12)), stack)
-
-
-def unasked(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First label, number of labels and `soonest` (nodes,) before any node has been asked for."""
-    return np.full(nodes, -1), np.zeros(nodes, dtype=np.int64), np.full(nodes, NEVER)
-
-
-def room_for(count: int) -> Labels:
-    """Labels of nothing yet."""
-    node, via, by, tries = np.full((4, count), -1)
-    since, until, arrival, tent = np.full((4, count), NEVER)
-    return Labels(node, since, until, arrival, via, tent, by, tries)
