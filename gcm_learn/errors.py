@@ -91,6 +91,10 @@ class UnknownNameError(GcmError, ValueError):
         return error
 
 
+class RobotError(GcmError, ValueError):
+    """A robot's file, or what is asked of it, cannot be made into a chain; names link or joint."""
+
+
 class LatticeError(GcmError, ValueError):
     """A lattice or wave parameter is outside the range in which the engine is valid."""
 

@@ -13,6 +13,7 @@ import tyro
 
 from gcm_learn import __version__
 from gcm_learn.cli.animate import Animate
+from gcm_learn.cli.arm import Arm, Arms
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.draw import Draw
 from gcm_learn.cli.evaluate import Evaluate
@@ -44,6 +45,8 @@ examples:
   gcm-learn figure fig4                                one figure of the paper
   gcm-learn animate scene.json --out scene.gif         the catch as a film
   gcm-learn execute scene.json --film films            and by an arm with mass and motors
+  gcm-learn arm robot.urdf --base base --tip hand --out arm.json   an arm from a robot's file
+  gcm-learn arms                                       arms that ship
   gcm-learn families                                   what can be drawn at random
   gcm-learn draw gate --count 20 --out gates.jsonl     situations of a family
   gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
@@ -72,6 +75,8 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "animate": Animate,
     "play": Play,
     "execute": Execute,
+    "arm": Arm,
+    "arms": Arms,
     "families": Families,
     "draw": Draw,
     "generate": Generate,

@@ -6,6 +6,7 @@ Figures do without matplotlib's global state, so they need no display and may be
 from __future__ import annotations
 
 from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.arms import draw_arm
 from gcm_learn.plots.figures.charged import charged_figure
 from gcm_learn.plots.figures.comparison import families_figure, rates_figure
 from gcm_learn.plots.figures.execution import animate_execution
@@ -42,6 +43,7 @@ __all__ = [
     "build_comparison",
     "build_demo",
     "charged_figure",
+    "draw_arm",
     "draw_bodies",
     "draw_courses",
     "draw_figure",

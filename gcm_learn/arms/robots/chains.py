@@ -1,0 +1,276 @@
+"""From a robot's tree of links to a chain: fixed joints folded, links covered by capsules."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
+from gcm_learn.arms.robots.capsules import Group, covered, overhang
+from gcm_learn.arms.robots.pairs import checked_pairs
+from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint
+from gcm_learn.arms.robots.urdf import FULL_TURN, read_urdf
+from gcm_learn.errors import RobotError
+
+MOVING = ("revolute", "continuous", "prismatic")
+MOST_CAPSULES = 3
+"""Capsules that cover a link at most."""
+CLEAR = 1e-12  # shorter numbers of rotations are rounding
+
+
+class Cover(NamedTuple):
+    """How a link of the robot is covered."""
+
+    link: str
+    joint: int
+    """Joint of the chain that carries it, 0 for the base."""
+    capsules: int
+    overhang: float
+    """How far capsules lie beyond the convex hull of what each covers, at most."""
+
+
+class Fitted(NamedTuple):
+    """A chain that was made from a robot."""
+
+    model: ChainModel
+    covers: tuple[Cover, ...]
+    parts: tuple[tuple[Hull, ...], ...]
+    """Convex parts that each link of the model holds, in the frame of its joint."""
+
+
+def read_robot(path: str | Path, packages: Sequence[str | Path] = ()) -> Robot:
+    """Read a robot from a URDF or MJCF file, which its first element tells apart.
+
+    Raises
+    ------
+    RobotError
+        One line that begins with the path.
+    """
+    file = Path(path)
+    try:
+        root = ElementTree.parse(file).getroot().tag
+        if root not in ("robot", "mujoco"):
+            raise RobotError(f"is no URDF (<robot>) and no MJCF (<mujoco>): begins with <{root}>")
+        if root == "robot":
+            return read_urdf(file, tuple(Path(folder) for folder in packages))
+        from gcm_learn.arms.robots.mjcf import read_mjcf
+
+        return read_mjcf(file)
+    except ElementTree.ParseError as error:
+        raise RobotError(f"{path}: is not XML ({error})") from None
+    except OSError as error:
+        raise RobotError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except RobotError as error:
+        raise RobotError(f"{path}: {error}") from None
+
+
+def chain_of(
+    robot: Robot,
+    base: str,
+    tip: str,
+    *,
+    point: Sequence[float] = (0.0, 0.0, 0.0),
+    axis: Sequence[float] = (0.0, 0.0, 1.0),
+    at: Mapping[str, float] | None = None,
+    max_speed: Sequence[float] | None = None,
+    max_acceleration: Sequence[float] | None = None,
+    capsules: int = MOST_CAPSULES,
+    name: str | None = None,
+    source: str = "",
+    seed: int = 0,
+) -> Fitted:
+    """Make a chain of the joints between two links of a robot.
+
+    Fixed joints are folded. All other joints stand at their given value; their links count, carried
+    by the joint of the chain that they hang from.
+
+    Parameters
+    ----------
+    robot : Robot
+    base, tip : str
+        Links at both ends; the frame of `base` is that of the chain's base.
+    point, axis : (3,) sequence of float
+        The hand's place and the direction in which it reaches, in the frame of `tip`.
+    at : dict of str to float
+        Values of joints off the chain [rad or lengths]; 0, or the nearest that is allowed, if not
+        given.
+    max_speed, max_acceleration : (n,) sequence of float, optional
+        Of the chain's joints [rad/s, rad/s^2 or lengths]; speeds are those of the file else.
+    capsules : int
+        That cover a link, at most.
+    name, source : str, optional
+    seed : int
+        Of the postures by which pairs for self-collision are found.
+
+    Raises
+    ------
+    RobotError
+        One line that names the link or joint.
+    """
+    way = _way(robot, base, tip)
+    moving = [joint for joint in way if joint.type != "fixed"]
+    if not moving:
+        raise RobotError(f"no joint moves between {base!r} and {tip!r}")
+    values = _values(robot, moving, at or {})
+    frames = _frames(robot, base, moving, values)
+    speeds = _listed(max_speed, "max_speed", moving)
+    forces = _listed(max_acceleration, "max_acceleration", moving)
+    joints = []
+    for k, joint in enumerate(moving):
+        inside = frames[joint.parent][1] @ joint.origin
+        joints.append(_chain_joint(joint, inside, speeds[k], forces[k]))
+    links, covers, parts = _links(robot, frames, capsules)
+    last, pose = frames[tip]
+    hand = Hand(last, _tuple(pose[:3, :3] @ point + pose[:3, 3]), _tuple(pose[:3, :3] @ axis))
+    model = ChainModel(name or robot.name, tuple(joints), tuple(links), hand, (), source)
+    pairs = checked_pairs(model, seed)
+    model = ChainModel(model.name, model.joints, model.links, hand, pairs, source)
+    return Fitted(model, tuple(covers), tuple(parts))
+
+
+def _listed(
+    given: Sequence[float] | None, field: str, moving: Sequence[RobotJoint]
+) -> Sequence[float | None]:
+    if given is None:
+        return [None] * len(moving)
+    if len(given) == 1:
+        return list(given) * len(moving)
+    if len(given) != len(moving):
+        names = ", ".join(joint.name for joint in moving)
+        raise RobotError(f"{field}: must have 1 or {len(moving)} numbers, for {names}")
+    return list(given)
+
+
+def _way(robot: Robot, base: str, tip: str) -> list[RobotJoint]:
+    """Return the joints from one link out to another."""
+    for what, link in (("base", base), ("tip", tip)):
+        if link not in robot.links:
+            known = ", ".join(robot.links)
+            raise RobotError(f"{what}: there is no link {link!r} (known: {known})")
+    above = {joint.child: joint for joint in robot.joints}
+    way: list[RobotJoint] = []
+    at = tip
+    while at != base:
+        if at not in above or len(way) > len(robot.joints):
+            raise RobotError(f"tip: {tip!r} does not hang from {base!r}")
+        way.insert(0, above[at])
+        at = way[0].parent
+    for joint in way:
+        if joint.type not in (*MOVING, "fixed"):
+            raise RobotError(f"joint {joint.name!r}: is {joint.type}, which a chain cannot be")
+    return way
+
+
+def _values(
+    robot: Robot, moving: Sequence[RobotJoint], at: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the values at which joints off the chain stand."""
+    known = {joint.name: joint for joint in robot.joints}
+    chain = {joint.name for joint in moving}
+    for name in at:
+        if name not in known or known[name].type == "fixed":
+            raise RobotError(f"at: there is no joint {name!r} that moves")
+        if name in chain:
+            raise RobotError(f"at: joint {name!r} is one of the chain's")
+    values: dict[str, float] = {}
+    for joint in robot.joints:
+        low, high = joint.range or (-np.inf, np.inf)
+        value = min(max(0.0, low), high)
+        if joint.follows is not None and joint.name not in at:
+            leader, factor, offset = joint.follows
+            value = factor * float(at.get(leader, 0.0)) + offset
+        values[joint.name] = float(at.get(joint.name, value))
+    return values
+
+
+def _frames(
+    robot: Robot, base: str, moving: Sequence[RobotJoint], values: Mapping[str, float]
+) -> dict[str, tuple[int, np.ndarray]]:
+    """Return the joint of the chain that carries each link, and the link's pose in its frame."""
+    numbers = {joint.name: k + 1 for k, joint in enumerate(moving)}
+    frames: dict[str, tuple[int, np.ndarray]] = {base: (0, np.eye(4))}
+    waiting = [base]
+    while waiting:
+        link = waiting.pop()
+        number, pose = frames[link]
+        for joint in robot.joints:
+            if joint.parent == link and joint.child not in frames:
+                if joint.name in numbers:
+                    frames[joint.child] = numbers[joint.name], np.eye(4)
+                else:
+                    frames[joint.child] = number, pose @ joint.origin @ _moved(joint, values)
+            elif joint.child == link and joint.parent not in frames:
+                back = np.linalg.inv(joint.origin @ _moved(joint, values))
+                frames[joint.parent] = number, pose @ back
+            else:
+                continue
+            waiting.append(joint.child if joint.parent == link else joint.parent)
+    return frames
+
+
+def _moved(joint: RobotJoint, values: Mapping[str, float]) -> np.ndarray:
+    """Return the pose that a joint's value gives its child."""
+    pose, value = np.eye(4), values[joint.name]
+    if joint.type == "prismatic":
+        pose[:3, 3] = np.array(joint.axis) * value
+    elif joint.type in MOVING:
+        pose[:3, :3] = Rotation.from_rotvec(np.array(joint.axis) * value).as_matrix()
+    return pose
+
+
+def _chain_joint(
+    joint: RobotJoint, pose: np.ndarray, speed: float | None, force: float | None
+) -> ChainJoint:
+    """Return a joint of the chain, at a pose in the frame of the joint before."""
+    speed = joint.max_speed if speed is None else speed
+    if speed is None:
+        raise RobotError(f"joint {joint.name!r}: has no largest speed; give --max-speed")
+    bounds = joint.range
+    if joint.type == "continuous" or bounds is None:
+        if joint.type == "prismatic":
+            raise RobotError(f"joint {joint.name!r}: has no range")
+        bounds = (-FULL_TURN, FULL_TURN)
+    quaternion = Rotation.from_matrix(pose[:3, :3]).as_quat(scalar_first=True)
+    quaternion = np.where(np.abs(quaternion) < CLEAR, 0.0, quaternion)
+    return ChainJoint(
+        axis=joint.axis,
+        range=bounds,
+        max_speed=speed,
+        type="prismatic" if joint.type == "prismatic" else "revolute",
+        origin=_tuple(pose[:3, 3]),
+        rotation=_tuple(quaternion),
+        max_acceleration=force,
+        name=joint.name,
+    )
+
+
+def _links(
+    robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]], capsules: int
+) -> tuple[list[Link], list[Cover], list[tuple[Hull, ...]]]:
+    """Cover every link of the robot; returns capsules, what is said of them, and what they hold."""
+    links: list[Link] = []
+    covers: list[Cover] = []
+    parts: list[tuple[Hull, ...]] = []
+    for link in robot.links.values():
+        if not link.hulls or link.name not in frames:
+            continue
+        number, pose = frames[link.name]
+        groups: list[Group] = covered([hull.moved(pose) for hull in link.hulls], capsules)
+        for group in groups:
+            made = group.capsule
+            links.append(Link(number, _tuple(made.start), _tuple(made.end), made.radius))
+            parts.append(group.hulls)
+        beyond = max(overhang(group.capsule, group.hulls) for group in groups)
+        covers.append(Cover(link.name, number, len(groups), beyond))
+    if not links:
+        raise RobotError("has no collision geometry")
+    return links, covers, parts
+
+
+def _tuple(values: Any) -> Any:
+    return tuple(float(value) + 0.0 for value in values)

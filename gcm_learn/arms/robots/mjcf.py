@@ -1,0 +1,125 @@
+"""Robots from MJCF files, read by MuJoCo."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from gcm_learn.arms.robots import tree
+from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint, RobotLink
+from gcm_learn.errors import MissingExtraError, RobotError
+
+
+def read_mjcf(path: Path) -> Robot:
+    """Read a robot from an MJCF file; links are its bodies.
+
+    Geometry counts if it can touch anything, that is, if `contype` or `conaffinity` is not 0.
+
+    Raises
+    ------
+    RobotError
+        One line that names the body, joint or geometry.
+    MissingExtraError
+        If MuJoCo is not installed.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise MissingExtraError("MJCF files", "mujoco", "sim") from error
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        raise RobotError(f"is no MJCF that can be read ({str(error).splitlines()[0]})") from None
+    links: dict[str, RobotLink] = {}
+    joints: list[RobotJoint] = []
+    names = [model.body(b).name or f"body {b}" for b in range(model.nbody)]
+    for b, name in enumerate(names):
+        geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == b]
+        hulls = [h for g in geoms if _touches(model, g) for h in _hulls(model, g, mujoco)]
+        links[name] = RobotLink(name, tuple(hulls))
+        if b:
+            _join(model, b, names, links, joints, mujoco)
+    return Robot(Path(path).stem, links, joints)
+
+
+def _touches(model: Any, g: int) -> bool:
+    return bool(model.geom_contype[g] or model.geom_conaffinity[g])
+
+
+def _join(
+    model: Any, b: int, names: list[str], links: dict[str, RobotLink],
+    joints: list[RobotJoint], mujoco: Any,
+) -> None:  # fmt: skip
+    """Append the joints of a body: each of MuJoCo's, about its anchor, and fixed ones between."""
+    parent = names[model.body_parentid[b]]
+    pose = _pose(model.body_pos[b], model.body_quat[b])
+    first, count = int(model.body_jntadr[b]), int(model.body_jntnum[b])
+    types = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}  # noqa: E501  # fmt: skip
+    for j in range(first, first + count):
+        name = model.joint(j).name or f"joint {j}"
+        kind = types.get(int(model.jnt_type[j]), "free or ball")
+        axis, anchor = model.jnt_axis[j], _pose(model.jnt_pos[j], (1.0, 0.0, 0.0, 0.0))
+        at = float(model.qpos0[model.jnt_qposadr[j]])
+        low, high = map(float, model.jnt_range[j])
+        bounds = (low, high) if model.jnt_limited[j] else None
+        if kind == "revolute" and bounds is None:
+            kind = "continuous"
+        between = f"{names[b]} at {name}"
+        links[between] = RobotLink(between, ())
+        origin = pose @ anchor @ _motion(kind, axis, -at)
+        joints.append(
+            RobotJoint(
+                name,
+                kind,
+                parent,
+                between,
+                origin,
+                (float(axis[0]), float(axis[1]), float(axis[2])),
+                bounds,
+            )
+        )
+        parent, pose = between, np.linalg.inv(anchor)
+    joints.append(RobotJoint(f"{names[b]} (fixed)", "fixed", parent, names[b], pose))
+
+
+def _motion(kind: str, axis: np.ndarray, value: float) -> np.ndarray:
+    moved = np.eye(4)
+    if kind == "prismatic":
+        moved[:3, 3] = np.asarray(axis) * value
+    else:
+        moved[:3, :3] = Rotation.from_rotvec(np.asarray(axis) * value).as_matrix()
+    return moved
+
+
+def _pose(place: Any, quaternion: Any) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_quat(quaternion, scalar_first=True).as_matrix()
+    pose[:3, 3] = place
+    return pose
+
+
+def _hulls(model: Any, g: int, mujoco: Any) -> list[Hull]:
+    """Return the convex parts of a geometry in the frame of its body."""
+    types, size = mujoco.mjtGeom, model.geom_size[g]
+    kind = int(model.geom_type[g])
+    if kind == types.mjGEOM_SPHERE:
+        made = [tree.ball(size[0])]
+    elif kind == types.mjGEOM_CAPSULE:
+        made = [tree.capsule(size[0], size[1])]
+    elif kind == types.mjGEOM_CYLINDER:
+        made = [tree.cylinder(size[0], size[1])]
+    elif kind == types.mjGEOM_BOX:
+        made = [tree.box(2.0 * size)]
+    elif kind == types.mjGEOM_MESH:
+        m = int(model.geom_dataid[g])
+        v, f = int(model.mesh_vertadr[m]), int(model.mesh_faceadr[m])
+        vertices = model.mesh_vert[v : v + int(model.mesh_vertnum[m])].astype(float)
+        made = tree.mesh(vertices, model.mesh_face[f : f + int(model.mesh_facenum[m])])
+    else:
+        name = model.geom(g).name or f"geom {g}"
+        raise RobotError(f"{name!r}: is no sphere, capsule, cylinder, box or mesh")
+    pose = _pose(model.geom_pos[g], model.geom_quat[g])
+    return [hull.moved(pose) for hull in made]

@@ -1,0 +1,127 @@
+"""Robots as files describe them: a tree of links and joints, with convex parts for collisions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+CORNERS = 24
+"""Corners of the polygons that stand for circles; they lie outside of the circle."""
+
+
+class Hull(NamedTuple):
+    """Convex hull of balls in the frame of a link."""
+
+    centres: np.ndarray  # (n, 3)
+    radii: np.ndarray  # (n,)
+
+    def moved(self, transform: np.ndarray) -> Hull:
+        """Return the hull in another frame.
+
+        Parameters
+        ----------
+        transform : (4, 4) ndarray
+            Pose of the present frame in the other one.
+        """
+        return Hull(self.centres @ transform[:3, :3].T + transform[:3, 3], self.radii)
+
+
+class RobotLink(NamedTuple):
+    """A rigid link."""
+
+    name: str
+    hulls: tuple[Hull, ...]
+    """Collision geometry; empty where nothing can be hit."""
+
+
+class RobotJoint(NamedTuple):
+    """A joint between two links."""
+
+    name: str
+    type: str
+    """fixed, revolute, continuous or prismatic; others are kept as the file names them."""
+    parent: str
+    child: str
+    origin: np.ndarray
+    """Pose (4, 4) of the child in the parent's frame, where the joint is 0."""
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """In the child's frame."""
+    range: tuple[float, float] | None = None
+    """Lowest and highest value [rad or lengths]."""
+    max_speed: float | None = None
+    follows: tuple[str, float, float] | None = None
+    """Joint that this one follows, and the factor and offset of its value."""
+
+
+class Robot(NamedTuple):
+    """A tree of links."""
+
+    name: str
+    links: Mapping[str, RobotLink]
+    joints: Sequence[RobotJoint]
+
+
+def ball(radius: float) -> Hull:
+    """Return a ball about the origin."""
+    return Hull(np.zeros((1, 3)), np.array([radius], float))
+
+
+def capsule(radius: float, half: float) -> Hull:
+    """Return a capsule along z, whose axis has twice the length `half`."""
+    return Hull(np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), np.full(2, float(radius)))
+
+
+def cylinder(radius: float, half: float) -> Hull:
+    """Return a prism about a cylinder along z, which has twice the height `half`."""
+    turn = np.arange(CORNERS) * (2.0 * math.pi / CORNERS)
+    rim = radius / math.cos(math.pi / CORNERS) * np.column_stack([np.cos(turn), np.sin(turn)])
+    ends = [np.column_stack([rim, np.full(CORNERS, z)]) for z in (-half, half)]
+    return corners(np.concatenate(ends))
+
+
+def box(size: Sequence[float]) -> Hull:
+    """Return a box about the origin with edges of the lengths `size` (3)."""
+    signs = np.array(np.meshgrid(*[(-0.5, 0.5)] * 3)).reshape(3, -1).T
+    return corners(signs * np.asarray(size, float))
+
+
+def corners(points: np.ndarray) -> Hull:
+    """Return the hull of points (n, 3)."""
+    return Hull(np.asarray(points, float), np.zeros(len(points)))
+
+
+def mesh(vertices: np.ndarray, faces: np.ndarray, slabs: int = 3) -> list[Hull]:
+    """Return hulls that together hold what a closed triangle mesh encloses.
+
+    The mesh is cut into slabs of equal thickness across its longest direction. A slab's boundary is
+    part of the mesh and two plane sections, so the hull of the mesh's points in it holds it.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray
+    faces : (m, 3) ndarray of int
+    slabs : int
+    """
+    middle = vertices.mean(axis=0)
+    along = (vertices - middle) @ np.linalg.svd(vertices - middle, full_matrices=False)[2][0]
+    pairs = np.unique(
+        np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])), axis=0
+    )
+    edges = np.linspace(along.min(), along.max(), slabs + 1)
+    hulls = []
+    for low, high in pairwise(edges):
+        points = [vertices[(along >= low) & (along <= high)]]
+        for plane in (low, high):
+            a, b = along[pairs[:, 0]] - plane, along[pairs[:, 1]] - plane
+            crossing = a * b < 0.0
+            share = (a[crossing] / (a[crossing] - b[crossing]))[:, None]
+            first, second = vertices[pairs[crossing]].transpose(1, 0, 2)
+            points.append(first + share * (second - first))
+        inside = np.concatenate(points)
+        if len(inside):
+            hulls.append(corners(inside))
+    return hulls

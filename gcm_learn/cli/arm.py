@@ -1,0 +1,183 @@
+"""``gcm-learn arm`` and ``gcm-learn arms``: arms from files of robots, and those that ship."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from tyro.conf import Positional, UseAppendAction, arg
+
+from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.files import output, staged
+
+if TYPE_CHECKING:
+    from gcm_learn.arms import ChainModel
+    from gcm_learn.arms.robots import Fitted, Robot
+
+FORMATS = (".png", ".pdf", ".svg")
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Arm:
+    """Make an arm file of the joints between two links of a robot (URDF or MJCF).
+
+    Links are covered by capsules that hold their collision geometry. Pairs for self-collision are
+    found by sampling postures.
+    """
+
+    robot: Annotated[Positional[Path], arg(metavar="FILE")]
+    """a URDF or MJCF file"""
+
+    base: Annotated[str, arg(metavar="LINK")]
+    """link that does not move; its frame is that of the arm's base"""
+
+    tip: Annotated[str, arg(metavar="LINK")]
+    """link that carries the hand"""
+
+    point: Annotated[tuple[float, float, float], arg(metavar="X Y Z")] = (0.0, 0.0, 0.0)
+    """the hand's place in the frame of the tip"""
+
+    axis: Annotated[tuple[float, float, float], arg(metavar="X Y Z")] = (0.0, 0.0, 1.0)
+    """direction in which the hand reaches, in the frame of the tip"""
+
+    at: Annotated[
+        UseAppendAction[tuple[str, ...]],
+        arg(metavar="JOINT=VALUE", help_behavior_hint="(repeatable; default: 0)"),
+    ] = ()
+    """value at which a joint off the chain stands [rad or lengths]"""
+
+    max_speed: Annotated[
+        Numbers | None, arg(metavar="V ...", help_behavior_hint="(default: the file's)")
+    ] = None
+    """largest speeds of the joints [rad/s or lengths/s], one or all"""
+
+    max_acceleration: Annotated[
+        Numbers | None, arg(metavar="A ...", help_behavior_hint="(default: no limits)")
+    ] = None
+    """largest accelerations of the joints [rad/s^2 or lengths/s^2], one or all"""
+
+    capsules: int = 4
+    """capsules that cover a link, at most"""
+
+    packages: Annotated[
+        UseAppendAction[tuple[Path, ...]],
+        arg(metavar="DIR", help_behavior_hint="(repeatable; default: folders above the file)"),
+    ] = ()
+    """folder of packages, for package:// in the file"""
+
+    name: Annotated[str | None, arg(help_behavior_hint="(default: the robot's)")] = None
+    """name of the arm"""
+
+    source: str = ""
+    """where the numbers come from, and their licence"""
+
+    out: Annotated[
+        Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
+    ] = None
+    """where the arm goes; the file appears whole or not at all"""
+
+    plot: Annotated[
+        Path | None, arg(metavar="FILE", help_behavior_hint="(default: no picture)")
+    ] = None
+    """picture of the arm and its capsules, as .png, .pdf or .svg"""
+
+    def run(self) -> int:
+        """Read, cover, write, and say how it went."""
+        import sys
+
+        from gcm_learn.arms.robots import read_robot
+        from gcm_learn.errors import RobotError
+        from gcm_learn.situation.arm_files import arm_to_json
+
+        self._check()
+        robot = read_robot(self.robot, self.packages)
+        try:
+            fitted = self._fitted(robot)
+        except RobotError as error:
+            raise CommandFailure(f"{self.robot}: {error}") from None
+        with output(self.out) as stream:
+            stream.write(json.dumps(arm_to_json(fitted.model), indent=1) + "\n")
+        if self.plot is not None:
+            self._draw(fitted)
+        print("\n".join(report(fitted)), file=sys.stderr if self.out is None else sys.stdout)
+        return 0
+
+    def _check(self) -> None:
+        if self.plot is not None and self.plot.suffix.lower() not in FORMATS:
+            raise CommandFailure(f"--plot {self.plot}: the name must end in {' or '.join(FORMATS)}")
+        if self.capsules < 1:
+            raise CommandFailure(f"--capsules {self.capsules}: must be at least 1")
+        for name, numbers in (("--point", self.point), ("--axis", self.axis)):
+            if not all(map(math.isfinite, numbers)):
+                raise CommandFailure(f"{name}: must be numbers")
+        length = math.hypot(*self.axis)
+        if abs(length - 1.0) > 1e-5:
+            raise CommandFailure(f"--axis: must have length 1 (got {length:g})")
+
+    def _fitted(self, robot: Robot) -> Fitted:
+        from gcm_learn.arms.robots import chain_of
+
+        return chain_of(
+            robot, self.base, self.tip,
+            point=self.point, axis=self.axis, at=dict(map(_value, self.at)),
+            max_speed=self.max_speed, max_acceleration=self.max_acceleration,
+            capsules=self.capsules, name=self.name, source=self.source,
+        )  # fmt: skip
+
+    def _draw(self, fitted: Fitted) -> None:
+        from gcm_learn.plots import draw_arm
+
+        parts = [[(h.centres, h.radii) for h in hulls] for hulls in fitted.parts]
+        assert self.plot is not None
+        with staged(self.plot) as place:
+            draw_arm(fitted.model, parts=parts).savefig(place)
+
+
+@dataclass(frozen=True)
+class Arms:
+    """List the arms that ship, by the names that situations may give as their model."""
+
+    def run(self) -> int:
+        """Print a line for each."""
+        from gcm_learn.situation import arm_names, shipped_arm
+
+        names = arm_names()
+        width = max(map(len, names))
+        for name in names:
+            model = shipped_arm(name)
+            print(f"{name:<{width}}  {counts(model)}; {model.source or 'no source'}")
+        return 0
+
+
+def counts(model: ChainModel) -> str:
+    """Return how many joints, capsules and pairs a model has."""
+    pairs = len(model.self_collision)
+    return f"{model.dof} joints, {len(model.links)} capsules, {pairs} pairs for self-collision"
+
+
+def report(fitted: Fitted) -> list[str]:
+    """Return what a user would check, line by line."""
+    lines = [f"{fitted.model.name}: {counts(fitted.model)}"]
+    width = max(len(cover.link) for cover in fitted.covers)
+    for cover in fitted.covers:
+        carried = "the base" if cover.joint == 0 else f"joint {cover.joint}"
+        many = f"{cover.capsules} capsule{'s' if cover.capsules > 1 else ''}"
+        lines.append(
+            f"  {cover.link:<{width}}  on {carried}, {many}, up to {cover.overhang:.3g} wider"
+        )
+    return lines
+
+
+def _value(given: str) -> tuple[str, float]:
+    """Return the joint and number of an option."""
+    name, sign, value = given.rpartition("=")
+    try:
+        if not sign or not math.isfinite(float(value)):
+            raise ValueError
+    except ValueError:
+        raise CommandFailure(f"--at {given}: must be JOINT=VALUE, with a number") from None
+    return name, float(value)

@@ -1,0 +1,267 @@
+"""Arms from URDF and MJCF: kinematics of other readers, capsules that enclose, refusals."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from gcm_learn.arms.robots import chain_of, checked_pairs, frames_at, read_robot
+from gcm_learn.arms.robots.capsules import support
+from gcm_learn.arms.robots.pairs import segment_distance
+from gcm_learn.cli import main
+from gcm_learn.errors import RobotError
+from gcm_learn.situation import read_arm
+
+URDF = """<robot name="elbow">
+ <link name="world"/>
+ <link name="foot"><collision><origin xyz="0 0 0.05"/>
+   <geometry><box size="0.3 0.2 0.1"/></geometry></collision></link>
+ <link name="upper"><collision><origin xyz="0 0 0.2" rpy="0 0.1 0"/>
+   <geometry><cylinder radius="0.05" length="0.4"/></geometry></collision></link>
+ <link name="slide"><collision><geometry><sphere radius="0.06"/></geometry></collision></link>
+ <link name="fore"><collision><origin xyz="0.1 0 0" rpy="0.3 0.2 0.1"/>
+   <geometry><mesh filename="package://elbow/fore.stl" scale="2 1 1"/></geometry></collision></link>
+ <link name="palm"/>
+ <link name="thumb"><collision><origin xyz="0.05 0 0"/>
+   <geometry><box size="0.1 0.02 0.02"/></geometry></collision></link>
+ <link name="finger"><collision><origin xyz="0.05 0 0"/>
+   <geometry><box size="0.1 0.02 0.02"/></geometry></collision></link>
+ <joint name="stand" type="fixed"><parent link="world"/><child link="foot"/>
+   <origin xyz="1 0 0" rpy="0 0 1"/></joint>
+ <joint name="turn" type="continuous"><parent link="foot"/><child link="upper"/>
+   <origin xyz="0 0 0.1" rpy="0.2 0 0.4"/><axis xyz="0 0 2"/>
+   <limit effort="9" velocity="2"/></joint>
+ <joint name="reach" type="prismatic"><parent link="upper"/><child link="slide"/>
+   <origin xyz="0 0 0.4" rpy="0 0.5 0"/><axis xyz="1 0 0"/>
+   <limit lower="0.1" upper="0.3" effort="9" velocity="0.5"/></joint>
+ <joint name="bend" type="revolute"><parent link="slide"/><child link="fore"/>
+   <origin xyz="0.1 0 0"/><axis xyz="0 1 0"/>
+   <limit lower="-2" upper="2" effort="9" velocity="3"/></joint>
+ <joint name="wrist" type="fixed"><parent link="fore"/><child link="palm"/>
+   <origin xyz="0.3 0 0.02" rpy="0 0 0.7"/></joint>
+ <joint name="grip" type="revolute"><parent link="palm"/><child link="thumb"/>
+   <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+ <joint name="follow" type="revolute"><parent link="palm"/><child link="finger"/>
+   <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
+   <mimic joint="grip" multiplier="-1" offset="0.1"/></joint>
+</robot>
+"""
+MJCF = """<mujoco><worldbody><body name="base" pos="0.1 0 0">
+ <geom type="box" size="0.1 0.1 0.05"/>
+ <body name="arm" pos="0 0 0.2" quat="0.8 0 0.6 0">
+  <joint name="a" axis="0 0 1" pos="0.02 0.03 0" range="-2 2" limited="true"/>
+  <joint name="b" axis="0 1 0" pos="-0.01 0 0.05" range="-1 1.5" limited="true" ref="0.3"/>
+  <geom type="capsule" size="0.04 0.1" pos="0 0 0.1"/>
+  <geom type="sphere" size="0.5" contype="0" conaffinity="0"/>
+  <body name="tool" pos="0 0.1 0.3">
+   <joint name="c" type="slide" axis="1 0 0" range="0 0.2" limited="true"/>
+   <geom type="cylinder" size="0.03 0.05"/>
+  </body></body></body></worldbody></mujoco>"""
+POINT = (0.05, 0.01, -0.02)
+
+
+@pytest.fixture
+def elbow(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("yourdfpy")
+    folder = tmp_path / "elbow" / "urdf"
+    folder.mkdir(parents=True)
+    trimesh.creation.icosphere(radius=0.08, subdivisions=2).export(tmp_path / "elbow" / "fore.stl")
+    (folder / "elbow.urdf").write_text(URDF, "utf-8")
+    return folder / "elbow.urdf"
+
+
+@pytest.fixture
+def fitted(elbow):
+    return chain_of(read_robot(elbow), "foot", "palm", point=POINT, at={"grip": 0.4})
+
+
+def hands(model, joints):
+    rotations, places = frames_at(model, joints)
+    k, point = model.hand.joint, np.array(model.hand.point)
+    return rotations[k] @ point + places[k], rotations[k] @ np.array(model.hand.axis)
+
+
+def postures(model, count=20):
+    low, high = np.array([joint.range for joint in model.joints]).T
+    return np.random.default_rng(0).uniform(low, high, (count, model.dof))
+
+
+def test_the_hand_is_where_yourdfpy_has_it(elbow, fitted):
+    from yourdfpy import URDF as Reader
+
+    robot = Reader.load(str(elbow), load_meshes=False, load_collision_meshes=False)
+    model = fitted.model
+    assert [joint.name for joint in model.joints] == ["turn", "reach", "bend"]
+    assert [joint.max_speed for joint in model.joints] == [2.0, 0.5, 3.0]
+    assert model.joints[0].range == pytest.approx((-2 * np.pi, 2 * np.pi))
+    joints = postures(model)
+    places, axes = hands(model, joints)
+    for values, place, axis in zip(joints, places, axes, strict=True):
+        robot.update_cfg({"turn": values[0], "reach": values[1], "bend": values[2], "grip": 0.4})
+        pose = robot.get_transform("palm", "foot")
+        np.testing.assert_allclose(place, pose[:3, :3] @ POINT + pose[:3, 3], atol=1e-9)
+        np.testing.assert_allclose(axis, pose[:3, 2], atol=1e-9)
+
+
+def test_the_hand_is_where_mujoco_has_it(tmp_path):
+    mujoco = pytest.importorskip("mujoco")
+    file = tmp_path / "arm.xml"
+    file.write_text(MJCF, "utf-8")
+    fitted = chain_of(read_robot(file), "base", "tool", point=POINT, max_speed=[2.0])
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    assert [joint.type for joint in fitted.model.joints] == ["revolute", "revolute", "prismatic"]
+    assert [cover.link for cover in fitted.covers] == ["base", "arm", "tool"]
+    joints = postures(fitted.model)
+    places, axes = hands(fitted.model, joints)
+    base = np.array([0.1, 0.0, 0.0])
+    for values, place, axis in zip(joints, places, axes, strict=True):
+        data.qpos[:] = values
+        mujoco.mj_kinematics(model, data)
+        turn = data.body("tool").xmat.reshape(3, 3)
+        there = turn @ POINT + data.body("tool").xpos - base
+        np.testing.assert_allclose(place, there, atol=1e-9)
+        np.testing.assert_allclose(axis, turn[:, 2], atol=1e-9)
+
+
+def inside(capsules, points):
+    """Return how far points (n, 3) lie beyond the nearest of some links of a model."""
+    gaps = []
+    for link in capsules:
+        a, b = np.array(link.start), np.array(link.end)
+        share = (points - a) @ (b - a) / max(float((b - a) @ (b - a)), 1e-30)
+        near = a + np.clip(share, 0.0, 1.0)[:, None] * (b - a)
+        gaps.append(np.linalg.norm(points - near, axis=1) - link.radius)
+    return np.min(gaps, axis=0)
+
+
+def test_capsules_hold_the_geometry_of_all_links(elbow, fitted):
+    """Points of yourdfpy's collision scene, at a posture, in the frames that carry them."""
+    from yourdfpy import URDF as Reader
+
+    robot = Reader.load(
+        str(elbow), load_meshes=False, build_collision_scene_graph=True,
+        load_collision_meshes=True, filename_handler=lambda fname: elbow.parents[1] / "fore.stl",
+    )  # fmt: skip
+    model, values = fitted.model, postures(fitted.model, 1)
+    robot.update_cfg(
+        {"turn": values[0, 0], "reach": values[0, 1], "bend": values[0, 2], "grip": 0.4}
+    )
+    rotations, places = frames_at(model, values)
+    from_world = np.linalg.inv(robot.get_transform("foot", collision_geometry=True))
+    carrier = {cover.link: cover.joint for cover in fitted.covers}
+    assert carrier == {"foot": 0, "upper": 1, "slide": 2, "fore": 3, "thumb": 3, "finger": 3}
+    found = 0
+    for name in robot.collision_scene.graph.nodes_geometry:
+        pose, mesh = robot.collision_scene.graph[name]
+        points = robot.collision_scene.geometry[mesh].sample(300)
+        points = points @ pose[:3, :3].T + pose[:3, 3]
+        points = points @ from_world[:3, :3].T + from_world[:3, 3]
+        beyond = np.full(len(points), np.inf)
+        for k in range(model.dof + 1):
+            held = (points - places[k, 0]) @ rotations[k, 0]
+            links = [link for link in model.links if link.joint == k]
+            if links:
+                beyond = np.minimum(beyond, inside(links, held))
+        assert beyond.max() < 1e-9
+        found += 1
+    assert found == 6
+
+
+def test_every_capsule_reaches_as_far_as_what_it_holds(fitted):
+    directions = np.random.default_rng(1).normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    for link, hulls in zip(fitted.model.links, fitted.parts, strict=True):
+        ends = np.maximum(directions @ np.array(link.start), directions @ np.array(link.end))
+        assert np.min(ends + link.radius - support(hulls, directions)) > 0.0
+
+
+def test_spheres_stay_what_they_are(fitted):
+    slide = next(k for k, link in enumerate(fitted.model.links) if link.joint == 2)
+    assert fitted.model.links[slide].radius == pytest.approx(0.06, abs=1e-5)
+    assert fitted.covers[2].overhang < 1e-5
+
+
+def test_pairs_overlap_sometimes_and_are_not_neighbours(fitted):
+    model = fitted.model
+    assert checked_pairs(model) == model.self_collision == checked_pairs(model)
+    for i, j in model.self_collision:
+        assert abs(model.links[i].joint - model.links[j].joint) > 1
+    carried = {(model.links[i].joint, model.links[j].joint) for i, j in model.self_collision}
+    assert (0, 3) in carried or (1, 3) in carried
+
+
+def test_distances_of_segments_are_those_of_dense_samples():
+    rng = np.random.default_rng(2)
+    a, b, c, d = rng.normal(size=(4, 50, 3))
+    b[:10], d[5:15], d[20:25] = a[:10], c[5:15], c[20:25] + (b - a)[20:25]
+    s = np.linspace(0.0, 1.0, 201)[:, None, None]
+    first, second = a + s * (b - a), c + s * (d - c)
+    dense = np.array([
+        np.linalg.norm(first[:, None, k] - second[None, :, k], axis=2).min() for k in range(50)
+    ])  # fmt: skip
+    found = segment_distance(a, b, c, d)
+    assert np.all(found <= dense + 1e-9) and np.all(dense - found < 0.05)
+
+
+def test_the_command_writes_an_arm_that_is_read_again(elbow, tmp_path, capsys):
+    out, picture = tmp_path / "arm.json", tmp_path / "arm.png"
+    command = ["arm", str(elbow), "--base", "foot", "--tip", "palm", "--at", "grip=0.4"]
+    command += ["--point", *map(str, POINT)]
+    assert main([*command, "--out", str(out), "--plot", str(picture)]) == 0
+    assert "elbow: 3 joints" in capsys.readouterr().out and picture.stat().st_size > 5000
+    model = read_arm(out)
+    assert (
+        model
+        == chain_of(
+            read_robot(elbow), "foot", "palm", point=POINT, at={"grip": 0.4}, capsules=4
+        ).model
+    )
+    assert main(command) == 0
+    assert json.loads(capsys.readouterr().out) == json.loads(out.read_text("utf-8"))
+
+
+def test_arms_that_ship_are_listed(capsys):
+    assert main(["arms"]) == 0
+    assert "panda" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("how", "reason"),
+    [
+        ({"base": "feet"}, "base: there is no link 'feet' (known: world, foot, upper"),
+        ({"tip": "world"}, "tip: 'world' does not hang from 'foot'"),
+        ({"tip": "foot"}, "no joint moves between 'foot' and 'foot'"),
+        ({"at": {"bend": 1.0}}, "at: joint 'bend' is one of the chain's"),
+        ({"at": {"wrist": 1.0}}, "at: there is no joint 'wrist' that moves"),
+        ({"max_speed": [1.0, 2.0]}, "max_speed: must have 1 or 3 numbers, for turn, reach, bend"),
+    ],
+)
+def test_what_makes_no_chain_is_refused(elbow, how, reason):
+    given = {"base": "foot", "tip": "palm"} | how
+    with pytest.raises(RobotError) as error:
+        chain_of(read_robot(elbow), given.pop("base"), given.pop("tip"), **given)
+    assert reason in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("fore.stl", "none.stl", "package://elbow/none.stl: is not found"),
+        ("package://elbow/fore.stl", "fore.ply", "only meshes of stl, obj, dae are read"),
+        ("package://elbow/fore.stl", "fore.stl", "link 'fore': fore.stl: is not there"),
+        ('xyz="0 0 2"', 'xyz="0 0 0"', "joint 'turn': its axis has no length"),
+        ('<child link="palm"/>', '<child link="paw"/>', "joint 'wrist': there is no link 'paw'"),
+        ('velocity="3"', "", "joint 'bend': has no largest speed; give --max-speed"),
+        ('type="prismatic"', 'type="floating"', "joint 'reach': is floating, which a chain cannot"),
+        ("<robot", "<robo", "is not XML"),
+    ],
+)
+def test_files_with_faults_are_refused_by_name(elbow, old, new, reason, capsys):
+    elbow.write_text(URDF.replace(old, new, 1), "utf-8")
+    assert main(["arm", str(elbow), "--base", "foot", "--tip", "palm"]) == 2
+    said = capsys.readouterr().err
+    assert reason in said and said.count("\n") == 1 and "elbow.urdf: " in said
