@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gcm_learn.arms import SpatialArm, hands_along
 from gcm_learn.arms.robots import chain_of, checked_pairs, frames_at, read_robot
 from gcm_learn.arms.robots.capsules import support
 from gcm_learn.arms.robots.pairs import segment_distance
 from gcm_learn.cli import main
 from gcm_learn.errors import RobotError
-from gcm_learn.situation import read_arm
+from gcm_learn.families.space.arms import HUMAN, NAO
+from gcm_learn.situation import arm_names, read_arm, shipped_arm
 
 URDF = """<robot name="elbow">
  <link name="world"/>
@@ -265,3 +269,35 @@ def test_files_with_faults_are_refused_by_name(elbow, old, new, reason, capsys):
     assert main(["arm", str(elbow), "--base", "foot", "--tip", "palm"]) == 2
     said = capsys.readouterr().err
     assert reason in said and said.count("\n") == 1 and "elbow.urdf: " in said
+
+
+def test_the_how_to_runs(elbow, tmp_path, monkeypatch, capsys):
+    page = Path(__file__).parents[2] / "docs" / "robots.md"
+    command, *_ = re.findall(r"^```bash\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
+    examples = re.findall(r"^```python\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
+    promised = re.findall(r"^```text\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
+    monkeypatch.chdir(tmp_path)
+    assert main(command.replace("robot.urdf", str(elbow)).split()[1:]) == 0
+    names: dict = {"__name__": "example"}
+    for example, text in zip(examples, promised, strict=True):
+        capsys.readouterr()
+        exec(compile(example, str(page), "exec"), names)
+        assert capsys.readouterr().out == text
+
+
+@pytest.mark.parametrize(("name", "build"), [("nao", NAO), ("human", HUMAN)])
+def test_arms_with_four_joints_ship_as_chains(name, build):
+    """Their hands are where those of the spatial arms are."""
+    model, joints = shipped_arm(name), postures(shipped_arm(name))
+    arm = SpatialArm(
+        upper_arm=build.upper_arm, forearm=build.forearm, joints=tuple(joints[0]),
+        joint_range=build.joint_range, max_joint_speed=build.max_joint_speed, grasp=build.grasp,
+    )  # fmt: skip
+    there = build.metres * hands_along(arm, joints)[0]
+    np.testing.assert_allclose(hands(model, joints)[0], there, atol=1e-6)
+    assert [joint.range for joint in model.joints] == list(build.joint_range)
+
+
+@pytest.mark.parametrize("name", arm_names())
+def test_arms_that_ship_say_where_their_numbers_come_from(name):
+    assert shipped_arm(name).source and shipped_arm(name).name == name

@@ -42,7 +42,8 @@ def draw_arm(
     rotations, places = frames_at(model, posture[None].astype(float))
     rotation, place = rotations[:, 0], places[:, 0]
     figure = style.new_figure(8.0, 4.6)
-    for ax, (name, across) in zip(figure.subplots(1, 2), SIDES.items(), strict=True):
+    axes = figure.subplots(1, 2)
+    for ax, (name, across) in zip(axes, SIDES.items(), strict=True):
         for k, link in enumerate(model.links):
             colour = COLOURS[link.joint % len(COLOURS)]
             ends = np.array([link.start, link.end]) @ rotation[link.joint].T + place[link.joint]
@@ -57,18 +58,18 @@ def draw_arm(
         ax.set_title(name, fontsize=9)
         ax.set_aspect("equal")
         ax.autoscale_view()
-        _widen(ax)
+    _widen(axes)
     figure.suptitle(f"{model.name}: {model.dof} joints, {len(model.links)} capsules", fontsize=10)
     return figure
 
 
-def _widen(ax: Axes) -> None:
-    """Make the part that is shown as wide as it is high, about its middle."""
-    left, right = ax.get_xlim()
-    bottom, top = ax.get_ylim()
-    half = 0.5 * max(right - left, top - bottom)
-    ax.set_xlim(0.5 * (left + right) - half, 0.5 * (left + right) + half)
-    ax.set_ylim(0.5 * (bottom + top) - half, 0.5 * (bottom + top) + half)
+def _widen(axes: Sequence[Axes]) -> None:
+    """Make the parts that are shown squares of one size, about their middles."""
+    limits = np.array([[ax.get_xlim(), ax.get_ylim()] for ax in axes])
+    half = 0.5 * np.ptp(limits, axis=2).max()
+    for ax, (across, up) in zip(axes, limits.mean(axis=2), strict=True):
+        ax.set_xlim(across - half, across + half)
+        ax.set_ylim(up - half, up + half)
 
 
 def _stadium(start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:
