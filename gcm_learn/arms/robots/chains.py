@@ -31,7 +31,7 @@ class Cover(NamedTuple):
     """Joint of the chain that carries it, 0 for the base."""
     capsules: int
     overhang: float
-    """How far capsules lie beyond the convex hull of what each covers, at most."""
+    """Largest distance of the capsules beyond the convex hull of what each covers."""
 
 
 class Fitted(NamedTuple):
@@ -44,7 +44,7 @@ class Fitted(NamedTuple):
 
 
 def read_robot(path: str | Path, packages: Sequence[str | Path] = ()) -> Robot:
-    """Read a robot from a URDF or MJCF file, which its first element tells apart.
+    """Read a robot from a file; its first element says whether it is URDF or MJCF.
 
     Raises
     ------
