@@ -1,9 +1,9 @@
 """The rule by which a hand in space has one posture for each of K swivels of the elbow.
 
 A hand leaves the elbow a circle.  Of K postures the k-th has the swivel of the arm at t = 0 and k
-K-ths of a turn. Where the joints' ranges forbid that, it takes the nearest allowed swivel in its
-own K-th of the circle.  They are on the branch of the inverse kinematics that the arm is on at
-t = 0, or on another where that one allows none.  So the first posture of the hand at t = 0 is the
+K-ths of a turn. If the joints' ranges forbid that, it takes the nearest allowed swivel in its
+own K-th of the circle.  Postures are on the branch of the inverse kinematics that the arm is on at
+t = 0, or on another if that one allows none.  So the first posture of the hand at t = 0 is the
 arm's own.
 
 Joints jump where the nearest swivel changes sides, where the branch changes, and where allowed

@@ -131,7 +131,7 @@ def _hinged_room(bodies, b, elbow, slack, poses):
     """Least distance of body b, at rest, to the upper arm while the elbow moves by `slack`.
 
     A body at the shoulder, as a torso, is as near to it whatever the arm does.  Points of the bone
-    move the less the nearer they are to the shoulder, and the distance to a convex body is convex
+    move the less the nearer they are to the shoulder.  The distance to a convex body is convex
     along the bone, so beyond two of its points it is no less than the line through them.
     """
     ex, ey, ez = elbow

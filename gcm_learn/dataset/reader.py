@@ -131,7 +131,7 @@ class Dataset(Sequence[Record]):
     def __getitem__(self, k: slice | np.ndarray) -> Dataset: ...
 
     def __getitem__(self, k: int | slice | np.ndarray) -> Record | Dataset:
-        """Record k, or those of a slice or of an array of positions or of truth values."""
+        """Return record k, or the records of a slice, of positions, or of an array of bool."""
         if isinstance(k, slice | np.ndarray):
             return Dataset(self._shelf, self._places[k], self._all)
         return Record(self.spec, {}, self._shelf.row(int(self._places[k])))

@@ -119,9 +119,9 @@ def _frame_of(record: Record, angle: float | None, mirrored: bool) -> Frame | Sp
 class Record:
     """One record of a dataset, as it was made or as it is read.
 
-    Its parts are the columns of a shard, in their order. The situation is in its canonical form
-    (hand on the positive x axis, elbow on the right; in space the base at the origin and a left
-    arm); map and plans belong to it.
+    Its parts are the columns of a shard, in their order. The situation is in its canonical form,
+    and map and plans belong to that. The hand is on the positive x axis and the elbow on the right;
+    in space the base is at the origin, and the arm a left one.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ class Record:
     oracle = Part[OracleLabel | None](
         _ORACLE, lambda _, label: astuple(label), lambda _, *cells: OracleLabel(*cells)
     )
-    """The oracle's label, None without an audit."""
+    """The oracle's label; None if there was no audit."""
     quantities = Part[dict[str, float]](
         dict.fromkeys(QUANTITIES, NUMBER),
         lambda _, quantities: [quantities[name] for name in QUANTITIES],

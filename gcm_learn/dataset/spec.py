@@ -82,7 +82,7 @@ class DatasetSpec:
     2 stay on lattices of n cells, the last ones have twice as many. Also how hard the labels'
     planners try."""
     effort: float | None = None
-    """In space: share of the moves that `layered` looks at before it gives up; all when absent."""
+    """In space: share of the moves that `layered` checks before it gives up; all when absent."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
     """Engine of the map that a record holds; none in space, where it has half a million cells."""
     n: int = 80

@@ -1,10 +1,10 @@
 """Suites: situations that all are compared on, frozen by hash.
 
 A suite is the specification of a dataset, or a stratum of what families draw in turns (`turns`),
-drawn on demand; the oracle decides the strata. What has been drawn is kept as a file of lines
-beside the others, so that it is drawn once; small ones come with the repository. Whatever is read
-or drawn, as many of its first situations as were frozen must have the hash that is noted here, so
-two comparisons of one suite have seen the same.
+drawn on demand; the oracle decides the strata. Drawn suites are kept as files of lines beside the
+others, so each is drawn once; small ones come with the repository. The first situations of a suite,
+as many as were frozen, must have the hash that is noted here. So two comparisons of one suite have
+seen the same.
 """
 
 from __future__ import annotations

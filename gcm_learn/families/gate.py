@@ -1,11 +1,11 @@
 """A gate: the way to the target opens at a moment, and the hand has to wait for it.
 
-Whatever stands nearer to the shoulder than the elbow keeps the upper arm from turning past it. So
-a resting body on one side of the upper arm and a gate on its other side lock the arm in, however
-long the way round. The gate opens in one of two ways: a *bolt* is a bar that points at the
-shoulder and slides outwards, and is open when its inner end is farther than the elbow; a *runner*
-is a ball that passes the shoulder and runs ahead of the arm, and is open when it has passed the
-direction that the upper arm has at the target. Both start from rest, so a front is there before.
+A body that stands nearer to the shoulder than the elbow keeps the upper arm from turning past it.
+So a resting body on one side of the upper arm and a gate on its other side lock the arm in, however
+long the way round. The gate opens in one of two ways. A *bolt* is a bar that points at the shoulder
+and slides outwards; it is open when its inner end is farther than the elbow. A *runner* is a ball
+that passes the shoulder and runs ahead of the arm. It is open when it has passed the direction that
+the upper arm has at the target. Both start from rest, so a front is there before.
 """
 
 from __future__ import annotations
@@ -165,6 +165,6 @@ class GateSolid(InSpace, Gate):
         return bolt._replace(acceleration=(0.0, 0.0), leaves=opens)
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes; gates neither lean nor come through the plane by chance."""
+        """Make a piece's body; gates neither lean nor come through the plane by chance."""
         is_gate = piece.name in ("bolt", "runner")
         return solid_body(rng, piece, self.space, arm.max_hand_speed, firm=is_gate)

@@ -80,7 +80,7 @@ class LateTargetSolid(InSpace, LateTarget):
         return Event(target, meet, entry, horizon, pick_sign(rng))
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes; the target is one radius off the plane at its entry."""
+        """Make a piece's body; the target is one radius off the plane at its entry."""
         if piece.role == "obstacle":
             return super().body(rng, piece, arm)
         through = pick_sign(rng) * pick(rng, self.approach) * arm.max_hand_speed

@@ -58,7 +58,7 @@ class PendulumFamily(InSpace, EventFamily):
     amplitude: Range = span(0.3, 1.0, 0.01, 1.5)
     """Largest angle of the swing [rad]."""
     phase: Range = span(-0.8, 0.8, -0.99, 0.99)
-    """Angle at which the plane is met [amplitudes]."""
+    """Angle at which it meets the plane [amplitudes]."""
     heading: Range = span(0.2, 1.57, 0.0, 1.58)
     """Angle between the swing's plane and the arm's [rad]."""
     wait: Range = span(1.0, 1.8, 1.0)
@@ -114,7 +114,7 @@ class PendulumFamily(InSpace, EventFamily):
         )
 
     def _motion(self, rng: np.random.Generator, swing: Swing) -> Pendulum:
-        """The swing back at t = 0, from its energy and its angle when the plane is met."""
+        """The swing back at t = 0, from its energy and its angle when it meets the plane."""
         length, amplitude = pick(rng, self.length), pick(rng, self.amplitude)
         heading = pick_sign(rng) * pick(rng, self.heading)
         angle, stiffness = pick(rng, self.phase) * amplitude, swing.gravity / length

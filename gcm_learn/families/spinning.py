@@ -71,7 +71,7 @@ class SpinningSolid(InSpace, Spinning):
     """[forearms]"""
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes."""
+        """Make a piece's body."""
         body = super().body(rng, piece, arm)
         flies = piece.role == "obstacle" and isinstance(body.motion, SolidQuadratic)
         if not flies or rng.random() >= self.discs:

@@ -22,7 +22,7 @@ _NARROWEST = 1e-12  # share of a piece that is looked at before its hand counts 
 
 @njit
 def judge(scene, touch, time, joints, rates, body):
-    """First promise that is not kept (NOTHING if all are), least distance, and when [s].
+    """Return the first broken promise or NOTHING, the least distance, and when [s].
 
     Parameters
     ----------
@@ -195,9 +195,9 @@ def _top_rate(curve, j):
 def hand_too_fast(limb, curve, most, q):
     """Return whether the hand's way per share of a move exceeds `most` anywhere.
 
-    The hand's velocity strays from a straight line between those at the ends of a span by at most
-    an eighth of its width squared times what bounds the second derivative: each turns the arm once
-    more, or is of one joint alone.
+    Between the ends of a span the hand's velocity strays from a straight line.  It does so by at
+    most an eighth of the width squared times a bound of the second derivative: each turns the arm
+    once more, or is of one joint alone.
     """
     far, rates, bends, jolts = lever(limb), 0.0, 0.0, 0.0
     for j in range(dof(limb)):

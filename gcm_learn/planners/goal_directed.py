@@ -39,16 +39,16 @@ LABELS = 3  # for which there is room, for every cell
 
 
 def found(problem: Problem, n: int) -> Plan | None:
-    """What the search says of a problem: a verified catch, or that there is none.
+    """Search for a plan: a verified catch, the failure to find any, or None if undecided.
 
-    None where it cannot tell: legs know no limits of joints, and a rest between two of them is
-    looked at only so often that a plan may, rarely, turn out to touch.
+    It is undecided for arms with limits of joints, which legs do not know.  Rests between two legs
+    are checked only so often that a plan may, rarely, turn out to touch.
 
     Parameters
     ----------
     problem : Problem
     n : int
-        Cells a side of the lattice.  A finer one, which sees narrower gaps, is looked at briefly.
+        Cells a side of the lattice.  A finer one, which sees narrower gaps, is searched briefly.
     """
     if problem.situation.arm.max_joint_speed is not None:
         return None

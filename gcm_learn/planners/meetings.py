@@ -24,7 +24,7 @@ SHUT = -1e300  # distance at which a target counts as met that cannot be
 
 @njit
 def aim_at(ground, end):
-    """Where targets are over [0, end], and when a hand can be there."""
+    """Sample the places of targets over [0, end], and when a hand can be there."""
     bodies, poses, step = ground.scene.bodies, ground.postures.scratch, end / SPANS
     count = bodies.rows.shape[0]
     ways, targets, blocker = np.empty((SPANS, count, 4)), 0, 0

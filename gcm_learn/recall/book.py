@@ -1,10 +1,10 @@
-"""What a memory has met: an even sample of it, and which memories catch in each situation.
+"""Book of a memory: an even sample of its situations, and which memories catch in each.
 
-With it a memory of bounded size forgets what others cover. The sample is Vitter's reservoir (ACM
-Transactions on Mathematical Software 11, 1985), so that what was met long ago counts like what was
-met just now. What is forgotten is what leaves the fewest of its situations without a memory, one
-after the other: the greedy way to a maximal cover (Nemhauser, Wolsey and Fisher, Mathematical
-Programming 14, 1978), backwards.
+With it a memory of bounded size drops entries that others cover. The sample is Vitter's reservoir
+(ACM Transactions on Mathematical Software 11, 1985), so that old situations count like new ones.
+Entries go one after the other, first the one that leaves the fewest situations without a memory.
+That is the greedy way to a maximal cover (Nemhauser, Wolsey and Fisher, Mathematical Programming
+14, 1978), backwards.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ class Book:
 
     @classmethod
     def of(cls, arrays: Mapping[str, np.ndarray], dim: int) -> Book:
-        """The book with such arrays; an empty one if there are none."""
+        """Make a book of such arrays; an empty one without arrays."""
         out = cls(dim)
         if "book_met" in arrays:
             out.met = int(arrays["book_met"][0])

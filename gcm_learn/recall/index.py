@@ -262,8 +262,8 @@ class PcaIndex(_Numbers):
     """Neighbours by principal components of maps: a control without a network.
 
     A memory is filed under the components of its situation's map. A query must not know its own
-    map, so where it would lie is predicted from its raw parameters by ridge regression, linear in
-    them and in cosines of random combinations of them (Rahimi and Recht, NIPS 2007).
+    map, so its place is predicted from its raw parameters by ridge regression. The regression is
+    linear in them and in cosines of random combinations of them (Rahimi and Recht, NIPS 2007).
     """
 
     scale: Scale

@@ -2,10 +2,10 @@
 
 In space-time an obstacle is a tube, and a movement is a thread from the hand at t = 0 to the catch.
 Two threads with the same ends that pass a tube on different sides cannot be moved into each other
-without cutting it, and what tells them apart is by how much the direction from the body to the hand
-turns until then. So "behind it" and "before it comes" are sides, too. Classes of paths among
-obstacles are told by such integrals in Bhattacharya, Likhachev and Kumar (Autonomous Robots 33,
-2012); in the frame of moving bodies by Mavrogiannis and Knepper (IJRR 38, 2019).
+without cutting it. They differ in how much the direction from the body to the hand turns until
+then. So "behind it" and "before it comes" are sides, too. Such integrals classify paths among
+obstacles in Bhattacharya, Likhachev and Kumar (Autonomous Robots 33, 2012). In the frame of moving
+bodies they do in Mavrogiannis and Knepper (IJRR 38, 2019).
 """
 
 from __future__ import annotations

@@ -184,9 +184,9 @@ class SplinesPlanner:
     """Random movements in place of memories: the control for what verification does alone.
 
     A spline's hand starts where the query's does. Its direction and its share of the ring follow
-    quadratic Bezier curves from there, whose middle control point and end are drawn: directions
-    evenly within HALF_TURN of the first, shares within RIMS, the time of the end within TIMES; one
-    in WAITERS waits at its middle until half of that time.
+    quadratic Bezier curves from there, whose middle control point and end are drawn. Directions are
+    drawn evenly within HALF_TURN of the first, shares within RIMS, the time of the end within
+    TIMES. One in WAITERS waits at its middle until half of that time.
 
     The ends are then adapted to the target as in memories, so only the path is random.
     """
@@ -289,7 +289,7 @@ def unverified(
 
 
 def has_memory() -> bool:
-    """Whether there is a memory of the plane that planners can ask."""
+    """Return whether planners find a memory of the plane."""
     return artifacts.model(MEMORIES.of(PLANAR).shipped, MANIFEST) is not None
 
 

@@ -79,7 +79,7 @@ def bend(s, k, q, di, dj, plane, sheets):
     """When the front of state s in cell k is in the neighbour q = k + (di, dj), going round a cell.
 
     Returns the time and the state that it goes round: this state, or an earlier one beside it.  If
-    q is reached across a corner only, where nothing squeezes through, they are (NEVER, -1).
+    q is reached across a corner only, which is too narrow, they are (NEVER, -1).
     """
     n, latest, spans = plane.n, sheets.latest, sheets.spans
     W, now = n + 2, spans[s, ARRIVAL]

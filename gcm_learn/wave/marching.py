@@ -1,6 +1,6 @@
 """Causal marching: the map of a front of constant speed, cell by cell in order of arrival.
 
-The meaning is that of the wave, at the speed of a Dijkstra search: a cell is accepted only if its
+The meaning is that of the wave, at the speed of a Dijkstra search.  A cell is accepted only if its
 limb is free when the front gets there.  Distances are measured in cells and times in crossings
 (the time the front needs for one cell) while marching.
 

@@ -136,5 +136,5 @@ class Run(NamedTuple):
 
 @njit(_nrt=False)
 def rhythm(run):
-    """Pairs of Euler steps between two looks at the front, and looks between renewals of blocks."""
+    """Pairs of Euler steps between checks of the front, and checks between renewals of blocks."""
     return int(0.5 * run.lag / run.step + 0.5), max(1, int(3.6 / run.lag))

@@ -37,7 +37,7 @@ class StaticClutterSpace(SpatialFamily):
     """Number of obstacles."""
     things: Things = field(default_factory=Things)
     share: Range = span(0.25, 0.8, most=1.0)
-    """Where on the way they stand, as shares of it."""
+    """Places on the way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball at rest, and what stands in the way."""
@@ -63,7 +63,7 @@ class CrossingSwarmSpace(SpatialFamily):
     """Number of obstacles."""
     things: Things = field(default_factory=lambda: Things(boards=0.5, bars=0.4))
     share: Range = span(0.25, 0.9, most=1.0)
-    """Where on the way they cross, as shares of it."""
+    """Places on the way at which they cross, as shares of it."""
     speed: Range = span(0.4, 1.6)
     """Of the swarm, in ways of one forearm within the time that the way takes."""
     spread: Range = span(-0.4, 0.4, -3.15)
@@ -115,7 +115,7 @@ class BehindPostSpace(SpatialFamily):
     summary = "a ball behind a tall post that moves with it, or on past it"
 
     takes: Range = span(0.1, 0.3, most=0.9)
-    """How long the straight way of the joints takes [horizons]."""
+    """Duration of the straight way of the joints [horizons]."""
     passing: float = number(0.8)
     """Share of posts that go on past the ball."""
     left: Range = span(0.6, 1.4, 0.1)

@@ -93,7 +93,7 @@ class ReachableSet:
 
     @property
     def sound(self) -> bool:
-        """Whether steps are short enough for an outer set to be one."""
+        """True if steps are short enough for an outer set to be one."""
         return self.dt <= self.front.cost.min()
 
     def meetings(self) -> Iterator[list[Meeting]]:
@@ -212,7 +212,7 @@ def _start_until(problem: Problem, touch: float) -> float:
 
 
 def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> Front:
-    """The set before the first step: empty, with the cells around the hand in view."""
+    """The set before the first step: empty, with the cells around the hand listed."""
     size = len(grid.centre)
     offset = np.abs(grid.centre[:, :2] - arm.hand)
     if not exact:  # the nearest point of each cell
