@@ -1,8 +1,8 @@
 """Folders of models, suites and samples, and of drawn situations.
 
-Three folders are searched for things of a kind, one after the other. They are the one that an
-environment variable names, the user's own, and the package's. The package's folders are `models`
-and `data` of the repository, or the parts of them that a wheel carries.
+Three folders are searched for things of a kind, one after the other: an environment variable's, the
+user's own, and the package's. The package's folders are `models` and `data` of the repository, or
+the parts of them that a wheel carries.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ def limb_sweep(x0, y0, x1, y1, rho):
     """Bound the way that any point of the limb travels while the hand goes straight from 0 to 1.
 
     The elbow turns by at most the change of the hand's direction plus the variation of `_bend`
-    over the radii on the way.  `_bend` is monotone between the ends, the point nearest to the
+    over the radii on the way.  That function is monotone between the ends, the point nearest to the
     shoulder and, for rho > 1, the radius where it is stationary.
     """
     dx, dy = x1 - x0, y1 - y0

@@ -1,8 +1,7 @@
 """Maps as training reads them: at random from arrays in files, or one after another from shards.
 
-A Parquet file is decoded a hundred records at a time.  That is right for streams and wrong for
-training that jumps about.  So there is a cache of plain arrays, built once and shared by all
-processes.
+A Parquet file is decoded a hundred records at a time, which suits streams but not training that
+jumps about.  So there is a cache of plain arrays, built once and shared by all processes.
 """
 
 from __future__ import annotations

@@ -147,7 +147,7 @@ class Record:
     oracle = Part[OracleLabel | None](
         _ORACLE, lambda _, label: astuple(label), lambda _, *cells: OracleLabel(*cells)
     )
-    """The oracle's label; None if there was no audit."""
+    """The oracle's label, if there was an audit."""
     quantities = Part[dict[str, float]](
         dict.fromkeys(QUANTITIES, NUMBER),
         lambda _, quantities: [quantities[name] for name in QUANTITIES],

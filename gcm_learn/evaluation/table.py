@@ -23,7 +23,7 @@ class Results:
 
     @classmethod
     def of(cls, rows: Sequence[Mapping[str, Any]]) -> Results:
-        """Collect rows with the same keys; missing values are None, or NaN."""
+        """Collect rows with the same keys; a missing value is None, or NaN."""
         names = list(rows[0]) if rows else []
         return cls({name: _column([row[name] for row in rows]) for name in names})
 

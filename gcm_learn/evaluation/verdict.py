@@ -62,7 +62,7 @@ def _of_model(bare: str) -> str:
 
 
 def verdict(results: Results) -> str:
-    """Name the method that catches most, and the one that does among those that think quickly."""
+    """Name the method that catches most, of all and of the methods that think quickly."""
     reachable = results.where(results["stratum"] != "U")
     if not len(reachable):
         return "None of these situations can be caught."

@@ -195,9 +195,9 @@ def _top_rate(curve, j):
 def hand_too_fast(limb, curve, most, q):
     """Return whether the hand's way per share of a move exceeds `most` anywhere.
 
-    Between the ends of a span the hand's velocity strays from a straight line.  It does so by at
-    most an eighth of the width squared times a bound of the second derivative: each turns the arm
-    once more, or is of one joint alone.
+    Between the ends of a span the hand's velocity strays from a straight line.  It strays by at
+    most an eighth of the width squared times a bound of the second derivative.  Each derivative
+    turns the arm once more, or is of one joint alone.
     """
     far, rates, bends, jolts = lever(limb), 0.0, 0.0, 0.0
     for j in range(dof(limb)):

@@ -135,19 +135,19 @@ def _attempt(problem: Problem, ground: Ground, labels: Labels, caught: Catch) ->
 
 
 def new_hunt(labels: int, bound: float) -> Hunt:
-    """Return a search for a catch before a bound [s], with room for so many labels."""
+    """Return a search for a catch before a bound [s], with memory for so many labels."""
     queue = np.empty(labels), np.empty(labels), np.empty(labels, np.int64), np.zeros(1, np.int64)
     return Hunt(Aim(np.empty((0, 0, 4)), 0.0, bound), Queue(*queue), np.zeros(1, np.int64))
 
 
 def leg_room(bodies: int, floor: float) -> Sweep:
-    """Room to ask for legs among so many bodies; nearer than `floor` counts as touching."""
+    """Return buffers to check legs among so many bodies; nearer than `floor` is touching."""
     stack = np.empty((DEEPEST + 2, 3))
     return Sweep(np.zeros(2), np.zeros((2, 2)), floor, ANY, np.zeros((bodies, 12)), stack)
 
 
 def unasked(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First label, number of labels and `soonest` (nodes,) before any node has been asked for."""
+    """First label, number of labels and `soonest` (nodes,) before any node is opened."""
     return np.full(nodes, -1), np.zeros(nodes, dtype=np.int64), np.full(nodes, NEVER)
 
 

@@ -2,9 +2,9 @@
 
 With it a memory of bounded size drops entries that others cover. The sample is Vitter's reservoir
 (ACM Transactions on Mathematical Software 11, 1985), so that old situations count like new ones.
-Entries go one after the other, first the one that leaves the fewest situations without a memory.
-That is the greedy way to a maximal cover (Nemhauser, Wolsey and Fisher, Mathematical Programming
-14, 1978), backwards.
+Entries go one after the other, each time the one whose loss leaves the fewest situations without a
+memory. It is the greedy way to a maximal cover (Nemhauser, Wolsey and Fisher, Mathematical
+Programming 14, 1978), backwards.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Memories that are made: of datasets, or by experience.
 
 A memory that grows with experience remembers what it could not recall and what was then planned
-anew. What is already covered is not stored, as in Thunder (Coleman, Sucan, Moll, Okada and Correll,
+anew. It skips what is already covered, as Thunder does (Coleman, Sucan, Moll, Okada and Correll,
 ICRA 2015). So the memory grows ever more slowly, and is filled with hard cases. Under a limit it
 drops entries that others cover: it keeps a book of its situations, and of which memories catch
 there.

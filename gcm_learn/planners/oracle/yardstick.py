@@ -79,11 +79,14 @@ def yardstick(
 ) -> Yardstick:
     """Run all methods, and rule out the impossible.
 
-    The strata are as in the plane. **L**: a straight line in joints to some interception, evenly
-    fast, catches. **W**: `marching` catches, which never waits, or a plan of another method still
-    does if its rests are left out and all its legs except the last are as fast as the limits allow.
-    Under limits of acceleration it is a plan without rests. **Q**: some plan catches. **U**: none
-    does; a `lower` that is infinite rules catches out, else the question is open.
+    The strata are as in the plane.
+
+    - **L**: a straight line in joints to some interception, evenly fast, catches.
+    - **W**: `marching` catches, which never waits.  Or a plan of another method still does if its
+      rests are left out and all its legs except the last are as fast as the limits allow.  Under
+      limits of acceleration it is a plan without rests.
+    - **Q**: some plan catches.
+    - **U**: none does.  A `lower` that is infinite rules catches out, else the question is open.
 
     Parameters
     ----------
