@@ -14,9 +14,9 @@ from typing import BinaryIO
 
 APP = "gcm_learn"
 TEMPORARY = ".gcm-learn-"
-"""How the names of unfinished files begin."""
+"""Beginning of the names of unfinished files."""
 UNFINISHED = ".tmp"
-"""How they end, where no library asks for the suffix of the file that they become."""
+"""Their ending, unless a library requires the suffix of the file that they become."""
 
 
 @contextlib.contextmanager

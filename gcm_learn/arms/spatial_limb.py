@@ -294,7 +294,7 @@ def _bones(
 def _pole(
     upper: tuple[float, ...], fore: tuple[float, ...], ranges: tuple[tuple[float, float], ...]
 ) -> int:
-    """Which of the directions in `_TOWARDS` hands avoid.
+    """Return the index of the direction in `_TOWARDS` that hands avoid.
 
     Sampled hands are farthest from this direction, seen from the shoulder.  The hands of some
     arms can be in every direction; then few of them come near to it.

@@ -99,7 +99,7 @@ class Dataset(Sequence[Record]):
         self._places = places
         """Position of every record among all items of the shards (m,)."""
         self._all = places if everything is None else everything
-        """The same of all records of the dataset of which this is a part."""
+        """Places of all records of the dataset of which this is a part."""
 
     @property
     def spec(self) -> DatasetSpec:
@@ -113,7 +113,7 @@ class Dataset(Sequence[Record]):
 
     @property
     def folder(self) -> Folder:
-        """Where it is."""
+        """Folder of the dataset."""
         return self._shelf.folder
 
     @property

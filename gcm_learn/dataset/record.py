@@ -141,7 +141,7 @@ class Record:
     split = Part[str](WORD)
     """train, validation, test, or the name of a held-out split."""
     structure = Part[str](WORD)
-    """What `parameters` mean."""
+    """Meaning of `parameters`."""
     twin_key = Part[int](pa.int64())
     """Equal for twins: see `parameters.twin_key`."""
     oracle = Part[OracleLabel | None](
@@ -170,8 +170,8 @@ class Record:
         pa.struct([(name, COUNT) for name in REJECTS]),
         lambda _, counts: [{name: counts[name] for name in REJECTS}],
     )
-    """How many of them were not wanted, by stratum; also "blocked" (the limb touches an obstacle at
-    t = 0) and "other" (not the wanted stratum, and not looked into any further)."""
+    """Number of unwanted draws, by stratum; also "blocked" (the limb touches an obstacle at
+    t = 0) and "other" (not the wanted stratum, and not classified further)."""
     error = Part[str | None](WORD)
     """Reason of a failure; the record then has index, attempts and rejected only."""
     situation = Part[Any](

@@ -66,7 +66,7 @@ class FamilyShare:
 
 @dataclass(frozen=True)
 class DatasetSpec:
-    """Everything that decides what the records are.
+    """Specification of a dataset; it decides every record.
 
     `count` decides only how many there are: a larger one continues the same dataset.
     """
@@ -88,7 +88,7 @@ class DatasetSpec:
     n: int = 80
     """Cells along a side of the map."""
     label: Literal["fast", "oracle"] = "fast"
-    """Who decides the stratum: the planners straight, marching (in space `layered` without waits)
+    """Judge of the stratum: the planners straight, marching (in space `layered` without waits)
     and layered, or the oracle."""
     audit: float = 0.0
     """Share of the items that the oracle labels as well."""

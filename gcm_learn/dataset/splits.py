@@ -1,4 +1,4 @@
-"""Which records are for training, which for choosing, which for the last word."""
+"""Splits: records for training, for choosing and for the final test."""
 
 from __future__ import annotations
 

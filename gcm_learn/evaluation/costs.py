@@ -32,7 +32,7 @@ class Cost:
     steps: int | None = None
     """In the arena."""
     start: str = ""
-    """What training began with."""
+    """Start of the training."""
     minutes: float | None = None
     """Of training, by the clock."""
 

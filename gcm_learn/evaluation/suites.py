@@ -79,7 +79,7 @@ class Suite:
     """By name, with the ranges that differ from their own; drawn equally often."""
     strata: Mapping[str, float] | None = None
     label: Literal["oracle", "fast"] = "oracle"
-    """Who decides the strata: in space straight and layered do, since a yardstick takes seconds.
+    """Judge of the strata: in space straight and layered, since a yardstick takes seconds.
     These get better, so such suites are drawn anew and not frozen."""
 
     def spec(self, name: str, count: int) -> DatasetSpec:
@@ -136,7 +136,7 @@ class Entry:
     stratum: str
     """By the oracle; in space by `straight` and `layered`."""
     earliest: float
-    """When the oracle's plan catches, or the first of these [s]; infinite if none does."""
+    """Catch time of the oracle's plan, or of the first of these [s]; infinite without a catch."""
 
 
 def suite_names() -> list[str]:
@@ -236,7 +236,7 @@ def _drawn(
 
 
 def _earliest(record: Record) -> float:
-    """When the oracle catches, or the first of the plans if it was not asked [s]."""
+    """Catch time of the oracle, or of the first of the plans if it was not run [s]."""
     if record.oracle is not None:
         return record.oracle.upper
     times = (plan.catch_time for plan in record.plans.values())

@@ -50,7 +50,7 @@ class ArmRanges(Ranges):
     inner_margin: float = number(0.35)
     """Between the ring's inner rim and where hands start and meet targets [forearms]."""
     outer_margin: float = number(0.1)
-    """The same at the outer rim."""
+    """Margin at the outer rim [forearms]."""
 
     def __post_init__(self) -> None:
         """Check the fields, and that the margins leave a ring."""
@@ -90,7 +90,7 @@ class Family(Ranges):
     name: ClassVar[str]
     """Under which it is registered."""
     summary: ClassVar[str]
-    """What happens, in one line."""
+    """Description in one line."""
     kind: ClassVar[str] = "planar"
     """Of the arm: planar or spatial."""
 

@@ -62,8 +62,8 @@ class Gate(PieceFamily):
     obstacles: Counts = counts(2, 4, 2)
     """Number of obstacles, the gate and the body on the arm's other side included."""
     opening: Range = span(0.05, 0.4, 0.01, 0.95)
-    """When the gate opens, as shares of the time from when the hand could be at the target,
-    if there were no gate, until the horizon."""
+    """Instant at which the gate opens, as shares of the time from when the hand could be at the
+    target, if there were no gate, until the horizon."""
     bolts: float = number(0.6)
     """Share of gates that are bolts; the others are runners."""
     before: Range = span(0.15, 0.5, most=1.5)
@@ -149,7 +149,7 @@ def _hand_of(arm: Arm, first: float, second: float) -> Vector:
 
 @dataclass(frozen=True)
 class GateSolid(InSpace, Gate):
-    """The same with solids; some bolts are pulled out of the plane along its normal instead."""
+    """Gates of solids; some bolts are pulled out of the plane along its normal instead."""
 
     name = "gate-solid"
     summary = "a gate of solids that slides away, runs ahead or is pulled out of the plane"

@@ -28,7 +28,7 @@ class LateTarget(EventFamily):
     summary = "a target that comes within reach only after a good part of the horizon"
 
     entry: Range = span(0.4, 0.75, most=0.95)
-    """When the target comes within reach [horizons]."""
+    """Instant at which the target comes within reach [horizons]."""
     speed: Range = span(0.2, 0.8, 1e-3)
     """Of the target [hand speeds]."""
     aside: Range = span(-0.7, 0.7, -1.4, 1.4)

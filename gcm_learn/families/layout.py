@@ -68,7 +68,7 @@ class WayRanges(Ranges):
 def meeting_time(
     rng: np.random.Generator, arm: Arm, meet: Vector, wait: Range, horizon: float
 ) -> float:
-    """When a moving target is where it may be met [s].
+    """Draw the time at which the hand may meet a moving target [s].
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ class PendulumFamily(InSpace, EventFamily):
     length: Range = span(0.8, 2.5, 0.1)
     """From pivot to ball [forearms]."""
     gravity: Range = span(0.3, 1.0, 0.01)
-    """The same for all bodies of a scene [squared hand speeds per forearm]."""
+    """Acceleration of all bodies of a scene [squared hand speeds per forearm]."""
     amplitude: Range = span(0.3, 1.0, 0.01, 1.5)
     """Largest angle of the swing [rad]."""
     phase: Range = span(-0.8, 0.8, -0.99, 0.99)
@@ -62,7 +62,7 @@ class PendulumFamily(InSpace, EventFamily):
     heading: Range = span(0.2, 1.57, 0.0, 1.58)
     """Angle between the swing's plane and the arm's [rad]."""
     wait: Range = span(1.0, 1.8, 1.0)
-    """When the ball is where it may be met, in times that the hand needs for the way there."""
+    """Time of the meeting, in times that the hand needs for the way there."""
     cord: Range = span(0.005, 0.02, 1e-3)
     """Radius of cords [forearms]."""
     swinging: float = number(0.6)

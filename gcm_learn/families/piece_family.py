@@ -44,7 +44,7 @@ from gcm_learn.situation import Body, Plane, Situation
 
 @dataclass(frozen=True)
 class Sizes(Ranges):
-    """How large balls and bars are [forearms]."""
+    """Sizes of balls and bars [forearms]."""
 
     target: Range = span(0.04, 0.12, TINY)
     """Radius of the target."""

@@ -37,9 +37,9 @@ class Verdict:
     """Smallest distance of limb and obstacles, less the thickness; only the order of magnitude of
     the failure when `good` is False."""
     reason: Reason | None = None
-    """What is wrong."""
+    """Reason for a rejection."""
     collision_time: float | None = None
-    """When the limb touches an obstacle [s]; None if it stays free, or something else is wrong."""
+    """Time of the limb's contact with an obstacle [s]; None if it is free or otherwise wrong."""
 
 
 @njit

@@ -29,9 +29,9 @@ class Exploration:
     attempts: Iterable[Attempt] = ()
     """Not verified, the most promising first; made on demand."""
     arrived: float = 0.0
-    """When the hand is where the interception is [s]."""
+    """Instant at which the hand is where the interception is [s]."""
     shared: float = 0.0
-    """Until when all attempts are the same [s]."""
+    """Instant until which all attempts are the same [s]."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Feedback:
     passed_over: int = 0
     """Number of interceptions."""
     met: float = -1.0
-    """When the last map's interception was [s]."""
+    """Time of the last map's interception [s]."""
 
     def applied(self, scene: Scene, chart: Chart) -> Scene:
         """A scene with the horizon at which the front stops."""

@@ -78,7 +78,7 @@ class Plan:
     a spatial arm]; infinite without obstacles."""
     trajectory: Movement | None = None
     failure: Failure | None = None
-    """Why there is no catch, to be counted; `message` has its sentence."""
+    """Reason for a missing catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
     """The map that the plan came from; plans that needed none leave it out."""
     nodes: int = 0

@@ -1,4 +1,4 @@
-"""The same path under a limit of acceleration: slower off the mark, rounder at the corners.
+"""A plan's path under a limit of acceleration: slower off the mark, rounder at the corners.
 
 A plan's hand starts at full speed and turns on the spot.  Here it is followed by its own average
 over the last moments,

@@ -45,7 +45,7 @@ class Tube:
         return self.still + self.per_speed * speed
 
     def scaled(self, unit: float) -> Tube:
-        """The same tube where a length of 1 is `unit`."""
+        """Return the tube in a unit in which a length of 1 is `unit`."""
         return Tube(self.still * unit, self.per_speed * unit)
 
 
@@ -73,7 +73,7 @@ class InTube:
 
     @property
     def name(self) -> str:
-        """That of the planner."""
+        """Name of the planner."""
         return str(self.planner.name)
 
     def plan(self, situation: AnySituation) -> Plan:

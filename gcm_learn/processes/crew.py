@@ -67,7 +67,7 @@ class Crew(ABC):
 
 
 class Here(Crew):
-    """Nobody but this process."""
+    """Crew of the present process alone."""
 
     def __exit__(
         self,

@@ -33,7 +33,7 @@ class LocalCrew(Crew):
     def __init__(self, workers: int, ahead: int = 2) -> None:
         self.workers, self.ahead = workers, ahead
         self.rebuilt = 0
-        """How often processes had to be replaced."""
+        """Number of times that processes had to be replaced."""
         self._block = ExitStack()
         self._executor: ProcessPoolExecutor | None = None
 

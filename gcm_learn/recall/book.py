@@ -122,7 +122,7 @@ class Book:
         self.works = new[self.works]
 
     def asked_by(self, embed: Callable[[Any], np.ndarray], dim: int) -> Book:
-        """The same with other queries (dim,), made by a function of situations."""
+        """Return a copy with other queries (dim,), made by a function of situations."""
         out = Book.of(self.arrays(), dim)
         out.queries = np.zeros((len(self), dim), np.float32)
         for page in range(len(self)):

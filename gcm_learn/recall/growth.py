@@ -122,7 +122,7 @@ def catch_of(record: Record, planner: str = "") -> Waypoints | None:
 
 @dataclass(frozen=True)
 class Coverage:
-    """When a situation counts as covered by what is remembered."""
+    """Rule by which a situation counts as covered by what is remembered."""
 
     slack: float = math.inf
     """A recalled catch may come this share later than the planned one. Infinite: any recalled catch

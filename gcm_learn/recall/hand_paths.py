@@ -213,7 +213,7 @@ def _move_end(query, style, work, end):
 
 @njit(_nrt=False)
 def _soonest_end(query, style, work, end):
-    """When a path whose end is so moved can be at its end: nearly, and without trigonometry."""
+    """Estimate when a path whose end is so moved can be at its end, without trigonometry."""
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     base, share, low = work.base, work.share, _lowest(query)
     slowness = 1.0 / query.rules.speed

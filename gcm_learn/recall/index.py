@@ -171,7 +171,7 @@ class RandomIndex(_Numbers):
 
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> RandomIndex:
-        """Nothing to learn."""
+        """Make an index; it learns nothing."""
         return cls(seed)
 
     @property
@@ -297,7 +297,7 @@ class PcaIndex(_Numbers):
         return unfitted.predicting((pictures - centre) @ components.T, features)
 
     def predicting(self, places: np.ndarray, features: np.ndarray) -> PcaIndex:
-        """The same with a regression from raw parameters (n, COUNT) to other places (n, d)."""
+        """Return a copy with a regression from raw parameters (n, COUNT) to places (n, d)."""
         inputs = self._inputs(features).astype(float)
         penalty = RIDGE * np.eye(inputs.shape[1])
         weights = np.linalg.solve(inputs.T @ inputs + penalty, inputs.T @ places)

@@ -127,7 +127,7 @@ def _nearest_target(study):
 
 @njit(_nrt=False)
 def _meeting(study, target):
-    """When a straight way meets the target first [s]; its end is left in ``study.goal``.
+    """Return when a straight way meets the target first [s]; its end is left in ``study.goal``.
 
     Negative where it comes late: then the end is the last posture that would catch, or the start.
     """

@@ -129,7 +129,7 @@ def listwise(scores: Tensor, valid: Tensor) -> Tensor:
 
 
 def contrast(scores: Tensor, valid: Tensor, own: Tensor) -> Tensor:
-    """The same for own memories only.
+    """Contrast of own memories with invalid ones.
 
     Parameters
     ----------

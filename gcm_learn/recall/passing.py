@@ -29,7 +29,7 @@ INSTANTS = 256  # between which the direction turns by far less than half a turn
 
 
 class Passing(NamedTuple):
-    """How a movement passes the obstacles, in their order (m,)."""
+    """Sides on which a movement passes the obstacles, in their order (m,)."""
 
     turn: np.ndarray
     """By how much the direction from the body's centre to the hand turns, in the situation's
@@ -50,7 +50,7 @@ class Passing(NamedTuple):
 
 
 def passing(situation: Situation, trajectory: Movement) -> Passing:
-    """How a movement passes the obstacles of a situation, in any frame."""
+    """Return how a movement passes the obstacles of a situation, in any frame."""
     arm, bodies = situation.arm, pack_bodies(situation)
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
     time = np.linspace(0.0, trajectory.duration, INSTANTS)
@@ -62,7 +62,7 @@ def passing(situation: Situation, trajectory: Movement) -> Passing:
 
 
 def passing_of(situation: Situation, waypoints: Waypoints) -> Passing:
-    """How a memory passes the obstacles of its own situation, which is canonical."""
+    """Return how a memory passes the obstacles of its own situation, which is canonical."""
     arm = situation.arm
     return passing(situation, Movement.of_hand(arm, *path_of(waypoints, arm)))
 

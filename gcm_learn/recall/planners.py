@@ -48,11 +48,11 @@ _REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
 
 @dataclass(frozen=True)
 class Recollection:
-    """How a plan was recalled."""
+    """A plan, and how it was recalled."""
 
     plan: Plan
     memory: int | None
-    """Which memory was valid."""
+    """Number of the valid memory."""
     checked: int
     """Paths that were checked."""
 
@@ -72,7 +72,7 @@ class RecallPlanner:
     novelty: float = NOVELTY
     """Paths this near to one that failed are passed over [forearm lengths]; 0 checks all."""
     penalty: float | None = None
-    """How much a failure says about memories that lie near, where scores are odds, as those of
+    """Weight of a failure for memories that lie near, where scores are odds, as those of
     the learned index are; 0 keeps the order of recall. By default that of the kind of arm."""
 
     other: Callable[[], RecallPlanner] | None = None
@@ -269,7 +269,7 @@ class Rollout:
     attempt: Attempt | None
     """None if it cannot be adapted to any target in time."""
     worked: bool
-    """Whether it would have caught."""
+    """True if it would have caught."""
 
 
 def unverified(

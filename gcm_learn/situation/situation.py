@@ -114,7 +114,7 @@ else:
 
 @dataclass(frozen=True)
 class Situation(Generic[ArmKind]):
-    """Everything that a planner knows.
+    """Arm, bodies and rules: the knowledge of a planner.
 
     In annotations, `Situation` has a planar arm, ``Situation[SpatialArm]`` one in space, and
     `AnySituation` either.

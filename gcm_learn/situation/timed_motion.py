@@ -217,7 +217,7 @@ class Sampled:
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
-        """The same motion as pieces of constant velocity and spin; the last one rests."""
+        """Return the motion as pieces of constant velocity and spin; the last one rests."""
         made, turns = [], self.turns
         last = len(self.times) - 1
         for k, (start, position, turn) in enumerate(

@@ -113,7 +113,7 @@ class _Freezing(Stepped):
         return first
 
     def front(self) -> Front:
-        """What was reached."""
+        """Return the reached states."""
         time, cell, body = (-1.0, -1, -1) if self.contact is None else self.contact
         arrival = (self.arrival * self.kappa).ravel()
         met = (cell, body, time * self.kappa)
@@ -313,14 +313,14 @@ class _Waiting(Stepped):
         return out
 
     def _targets(self, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """Which target the hand would catch in cells (c, 2) at times (m,): (c, m), -1 if none."""
+        """Find the target that the hand would catch in cells (c, 2) at times (m,): (c, m) or -1."""
         out = np.full((len(cells), len(times)), -1)
         for b in self.targets:
             out[self.near(b, cells, times) & (out < 0)] = b
         return out
 
     def front(self) -> Front:
-        """What was reached."""
+        """Return the reached states."""
         order = np.argsort([came for came, _ in self.spans], kind="stable")
         rank = np.append(np.argsort(order), -1)
         spans, cells = np.array(self.spans)[order], np.array(self.cells)[order]

@@ -49,9 +49,9 @@ class Perception:
     place: float = 0.0
     """Standard deviation of each coordinate of a place [forearms]."""
     faster: float = 5.0
-    """That of velocities over that of places [1/s]."""
+    """Deviation of velocities over that of places [1/s]."""
     dropouts: float = 0.0
-    """Frequency of dropouts [1/s]; each takes 0.1 s, without any look."""
+    """Frequency of dropouts [1/s]; each takes 0.1 s, without any percept."""
     delay: int = 1
     """Periods after which the percept of a look comes."""
     period: float = PERIOD

@@ -77,7 +77,7 @@ _RADIANS = {"joint_range": 1.0, "max_joint_speed": 1.0}  # do not count in forea
 
 @dataclass(frozen=True)
 class SpatialArmRanges(Ranges):
-    """Which arms there are, how long a situation lasts, and what limits a movement."""
+    """Ranges of spatial arms, of the duration of situations, and of the limits of movements."""
 
     human: float = number(0.4)
     """Share of arms that are the human-like one."""

@@ -131,7 +131,7 @@ class TraySpace(SpatialFamily):
 
 
 def reaching(stage: Stage) -> np.ndarray:
-    """Which postures reach level or down (n,)."""
+    """Return which postures reach level or down (n,)."""
     elbow, hand = stage.limb(stage.joints)
     return (hand - elbow)[:, 2] < 0.3
 

@@ -25,7 +25,7 @@ from gcm_learn.situation import Body, Box, Capsule
 
 @dataclass(frozen=True)
 class StaticClutterSpace(SpatialFamily):
-    """Nothing moves; boards, bars and balls stand across the arm's straight way.
+    """Bodies at rest: boards, bars and balls stand across the arm's straight way.
 
     It asks for a way round: over an edge of a board, or with the arm drawn in.
     """
@@ -119,8 +119,8 @@ class BehindPostSpace(SpatialFamily):
     passing: float = number(0.8)
     """Share of posts that go on past the ball."""
     left: Range = span(0.6, 1.4, 0.1)
-    """How long the arm that catches is free of it until the horizon, in times that the straight way
-    takes."""
+    """Time for which the arm that catches is free of it before the horizon, in durations of the
+    straight way."""
     near: Range = span(0.3, 0.7, 0.05)
     """Distance of the post's inner side from the shoulder [forearms]."""
     slabs: float = number(0.7)

@@ -44,7 +44,7 @@ class Story(NamedTuple):
     bodies: tuple[Body, ...]
     """The target and the obstacles [forearms]."""
     until: float | None = None
-    """When it is over, if that is before the horizon [s]."""
+    """End of the story, if that is before the horizon [s]."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class SpatialFamily(Family):
 
     @abstractmethod
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
-        """What happens once."""
+        """Draw one story."""
 
     def ball(
         self,

@@ -40,7 +40,7 @@ class ThrownFamily(SpatialFamily):
     """Base of families with a ball that is thrown from afar, and caught on its way down."""
 
     when: Range = span(0.5, 0.9, 0.1, 0.95)
-    """When the ball is where it may be met [horizons]."""
+    """Time of the meeting [horizons]."""
     thrown: Range = span(4.0, 12.0)
     """From how far, level [forearms]."""
     heading: Range = span(-0.8, 1.2, -3.15, 3.15)
@@ -125,7 +125,7 @@ class LateTargetSpace(ThrownFamily):
     sentries: float = number(0.75)
     """Share of balls whose place is taken at first."""
     leaves: Range = span(0.8, 0.98, 0.05, 1.0)
-    """When it is free, as shares of the time until the ball is there."""
+    """Instant at which it is free, as shares of the time until the ball is there."""
     sentry: Range = span(0.4, 0.9, 1e-3)
     """Radius of what takes it [forearms]."""
     obstacles: Counts = counts(1, 3)
@@ -164,7 +164,7 @@ class FallingSpace(SpatialFamily):
     drift: Range = span(0.0, 1.0)
     """Level speeds [forearms/s]."""
     when: Range = span(0.35, 0.8, 0.1, 0.95)
-    """When the ball is where it may be met [horizons]."""
+    """Time of the meeting [horizons]."""
     share: Range = span(0.25, 0.85, most=1.0)
     """Places of obstacles on the way, as shares of it."""
     things: Things = field(default_factory=lambda: Things(boards=0.4, bars=0.4))
@@ -213,7 +213,7 @@ class FallingSpace(SpatialFamily):
 
 
 def _lands(ball: Body, height: float, when: float) -> float:
-    """When a ball that is over a height at a time, and comes down, is down there [s]."""
+    """Return when a ball that is over a height at a time, and comes down, is down there [s]."""
     motion, radius = flight(ball), ball.shape.bounding_radius
     pull, rate = motion.acceleration[2], motion.velocity[2]
     above = max(motion.position[2] + when * (rate + 0.5 * pull * when) - height - radius, 0.0)

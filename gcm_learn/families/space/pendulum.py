@@ -43,7 +43,7 @@ class PendulumSpace(SpatialFamily):
     phase: Range = span(-0.9, 0.9, -0.99, 0.99)
     """Angle at the place of a ball's meeting [amplitudes]."""
     when: Range = span(0.5, 0.9, 0.05, 0.95)
-    """When the ball is where it may be met [horizons]."""
+    """Time of the meeting [horizons]."""
     cord: Range = span(0.01, 0.03, 1e-3)
     """Radius of cords [forearms]."""
     heavy: Counts = counts(0, 1)
@@ -55,7 +55,7 @@ class PendulumSpace(SpatialFamily):
     sentry: Range = span(0.3, 0.7, 1e-3)
     """Radius of what takes it [forearms]."""
     leaves: Range = span(0.8, 0.98, 0.05, 1.0)
-    """When it is free, as shares of the time until the ball is there."""
+    """Instant at which it is free, as shares of the time until the ball is there."""
     boards: Counts = counts(0, 2)
     """Number of bodies at rest across the way."""
     things: Things = field(default_factory=Things)

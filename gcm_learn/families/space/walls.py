@@ -132,7 +132,7 @@ class WindowSpace(WallFamily):
     closing: float = number(0.25)
     """Share of those that close; the other windows have none."""
     closes: Range = span(2.0, 5.0, 0.1)
-    """When a window is closed, in times that the straight way takes."""
+    """Instant at which a window is closed, in durations of the straight way."""
 
     def shut(
         self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float

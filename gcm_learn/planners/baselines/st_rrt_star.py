@@ -163,7 +163,7 @@ def _library() -> ModuleType:
 
 @lru_cache(maxsize=1)
 def _warmed() -> ModuleType:
-    """The same with everything loaded, or every copy of the process would load it again."""
+    """Return the module with everything loaded; else every copy of the process would load it."""
     library = _library()
     library.warm_up()
     return library

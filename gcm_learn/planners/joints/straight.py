@@ -148,7 +148,7 @@ def earliest_straight(problem: SpatialProblem) -> Plan:
 
 
 def soonest_straight(study: Study) -> float:
-    """When a straight line that nothing hinders meets a target first; 0 if none does [s]."""
+    """Return when a straight line that nothing hinders meets a target first, or 0 [s]."""
     goals = _earliest(study)
     return float(goals.time[: goals.size[0]].min()) if goals.size[0] else 0.0
 

@@ -54,7 +54,7 @@ class Bounds:
     lower: float
     """No movement catches before [s]; infinite if none does within the horizon."""
     upper: float
-    """When `plan` catches [s]; infinite if it does not."""
+    """Catch time of `plan` [s]; infinite if it does not catch."""
     plan: Plan
     """The best verified plan, or the reason for its absence."""
 
@@ -221,7 +221,7 @@ def _time(plan: Plan) -> float:
 
 
 def _why(known: Bounds) -> Reason:
-    """Why there is no plan."""
+    """Return the reason why a plan is missing."""
     if math.isinf(known.lower):
         return Reason(Failure.IMPOSSIBLE)
     return Failure.UNDECIDED.with_numbers(since=known.lower)
@@ -286,10 +286,10 @@ class Dash(NamedTuple):
     """A clear straight leg from a stop to a target."""
 
     time: float
-    """When it catches [s]."""
+    """Catch time [s]."""
     stop: int
     leave: float
-    """When it leaves the stop [s]."""
+    """Instant at which it leaves the stop [s]."""
     tight: bool
     """The stop is reached by the path pulled tight, else by the path as it was."""
 

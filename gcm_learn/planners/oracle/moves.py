@@ -137,7 +137,7 @@ def clear(regime, time, hand):
 
 @njit
 def leg_from(regime, x, y, leave, since, end):
-    """When a clear straight leg that leaves (x, y) at `leave` catches a target, -1 if it cannot.
+    """Return when a clear straight leg that leaves (x, y) at `leave` catches a target, or -1.
 
     Catches between `since` and `end` are looked for, joints left aside [s].
     """

@@ -55,7 +55,7 @@ class Yardstick:
 
     @property
     def upper(self) -> float:
-        """When `plan` catches [s]; infinite if it does not."""
+        """Catch time of `plan` [s]; infinite if it does not catch."""
         return _time(self.plan)
 
     @property

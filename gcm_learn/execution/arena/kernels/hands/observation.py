@@ -244,7 +244,7 @@ def _tell_target(scene, catch, b, view, first, poses, row):
 
 @njit(_nrt=False)
 def _look_ahead(scene, view, first, workspace):
-    """How near each obstacle comes to the limb on the straight way to the meeting, and when.
+    """Find how near each obstacle comes to the limb on the straight way to the meeting, and when.
 
     Written into the workspace's `gaps`, for each body LEAST, LATE and NOW; LEAST of targets is
     1e300.
