@@ -24,9 +24,9 @@ from gcm_learn.compiled import njit
 
 TRIED = np.pi / 12.0  # swivels that are tried where the first is not allowed are this near [rad]
 HALVINGS = 7  # of what lies between the first that is allowed and the last that is not
-BENT = 0.05  # by which a straight arm is bent to see where its elbow would go [rad]
+BENT = 0.05  # by which a straight arm is folded to see where its elbow would go [rad]
 _TINY = 1e-12  # share of squared lengths within which a root is one of a rounding error
-_GRID = 65  # angles at which the elbow is looked at for the hand's nearest and farthest
+_GRID = 65  # angles at which the elbow is checked for the hand's nearest and farthest
 
 
 class Rule(NamedTuple):

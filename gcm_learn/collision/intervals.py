@@ -13,7 +13,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, drift, pose_at
 
 NEVER = 1e300
-INSTANTS = 24  # at which targets are looked at to tell how long a place is of use
+INSTANTS = 24  # at which targets are sampled, to bound how long a place is of use
 
 
 @njit

@@ -16,7 +16,7 @@ DEEPEST = 48  # bisections of one segment before it counts as touching
 _PARTS = 10  # of the upper arm, each half as long as the one before, that have bounds of their own
 _SHALLOW = 2  # bisections of a segment before they are asked for
 HAIR = 1e-4  # legs that come nearer to touching may count as touching [forearm lengths]
-_MOST = 1_000_000  # looks at one path before it counts as touching: bodies may spin absurdly fast
+_MOST = 1_000_000  # checks of one path before it counts as touching: bodies may spin absurdly fast
 
 
 class Sweep(NamedTuple):

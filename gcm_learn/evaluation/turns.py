@@ -69,7 +69,7 @@ def first_of(
     crew: Crew,
     progress: Callable[[int], object] = lambda found: None,
 ) -> list[Draw]:
-    """The first draws of a stratum; those that were looked at are kept in a folder.
+    """The first draws of a stratum; classified draws are kept in a folder.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ EARTH_GRAVITY = EARTH / FOREARM  # [forearms/s^2] at the robot's scale
 FIG5_GRAVITY = 8.5  # [forearms/s^2]
 
 # [tau] instants of the panels that show the wave; the last one is the contact with the target.
-# Fig. 5 tells only the contact, the earlier instants are chosen.
+# Fig. 5 gives only the contact, the earlier instants are chosen.
 CAPTION_INSTANTS = {
     "fig4": (30, 100, 180),
     "fig5": (80, 150, 220),

@@ -66,7 +66,7 @@ class PendulumFamily(InSpace, EventFamily):
     cord: Range = span(0.005, 0.02, 1e-3)
     """Radius of cords [forearms]."""
     swinging: float = number(0.6)
-    """Share of pendulums among the other obstacles, as far as there is room for two bodies each;
+    """Share of pendulums among the other obstacles, as far as there is space for two bodies each;
     the rest of them are bodies at rest."""
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation:

@@ -17,7 +17,7 @@ RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [
 _ROUNDING = 1e-13  # of joints, where a range ends at 0 [rad]
 _GLANCES = 4  # at a move, for a distance to begin with
 _NEAR_ENOUGH = 1e-4  # share of a move at which that is good enough
-_NARROWEST = 1e-12  # share of a piece that is looked at before its hand counts as too fast
+_NARROWEST = 1e-12  # share of a piece that is checked before its hand counts as too fast
 
 
 @njit

@@ -32,7 +32,7 @@ from gcm_learn.planners.sipp_labels import (
 MOST = 40_000  # labels that are taken up at most
 BRIEF = 4_000  # of them on the finer lattice
 FINER = 3  # its cells a side, for two of the other
-SLICE = 200  # labels that are taken up between two looks at the clock
+SLICE = 200  # labels that are taken up between two readings of the clock
 INSTANT = 0.1  # resolution of interceptions [crossings of a cell]
 ANY = 1e9  # resolution of a clearance of which only the sign matters
 LABELS = 3  # for which there is room, for every cell

@@ -49,7 +49,7 @@ class ClusterCrew(Crew):
             raise MissingExtraError("--cluster", "dask and distributed", "cluster") from None
         self._losses = (OSError, ClosedClientError, FutureCancelledError)
         self._levels = [logger.level for logger in _LOGGERS]
-        self._hear(logging.CRITICAL, logging.CRITICAL)  # who dies is told by an error
+        self._hear(logging.CRITICAL, logging.CRITICAL)  # an error reports who dies
         try:
             self._client = Client(self.address, set_as_default=False, timeout=CONNECT)
         except (OSError, ValueError) as error:

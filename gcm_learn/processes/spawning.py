@@ -103,7 +103,7 @@ def pool(workers: int) -> Iterator[ProcessPoolExecutor]:
         context.kill()  # what still runs
         speaking.close()
         listening.close()
-        if not untold.acquire(block=False):  # one of them has told it
+        if not untold.acquire(block=False):  # one of them has called the listeners
             compiled.on_compile.clear()
 
 

@@ -240,7 +240,7 @@ class HybridPlanner:
             Only catches until then count [s].
         deadline : float or Deadline, optional
             See `Anytime`.  What is recalled bounds the search for an earlier catch.  A fallback
-            that is not `Anytime` is asked only where nothing is recalled, and told of neither.
+            that is not `Anytime` plans only where nothing is recalled, and gets neither.
         """
         limit, most = deadline_of(deadline), math.inf if bound is None else bound
         first = self.recall.plan(situation)

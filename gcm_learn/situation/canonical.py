@@ -73,9 +73,9 @@ def canonical(situation: Situation) -> tuple[Situation, Frame]: ...
 def canonical(situation: AnySituation) -> tuple[AnySituation, Frame | SpatialFrame]:
     """Return the situation in its canonical form, and its frame.
 
-    A 3D situation is also expressed in coordinates of its arm plane; to mirror it takes no more
-    than to look at the plane from its other side.  A spatial arm stands at the origin and is a
-    left one (see `situation.spatial_frame`); a chain stands at the origin.
+    A 3D situation is also expressed in coordinates of its arm plane; seen from the plane's other
+    side it is mirrored.  A spatial arm stands at the origin and is a left one (see
+    `situation.spatial_frame`); a chain stands at the origin.
 
     Returns
     -------

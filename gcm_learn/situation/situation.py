@@ -114,7 +114,7 @@ else:
 
 @dataclass(frozen=True)
 class Situation(Generic[ArmKind]):
-    """Arm, bodies and rules: the knowledge of a planner.
+    """Input of a planner: the arm, the bodies and the rules.
 
     In annotations, `Situation` has a planar arm, ``Situation[SpatialArm]`` one in space, and
     `AnySituation` either.

@@ -1,6 +1,6 @@
 """The closed loop: an agent perceives, thinks while the world goes on, and an arm follows.
 
-Every period the world is looked at, and what is believed is renewed.  An agent that thinks for k
+Every period brings a percept, which renews the belief.  An agent that thinks for k
 periods, or a part of the last one, has its plan k periods later.  It knows how long it will think:
 the plan is for the world as it is believed to be then, from where the arm will be.  Meanwhile the
 arm follows what it followed; after the end of that it brakes to rest.

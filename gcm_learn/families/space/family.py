@@ -26,7 +26,7 @@ from gcm_learn.families.space.solids import (
 from gcm_learn.families.space.stage import CHECKS, Stage, Way, stage_of
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Situation, SolidShape, Sphere
 
-STORIES = 20  # that are told at most; the last one is taken then
+STORIES = 20  # that are drawn at most; the last one is taken then
 BETWEEN = 40  # random postures, and as many beside the end, by which a way may lead
 BESIDE = 0.15  # of a joint's range: how far beside it
 BEYOND = 0.05  # how far a wall keeps the hand, at least, from catching through it [forearms]

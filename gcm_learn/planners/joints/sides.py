@@ -20,7 +20,7 @@ from gcm_learn.planners.joints.lattice_search import Tree, new_tree, plant, sear
 from gcm_learn.planners.joints.moves import NEVER, Study
 from gcm_learn.planners.joints.ways import Way, new_way, trace
 
-SLICE = 100  # moves that are looked at between two looks at the clock
+SLICE = 100  # moves that are checked between two readings of the clock
 
 
 class Effort(NamedTuple):

@@ -87,7 +87,7 @@ class Front(NamedTuple):
 class Workspace(NamedTuple):
     """Room to work."""
 
-    look: np.ndarray  # (m, b): when a cell or corner has to be looked at for an obstacle [s]
+    look: np.ndarray  # (m, b): when a cell or corner has to be checked for an obstacle [s]
     touched: np.ndarray  # (m,) uint64: obstacles that are touched at a corner, a bit each
     poses: np.ndarray  # (b, 12)
     others: np.ndarray  # (b, 12)
@@ -270,7 +270,7 @@ def useful_until(bodies, grid, until, speed, gap, instants):
     gap : float
         Distance from the centre at which a target is met.
     instants : int
-        Times at which the targets are looked at; what they travel in between widens the gap.
+        Times at which the targets are sampled; their travel in between widens the gap.
     """
     poses = np.zeros((bodies.rows.shape[0], 12))
     last = np.full(grid.centre.shape[0], -1.0)
