@@ -94,7 +94,7 @@ class Perception:
         situation : Situation
             The world from t = 0 on.
         look : int
-            From 0 on; percept k comes at k periods.
+            From 0 on; look k is at k periods.
         seed : int
         *index : int
             Of the errors: the same for the same seed, index and look, whatever was asked before.
