@@ -1,8 +1,8 @@
-"""Where models, suites and samples are found, and where what is drawn is kept.
+"""Folders of models, suites and samples, and of drawn situations.
 
-Things of a kind are looked for in three folders, one after the other: the one that an environment
-variable names, the user's own, and what comes with the package. That is `models` and `data` of the
-repository, or what a wheel carries of them.
+Three folders are searched for things of a kind, one after the other: an environment variable's, the
+user's own, and the package's. The package's folders are `models` and `data` of the repository, or
+the parts of them that a wheel carries.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ IN_WHEEL = "_shipped"  # the build puts it there, see setup.py
 
 
 def own(kind: Kind) -> Path:
-    """Where the user keeps things of a kind: the given folder, or the one for their data."""
+    """Return the user's folder for things of a kind: the given one, or the one for their data."""
     given = os.environ.get(VARIABLES[kind])
     return Path(given) if given else user_data(kind)
 
 
 def shipped(kind: Kind) -> Path:
-    """What comes with the package."""
+    """Return the package's own folder for things of a kind."""
     return (_checkout() or PACKAGE / IN_WHEEL) / kind
 
 
 def folders(kind: Kind) -> list[Path]:
-    """Where things of a kind are looked for, in this order."""
+    """Return the folders that are searched for things of a kind, in this order."""
     return list(dict.fromkeys([own(kind), user_data(kind), shipped(kind)]))
 
 
 def find(kind: Kind, name: str) -> Path | None:
-    """A file or folder by its path below the folders of a kind, None if there is none."""
+    """Find a file or folder by its path below the folders of a kind; None if it is missing."""
     places = (folder / name for folder in folders(kind))
     return next((place for place in places if place.exists()), None)
 
@@ -51,13 +51,13 @@ def models(file: str) -> dict[str, Path]:
 
 
 def model(name: str, file: str) -> Path | None:
-    """The folder of a model that holds a file, None if there is none."""
+    """Find the folder of a model that holds a file; None if it is missing."""
     place = find("models", f"{name}/{file}")
     return None if place is None else place.parent
 
 
 def kept(kind: Kind) -> Path:
-    """Where what is drawn is kept: as `own`, but in a checkout if that can be written to."""
+    """Return the folder for drawn situations: as `own`, but in a checkout if it is writable."""
     checkout = _checkout()
     if checkout is None or os.environ.get(VARIABLES[kind]) or not os.access(checkout, os.W_OK):
         return own(kind)

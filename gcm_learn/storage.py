@@ -14,9 +14,9 @@ from typing import BinaryIO
 
 APP = "gcm_learn"
 TEMPORARY = ".gcm-learn-"
-"""How the names of unfinished files begin."""
+"""Beginning of the names of unfinished files."""
 UNFINISHED = ".tmp"
-"""How they end, where no library asks for the suffix of the file that they become."""
+"""Their ending, unless a library requires the suffix of the file that they become."""
 
 
 @contextlib.contextmanager
@@ -100,7 +100,7 @@ def temporary_name(suffix: str = UNFINISHED) -> str:
 
 
 def is_unfinished(name: str) -> bool:
-    """Whether a file's name says that its writer did not come to the end."""
+    """Return whether a file's name says that its writer did not come to the end."""
     return name.startswith(".") and (name.startswith(TEMPORARY) or name.endswith(UNFINISHED))
 
 
@@ -111,7 +111,7 @@ def to_disk(path: Path) -> None:
 
 
 def _mode_of(path: Path) -> int | None:
-    """Mode of a file that may be overwritten; None if there is none."""
+    """Mode of a file that may be overwritten; None if the file is missing."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:

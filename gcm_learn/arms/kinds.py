@@ -93,7 +93,7 @@ def kind_of(subject: Any) -> Kind:
     Raises
     ------
     ArmKindError
-        If the subject is not an arm of a registered kind, and has none.
+        If the subject neither is nor has an arm of a registered kind.
     """
     kind = _BY_TYPE.get(type(subject))
     if kind is None:

@@ -51,7 +51,7 @@ IDENTITY = Base()
 class SpatialArm:
     """An arm of two bones and four joints in space.
 
-    With R_x, R_y, R_z the rotations about an axis, and positions in the frame of the base,
+    R_x, R_y and R_z are the rotations about an axis. In the frame of the base
     ``elbow = R_y(q1) R_z(q2) upper_arm`` and
     ``hand = elbow + R_y(q1) R_z(q2) R_x(q3) R_z(q4) forearm``.
     Lengths are in any one unit.

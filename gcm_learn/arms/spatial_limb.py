@@ -160,8 +160,8 @@ def still(limb):
 def swept(limb, curve, s, half, place):
     """Bound how far points of upper arm and forearm travel from share s of a move to s +- half.
 
-    Joints 1 and 2 turn about orthogonal axes, and so do 3 and 4, so rates add as the sides of a
-    right angle; turned about the shoulder, a point moves no more than the hand or the elbow.
+    Joints 1 and 2 turn about orthogonal axes, and so do 3 and 4. So rates add as the sides of a
+    right angle. Turned about the shoulder, a point moves no more than the hand or the elbow.
     `place` has elbow and hand at s.
     """
     shoulder = np.hypot(turn_of(curve, 0, s, half), turn_of(curve, 1, s, half))
@@ -294,7 +294,7 @@ def _bones(
 def _pole(
     upper: tuple[float, ...], fore: tuple[float, ...], ranges: tuple[tuple[float, float], ...]
 ) -> int:
-    """Which of the directions in `_TOWARDS` hands avoid.
+    """Return the index of the direction in `_TOWARDS` that hands avoid.
 
     Sampled hands are farthest from this direction, seen from the shoulder.  The hands of some
     arms can be in every direction; then few of them come near to it.

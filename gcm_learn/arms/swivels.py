@@ -3,7 +3,7 @@
 For a hand there is a circle of elbows, and a *swivel* says where on it the elbow is: the angle
 about the line from shoulder to hand.  It counts from the stereographic reference of Elias and Wen
 (arXiv 2307.13122).  It is undefined for hands on one half-line, in the direction of the limb's
-`pole`; any such reference is undefined somewhere, and the usual one is on a whole line.
+`pole`.  Any such reference is undefined somewhere, and the usual one is on a whole line.
 """
 
 from __future__ import annotations
@@ -79,9 +79,9 @@ def in_range(angle, low, high, near):
 def joints_of_limb(limb, ex, ey, ez, hx, hy, hz, near, out):
     """All joints within their ranges that put elbow and hand where they are, into `out` (4, 4).
 
-    Where two axes fall into one line (the upper arm along y, the forearm along the upper arm's x)
-    one of the two joints is free and stays `near`.  Of angles some turns apart the one nearest to
-    `near` (4,) is taken.
+    Two axes may fall into one line: the upper arm along y, or the forearm along the upper arm's x.
+    One of the two joints is then free and stays `near`.  Of angles some turns apart the one nearest
+    to `near` (4,) is taken.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How near obstacles are to the limb, in every posture of a lattice in space."""
+"""Distances of obstacles and limb, in every posture of a lattice in space."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """The rule by which a hand in space has one posture for each of K swivels of the elbow.
 
 A hand leaves the elbow a circle.  Of K postures the k-th has the swivel of the arm at t = 0 and k
-K-ths of a turn. Where the joints' ranges forbid that, it takes the nearest allowed swivel in its
-own K-th of the circle.  They are on the branch of the inverse kinematics that the arm is on at
-t = 0, or on another where that one allows none.  So the first posture of the hand at t = 0 is the
+K-ths of a turn. If the joints' ranges forbid that, it takes the nearest allowed swivel in its
+own K-th of the circle.  Postures are on the branch of the inverse kinematics that the arm is on at
+t = 0, or on another if that one allows none.  So the first posture of the hand at t = 0 is the
 arm's own.
 
 Joints jump where the nearest swivel changes sides, where the branch changes, and where allowed
@@ -24,9 +24,9 @@ from gcm_learn.compiled import njit
 
 TRIED = np.pi / 12.0  # swivels that are tried where the first is not allowed are this near [rad]
 HALVINGS = 7  # of what lies between the first that is allowed and the last that is not
-BENT = 0.05  # by which a straight arm is bent to see where its elbow would go [rad]
+BENT = 0.05  # by which a straight arm is folded to see where its elbow would go [rad]
 _TINY = 1e-12  # share of squared lengths within which a root is one of a rounding error
-_GRID = 65  # angles at which the elbow is looked at for the hand's nearest and farthest
+_GRID = 65  # angles at which the elbow is checked for the hand's nearest and farthest
 
 
 class Rule(NamedTuple):

@@ -1,4 +1,4 @@
-"""What can be asked of a scene: distance, clearance, free intervals, the sweep of a motion."""
+"""Collision queries on a scene: distance, clearance, free intervals, the sweep of a motion."""
 
 from gcm_learn.collision.distance import arm_distance, limb_segment2, segment_distance
 from gcm_learn.collision.intervals import NEVER

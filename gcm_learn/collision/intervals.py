@@ -13,12 +13,12 @@ from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, drift, pose_at
 
 NEVER = 1e300
-INSTANTS = 24  # at which targets are looked at to tell how long a place is of use
+INSTANTS = 24  # at which targets are sampled, to bound how long a place is of use
 
 
 @njit
 def next_free(postures, m, t, end, step):
-    """First moment from t [s] on at which no obstacle is near the limb of cell m; NEVER if none.
+    """Find the first moment from t [s] on at which the limb of cell m is free, or NEVER.
 
     Searched in steps of `step` [s], longer where the depth in the gap allows it.
     """
@@ -46,7 +46,7 @@ def next_free(postures, m, t, end, step):
 
 @njit
 def target_ways(bodies, gap, end):
-    """Where targets are at INSTANTS over [0, end], for `last_use`.
+    """Sample the places of targets at INSTANTS over [0, end], for `last_use`.
 
     Returns
     -------

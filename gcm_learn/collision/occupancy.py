@@ -37,8 +37,8 @@ class Postures(NamedTuple):
     bodies: Bodies
     limb: np.ndarray  # (m, 4): hand x, y and elbow x, y
     gap: np.ndarray  # (m,): distance at which an obstacle counts as touching
-    poses: np.ndarray  # (n, 12): of the bodies, at the moment that is being looked at
-    scratch: np.ndarray  # (n, 12): room for poses at other instants
+    poses: np.ndarray  # (n, 12): of the bodies, at the moment that is being checked
+    scratch: np.ndarray  # (n, 12): buffer for poses at other instants
 
 
 def postures_of(bodies: Bodies, limb: np.ndarray, gap: np.ndarray) -> Postures:
@@ -102,7 +102,7 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
         With the bodies' poses at time `now`: one evaluation serves all cells that a front reaches
         together.
     cells, since : (count,) ndarray
-        Cells to look at and the time [s] since when each must have been free.
+        Cells to check and the time [s] since when each must have been free.
     now, shortest : float
         End of the span; resolution at which it is searched [s].
     blocked : (count,) bool ndarray

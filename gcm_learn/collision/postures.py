@@ -48,7 +48,7 @@ _DEEPEST = 40  # halvings of a move before it counts as touching
 UNLIMITED = 1 << 62
 WORK = 2_000_000
 """Distances along moves that a plan or a map may compute: ten times what crowded scenes take."""
-_MOST = 200_000  # looks at a move before it counts as touching: bodies may spin absurdly fast
+_MOST = 200_000  # checks of a move before it counts as touching: bodies may spin absurdly fast
 
 
 class Desk(NamedTuple):
@@ -57,8 +57,8 @@ class Desk(NamedTuple):
     poses: np.ndarray  # (bodies, 12)
     curve: np.ndarray  # (dof, 4): coefficients of a move's joints, over its share s in [0, 1]
     joints: np.ndarray  # (n,)
-    spans: np.ndarray  # (_DEEPEST + 2, 2): shares of a move still to be looked at
-    waiting: np.ndarray  # (_DEEPEST + 2,): the obstacles that are to be looked at there
+    spans: np.ndarray  # (_DEEPEST + 2, 2): shares of a move still to be checked
+    waiting: np.ndarray  # (_DEEPEST + 2,): the obstacles that are to be checked there
     obstacles: np.ndarray  # (k,): indices of the bodies that the limb must not touch
     budget: np.ndarray  # (1,): distances along moves that may still be computed
 
@@ -131,7 +131,7 @@ def _hinged_room(bodies, b, elbow, slack, poses):
     """Least distance of body b, at rest, to the upper arm while the elbow moves by `slack`.
 
     A body at the shoulder, as a torso, is as near to it whatever the arm does.  Points of the bone
-    move the less the nearer they are to the shoulder, and the distance to a convex body is convex
+    move the less the nearer they are to the shoulder.  The distance to a convex body is convex
     along the bone, so beyond two of its points it is no less than the line through them.
     """
     ex, ey, ez = elbow

@@ -16,11 +16,11 @@ DEEPEST = 48  # bisections of one segment before it counts as touching
 _PARTS = 10  # of the upper arm, each half as long as the one before, that have bounds of their own
 _SHALLOW = 2  # bisections of a segment before they are asked for
 HAIR = 1e-4  # legs that come nearer to touching may count as touching [forearm lengths]
-_MOST = 1_000_000  # looks at one path before it counts as touching: bodies may spin absurdly fast
+_MOST = 1_000_000  # checks of one path before it counts as touching: bodies may spin absurdly fast
 
 
 class Sweep(NamedTuple):
-    """A timed path that is searched for its least distance, and room to work in."""
+    """A timed path that is searched for its least distance, and arrays to work in."""
 
     time: np.ndarray  # (n,) [s]
     hand: np.ndarray  # (n, 2)
@@ -43,8 +43,8 @@ def limb_sweep(x0, y0, x1, y1, rho):
     """Bound the way that any point of the limb travels while the hand goes straight from 0 to 1.
 
     The elbow turns by at most the change of the hand's direction plus the variation of `_bend`
-    over the radii on the way, which is monotone between the ends, the point nearest to the
-    shoulder and, for rho > 1, the radius where `_bend` is stationary.
+    over the radii on the way.  That function is monotone between the ends, the point nearest to the
+    shoulder and, for rho > 1, the radius where it is stationary.
     """
     dx, dy = x1 - x0, y1 - y0
     length2 = dx * dx + dy * dy
@@ -144,9 +144,9 @@ def _at_samples(bodies, time, hand, elbow, floor, poses, bound):
 def least_distance(scene, time, hand, floor, resolution):
     """Smallest distance of the whole limb to any obstacle along a path that is linear in time.
 
-    Every segment is bisected until, by the distances at its ends and a bound on all relative
-    motion between them, nothing in it can come more than `resolution` below the smallest
-    distance found.
+    Every segment is bisected until nothing in it can come more than `resolution` below the
+    smallest distance found.  This follows from the distances at its ends and a bound on all
+    relative motion between them.
 
     Parameters
     ----------
@@ -198,8 +198,8 @@ def _low_by_parts(scene, b, x0, y0, x1, y1, sweep, enough, poses):
     """Bound the distance of limb and resting body b over a straight piece of a path, part by part.
 
     The nearer to the shoulder, the less a point of the upper arm moves: parts that are halved
-    towards it have bounds of their own. That tells what no bound for the whole limb can, that a
-    limb whose shoulder is nearest to a resting body stays equally far from it.
+    towards it have bounds of their own. Only so it shows that a limb whose shoulder is nearest to
+    a resting body stays equally far from it.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def least_in_segment(scene, work, b, k, d0, d1, best, when, looks):
 def leg_is_free(scene, work, sweeps, budget):
     """Tell whether the limb stays farther than `work.floor` from all obstacles on one segment.
 
-    What comes within HAIR of the floor may count as touching.
+    Distances within HAIR of the floor may count as touching.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ def leg_is_free(scene, work, sweeps, budget):
     work : Sweep
         Of a path of two samples, with a resolution that does not count.
     sweeps : (m,) ndarray
-        Room for how far the limb moves on pieces of the segment, which all bodies ask for.
+        Buffer for how far the limb moves on pieces of the segment, which all bodies need.
     budget : (1,) ndarray of int64
         Distances that may still be computed. Each lowers it; below 0 a leg counts as touching.
     """

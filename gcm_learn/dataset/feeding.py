@@ -1,8 +1,7 @@
 """Maps as training reads them: at random from arrays in files, or one after another from shards.
 
-A Parquet file is decoded a hundred records at a time, which is right for streams and wrong for
-training that jumps about; so there is a cache of plain arrays, built once and shared by all
-processes.
+A Parquet file is decoded a hundred records at a time, which suits streams but not training that
+jumps about.  So there is a cache of plain arrays, built once and shared by all processes.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from gcm_learn.seeding import rng
 from gcm_learn.storage import whole_folder
 
 COLUMNS = ("index", "arrival", "effective_obstacles", "quantum", "horizon")
-"""What an example is made of."""
+"""Columns of an example."""
 CHANNELS = ("reached", "arrival", "obstacle")
 FILES = ("index", "arrival", "obstacles", "quantum", "horizon")
 """The arrays of a cache, in the order of COLUMNS."""
@@ -42,12 +41,12 @@ class Example:
     horizon: float
     """[s]"""
     labels: Mapping[str, Any]
-    """The columns that were asked for."""
+    """The requested columns."""
 
     def image(self) -> np.ndarray:
         """The map as a picture (3, n, n) float32 of CHANNELS; arrivals are shares of the horizon.
 
-        Arrivals are 0 where there is none, so that every number is within [0, 1].
+        Cells without an arrival have 0, so that every number is within [0, 1].
         """
         n = self.arrival.shape[0]
         out = np.empty((len(CHANNELS), n, n), dtype=np.float32)
@@ -85,7 +84,7 @@ class MapCache(Sequence[Example]):
         return len(self._rows)
 
     def __getitem__(self, k: Any) -> Any:
-        """Example k, or those of a slice as a cache."""
+        """Return example k, or the examples of a slice as a cache."""
         labels = {name: column[k] for name, column in self._labels.items()}
         if isinstance(k, slice):
             return MapCache(self.folder, self._rows[k], labels)

@@ -57,7 +57,7 @@ def generate(
     Returns
     -------
     dict
-        The manifest, which is also written; ``manifest["complete"]`` tells whether every shard is
+        The manifest, which is also written; ``manifest["complete"]`` says whether every shard is
         there.
     """
     folder = Folder(out)
@@ -70,7 +70,7 @@ def generate(
     workers = workers or cores()
     hands = {"cluster": cluster} if cluster else {"workers": workers}
     crew = ClusterCrew(cluster) if cluster else crew_for(folder, workers)
-    if len(infos) < spec.shards:  # whoever looks before the first shard is told what is planned
+    if len(infos) < spec.shards:  # readers before the first shard see what is planned
         write_manifest(folder, manifest_of(folder, spec, infos, runs))
     began = told = time.monotonic()
     fresh: set[int] = set()

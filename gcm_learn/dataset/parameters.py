@@ -30,7 +30,7 @@ DIGITS = 5  # of parameters that twins share [powers of ten of a forearm length]
 
 
 def structure_of(situation: AnySituation) -> str:
-    """What parameters of a situation mean: arm and kinds of bodies, e.g. ``arm|disc|polygon4``.
+    """Name a situation's structure: arm and kinds of bodies, e.g. ``arm|disc|polygon4``.
 
     Only situations of the same structure can be compared number by number.
     """

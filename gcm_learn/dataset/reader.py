@@ -99,7 +99,7 @@ class Dataset(Sequence[Record]):
         self._places = places
         """Position of every record among all items of the shards (m,)."""
         self._all = places if everything is None else everything
-        """The same of all records of the dataset of which this is a part."""
+        """Places of all records of the dataset of which this is a part."""
 
     @property
     def spec(self) -> DatasetSpec:
@@ -113,7 +113,7 @@ class Dataset(Sequence[Record]):
 
     @property
     def folder(self) -> Folder:
-        """Where it is."""
+        """Folder of the dataset."""
         return self._shelf.folder
 
     @property
@@ -131,7 +131,7 @@ class Dataset(Sequence[Record]):
     def __getitem__(self, k: slice | np.ndarray) -> Dataset: ...
 
     def __getitem__(self, k: int | slice | np.ndarray) -> Record | Dataset:
-        """Record k, or those of a slice or of an array of positions or of truth values."""
+        """Return record k, or the records of a slice, of positions, or of an array of bool."""
         if isinstance(k, slice | np.ndarray):
             return Dataset(self._shelf, self._places[k], self._all)
         return Record(self.spec, {}, self._shelf.row(int(self._places[k])))

@@ -119,9 +119,9 @@ def _frame_of(record: Record, angle: float | None, mirrored: bool) -> Frame | Sp
 class Record:
     """One record of a dataset, as it was made or as it is read.
 
-    Its parts are the columns of a shard, in their order. The situation is in its canonical form
-    (hand on the positive x axis, elbow on the right; in space the base at the origin and a left
-    arm); map and plans belong to it.
+    Its parts are the columns of a shard, in their order. The situation is in its canonical form,
+    and map and plans belong to that. The hand is on the positive x axis and the elbow on the right;
+    in space the base is at the origin, and the arm a left one.
 
     Parameters
     ----------
@@ -141,13 +141,13 @@ class Record:
     split = Part[str](WORD)
     """train, validation, test, or the name of a held-out split."""
     structure = Part[str](WORD)
-    """What `parameters` mean."""
+    """Meaning of `parameters`."""
     twin_key = Part[int](pa.int64())
     """Equal for twins: see `parameters.twin_key`."""
     oracle = Part[OracleLabel | None](
         _ORACLE, lambda _, label: astuple(label), lambda _, *cells: OracleLabel(*cells)
     )
-    """The oracle's label, None without an audit."""
+    """The oracle's label, if there was an audit."""
     quantities = Part[dict[str, float]](
         dict.fromkeys(QUANTITIES, NUMBER),
         lambda _, quantities: [quantities[name] for name in QUANTITIES],
@@ -170,8 +170,8 @@ class Record:
         pa.struct([(name, COUNT) for name in REJECTS]),
         lambda _, counts: [{name: counts[name] for name in REJECTS}],
     )
-    """How many of them were not wanted, by stratum; also "blocked" (the limb touches an obstacle at
-    t = 0) and "other" (not the wanted stratum, and not looked into any further)."""
+    """Number of unwanted draws, by stratum; also "blocked" (the limb touches an obstacle at
+    t = 0) and "other" (not the wanted stratum, and not classified further)."""
     error = Part[str | None](WORD)
     """Reason of a failure; the record then has index, attempts and rejected only."""
     situation = Part[Any](

@@ -35,7 +35,7 @@ def twins_of(folder: Folder, names: Sequence[str]) -> list[int]:
 def distance_of(
     folder: Folder, spec: DatasetSpec, names: Sequence[str], twins: Sequence[int]
 ) -> dict[str, Any]:
-    """How far test records are from their nearest training records.
+    """Measure how far test records are from their nearest training records.
 
     Parameters
     ----------

@@ -66,7 +66,7 @@ class FamilyShare:
 
 @dataclass(frozen=True)
 class DatasetSpec:
-    """Everything that decides what the records are.
+    """Specification of a dataset; it decides every record.
 
     `count` decides only how many there are: a larger one continues the same dataset.
     """
@@ -82,13 +82,13 @@ class DatasetSpec:
     2 stay on lattices of n cells, the last ones have twice as many. Also how hard the labels'
     planners try."""
     effort: float | None = None
-    """In space: share of the moves that `layered` looks at before it gives up; all when absent."""
+    """In space: share of the moves that `layered` checks before it gives up; all when absent."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
     """Engine of the map that a record holds; none in space, where it has half a million cells."""
     n: int = 80
     """Cells along a side of the map."""
     label: Literal["fast", "oracle"] = "fast"
-    """Who decides the stratum: the planners straight, marching (in space `layered` without waits)
+    """Judge of the stratum: the planners straight, marching (in space `layered` without waits)
     and layered, or the oracle."""
     audit: float = 0.0
     """Share of the items that the oracle labels as well."""

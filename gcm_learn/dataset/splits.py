@@ -1,4 +1,4 @@
-"""Which records are for training, which for choosing, which for the last word."""
+"""Splits: records for training, for choosing and for the final test."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Holdout:
                     raise SpecError("quantity", f"is missing ({bound} needs one)")
 
     def holds(self, family: str, quantities: dict[str, float]) -> bool:
-        """Whether a record belongs to this split."""
+        """Return whether a record belongs to this split."""
         if self.family is not None and family != self.family:
             return False
         if self.quantity is None:
@@ -95,7 +95,7 @@ def split_of(
 def lot_of(seed: int, k: int, salt: int = 0) -> float:
     """A number in [0, 1) that depends on seed, index and purpose only (the mixer of SplitMix64).
 
-    It shares nothing with the generators of the draws, so it says nothing about what is drawn.
+    It shares nothing with the generators of the draws, so it is independent of what is drawn.
     """
     z = (seed * 0xD1342543DE82EF95 + k * 0x9E3779B97F4A7C15 + salt * 0xA0761D6478BD642F) & _MASK
     for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):

@@ -1,4 +1,4 @@
-"""What methods are made of, and what it took to make them, as far as their files tell."""
+"""Ingredients of methods and the cost of making them, as far as their files say."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Cost:
     steps: int | None = None
     """In the arena."""
     start: str = ""
-    """What training began with."""
+    """Start of the training."""
     minutes: float | None = None
     """Of training, by the clock."""
 
@@ -93,13 +93,13 @@ def _of_actor(name: str, bare: str) -> Cost:
 
 
 def configuration_of(bare: str) -> dict[str, Any]:
-    """What a model was trained with; nothing if it has no such file."""
+    """Return the configuration that a model was trained with; empty if its file is missing."""
     folder = artifacts.model(bare, CONFIG)
     return {} if folder is None else _json(folder / CONFIG)
 
 
 def log_of(bare: str) -> list[dict[str, Any]]:
-    """Rows of the log of a trained actor's course; none if it has none."""
+    """Return the rows of the log of a trained actor's course; empty if it is missing."""
     folder = artifacts.model(bare, LOG)
     lines = [] if folder is None else (folder / LOG).read_text("utf-8").splitlines()
     return [json.loads(line) for line in lines]

@@ -1,4 +1,4 @@
-"""What PROTOCOL asks to be measured, from the rows of a comparison."""
+"""Measures that PROTOCOL demands, from the rows of a comparison."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Measures:
     errors: float
     """Share in which the method failed, or did not end."""
     own: Interval | None
-    """Catches if each thinking is charged; None if that was not measured."""
+    """Catches if each thinking is charged; None if unmeasured."""
 
 
 def measured(results: Results, method: str) -> Measures:
@@ -97,7 +97,7 @@ def charged_curve(results: Results, method: str) -> list[Interval]:
 
 
 def declines(results: Results, method: str) -> Interval:
-    """Share of unreachable situations in which nothing was touched, and no method failed."""
+    """Share of unreachable situations that pass without a touch or a failure of the method."""
     mine = results.of_method(method)
     mine = mine.where(mine["stratum"] == "U")
     wrong = np.isin(mine["outcome"].astype(str), ("touched", *FAULTS))

@@ -53,7 +53,7 @@ class Result:
     clearance: float | None = None
     """[forearm lengths, or the unit of a spatial arm]"""
     reason: str = ""
-    """Why a method from outside broke its promise, or failed."""
+    """Reason why a method from outside broke its promise, or failed."""
 
 
 class Method(Protocol):

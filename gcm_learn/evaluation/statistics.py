@@ -13,7 +13,7 @@ DRAWS = 2000  # of a bootstrap
 FEW = 100  # fewer situations are not drawn again within groups: small groups hardly vary
 LEVEL = 0.05
 """Probability below which a difference counts as more than chance."""
-SMALLEST = 1e-99  # probability that is told; what is smaller is not worked out to that accuracy
+SMALLEST = 1e-99  # least reported probability; smaller ones are not accurate
 
 
 class Interval(NamedTuple):
@@ -172,7 +172,7 @@ def hierarchical_difference(first: np.ndarray, second: np.ndarray) -> tuple[Inte
     difference : Interval
         As by `hierarchical`.
     p : float
-        Of McNemar's tests, one for each seed; small if every seed tells them apart.
+        Of McNemar's tests, one for each seed; small if every seed separates them.
     """
     pairs = zip(first, second, strict=True)
     worst = max(mcnemar(one, other)[2] for one, other in pairs)

@@ -1,10 +1,10 @@
 """Suites: situations that all are compared on, frozen by hash.
 
 A suite is the specification of a dataset, or a stratum of what families draw in turns (`turns`),
-drawn on demand; the oracle decides the strata. What has been drawn is kept as a file of lines
-beside the others, so that it is drawn once; small ones come with the repository. Whatever is read
-or drawn, as many of its first situations as were frozen must have the hash that is noted here, so
-two comparisons of one suite have seen the same.
+drawn on demand; the oracle decides the strata. Drawn suites are kept as files of lines beside the
+others, so each is drawn once; small ones come with the repository. The first situations of a suite,
+as many as were frozen, must have the hash that is noted here. So two comparisons of one suite have
+seen the same.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Suite:
     """By name, with the ranges that differ from their own; drawn equally often."""
     strata: Mapping[str, float] | None = None
     label: Literal["oracle", "fast"] = "oracle"
-    """Who decides the strata: in space straight and layered do, since a yardstick takes seconds.
+    """Judge of the strata: in space straight and layered, since a yardstick takes seconds.
     These get better, so such suites are drawn anew and not frozen."""
 
     def spec(self, name: str, count: int) -> DatasetSpec:
@@ -136,7 +136,7 @@ class Entry:
     stratum: str
     """By the oracle; in space by `straight` and `layered`."""
     earliest: float
-    """When the oracle's plan catches, or the first of these [s]; infinite if none does."""
+    """Catch time of the oracle's plan, or of the first of these [s]; infinite without a catch."""
 
 
 def suite_names() -> list[str]:
@@ -236,7 +236,7 @@ def _drawn(
 
 
 def _earliest(record: Record) -> float:
-    """When the oracle catches, or the first of the plans if it was not asked [s]."""
+    """Catch time of the oracle, or of the first of the plans if it was not run [s]."""
     if record.oracle is not None:
         return record.oracle.upper
     times = (plan.catch_time for plan in record.plans.values())

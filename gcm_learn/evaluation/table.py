@@ -17,13 +17,13 @@ class Results:
     """One row for every method and situation."""
 
     columns: Mapping[str, np.ndarray]
-    """By name; the names are those of `contest.row_of`."""
+    """By name; `contest.row_of` gives the names."""
     given: Mapping[str, Any] = field(default_factory=dict)
     """Objects and references that were compared, by the names of their rows; not stored."""
 
     @classmethod
     def of(cls, rows: Sequence[Mapping[str, Any]]) -> Results:
-        """From rows with the same keys; what is missing is None, or not a number."""
+        """Collect rows with the same keys; a missing value is None, or NaN."""
         names = list(rows[0]) if rows else []
         return cls({name: _column([row[name] for row in rows]) for name in names})
 
@@ -40,13 +40,13 @@ class Results:
 
     @property
     def strata(self) -> list[str]:
-        """Those that there are, in the order L, W, Q, U."""
+        """Strata that occur, in the order L, W, Q, U."""
         there = set(self["stratum"].tolist())
         return [s for s in "LWQU" if s in there]
 
     @property
     def families(self) -> list[str]:
-        """Those that there are."""
+        """Families that occur."""
         return sorted(set(self["family"].tolist()))
 
     @classmethod

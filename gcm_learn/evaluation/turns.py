@@ -1,10 +1,10 @@
 """Situations of every stratum, as families yield them: drawn by number, families taking turns.
 
 A suite of one stratum and equal shares of families has to look long for what some families hardly
-ever yield. Here draw number k is what family k mod n draws, whatever stratum it is of, and the
-suites `L`, `W`, `Q` and `U` are the first draws of their stratum. What is drawn for one of them is
-drawn for all. From some number on there is enough of L and W, and what two fast planners say to be
-either is passed over.
+ever yield. Here draw number k is what family k mod n draws, whatever stratum it is of. The suites
+`L`, `W`, `Q` and `U` are the first draws of their stratum, so one draw serves all of them. From
+some number on there is enough of L and W, and what two fast planners say to be either is passed
+over.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ FAMILIES = (
     "spinning-solid", "pendulum", "gate", "gate-solid", "behind-mover", "behind-mover-solid",
     "late-target", "late-target-solid", "random-planar", "random-solid",
 )  # fmt: skip
-"""What frozen suites are drawn from, in this order; a family that comes later is not among them."""
+"""Families that frozen suites are drawn from, in this order; later families are not among them."""
 Draw = dict[str, Any]
 
 
@@ -69,7 +69,7 @@ def first_of(
     crew: Crew,
     progress: Callable[[int], object] = lambda found: None,
 ) -> list[Draw]:
-    """The first draws of a stratum; those that were looked at are kept in a folder.
+    """The first draws of a stratum; classified draws are kept in a folder.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """The comparison of planners under inexact perception: one row for each episode of the closed loop.
 
-Thinking takes no time here, so rows depend on nothing but the seed.
+Thinking takes no time here, so rows depend on the seed only.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the page of a comparison says about those that are compared."""
+"""Sentences about the compared methods on the page of a comparison."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _of_model(bare: str) -> str:
 
 
 def verdict(results: Results) -> str:
-    """Who catches most, and who does of those that think quickly."""
+    """Name the method that catches most, of all and of the methods that think quickly."""
     reachable = results.where(results["stratum"] != "U")
     if not len(reachable):
         return "None of these situations can be caught."

@@ -27,7 +27,7 @@ class BehindMover(EventFamily):
     """The mover is on the line from the hand's start to the target at every moment.
 
     Its speed is the target's times its share of the distance, so it covers the target all the
-    time; the hand has to come from behind or from the side.
+    time.  The hand has to come from behind or from the side.
     """
 
     name = "behind-mover"
@@ -38,9 +38,9 @@ class BehindMover(EventFamily):
     speed: Range = span(0.05, 0.4)
     """Of the target [hand speeds]."""
     wait: Range = span(1.0, 1.8, 1.0)
-    """When the target is where it may be met, in times that the hand needs for the way there."""
+    """Time of the meeting, in times that the hand needs for the way there."""
     cover: Range = span(0.5, 0.85, 0.05, 0.95)
-    """Where the mover is on the line from the hand's start to the target, as a share of it."""
+    """Place of the mover on the line from the hand's start to the target, as a share of it."""
     half_length: Range = span(0.2, 0.45, 1e-3)
     """Half the width of its shade where it is a bar, its radius is half of that [forearms]."""
     bar: float = number(0.6)
@@ -75,7 +75,7 @@ class BehindMover(EventFamily):
 
 @dataclass(frozen=True)
 class BehindMoverSolid(InSpace, BehindMover):
-    """The same with solids; a cover that comes through the plane covers for a while only."""
+    """Solid targets and movers; a cover that comes through the plane covers for a while only."""
 
     name = "behind-mover-solid"
     summary = "a ball in space that a solid covers while both come through the plane"

@@ -37,7 +37,7 @@ class CrossingSwarm(EventFamily):
     target_speed: Range = span(0.0, 0.3)
     """[hand speeds]"""
     wait: Range = span(1.0, 1.8, 1.0)
-    """When the target is where it may be met, in times that the hand needs for the way there."""
+    """Time of the meeting, in times that the hand needs for the way there."""
 
     def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
         """A ball that moves in any direction."""
@@ -58,7 +58,7 @@ class CrossingSwarm(EventFamily):
 
 @dataclass(frozen=True)
 class CrossingSwarmSolid(InSpace, CrossingSwarm):
-    """The same with solids that also come through the plane."""
+    """Swarms of solids that also come through the plane."""
 
     name = "crossing-swarm-solid"
     summary = "a stream of solids across the limb's way and through the plane"

@@ -27,7 +27,7 @@ def gate_scene() -> Situation:
     """A gate that opens: a long bar slides off from between the hand and a ball.
 
     Until about 0.7 s no way leads through, and a front that comes to the bar before freezes there
-    for good. What is left of it goes round the bar's upper end, which takes longer than the
+    for good. The rest of the front goes round the bar's upper end, which takes longer than the
     situation lasts. A hand that waits beside the bar until its end has passed catches the ball.
     All numbers are chosen.
     """

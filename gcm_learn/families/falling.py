@@ -26,13 +26,13 @@ class Falling(EventFamily):
     summary = "a falling ball to catch among falling balls and bars, and shelves"
 
     gravity: Range = span(0.15, 0.6)
-    """The same for all bodies of a scene [squared hand speeds per forearm]."""
+    """Acceleration of all bodies of a scene [squared hand speeds per forearm]."""
     drift: Range = span(-0.25, 0.25, -100.0)
     """Horizontal speeds [hand speeds]."""
     throw: Range = span(-0.1, 0.5, -100.0)
     """Upward speeds at t = 0 [hand speeds]."""
     wait: Range = span(1.0, 1.8, 1.0)
-    """When the target is where it may be met, in times that the hand needs for the way there."""
+    """Time of the meeting, in times that the hand needs for the way there."""
     shelves: float = number(0.35)
     """Share of obstacles that are resting bars."""
     spin: Range = span(-1.5, 1.5, -100.0)
@@ -65,7 +65,7 @@ class Falling(EventFamily):
 
 @dataclass(frozen=True)
 class FallingSolid(InSpace, Falling):
-    """The same in space: the arm's plane is vertical, and what falls also comes through it."""
+    """Falling solids: the arm's plane is vertical, and what falls also comes through it."""
 
     name = "falling-solid"
     summary = "a falling ball among falling solids and shelves, in a vertical plane"

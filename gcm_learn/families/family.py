@@ -1,4 +1,4 @@
-"""What all families share: the arm's ranges, and draws in which the limb starts free."""
+"""Base of all families: the arm's ranges, and draws in which the limb starts free."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class ArmRanges(Ranges):
     grasp: Range = span(0.05, 0.05)
     """Distance at which the hand catches [forearms]."""
     inner_margin: float = number(0.35)
-    """Between the ring's inner rim and where hands start and targets are met [forearms]."""
+    """Between the ring's inner rim and where hands start and meet targets [forearms]."""
     outer_margin: float = number(0.1)
-    """The same at the outer rim."""
+    """Margin at the outer rim [forearms]."""
 
     def __post_init__(self) -> None:
         """Check the fields, and that the margins leave a ring."""
@@ -76,7 +76,7 @@ class ArmRanges(Ranges):
         return arm, pick(rng, self.horizon)
 
     def radii(self, upper_arm: float) -> Range:
-        """Distances from the shoulder at which hands start and targets are met [forearms]."""
+        """Distances from the shoulder at which hands start and meet targets [forearms]."""
         return abs(upper_arm - 1.0) + self.inner_margin, upper_arm + 1.0 - self.outer_margin
 
 
@@ -90,15 +90,15 @@ class Family(Ranges):
     name: ClassVar[str]
     """Under which it is registered."""
     summary: ClassVar[str]
-    """What happens, in one line."""
+    """Description in one line."""
     kind: ClassVar[str] = "planar"
     """Of the arm: planar or spatial."""
 
     def draw(self, rng: np.random.Generator, name: str = "") -> AnySituation:
         """Draw a situation in which the limb touches nothing at t = 0.
 
-        Draws that start blocked are thrown away, which thins out obstacles near the arm; after
-        `ATTEMPTS` of them, which takes ranges that leave no room, the last one is given.
+        Draws that start blocked are thrown away, which thins out obstacles near the arm.  After
+        `ATTEMPTS` of them the last one is given; only ranges that leave no space lead there.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class PlanarFamily(Family):
 
 
 def _starts_free(situation: AnySituation) -> bool:
-    """Whether the limb touches nothing at t = 0."""
+    """Return whether the limb touches nothing at t = 0."""
     if any(isinstance(body.motion, Pendulum) for body in situation.bodies):
         # Packing one integrates its swing up to the horizon, of which nothing is needed here.
         situation = replace(situation, horizon=TINY)

@@ -1,11 +1,11 @@
 """A gate: the way to the target opens at a moment, and the hand has to wait for it.
 
-Whatever stands nearer to the shoulder than the elbow keeps the upper arm from turning past it. So
-a resting body on one side of the upper arm and a gate on its other side lock the arm in, however
-long the way round. The gate opens in one of two ways: a *bolt* is a bar that points at the
-shoulder and slides outwards, and is open when its inner end is farther than the elbow; a *runner*
-is a ball that passes the shoulder and runs ahead of the arm, and is open when it has passed the
-direction that the upper arm has at the target. Both start from rest, so a front is there before.
+A body that stands nearer to the shoulder than the elbow keeps the upper arm from turning past it.
+So a resting body on one side of the upper arm and a gate on its other side lock the arm in, however
+long the way round. The gate opens in one of two ways. A *bolt* is a bar that points at the shoulder
+and slides outwards; it is open when its inner end is farther than the elbow. A *runner* is a ball
+that passes the shoulder and runs ahead of the arm. It is open when it has passed the direction that
+the upper arm has at the target. Both start from rest, so a front is there before.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class Gate(PieceFamily):
     obstacles: Counts = counts(2, 4, 2)
     """Number of obstacles, the gate and the body on the arm's other side included."""
     opening: Range = span(0.05, 0.4, 0.01, 0.95)
-    """When the gate opens, as shares of the time from when the hand could be at the target,
-    if there were no gate, until the horizon."""
+    """Instant at which the gate opens, as shares of the time from when the hand could be at the
+    target, if there were no gate, until the horizon."""
     bolts: float = number(0.6)
     """Share of gates that are bolts; the others are runners."""
     before: Range = span(0.15, 0.5, most=1.5)
@@ -149,7 +149,7 @@ def _hand_of(arm: Arm, first: float, second: float) -> Vector:
 
 @dataclass(frozen=True)
 class GateSolid(InSpace, Gate):
-    """The same with solids; some bolts are pulled out of the plane along its normal instead."""
+    """Gates of solids; some bolts are pulled out of the plane along its normal instead."""
 
     name = "gate-solid"
     summary = "a gate of solids that slides away, runs ahead or is pulled out of the plane"
@@ -165,6 +165,6 @@ class GateSolid(InSpace, Gate):
         return bolt._replace(acceleration=(0.0, 0.0), leaves=opens)
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes; gates neither lean nor come through the plane by chance."""
+        """Make a piece's body; gates neither lean nor come through the plane by chance."""
         is_gate = piece.name in ("bolt", "runner")
         return solid_body(rng, piece, self.space, arm.max_hand_speed, firm=is_gate)

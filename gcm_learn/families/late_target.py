@@ -28,7 +28,7 @@ class LateTarget(EventFamily):
     summary = "a target that comes within reach only after a good part of the horizon"
 
     entry: Range = span(0.4, 0.75, most=0.95)
-    """When the target comes within reach [horizons]."""
+    """Instant at which the target comes within reach [horizons]."""
     speed: Range = span(0.2, 0.8, 1e-3)
     """Of the target [hand speeds]."""
     aside: Range = span(-0.7, 0.7, -1.4, 1.4)
@@ -80,7 +80,7 @@ class LateTargetSolid(InSpace, LateTarget):
         return Event(target, meet, entry, horizon, pick_sign(rng))
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes; the target is one radius off the plane at its entry."""
+        """Make a piece's body; the target is one radius off the plane at its entry."""
         if piece.role == "obstacle":
             return super().body(rng, piece, arm)
         through = pick_sign(rng) * pick(rng, self.approach) * arm.max_hand_speed

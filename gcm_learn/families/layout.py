@@ -1,7 +1,7 @@
-"""Where things are put so that a situation is worth planning for.
+"""Placement of bodies such that a situation is worth planning for.
 
 Bodies drawn anywhere hardly ever matter. Here they are put, or aimed, at a point that the limb
-would sweep on the straight way from the hand to where the target is met; and those that would
+would sweep on the straight way from the hand to its meeting with the target. Bodies that would
 touch the limb at its start, or make the meeting impossible, are recognised.
 """
 
@@ -27,11 +27,11 @@ CORNER = 1.42  # a bar's corners are at most this many half widths from its midd
 
 
 class Event(NamedTuple):
-    """What a situation is about: the target, and one way for the hand to meet it."""
+    """The target, and one way for the hand to meet it."""
 
     target: Piece
     meet: Vector
-    """Where the hand may meet it [forearms]."""
+    """Place at which the hand may meet it [forearms]."""
     when: float
     """[s]"""
     horizon: float
@@ -48,7 +48,7 @@ def elbow_at(arm: Arm, hand: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class WayRanges(Ranges):
-    """Where the target may be met, as seen from the hand's start."""
+    """Ranges of the place at which the hand may meet the target, as seen from the hand's start."""
 
     turn: Range = span(0.6, 2.4, most=3.14)
     """Angle at the shoulder, to either side [rad]."""
@@ -68,7 +68,7 @@ class WayRanges(Ranges):
 def meeting_time(
     rng: np.random.Generator, arm: Arm, meet: Vector, wait: Range, horizon: float
 ) -> float:
-    """When a moving target is where it may be met [s].
+    """Draw the time at which the hand may meet a moving target [s].
 
     Parameters
     ----------
@@ -86,10 +86,10 @@ def meeting_time(
 def on_the_way(
     rng: np.random.Generator, arm: Arm, event: Event, share: Range, inside: float
 ) -> tuple[Vector, float]:
-    """A point that the limb sweeps on its straight way to the meeting, and when.
+    """Draw a point that the limb sweeps on its straight way to the meeting, and when.
 
-    What is nearer to the shoulder than the elbow stops the upper arm from turning past it, so
-    that the only detour is the long way round; what is farther can be dodged by folding the arm.
+    A body nearer to the shoulder than the elbow stops the upper arm from turning past it, so
+    that the only detour is the long way round. Farther bodies can be dodged by folding the arm.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def on_the_way(
 
 
 def way_time(arm: Arm, meet: Vector) -> float:
-    """How long the hand takes to a place at least [s]."""
+    """Return the least time that the hand takes to a place [s]."""
     return math.hypot(meet[0] - arm.hand[0], meet[1] - arm.hand[1]) / arm.max_hand_speed
 
 
@@ -145,7 +145,7 @@ def polar(radius: float, angle: float) -> Vector:
 
 
 def leaves_room(piece: Piece, arm: Arm, event: Event) -> bool:
-    """Whether a piece touches the limb neither at its start nor at the meeting.
+    """Return whether a piece touches the limb neither at its start nor at the meeting.
 
     Decided in the plane, with bars rounded off: for solids, which may lean, it is a good guess.
     """
@@ -155,7 +155,7 @@ def leaves_room(piece: Piece, arm: Arm, event: Event) -> bool:
 
 
 def touches(piece: Piece, arm: Arm, hand: Vector, t: float) -> bool:
-    """Whether a piece is nearer to the limb of a hand position than its thickness, at time t."""
+    """Return whether a piece is nearer to the limb at a hand position than its thickness, at t."""
     (x, y), (dx, dy) = piece.at(t), (0.0, 0.0)
     near = piece.size[-1]
     if len(piece.size) == 2:

@@ -29,7 +29,7 @@ class MovingPoint(EventFamily):
     target_speed: Range = span(0.05, 0.3)
     """Of the other targets [hand speeds]."""
     wait: Range = span(1.0, 1.8, 1.0)
-    """When the target is where it may be met, in times that the hand needs for the way there."""
+    """Time of the meeting, in times that the hand needs for the way there."""
 
     def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
         """A ball that rests or is slow."""
@@ -47,7 +47,7 @@ class MovingPoint(EventFamily):
 
 @dataclass(frozen=True)
 class MovingPointSolid(InSpace, MovingPoint):
-    """The same with small spheres and thin posts that come through the plane."""
+    """Small spheres and thin posts that come through the plane."""
 
     name = "moving-point-solid"
     summary = "points and thin posts that come through the plane on the limb's way"

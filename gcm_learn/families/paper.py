@@ -1,8 +1,8 @@
 """The scenes of the paper's Figs. 1 to 8 as situations.
 
-The paper draws its scenes without giving their dimensions. Every number below that it does not
-give is chosen so that the scene resembles the figure and the wave meets the target near the
-instant of the caption; constants say which is which. Lengths are in forearms, times in seconds.
+The paper draws its scenes without giving their dimensions. The numbers below that it does not give
+are chosen: the scene resembles the figure, and the wave meets the target near the instant of the
+caption. Constants say which is which. Lengths are in forearms, times in seconds.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ EARTH_GRAVITY = EARTH / FOREARM  # [forearms/s^2] at the robot's scale
 FIG5_GRAVITY = 8.5  # [forearms/s^2]
 
 # [tau] instants of the panels that show the wave; the last one is the contact with the target.
-# Fig. 5 tells only the contact, the earlier instants are chosen.
+# Fig. 5 gives only the contact, the earlier instants are chosen.
 CAPTION_INSTANTS = {
     "fig4": (30, 100, 180),
     "fig5": (80, 150, 220),
@@ -85,7 +85,7 @@ def fig2() -> Situation:
 def fig3() -> Situation:
     """Two movers whose extended obstacles change their shape on the way (Fig. 3).
 
-    The figure shows no target, but a situation has one; it rests aside.
+    The figure lacks a target. A situation has one; it rests aside.
     """
     return _planar(
         "fig3",

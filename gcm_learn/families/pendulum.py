@@ -54,19 +54,19 @@ class PendulumFamily(InSpace, EventFamily):
     length: Range = span(0.8, 2.5, 0.1)
     """From pivot to ball [forearms]."""
     gravity: Range = span(0.3, 1.0, 0.01)
-    """The same for all bodies of a scene [squared hand speeds per forearm]."""
+    """Acceleration of all bodies of a scene [squared hand speeds per forearm]."""
     amplitude: Range = span(0.3, 1.0, 0.01, 1.5)
     """Largest angle of the swing [rad]."""
     phase: Range = span(-0.8, 0.8, -0.99, 0.99)
-    """Angle at which the plane is met [amplitudes]."""
+    """Angle at which it meets the plane [amplitudes]."""
     heading: Range = span(0.2, 1.57, 0.0, 1.58)
     """Angle between the swing's plane and the arm's [rad]."""
     wait: Range = span(1.0, 1.8, 1.0)
-    """When the ball is where it may be met, in times that the hand needs for the way there."""
+    """Time of the meeting, in times that the hand needs for the way there."""
     cord: Range = span(0.005, 0.02, 1e-3)
     """Radius of cords [forearms]."""
     swinging: float = number(0.6)
-    """Share of pendulums among the other obstacles, as far as there is room for two bodies each;
+    """Share of pendulums among the other obstacles, as far as there is space for two bodies each;
     the rest of them are bodies at rest."""
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation:
@@ -114,7 +114,7 @@ class PendulumFamily(InSpace, EventFamily):
         )
 
     def _motion(self, rng: np.random.Generator, swing: Swing) -> Pendulum:
-        """The swing back at t = 0, from its energy and its angle when the plane is met."""
+        """The swing back at t = 0, from its energy and its angle when it meets the plane."""
         length, amplitude = pick(rng, self.length), pick(rng, self.amplitude)
         heading = pick_sign(rng) * pick(rng, self.heading)
         angle, stiffness = pick(rng, self.phase) * amplitude, swing.gravity / length

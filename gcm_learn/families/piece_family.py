@@ -44,7 +44,7 @@ from gcm_learn.situation import Body, Plane, Situation
 
 @dataclass(frozen=True)
 class Sizes(Ranges):
-    """How large balls and bars are [forearms]."""
+    """Sizes of balls and bars [forearms]."""
 
     target: Range = span(0.04, 0.12, TINY)
     """Radius of the target."""
@@ -100,7 +100,7 @@ class PieceFamily(PlanarFamily):
     def fitting(
         self, rng: np.random.Generator, arm: Arm, event: Event, count: int
     ) -> tuple[Piece, ...]:
-        """Obstacles that leave room for the limb at its start and at the meeting."""
+        """Draw obstacles that leave the limb free at its start and at the meeting."""
         pieces = []
         for k in range(count):
             for _ in range(TRIES):
@@ -111,7 +111,7 @@ class PieceFamily(PlanarFamily):
         return tuple(pieces)
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes."""
+        """Make a piece's body."""
         return planar_body(piece)
 
 
@@ -124,7 +124,7 @@ class EventFamily(PieceFamily):
     """Share of obstacles that are aimed at the limb's straight way; the others pass anywhere within
     reach at any time. The more are aimed, the fewer targets can be caught at all."""
     share: Range = span(0.2, 0.9, most=1.0)
-    """Where on the straight way aimed obstacles are met, as shares of it."""
+    """Places of aimed obstacles on the straight way, as shares of it."""
     inside: float = number(0.15)
     """Share of places nearer to the shoulder than the elbow; see `layout.on_the_way`."""
 
@@ -138,11 +138,11 @@ class EventFamily(PieceFamily):
         """The target and how it may be met."""
 
     def goal(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Vector:
-        """Where the target may be met."""
+        """Draw a place at which the hand may meet the target."""
         return self.way.end(rng, arm, horizon, self.arm.radii(arm.upper_arm))
 
     def aim(self, rng: np.random.Generator, arm: Arm, event: Event) -> tuple[Vector, float]:
-        """Where an obstacle is to be, and when [s]."""
+        """Draw the place where an obstacle is to be, and when [s]."""
         if rng.random() < self.aimed:
             return on_the_way(rng, arm, event, self.share, self.inside)
         return anywhere(rng, arm, self.inside), event.horizon * rng.random()
@@ -173,5 +173,5 @@ class InSpace:
     space: SpaceRanges = field(default_factory=SpaceRanges)
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes."""
+        """Make a piece's body."""
         return solid_body(rng, piece, self.space, arm.max_hand_speed)

@@ -2,7 +2,7 @@
 
 A family says where in the arm's plane its pieces are, when, and how they move. In a planar scene
 a ball is a disc and a bar a polygon. In space a ball becomes a sphere or a post, a bar a box, a
-capsule or a cylinder; they may lean, and movers come through the plane, being in its middle when
+capsule or a cylinder. They may lean. Movers come through the plane, and are in its middle when
 the family wants them there.
 """
 
@@ -48,7 +48,7 @@ class Piece(NamedTuple):
     size: tuple[float, ...]
     """Radius of a ball; half the length and half the width of a bar [forearms]."""
     place: Vector
-    """Where its origin is at `when` [forearms]."""
+    """Its origin at `when` [forearms]."""
     when: float = 0.0
     """[s]"""
     velocity: Vector = (0.0, 0.0)
@@ -66,11 +66,11 @@ class Piece(NamedTuple):
 
     @property
     def rests(self) -> bool:
-        """Whether it does not move at all."""
+        """True if it does not move at all."""
         return self.velocity == self.acceleration == (0.0, 0.0) and self.spin == 0.0
 
     def at(self, t: float) -> Vector:
-        """Where its origin is at time t."""
+        """Return its origin at time t."""
         late, half = t - self.when, 0.5 * (t * t - self.when * self.when)
         (x, y), (vx, vy), (ax, ay) = self.place, self.velocity, self.acceleration
         return x + vx * late + ax * half, y + vy * late + ay * half
@@ -78,7 +78,7 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class SpaceRanges(Ranges):
-    """What solids do that planar bodies cannot."""
+    """Ranges of what only solids can do."""
 
     crossing: Range = span(0.0, 0.4)
     """Speeds at which movers come through the arm's plane [hand speeds]."""

@@ -74,7 +74,7 @@ class RandomPlanar(PlanarFamily):
         return Situation(name, horizon, arm, tuple(bodies))
 
     def _motion(self, rng: np.random.Generator, arm: Arm) -> PlanarQuadratic:
-        """Start anywhere in view; half of the bodies that move accelerate."""
+        """Start anywhere in the drawn area; half of the bodies that move accelerate."""
         hand, ends = arm.max_hand_speed, (-self.view, self.view)
         position = (pick(rng, ends), pick(rng, ends))
         if rng.random() < self.still:

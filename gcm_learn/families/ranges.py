@@ -64,7 +64,7 @@ class Ranges:
 
 
 def _default(field: dataclasses.Field[Any]) -> object:
-    """What a nested record is when nothing else is given."""
+    """Return the default of a nested record."""
     made_by = field.default_factory
     return field.default if made_by is dataclasses.MISSING else made_by()
 

@@ -26,7 +26,7 @@ class Spinning(EventFamily):
     speed: Range = span(0.0, 0.4)
     """Of bars that fly [hand speeds]."""
     wait: Range = span(1.0, 1.8, 1.0)
-    """When the target is where it may be met, in times that the hand needs for the way there."""
+    """Time of the meeting, in times that the hand needs for the way there."""
     hinged: float = number(0.5)
     """Share of obstacles that turn about a hinge at their end."""
     target_half_length: Range = span(0.1, 0.3, 1e-3)
@@ -58,7 +58,7 @@ class Spinning(EventFamily):
 
 @dataclass(frozen=True)
 class SpinningSolid(InSpace, Spinning):
-    """The same in space, with flat discs that tumble through the plane in place of some bars."""
+    """Spinning solids, with flat discs that tumble through the plane in place of some bars."""
 
     name = "spinning-solid"
     summary = "a spinning bar to catch among spinning bars and tumbling discs in space"
@@ -71,7 +71,7 @@ class SpinningSolid(InSpace, Spinning):
     """[forearms]"""
 
     def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
-        """What a piece becomes."""
+        """Make a piece's body."""
         body = super().body(rng, piece, arm)
         flies = piece.role == "obstacle" and isinstance(body.motion, SolidQuadratic)
         if not flies or rng.random() >= self.discs:

@@ -15,7 +15,7 @@ from gcm_learn.families.ranges import pick_angle
 
 @dataclass(frozen=True)
 class StaticClutter(EventFamily):
-    """Nothing moves; most obstacles stand where the limb's straight way leads."""
+    """Bodies at rest; most obstacles stand where the limb's straight way leads."""
 
     name = "static-clutter"
     summary = "a resting target among resting balls and bars"
@@ -33,7 +33,7 @@ class StaticClutter(EventFamily):
 
 @dataclass(frozen=True)
 class StaticClutterSolid(InSpace, StaticClutter):
-    """The same with spheres, posts and leaning bars in a vertical arm plane."""
+    """Resting spheres, posts and leaning bars in a vertical arm plane."""
 
     name = "static-clutter-solid"
     summary = "a resting ball among resting solids"

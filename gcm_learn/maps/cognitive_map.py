@@ -47,7 +47,7 @@ class CognitiveMap:
     effective_target: np.ndarray
     """(...) bool: cells in which the front met a target."""
     interception: Interception | None
-    """The first of them, None if the front met no target."""
+    """The first of them; None if the front missed all targets."""
     kappa: float
     """Seconds per unit of mental time: t = kappa tau."""
     engine: str

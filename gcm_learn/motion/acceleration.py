@@ -100,10 +100,10 @@ def tracked(
     limits: np.ndarray,
     knots: int = KNOTS,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The movement nearest to a timed path, with limited accelerations.
+    """Find the movement nearest to a timed path, with limited accelerations.
 
-    Nearest in the sum of squares over the path, its end above all.  Speeds and ranges are not
-    looked at.
+    Nearest is meant in the sum of squares over the path, its end above all.  Speeds and ranges are
+    not checked.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Why there is no catch: reasons that can be counted, each with its sentence."""
+"""Reasons for a missing catch, which can be counted, each with its sentence."""
 
 from __future__ import annotations
 

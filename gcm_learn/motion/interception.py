@@ -174,7 +174,7 @@ def may_be_reached(scene):
             wait = way / (top + speed)
             if ring > 0.0:
                 wait = max(wait, ring / top if top > 0.0 else NEVER)
-            if wait <= tiny:  # now, or too soon to be told apart from now
+            if wait <= tiny:  # now, or too soon to differ from now
                 return True
             t += wait
     return False

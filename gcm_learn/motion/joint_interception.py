@@ -33,7 +33,7 @@ from gcm_learn.scene.bodies import (
 
 _LOOKS = 20_000  # at a resting limb, at most
 ANGLE = 3e-7  # by which an approach may miss its angle; the contract grants 1e-6 [rad]
-_CLOSE = 1e-5  # share of the horizon too short to be told apart from now
+_CLOSE = 1e-5  # share of the horizon too short to differ from now
 
 
 @njit(_nrt=False)

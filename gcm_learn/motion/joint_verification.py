@@ -17,12 +17,12 @@ RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [
 _ROUNDING = 1e-13  # of joints, where a range ends at 0 [rad]
 _GLANCES = 4  # at a move, for a distance to begin with
 _NEAR_ENOUGH = 1e-4  # share of a move at which that is good enough
-_NARROWEST = 1e-12  # share of a piece that is looked at before its hand counts as too fast
+_NARROWEST = 1e-12  # share of a piece that is checked before its hand counts as too fast
 
 
 @njit
 def judge(scene, touch, time, joints, rates, body):
-    """First promise that is not kept (NOTHING if all are), least distance, and when [s].
+    """Return the first broken promise or NOTHING, the least distance, and when [s].
 
     Parameters
     ----------
@@ -195,9 +195,9 @@ def _top_rate(curve, j):
 def hand_too_fast(limb, curve, most, q):
     """Return whether the hand's way per share of a move exceeds `most` anywhere.
 
-    The hand's velocity strays from a straight line between those at the ends of a span by at most
-    an eighth of its width squared times what bounds the second derivative: each turns the arm once
-    more, or is of one joint alone.
+    Between the ends of a span the hand's velocity strays from a straight line.  It strays by at
+    most an eighth of the width squared times a bound of the second derivative.  Each derivative
+    turns the arm once more, or is of one joint alone.
     """
     far, rates, bends, jolts = lever(limb), 0.0, 0.0, 0.0
     for j in range(dof(limb)):

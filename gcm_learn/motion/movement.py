@@ -125,7 +125,7 @@ class Movement:
     def states_at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Joints, rates and accelerations (n, dof) at times t (n,); at rest after the last sample.
 
-        At a sample they are those of the piece that begins there.
+        At a sample they belong to the piece that begins there.
         """
         inside = (t >= self.time[0]) & (t < self.time[-1])
         if self.rates is None or self.time.size == 1 or not inside.any():

@@ -95,7 +95,7 @@ def _refine(time, hand, rho, side, tolerance):
 
 @njit
 def spread(time, hand, spacing):
-    """The same path with samples at most `spacing` apart; of two equal ones the first is left out.
+    """Return a path with samples at most `spacing` apart, without the first of two equal ones.
 
     Parameters
     ----------

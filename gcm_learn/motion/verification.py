@@ -30,24 +30,24 @@ _RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [f
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a trajectory keeps the promise of "caught"."""
+    """Verdict on a trajectory's promise of "caught"."""
 
     good: bool
     clearance: float
     """Smallest distance of limb and obstacles, less the thickness; only the order of magnitude of
     the failure when `good` is False."""
     reason: Reason | None = None
-    """What is wrong."""
+    """Reason for a rejection."""
     collision_time: float | None = None
-    """When the limb touches an obstacle [s]; None if it does not, or something else is wrong."""
+    """Time of the limb's contact with an obstacle [s]; None if it is free or otherwise wrong."""
 
 
 @njit
 def _rates_at(x, y, dx, dy, rho, side):
     """Turn of both joints per length of the hand's way at (x, y) in the unit direction (dx, dy).
 
-    The elbow's angle depends on the hand's radius only, the shoulder's also on its direction; at
-    the rims of the ring, where both rates have no bound, the answer is 0 and says nothing.
+    The elbow's angle depends on the hand's radius only, the shoulder's also on its direction.  At
+    the rims of the ring both rates are unbounded; the answer there is 0 and means nothing.
     """
     r = np.sqrt(x * x + y * y)
     if r < _RIM or r > rho + 1.0 - _RIM or r < abs(rho - 1.0) + _RIM:
@@ -191,7 +191,7 @@ _JUDGES = ByKind({PLANAR: _judge_hand}, default=_judge_joints)
 
 @njit(_nrt=False)
 def _goes_astray(hand, joints, rho):
-    """Whether joints that are linear between samples lead the hand away from its straight way.
+    """Return whether joints, linear between samples, lead the hand off its straight way.
 
     They do most of all about half way between two samples.
     """
@@ -207,7 +207,7 @@ def _goes_astray(hand, joints, rho):
 
 @njit
 def _judge(scene, touch, time, hand, joints, body):
-    """First promise that is not kept (NOTHING if all are), least distance, and when [s]."""
+    """Return the first broken promise or NOTHING, the least distance, and when [s]."""
     last = time.size - 1
     fault = _hand_fault(scene, time, hand, joints)
     if fault == NOTHING and _turns_too_fast(scene, time, hand):
@@ -228,7 +228,7 @@ def _judge(scene, touch, time, hand, joints, body):
 
 @njit(_nrt=False)
 def _hand_fault(scene, time, hand, joints):
-    """First of the promises about the hand's path that is not kept, NOTHING if all are."""
+    """Return the first broken promise about the hand's path, or NOTHING."""
     limb, limits, last = scene.limb, scene.limits, time.size - 1
     if time[0] != 0.0 or hand[0, 0] != limb.x or hand[0, 1] != limb.y:
         return ELSEWHERE
@@ -253,7 +253,7 @@ def _hand_fault(scene, time, hand, joints):
 
 @njit
 def _turns_too_fast(scene, time, hand):
-    """Whether a joint would have to be faster than its limit."""
+    """Return whether a joint would have to be faster than its limit."""
     limits = scene.limits
     if limits.shoulder == np.inf or time.size == 1:
         return False

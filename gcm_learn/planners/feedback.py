@@ -1,4 +1,4 @@
-"""What attempts that failed teach the next map of the same situation."""
+"""Lessons of failed attempts for the next map of the same situation."""
 
 from __future__ import annotations
 
@@ -27,35 +27,35 @@ class Exploration:
 
     map: CognitiveMap
     attempts: Iterable[Attempt] = ()
-    """Not verified, the most promising first; made when they are asked for."""
+    """Not verified, the most promising first; made on demand."""
     arrived: float = 0.0
-    """When the hand is where the interception is [s]."""
+    """Instant at which the hand is where the interception is [s]."""
     shared: float = 0.0
-    """Until when all attempts are the same [s]."""
+    """Instant until which all attempts are the same [s]."""
 
 
 @dataclass(frozen=True)
 class Feedback:
-    """What has been learned about a situation on one lattice.
+    """Knowledge about a situation on one lattice.
 
     A limb that is touched on its path passes between the centres of cells where their neighbourhood
-    is not free: the cells around get a wider margin, and the front goes round or waits.  If the
-    path to the interception holds, but none that ends it, or if the front comes to the same
-    interception again, that is passed over.
+    is not free.  The cells around get a wider margin, and the front goes round or waits.  An
+    interception is passed over if the path to it holds but none that ends it, or if the front
+    comes to it again.
     """
 
     beyond: float = 0.0
-    """How long after the horizon the front stops [crossings of a cell]."""
+    """Time after the horizon at which the front stops [crossings of a cell]."""
     ignore: float = 0.0
     """Interceptions before this time do not count [s]."""
     widening: np.ndarray | None = None
     """Margin (nodes,) on top of the usual one."""
     touches: tuple[tuple[float, ...], ...] = ()
-    """Where the hand was when the limb was touched [forearm lengths]."""
+    """Places of the hand when the limb was touched [forearm lengths]."""
     passed_over: int = 0
     """Number of interceptions."""
     met: float = -1.0
-    """When the last map's interception was [s]."""
+    """Time of the last map's interception [s]."""
 
     def applied(self, scene: Scene, chart: Chart) -> Scene:
         """A scene with the horizon at which the front stops."""

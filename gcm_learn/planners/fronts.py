@@ -37,8 +37,8 @@ class Level(Generic[Params]):
     trials: int = 3
     """Maps to make at most, each with the feedback of the maps before."""
     beyond: float = 0.0
-    """How long after the horizon the front stops [crossings of a cell]: paths are a little shorter
-    than those from centre to centre."""
+    """Time after the horizon at which the front stops [crossings of a cell]: paths are a little
+    shorter than from centre to centre."""
     decisive: bool = False
     """Stop at this level if its first map has no interception."""
 
@@ -158,13 +158,13 @@ def wave_levels(params: WaveParams, explore: Explore[WaveParams]) -> tuple[Level
 
 
 def marching(params: MarchingParams | None = None) -> FrontPlanner:
-    """The same idea with causal marching instead of the wave."""
+    """Make a front planner with causal marching instead of the wave."""
     params = MarchingParams() if params is None else params
     return FrontPlanner("marching", levels_of(params, without_margin(params), first_arrival))
 
 
 def without_margin(params: MarchingParams) -> MarchingParams:
-    """The same parameters with cells that are asked at their centres and at once only."""
+    """Return the parameters with cells that are checked at their centres and at once only."""
     return replace(params, margin=0.0, lookback=0.0, slack=HALF_DIAGONAL)
 
 
@@ -174,7 +174,7 @@ def levels_of(params: Params, bare: Params, explore: Explore[Params]) -> tuple[L
 
 
 def finer(params: Params) -> Params:
-    """The same parameters on a lattice of half the spacing."""
+    """Return the parameters on a lattice of half the spacing."""
     return replace(params, n=min(2 * params.n, LARGEST_LATTICE))
 
 

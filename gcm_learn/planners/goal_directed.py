@@ -32,23 +32,23 @@ from gcm_learn.planners.sipp_labels import (
 MOST = 40_000  # labels that are taken up at most
 BRIEF = 4_000  # of them on the finer lattice
 FINER = 3  # its cells a side, for two of the other
-SLICE = 200  # labels that are taken up between two looks at the clock
+SLICE = 200  # labels that are taken up between two readings of the clock
 INSTANT = 0.1  # resolution of interceptions [crossings of a cell]
 ANY = 1e9  # resolution of a clearance of which only the sign matters
 LABELS = 3  # for which there is room, for every cell
 
 
 def found(problem: Problem, n: int) -> Plan | None:
-    """What the search says of a problem: a verified catch, or that there is none.
+    """Search for a plan: a verified catch, the failure to find any, or None if undecided.
 
-    None where it cannot tell: legs know no limits of joints, and a rest between two of them is
-    looked at only so often that a plan may, rarely, turn out to touch.
+    It is undecided for arms with limits of joints, which legs do not know.  Rests between two legs
+    are checked only so often that a plan may, rarely, turn out to touch.
 
     Parameters
     ----------
     problem : Problem
     n : int
-        Cells a side of the lattice.  A finer one, which sees narrower gaps, is looked at briefly.
+        Cells a side of the lattice.  A finer one, which sees narrower gaps, is searched briefly.
     """
     if problem.situation.arm.max_joint_speed is not None:
         return None
@@ -135,19 +135,19 @@ def _attempt(problem: Problem, ground: Ground, labels: Labels, caught: Catch) ->
 
 
 def new_hunt(labels: int, bound: float) -> Hunt:
-    """Return a search for a catch before a bound [s], with room for so many labels."""
+    """Return a search for a catch before a bound [s], with memory for so many labels."""
     queue = np.empty(labels), np.empty(labels), np.empty(labels, np.int64), np.zeros(1, np.int64)
     return Hunt(Aim(np.empty((0, 0, 4)), 0.0, bound), Queue(*queue), np.zeros(1, np.int64))
 
 
 def leg_room(bodies: int, floor: float) -> Sweep:
-    """Room to ask for legs among so many bodies; nearer than `floor` counts as touching."""
+    """Return buffers to check legs among so many bodies; nearer than `floor` is touching."""
     stack = np.empty((DEEPEST + 2, 3))
     return Sweep(np.zeros(2), np.zeros((2, 2)), floor, ANY, np.zeros((bodies, 12)), stack)
 
 
 def unasked(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First label, number of labels and `soonest` (nodes,) before any node has been asked for."""
+    """First label, number of labels and `soonest` (nodes,) before any node is opened."""
     return np.full(nodes, -1), np.zeros(nodes, dtype=np.int64), np.full(nodes, NEVER)
 
 

@@ -147,7 +147,7 @@ def _attempts(problem: Problem, front: Front, chain: list[int], wait: int) -> It
 
 
 def _leaves(problem: Problem, front: Front, chain: list[int], k: int) -> float:
-    """When the hand leaves the k-th state of a chain for the next one [s]."""
+    """Return when the hand leaves the k-th state of a chain for the next one [s]."""
     here, there = front.chart.hands[front.nodes[chain[k : k + 2]]]
     away = np.hypot.reduce(there - here)
     return float(front.arrival[chain[k + 1]] - away / fastest(problem.scene))

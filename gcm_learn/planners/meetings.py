@@ -1,4 +1,4 @@
-"""When and where a hand can be at a target: what the goal-directed search heads for.
+"""Meetings of hand and target in time and space: the goals of the goal-directed search.
 
 A target in the shadow of an obstacle, or out of reach, is none: no movement ends there. Spans of
 time in which that is so are shut, so that the search does not head for them. Times in seconds.
@@ -24,7 +24,7 @@ SHUT = -1e300  # distance at which a target counts as met that cannot be
 
 @njit
 def aim_at(ground, end):
-    """Where targets are over [0, end], and when a hand can be there."""
+    """Sample the places of targets over [0, end], and when a hand can be there."""
     bodies, poses, step = ground.scene.bodies, ground.postures.scratch, end / SPANS
     count = bodies.rows.shape[0]
     ways, targets, blocker = np.empty((SPANS, count, 4)), 0, 0
@@ -87,7 +87,7 @@ def shadowed(ground, x, y, radius, blocker):
 
 @njit(_nrt=False)
 def touches(ground, x, y, first):
-    """Which body the limb with its hand at (x, y) touches, `first` being asked first; or -1."""
+    """Find a body that the limb with its hand at (x, y) touches, or -1; `first` comes first."""
     bodies, limb, poses = ground.scene.bodies, ground.scene.limb, ground.postures.scratch
     ex, ey = elbow_of(x, y, limb.rho, limb.side)
     for k in range(bodies.rows.shape[0]):
@@ -101,9 +101,9 @@ def touches(ground, x, y, first):
 
 @njit(_nrt=False)
 def outlook(aim, speed, x, y, t):
-    """When a hand at (x, y) at time t can meet a target before the bound: F and the time to move.
+    """Estimate when a hand at (x, y) at time t meets a target before the bound, and its way there.
 
-    Both NEVER if it cannot; F is not late by more than a span.
+    Returns F and the time to move, both NEVER if it cannot; F is late by at most a span.
     """
     ways, step = aim.ways, aim.step
     for i in range(int(t / step), ways.shape[0]):

@@ -52,12 +52,12 @@ def deadline_of(given: float | Deadline | None) -> Deadline | None:
 FORMAT = "gcm-learn/solution@1"
 Status = Literal["caught", "unreachable", "start_blocked", "broken", "error"]
 FAULTS = ("broken", "error")
-"""Statuses of planners from outside only: a catch that does not hold, and no answer at all."""
+"""Statuses of planners from outside only: a catch that fails verification, and no answer at all."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A verified catch or why there is none."""
+    """A verified catch, or the reason for its absence."""
 
     name: str
     """Name of the situation."""
@@ -78,7 +78,7 @@ class Plan:
     a spatial arm]; infinite without obstacles."""
     trajectory: Movement | None = None
     failure: Failure | None = None
-    """Why there is no catch, to be counted; `message` has its sentence."""
+    """Reason for a missing catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
     """The map that the plan came from; plans that needed none leave it out."""
     nodes: int = 0

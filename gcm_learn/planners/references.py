@@ -23,7 +23,7 @@ MODEL = ".zip"
 
 
 def found(reference: str) -> Any:
-    """Return the object that a reference names, or None for a bare name without an entry point.
+    """Return the object that a reference names; None for a bare name that has no entry point.
 
     Parameters
     ----------

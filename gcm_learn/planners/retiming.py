@@ -1,4 +1,4 @@
-"""The same path under a limit of acceleration: slower off the mark, rounder at the corners.
+"""A plan's path under a limit of acceleration: slower off the mark, rounder at the corners.
 
 A plan's hand starts at full speed and turns on the spot.  Here it is followed by its own average
 over the last moments,
@@ -6,17 +6,17 @@ over the last moments,
     p(t) = 1/w (integral of q from t - w to t),    q the plan's hand, at rest before t = 0,
 
 whose acceleration is (q'(t) - q'(t - w)) / w, and which is never faster than q.  It comes half a
-window late.  Where the plan has time to spare q is sent ahead by that much; where it has not the
-target is met later, in a straight line from some point of the path.  Obstacles move meanwhile and
-corners are cut, so whatever comes out is verified like every plan, or it is none.
+window late.  If the plan has time to spare, q is sent ahead by that much.  Otherwise the hand meets
+the target later, in a straight line from some point of the path.  Obstacles move meanwhile and
+corners are cut, so the result is verified like every plan, or dropped.
 
-What is bounded is the hand's acceleration: along the motion p, and so in the second differences of
-the trajectory, which samples p at equal steps.  The acceleration of joints is not, nor is there a
-bound at the end, where the hand may be as fast as it likes.
+The bound is on the hand's acceleration: along the motion p, and so in the second differences of
+the trajectory, which samples p at equal steps.  The acceleration of joints is unbounded, and so is
+the end, where the hand may be as fast as it likes.
 
-TOPP-RA (Pham and Pham 2018), the usual tool, does not fit: it looks for the fastest timing of a
-given smooth path, which ours, made of straight pieces, are not; its world stands still; and the
-support of its Python package is to be dropped, as its README says.
+TOPP-RA (Pham and Pham 2018), the usual tool, does not fit.  It finds the fastest timing of a given
+smooth path, and ours are made of straight pieces.  Its world stands still.  The support of its
+Python package is to be dropped, as its README says.
 """
 
 from __future__ import annotations

@@ -1,14 +1,15 @@
 """Kernels of the goal-directed search: safe intervals of cells, straight legs that are verified.
 
-It is safe interval path planning (Phillips and Likhachev, ICRA 2011) with any-angle legs whose
-clearance is asked for only when a label is expanded (Lazy Theta*: Nash, Koenig and Tovey, AAAI
+It is safe interval path planning (Phillips and Likhachev, ICRA 2011) with any-angle legs.  Their
+clearance is computed only when a label is expanded (Lazy Theta*: Nash, Koenig and Tovey, AAAI
 2010).  A label is a cell in one of its safe intervals; the limb rests there for as long as it
 lasts.  Its leg has been swept without sampling, so what a label says can be done.
 
-Labels are expanded in order of F plus the time that the hand still has to move, where F is when a
-target can be met at the soonest: A*, with a preference for being near among the many labels that
-can be at the same meeting.  What cannot meet a target before the bound is never queued.  A catch
-lowers the bound, and the search goes on until nothing is left.  Times in seconds.
+Labels are expanded in order of F plus the time that the hand still has to move.  F is the earliest
+time at which the hand can meet a target.  This is A*, with a preference for being near among the
+many labels that can be at the same meeting.  Labels that cannot meet a target before the bound are
+never queued.  A catch lowers the bound, and the search goes on until nothing is left.  Times in
+seconds.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ def ask(m, total, aim, ground, labels):
 
 @njit(_nrt=False)
 def entry(p, j, after, ground, labels):
-    """When, not before `after`, the hand can come straight from label p to j; NEVER if not."""
+    """Return when, from `after` on, the hand can come straight from label p to j, or NEVER."""
     limb, a, b = ground.postures.limb, labels.node[p], labels.node[j]
     step = np.sqrt((limb[a, 0] - limb[b, 0]) ** 2 + (limb[a, 1] - limb[b, 1]) ** 2)
     step /= ground.rules.speed
@@ -116,7 +117,7 @@ def beside_start(m, ground):
 
 @njit(_nrt=False)
 def neighbour(m, d, ground):
-    """Neighbour d of 9 of node m that has been asked for, the start being the last; -1 if none."""
+    """Return neighbour d of 9 of node m, the start being the last; -1 if it is not opened yet."""
     n, q = ground.n, ground.n * ground.n
     if d == 8:
         return q if beside_start(m, ground) else -1
@@ -127,9 +128,9 @@ def neighbour(m, d, ground):
 
 @njit(_nrt=False)
 def another_way(j, ground, labels):
-    """After a leg to label j has failed: the next best, from a neighbour or later; NEVER if none.
+    """Find the next best leg to label j after one has failed, from a neighbour or later.
 
-    Returns when it comes and from which label.
+    Returns when it comes, or NEVER, and from which label.
     """
     m, tries = labels.node[j], labels.tries[j]
     after, best, by = labels.tent[j], NEVER, -1
@@ -180,7 +181,7 @@ def dash(s, since, end, ground, labels):
 
 @njit
 def _begin(ground, labels, hunt):
-    """Begin to look for a catch, with nothing asked for yet; returns what is searched for."""
+    """Begin to search for a catch, with no node opened yet; return the aim."""
     start, speed, bound = ground.n * ground.n, ground.rules.speed, hunt.aim.bound
     aim = aim_at(ground, bound)
     labels.node[0], labels.since[0], labels.arrival[0] = start, 0.0, 0.0
@@ -277,7 +278,7 @@ def enter(s, q, aim, queue, ground, labels):
 
 @njit(_nrt=False)
 def welcome(q, aim, queue, ground, labels):
-    """Let all labels around enter node q, which has just been asked for."""
+    """Let all labels around enter node q, which has just been opened."""
     for d in range(9):
         m = neighbour(q, d, ground)
         for p in range(ground.first[m], ground.first[m] + ground.size[m]) if m >= 0 else range(0):
@@ -287,7 +288,7 @@ def welcome(q, aim, queue, ground, labels):
 
 @njit(_nrt=False)
 def offers(s, aim, queue, ground, labels):
-    """Queue what can be reached from label s; a node not asked for yet as a whole."""
+    """Queue what can be reached from label s; a node that is not opened yet as a whole."""
     n, m, limb, speed = ground.n, labels.node[s], ground.postures.limb, ground.rules.speed
     wide, row, column = 1, m // n, m % n
     if s == 0:

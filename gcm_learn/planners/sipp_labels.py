@@ -1,4 +1,4 @@
-"""What the goal-directed search keeps: nodes, labels, a queue. Times in seconds."""
+"""Data of the goal-directed search: nodes, labels, a queue. Times in seconds."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Queue(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """What is searched for."""
+    """Aim of a search."""
 
     ways: np.ndarray  # (spans, targets, 4): centre, and how far off the hand meets the target
     step: float  # of time that is a span [s]
@@ -77,7 +77,7 @@ class Hunt(NamedTuple):
 
 
 class Catch(NamedTuple):
-    """Where a search ends."""
+    """End of a search."""
 
     time: float  # NEVER if there is none
     label: int

@@ -1,4 +1,4 @@
-"""Plans with room for an arm that does not follow them exactly: a tube about the limb's way."""
+"""Plans with clearance for an arm that follows them inexactly: a tube about the limb's way."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ START = 0.9
 
 @dataclass(frozen=True)
 class Tube:
-    """How far any point of a limb may be from where the plan has it; lengths in the arm's unit.
+    """Largest distance of a limb's points from where the plan has them, in the arm's unit.
 
     Parameters
     ----------
     still : float
         When the hand is slow; not negative.
     per_speed : float
-        What is added for each unit of the hand's speed; not negative [s].
+        Addition for each unit of the hand's speed; not negative [s].
     """
 
     still: float = 0.0
@@ -45,7 +45,7 @@ class Tube:
         return self.still + self.per_speed * speed
 
     def scaled(self, unit: float) -> Tube:
-        """The same tube where a length of 1 is `unit`."""
+        """Return the tube in a unit in which a length of 1 is `unit`."""
         return Tube(self.still * unit, self.per_speed * unit)
 
 
@@ -73,7 +73,7 @@ class InTube:
 
     @property
     def name(self) -> str:
-        """That of the planner."""
+        """Name of the planner."""
         return str(self.planner.name)
 
     def plan(self, situation: AnySituation) -> Plan:
@@ -95,7 +95,7 @@ class InTube:
         return problem.answer(Failure.NO_INTERCEPTION)
 
     def _eased(self, problem: SpatialProblem, speed: float) -> Situation[SpatialArm]:
-        """The situation with an arm that needs the tube's room."""
+        """The situation with an arm that needs the tube's clearance."""
         arm, width = problem.situation.arm, self.tube.at(speed)
         room = min(width, START * problem.start_clearance)
         eased = replace(

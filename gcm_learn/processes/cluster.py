@@ -49,7 +49,7 @@ class ClusterCrew(Crew):
             raise MissingExtraError("--cluster", "dask and distributed", "cluster") from None
         self._losses = (OSError, ClosedClientError, FutureCancelledError)
         self._levels = [logger.level for logger in _LOGGERS]
-        self._hear(logging.CRITICAL, logging.CRITICAL)  # who dies is told by an error
+        self._hear(logging.CRITICAL, logging.CRITICAL)  # an error reports who dies
         try:
             self._client = Client(self.address, set_as_default=False, timeout=CONNECT)
         except (OSError, ValueError) as error:
@@ -64,7 +64,7 @@ class ClusterCrew(Crew):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave the cluster, which drops what it was asked for."""
+        """Leave the cluster, which drops unfinished tasks."""
         self._client.close()
         self._hear(*self._levels)
 
@@ -111,7 +111,7 @@ class ClusterCrew(Crew):
                 self._asked(submit, number, task)
 
     def _asked(self, question: Callable[..., Any], *given: Any) -> Any:
-        """What the cluster answers, if it is still there."""
+        """Return the cluster's answer, if it is still there."""
         try:
             return question(*given)
         except self._losses:

@@ -13,7 +13,7 @@ Result = TypeVar("Result")
 
 
 class Crew(ABC):
-    """Those who do work, for as long as the ``with`` block lasts that they are used in.
+    """Workers that live as long as their ``with`` block.
 
     Leaving it by an error, e.g. by Ctrl-C, ends what they are at.
     """
@@ -67,7 +67,7 @@ class Crew(ABC):
 
 
 class Here(Crew):
-    """Nobody but this process."""
+    """Crew of the present process alone."""
 
     def __exit__(
         self,

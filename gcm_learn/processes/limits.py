@@ -11,7 +11,7 @@ from types import FrameType
 
 from numba.core.compiler_lock import global_compiler_lock
 
-TICK = 0.1  # between looks at the clock [s]
+TICK = 0.1  # between readings of the clock [s]
 
 
 class OutOfTime(BaseException):

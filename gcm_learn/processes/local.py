@@ -19,7 +19,7 @@ class LocalCrew(Crew):
     """Processes, which get their tasks from a short queue.
 
     A process that dies (killed, out of memory, a fault in compiled code) takes the whole pool with
-    it: a new one is started and what was under way is done again.  A task that was under way
+    it.  A new one is started, and what was under way is done again.  A task that was under way
     `STRIKES` times is done alone, which has to get by without the pool.
 
     Parameters
@@ -27,13 +27,13 @@ class LocalCrew(Crew):
     workers : int
     ahead : int
         Tasks that wait for each worker or are with it: more than one, so that none is idle, and
-        one where a process that dies must tell which task was to blame.
+        one where a process that dies must show which task was to blame.
     """
 
     def __init__(self, workers: int, ahead: int = 2) -> None:
         self.workers, self.ahead = workers, ahead
         self.rebuilt = 0
-        """How often processes had to be replaced."""
+        """Number of times that processes had to be replaced."""
         self._block = ExitStack()
         self._executor: ProcessPoolExecutor | None = None
 
@@ -94,7 +94,7 @@ class LocalCrew(Crew):
                 self._let_go()
 
     def _pool(self) -> ProcessPoolExecutor:
-        """The processes, which are started if there are none."""
+        """The processes, which are started at the first use."""
         if self._executor is None:
             self._executor = self._block.enter_context(pool(self.workers))
         return self._executor
@@ -111,7 +111,7 @@ class LocalCrew(Crew):
         again: deque[tuple[int, Any]],
         strikes: Counter[int],
     ) -> bool:
-        """Keep the queue filled; tells whether the pool is broken."""
+        """Keep the queue filled; return whether the pool is broken."""
         while len(running) < self.ahead * self.workers:
             if again and strikes[again[0][0]] >= STRIKES:
                 return False  # to be done alone, once the queue is empty

@@ -31,8 +31,8 @@ def cores() -> int:
 def interrupts_held() -> Iterator[None]:
     """Ctrl-C waits until the block ends, and never comes to processes that start in it.
 
-    A terminal sends it to all of them. One that is just starting would answer with a traceback,
-    and half of what it is told would make the next one fail.
+    A terminal sends it to all of them. A process that is just starting would answer with a
+    traceback, and half of its input would make the next one fail.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -103,13 +103,13 @@ def pool(workers: int) -> Iterator[ProcessPoolExecutor]:
         context.kill()  # what still runs
         speaking.close()
         listening.close()
-        if not untold.acquire(block=False):  # one of them has told it
+        if not untold.acquire(block=False):  # one of them has called the listeners
             compiled.on_compile.clear()
 
 
 @contextlib.contextmanager
 def _one_thread() -> Iterator[None]:
-    """What is set here is read when a process imports numpy."""
+    """Set the number of threads that a process reads when it imports numpy."""
     kept = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
@@ -137,7 +137,7 @@ def _leave_with_parent(line: Connection) -> None:
 
 
 def _tell_first(listeners: Sequence[Callable[[], object]], untold: Semaphore) -> None:
-    """Of all processes the first that compiles tells the listeners."""
+    """Call the listeners in the first of all processes that compiles."""
     if untold.acquire(block=False):
         for listener in listeners:
             listener()

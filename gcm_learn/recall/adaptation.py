@@ -41,12 +41,12 @@ TEMPOS = {"hurry": HURRY, "keep": KEEP}
 
 @dataclass(frozen=True)
 class Adaptation:
-    """How memories are adapted."""
+    """Settings of the adaptation of memories."""
 
     style: Literal["polar", "cartesian"] = "polar"
     """Coordinates in which the differences of the ends are spread along the path."""
     tempo: Literal["hurry", "keep", "both"] = "hurry"
-    """Whether only waits are kept ("hurry"), or all of the memory's times; or one after the
+    """Times that are kept: waits only ("hurry"), all of the memory's ("keep"), or one after the
     other."""
     bends: int = 5
     """Changes at most, one upon the other, of a path that looks as if it touched: it is pushed
@@ -257,7 +257,7 @@ def transfer(
     chosen: np.ndarray | None = None,
     how: Adaptation = DEFAULT,
 ) -> np.ndarray:
-    """When memories, adapted to a situation, catch in it: labels for learning.
+    """Return when memories, adapted to a situation, catch in it: labels for learning.
 
     Parameters
     ----------

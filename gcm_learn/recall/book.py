@@ -1,9 +1,9 @@
-"""What a memory has met: an even sample of it, and which memories catch in each situation.
+"""Book of a memory: an even sample of its situations, and which memories catch in each.
 
-With it a memory of bounded size forgets what others cover. The sample is Vitter's reservoir (ACM
-Transactions on Mathematical Software 11, 1985), so that what was met long ago counts like what was
-met just now. What is forgotten is what leaves the fewest of its situations without a memory, one
-after the other: the greedy way to a maximal cover (Nemhauser, Wolsey and Fisher, Mathematical
+With it a memory of bounded size drops entries that others cover. The sample is Vitter's reservoir
+(ACM Transactions on Mathematical Software 11, 1985), so that old situations count like new ones.
+Entries go one after the other, each time the one whose loss leaves the fewest situations without a
+memory. It is the greedy way to a maximal cover (Nemhauser, Wolsey and Fisher, Mathematical
 Programming 14, 1978), backwards.
 """
 
@@ -122,7 +122,7 @@ class Book:
         self.works = new[self.works]
 
     def asked_by(self, embed: Callable[[Any], np.ndarray], dim: int) -> Book:
-        """The same with other queries (dim,), made by a function of situations."""
+        """Return a copy with other queries (dim,), made by a function of situations."""
         out = Book.of(self.arrays(), dim)
         out.queries = np.zeros((len(self), dim), np.float32)
         for page in range(len(self)):
@@ -141,7 +141,7 @@ class Book:
 
     @classmethod
     def of(cls, arrays: Mapping[str, np.ndarray], dim: int) -> Book:
-        """The book with such arrays; an empty one if there are none."""
+        """Make a book of such arrays; an empty one without arrays."""
         out = cls(dim)
         if "book_met" in arrays:
             out.met = int(arrays["book_met"][0])

@@ -1,11 +1,10 @@
 """The trained encoder as plain arrays: recall needs no learning library.
 
-Four towers of the same kind, each a perceptron with two hidden layers. A situation's embedding is
-the sum of what one makes of its arm and target and of what another makes of each of its obstacles:
-a deep set (Zaheer et al., NIPS 2017) that is summed last, because a path is valid if it is so
-against every obstacle, so that odds multiply and their logarithms add. The other two embed a
-memory's path and its map. Inner products tell whether the memory, adapted to the situation, catches
-in it.
+Four towers of the same kind, each a perceptron with two hidden layers. One embeds a situation's arm
+and target, another each of its obstacles; the situation's embedding is their sum. It is a deep
+set (Zaheer et al., NIPS 2017) that is summed last. For a path is valid if it is so against every
+obstacle: odds multiply, and their logarithms add. The other two embed a memory's path and its map.
+Inner products say whether the memory, adapted to the situation, catches in it.
 """
 
 from __future__ import annotations

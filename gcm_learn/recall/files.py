@@ -1,8 +1,8 @@
-"""A memory's folder: whole or not at all, and not read before it is needed.
+"""A memory's folder: written whole or not at all, and read on demand.
 
 A folder holds a manifest and the folder of data that it names. Saving writes new data beside the
-old, then replaces the manifest by renaming, then removes the old data: whoever reads or crashes in
-between has the one or the other.
+old, then replaces the manifest by renaming, then removes the old data. A reader in between, or
+after a crash, finds the one or the other.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def write_memory(
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """What a memory says of itself, checked against the files that there are."""
+    """Read a memory's manifest, checked against the files that there are."""
     path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_text("utf-8"))
@@ -85,7 +85,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def is_memory(folder: Path) -> bool:
-    """Whether a folder says that it holds a memory, whole or not."""
+    """Return whether a folder says that it holds a memory, whole or not."""
     try:
         manifest = json.loads((folder / MANIFEST).read_text("utf-8"))
     except (OSError, ValueError):

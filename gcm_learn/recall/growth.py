@@ -1,9 +1,10 @@
 """Memories that are made: of datasets, or by experience.
 
 A memory that grows with experience remembers what it could not recall and what was then planned
-anew. As in Thunder (Coleman, Sucan, Moll, Okada and Correll, ICRA 2015), what is already covered is
-not stored, so the memory grows ever more slowly, and is filled with what is hard. Under a limit it
-forgets what others cover: it keeps a book of what it met, and of which memories catch there.
+anew. It skips what is already covered, as Thunder does (Coleman, Sucan, Moll, Okada and Correll,
+ICRA 2015). So the memory grows ever more slowly, and is filled with hard cases. Under a limit it
+drops entries that others cover: it keeps a book of its situations, and of which memories catch
+there.
 """
 
 from __future__ import annotations
@@ -121,7 +122,7 @@ def catch_of(record: Record, planner: str = "") -> Waypoints | None:
 
 @dataclass(frozen=True)
 class Coverage:
-    """When a situation counts as covered by what is remembered."""
+    """Rule by which a situation counts as covered by what is remembered."""
 
     slack: float = math.inf
     """A recalled catch may come this share later than the planned one. Infinite: any recalled catch

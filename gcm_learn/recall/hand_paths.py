@@ -1,8 +1,8 @@
 """Kernels of remembered hand paths: load, move, time and check them.
 
-A remembered path lies in polar coordinates about the shoulder, in a frame of its own: the hand
-starts in direction 0 and the elbow is on the right. It has `KNOTS` rows (angle, share of the ring,
-time, earliest). Kernels write in the arm-plane coordinates of the situation.
+A remembered path lies in polar coordinates about the shoulder, in a frame of its own. There the
+hand starts in direction 0 and the elbow is on the right. It has `KNOTS` rows (angle, share of the
+ring, time, earliest). Kernels write in the arm-plane coordinates of the situation.
 """
 
 from __future__ import annotations
@@ -213,7 +213,7 @@ def _move_end(query, style, work, end):
 
 @njit(_nrt=False)
 def _soonest_end(query, style, work, end):
-    """When a path whose end is so moved can be at its end: nearly, and without trigonometry."""
+    """Estimate when a path whose end is so moved can be at its end, without trigonometry."""
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     base, share, low = work.base, work.share, _lowest(query)
     slowness = 1.0 / query.rules.speed
@@ -371,7 +371,7 @@ def check(query, work, count, body):
 
 @njit
 def failures(_query, most):
-    """Return an array for notes of `most` paths."""
+    """Return an array that holds `most` paths."""
     return np.empty((most, KNOTS + 1, 3))
 
 

@@ -171,7 +171,7 @@ class RandomIndex(_Numbers):
 
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> RandomIndex:
-        """Nothing to learn."""
+        """Make an index; it learns nothing."""
         return cls(seed)
 
     @property
@@ -262,8 +262,8 @@ class PcaIndex(_Numbers):
     """Neighbours by principal components of maps: a control without a network.
 
     A memory is filed under the components of its situation's map. A query must not know its own
-    map, so where it would lie is predicted from its raw parameters by ridge regression, linear in
-    them and in cosines of random combinations of them (Rahimi and Recht, NIPS 2007).
+    map, so its place is predicted from its raw parameters by ridge regression. The regression is
+    linear in them and in cosines of random combinations of them (Rahimi and Recht, NIPS 2007).
     """
 
     scale: Scale
@@ -297,7 +297,7 @@ class PcaIndex(_Numbers):
         return unfitted.predicting((pictures - centre) @ components.T, features)
 
     def predicting(self, places: np.ndarray, features: np.ndarray) -> PcaIndex:
-        """The same with a regression from raw parameters (n, COUNT) to other places (n, d)."""
+        """Return a copy with a regression from raw parameters (n, COUNT) to places (n, d)."""
         inputs = self._inputs(features).astype(float)
         penalty = RIDGE * np.eye(inputs.shape[1])
         weights = np.linalg.solve(inputs.T @ inputs + penalty, inputs.T @ places)

@@ -34,7 +34,7 @@ ASIDE, BENT = 0.35, 0.9  # how far aside they are, at its ends and more in its m
 MEETINGS = 16  # instants at which the end of the straight way is looked for
 TRACKED = np.array([0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6])  # of the target [s]
 FREE = 0.3  # clearance beyond this is as good as free [reaches]
-FAR = 1.5  # a target is told to be no farther than this [reaches]
+FAR = 1.5  # distances of targets are cut at this [reaches]
 
 CELLS = POSTURES * len(TIMES) + ROUND * len(LATER)
 TRACK = 5  # numbers of the target at an instant
@@ -127,7 +127,7 @@ def _nearest_target(study):
 
 @njit(_nrt=False)
 def _meeting(study, target):
-    """When a straight way meets the target first [s]; its end is left in ``study.goal``.
+    """Return when a straight way meets the target first [s]; its end is left in ``study.goal``.
 
     Negative where it comes late: then the end is the last posture that would catch, or the start.
     """

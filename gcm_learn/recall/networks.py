@@ -1,10 +1,10 @@
-"""The towers while they learn, in torch, and what they are asked for; `encoder` uses them.
+"""The towers while they learn, in torch, and their losses; `encoder` uses them.
 
-Labels say which memories are valid in which situations. The binary loss asks each pair for its own
-odds, which makes the order of all memories right on the whole; the listwise one asks that valid
-ones outweigh the others in a softmax over the list, which makes the first places right, where
-recall looks; the contrast asks the same of a situation's own memory alone, against those that
-are not valid (others that are valid are left out: they are no less right).
+Labels say which memories are valid in which situations. The binary loss takes each pair by itself,
+which makes the order of all memories right on the whole. The listwise one wants valid memories to
+outweigh the others in a softmax over the list. That makes the first places right, which recall
+checks. The contrast wants the same of a situation's own memory alone, against invalid ones. Other
+valid ones are left out: they are as right.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def listwise(scores: Tensor, valid: Tensor) -> Tensor:
 
 
 def contrast(scores: Tensor, valid: Tensor, own: Tensor) -> Tensor:
-    """The same for own memories only.
+    """Contrast of own memories with invalid ones.
 
     Parameters
     ----------

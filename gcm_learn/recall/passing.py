@@ -2,10 +2,10 @@
 
 In space-time an obstacle is a tube, and a movement is a thread from the hand at t = 0 to the catch.
 Two threads with the same ends that pass a tube on different sides cannot be moved into each other
-without cutting it, and what tells them apart is by how much the direction from the body to the hand
-turns until then. So "behind it" and "before it comes" are sides, too. Classes of paths among
-obstacles are told by such integrals in Bhattacharya, Likhachev and Kumar (Autonomous Robots 33,
-2012); in the frame of moving bodies by Mavrogiannis and Knepper (IJRR 38, 2019).
+without cutting it. They differ in how much the direction from the body to the hand turns until
+then. So "behind it" and "before it comes" are sides, too. Such integrals classify paths among
+obstacles in Bhattacharya, Likhachev and Kumar (Autonomous Robots 33, 2012). In the frame of moving
+bodies they do in Mavrogiannis and Knepper (IJRR 38, 2019).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ INSTANTS = 256  # between which the direction turns by far less than half a turn
 
 
 class Passing(NamedTuple):
-    """How a movement passes the obstacles, in their order (m,)."""
+    """Sides on which a movement passes the obstacles, in their order (m,)."""
 
     turn: np.ndarray
     """By how much the direction from the body's centre to the hand turns, in the situation's
@@ -50,7 +50,7 @@ class Passing(NamedTuple):
 
 
 def passing(situation: Situation, trajectory: Movement) -> Passing:
-    """How a movement passes the obstacles of a situation, in any frame."""
+    """Return how a movement passes the obstacles of a situation, in any frame."""
     arm, bodies = situation.arm, pack_bodies(situation)
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
     time = np.linspace(0.0, trajectory.duration, INSTANTS)
@@ -62,7 +62,7 @@ def passing(situation: Situation, trajectory: Movement) -> Passing:
 
 
 def passing_of(situation: Situation, waypoints: Waypoints) -> Passing:
-    """How a memory passes the obstacles of its own situation, which is canonical."""
+    """Return how a memory passes the obstacles of its own situation, which is canonical."""
     arm = situation.arm
     return passing(situation, Movement.of_hand(arm, *path_of(waypoints, arm)))
 

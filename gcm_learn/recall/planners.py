@@ -48,11 +48,11 @@ _REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
 
 @dataclass(frozen=True)
 class Recollection:
-    """How a plan was recalled."""
+    """A plan, and how it was recalled."""
 
     plan: Plan
     memory: int | None
-    """Which memory was valid."""
+    """Number of the valid memory."""
     checked: int
     """Paths that were checked."""
 
@@ -72,7 +72,7 @@ class RecallPlanner:
     novelty: float = NOVELTY
     """Paths this near to one that failed are passed over [forearm lengths]; 0 checks all."""
     penalty: float | None = None
-    """How much a failure says about memories that lie near, where scores are odds, as those of
+    """Weight of a failure for memories that lie near, where scores are odds, as those of
     the learned index are; 0 keeps the order of recall. By default that of the kind of arm."""
 
     other: Callable[[], RecallPlanner] | None = None
@@ -184,9 +184,9 @@ class SplinesPlanner:
     """Random movements in place of memories: the control for what verification does alone.
 
     A spline's hand starts where the query's does. Its direction and its share of the ring follow
-    quadratic Bezier curves from there, whose middle control point and end are drawn: directions
-    evenly within HALF_TURN of the first, shares within RIMS, the time of the end within TIMES; one
-    in WAITERS waits at its middle until half of that time.
+    quadratic Bezier curves from there, whose middle control point and end are drawn. Directions are
+    drawn evenly within HALF_TURN of the first, shares within RIMS, the time of the end within
+    TIMES. One in WAITERS waits at its middle until half of that time.
 
     The ends are then adapted to the target as in memories, so only the path is random.
     """
@@ -240,7 +240,7 @@ class HybridPlanner:
             Only catches until then count [s].
         deadline : float or Deadline, optional
             See `Anytime`.  What is recalled bounds the search for an earlier catch.  A fallback
-            that is not `Anytime` is asked only where nothing is recalled, and told of neither.
+            that is not `Anytime` plans only where nothing is recalled, and gets neither.
         """
         limit, most = deadline_of(deadline), math.inf if bound is None else bound
         first = self.recall.plan(situation)
@@ -269,7 +269,7 @@ class Rollout:
     attempt: Attempt | None
     """None if it cannot be adapted to any target in time."""
     worked: bool
-    """Whether it would have caught."""
+    """True if it would have caught."""
 
 
 def unverified(
@@ -289,7 +289,7 @@ def unverified(
 
 
 def has_memory() -> bool:
-    """Whether there is a memory of the plane that planners can ask."""
+    """Return whether planners find a memory of the plane."""
     return artifacts.model(MEMORIES.of(PLANAR).shipped, MANIFEST) is not None
 
 

@@ -1,7 +1,7 @@
 """A situation as a row of numbers of fixed length: the raw parameters that neighbours are found by.
 
 Everything is known at t = 0: shapes, poses, and by the laws of motion the bodies' later places. All
-numbers are lengths. A planar arm has its hand on the x axis and its elbow on the right; a spatial
+numbers are lengths. A planar arm has its hand on the x axis and its elbow on the right. A spatial
 one is a left arm in the frame of its base, and lengths are in reaches. A motion is given by three
 places, at t = 0 and at half and all of the horizon. For constant acceleration that is position,
 velocity and acceleration, and it serves pendulums too.

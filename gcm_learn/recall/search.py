@@ -18,7 +18,7 @@ ROUNDS = 8  # of moving the cells' centres to their rows
 
 
 def has_faiss() -> bool:
-    """Whether the extra `index` is installed."""
+    """Return whether the extra `index` is installed."""
     return importlib.util.find_spec("faiss") is not None
 
 
@@ -63,8 +63,8 @@ def _top_of_cells(rows, ids, starts, near, query, k):
 class Cells:
     """Rows in groups that lie together; only groups whose centres fit a query are searched.
 
-    What is found is nearly the best: the inverted lists of Sivic and Zisserman (ICCV 2003) and of
-    faiss, with centres by k-means.
+    The result is nearly the best: these are the inverted lists of Sivic and Zisserman (ICCV 2003)
+    and of faiss, with centres by k-means.
     """
 
     def __init__(self, rows: np.ndarray) -> None:

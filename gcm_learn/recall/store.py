@@ -37,7 +37,7 @@ class Entry:
     family: str
     stratum: str
     uses: int
-    """How often it was the valid one."""
+    """Number of times that it was the valid one."""
 
 
 class Memory:
@@ -260,7 +260,7 @@ class Memory:
         self.forget(order[:gone])
 
     def refiled(self, index: Index) -> Memory:
-        """The same memories, filed by another index."""
+        """Return the memories filed by another index."""
         out = Memory(index, self.search, self.kind)
         if len(self):
             trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]

@@ -224,7 +224,7 @@ class TransferLabels:
         return scores
 
     def _valid(self, problems: list[Any], rows: np.ndarray) -> np.ndarray:
-        """Which memories (n, m) are valid in situations (n): (n, m) bool."""
+        """Return which memories (n, m) are valid in situations (n): (n, m) bool."""
         firsts = range(0, len(problems), TRIED)
         tries = (self._try(problems[k : k + TRIED], rows[k : k + TRIED]) for k in firsts)
         return np.concatenate(list(self.crew.map(_tried, tries)))
@@ -301,13 +301,13 @@ def _lessons(maps: bool, records: Dataset) -> list[_Lesson]:
 
 
 def _tried(ask: _Try) -> np.ndarray:
-    """Which memories are valid (n, m) bool."""
+    """Return which memories are valid (n, m) bool."""
     pairs = zip(ask.problems, ask.rows, strict=True)
     return np.array([_valid_in(problem, ask, rows) for problem, rows in pairs])
 
 
 def _valid_in(problem: Any, ask: _Try, rows: np.ndarray) -> np.ndarray:
-    """Which memories are valid in one of the situations (m,) bool."""
+    """Return which memories are valid in one of the situations (m,) bool."""
     tries = MEMORIES.of(problem.situation).tries(problem, DEFAULT)
     return tries.catch_times(ask.knots, ask.goals, np.ascontiguousarray(rows, np.int64)) >= 0.0
 

@@ -261,7 +261,7 @@ def _known(query, failed, work, count, novelty):
 
 @njit(_nrt=False)
 def _least_touching(offer, costs):
-    """Position of the most promising memory that was looked at, less what it touches; or -1."""
+    """Position of the most promising memory that was checked, less what it touches; or -1."""
     best, most = -1, -np.inf
     for i in range(costs.size):
         if offer.left[i] and not np.isnan(costs[i]):

@@ -35,8 +35,8 @@ class Waypoints(NamedTuple):
 
     Knots of a planar arm are hands: direction and share of the ring; so is its goal. Directions are
     measured from that of the hand at t = 0, counter-clockwise if the elbow is on the right, else
-    clockwise. A share of the ring is 0 at its inner rim and 1 at its outer one, so that a path
-    means the same to arms of other proportions.
+    clockwise. A share of the ring is 0 at its inner rim and 1 at its outer one. So a path means
+    the same to arms of other proportions.
 
     Knots of a spatial arm are joints of a left arm [rad]. Its goal is the target's centre, and the
     hand from there, in the frame of the left arm's base [reaches].

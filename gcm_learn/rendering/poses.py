@@ -50,7 +50,7 @@ def body_poses(situation: JointSituation, times: ArrayLike) -> tuple[np.ndarray,
 
 
 def ground_of(situation: JointSituation) -> Ground | None:
-    """Return the ground of a situation, or None without one."""
+    """Return the ground of a situation, if it has one."""
     base, reach = np.asarray(situation.arm.base.origin), situation.arm.reach
     for k, body in enumerate(situation.bodies):
         if not isinstance(body.shape, Box) or sorted(body.shape.half_extents)[1] < reach:

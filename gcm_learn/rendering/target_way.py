@@ -1,4 +1,4 @@
-"""Way of the target that is met; films hold it in their picture from the start."""
+"""Way of the target that the hand meets; films hold it in their picture from the start."""
 
 from __future__ import annotations
 

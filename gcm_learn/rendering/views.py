@@ -17,7 +17,7 @@ from gcm_learn.rendering.staging import floor_of, staged
 SIGHT = 28  # pixels a side of pictures that are tried for what they hide
 EYE = 7.0  # [reaches] distance of the eye
 ELEVATION = 24.0  # [degrees] of the eye
-TRIED = 12  # instants of a movement that are looked at
+TRIED = 12  # instants of a movement that are sampled
 
 
 def view_of(

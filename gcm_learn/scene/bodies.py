@@ -5,8 +5,9 @@ limb always lies in z = 0, and the z of a planar body never matters.  A pose is 
 12 numbers: the centre (3) and the rotation body -> plane, row by row (9).
 
 Kernels take whole arrays and a body's index, never a row: in numba a view costs two atomic counts,
-more than a distance to a disc. Handing arrays on costs as much for each of them, so what allocates
-nothing is compiled without counting (``_nrt=False``; numba refuses it where an array is made).
+more than a distance to a disc. Handing arrays on costs as much for each of them. So kernels that do
+not allocate are compiled without counting (``_nrt=False``; numba refuses it where an array is
+made).
 """
 
 from __future__ import annotations

@@ -153,7 +153,7 @@ def _place_pieces(
             made[k.JUMP], made[k.JUMP_TURN] = _jump(before, piece)
         before = piece
         rows.append(made)
-    _place_solid(row, tables, motion.pieces[0].motion, frame)  # for those who only look at t = 0
+    _place_solid(row, tables, motion.pieces[0].motion, frame)  # for readers of t = 0 only
 
 
 def _jump(before: Piece, after: Piece) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from gcm_learn.scene.bodies import Bodies
 
 
 class Limits(NamedTuple):
-    """What a movement may do, as the situation says it."""
+    """Limits of a movement, as the situation gives them."""
 
     speed: float  # of the hand [forearms/s]
     shoulder: float  # of the joints [rad/s], infinite where there is no limit
@@ -32,7 +32,7 @@ class JointLimits(NamedTuple):
 class AimedLimits(NamedTuple):
     """Limits of a movement in the joints where targets may have an approach.
 
-    The fields are those of `JointLimits`.  Kernels that mind approaches are compiled for this type.
+    It has the fields of `JointLimits`.  Kernels that mind approaches are compiled for this type.
     """
 
     joint_speed: np.ndarray  # (n,) [rad/s; lengths/s of prismatic joints]

@@ -21,7 +21,7 @@ FITS = 0.01
 
 @dataclass(frozen=True)
 class BoneMass:
-    """How heavy a bone is, with all that moves with it.
+    """Mass of a bone, with all that moves with it.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class ArmBody:
             put(self, field, tuple(given))
 
     def misfit(self, arm: SpatialArm) -> str:
-        """Why this is not the body of an arm, in a sentence; empty if it is."""
+        """Say in a sentence why this is not the body of an arm; empty if it is."""
         for label, vector_, bone in zip(
             ("upper_arm", "forearm"), (arm.upper_arm, arm.forearm), self.bones, strict=True
         ):

@@ -33,7 +33,7 @@ _SPACE = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 @dataclass(frozen=True)
 class Frame:
-    """How a situation lies: mirror the canonical one in its x axis if so, then turn it."""
+    """Pose of a situation: mirror the canonical one in its x axis if so, then turn it."""
 
     angle: float = 0.0
     """Direction of the hand at t = 0, counter-clockwise [rad]."""
@@ -57,7 +57,7 @@ class Frame:
 
 
 def frame_of(situation: Situation) -> Frame:
-    """How a situation lies; a hand at the shoulder has the direction 0."""
+    """Return the pose of a situation; a hand at the shoulder has the direction 0."""
     x, y = situation.arm.hand
     return Frame(math.atan2(y, x), situation.arm.elbow == "left")
 
@@ -73,9 +73,9 @@ def canonical(situation: Situation) -> tuple[Situation, Frame]: ...
 def canonical(situation: AnySituation) -> tuple[AnySituation, Frame | SpatialFrame]:
     """Return the situation in its canonical form, and its frame.
 
-    A 3D situation is also expressed in coordinates of its arm plane; to mirror it takes no more
-    than to look at the plane from its other side.  A spatial arm stands at the origin and is a
-    left one (see `situation.spatial_frame`); a chain stands at the origin.
+    A 3D situation is also expressed in coordinates of its arm plane; seen from the plane's other
+    side it is mirrored.  A spatial arm stands at the origin and is a left one (see
+    `situation.spatial_frame`); a chain stands at the origin.
 
     Returns
     -------

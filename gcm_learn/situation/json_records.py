@@ -175,7 +175,7 @@ def _unit(value: Any) -> Any:
 
 
 def members_of(record: Any) -> dict[str, Any]:
-    """Return the fields of a record as JSON values, without fields that are None."""
+    """Return the fields of a record as JSON values; fields with None are left out."""
     layout, result = layout_of(type(record)), {}
     for name, field in layout.attributes.items():
         value = getattr(record, field)

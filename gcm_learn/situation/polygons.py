@@ -70,7 +70,7 @@ def check_polygon(vertices: list[Point], field: str) -> None:
 
 
 def _surely_convex(vertices: list[Point]) -> bool:
-    """Whether a polygon surely turns left at every corner, and in all of them once round.
+    """Return whether a polygon surely turns left at every corner, and in all of them once round.
 
     Edges that turn left by less than half a turn each point to the right again, after having
     pointed to the left, once in every turn.
@@ -94,7 +94,7 @@ def _check_spikes(vertices: list[Point], field: str) -> None:
 
 
 def _between(a: Point, b: Point, c: Point) -> bool:
-    """Whether b lies between a and c, given that the three are in line and differ from b."""
+    """Return whether b lies between a and c, given that all are in line and differ from b."""
     return (a[0] - b[0] < 0) == (b[0] - c[0] < 0) and (a[1] - b[1] < 0) == (b[1] - c[1] < 0)
 
 
@@ -142,7 +142,7 @@ def _next_suspects(edges: np.ndarray, order: np.ndarray, i: int, j: int) -> tupl
 
 
 def _meet(vertices: list[Point], first: int, second: int) -> bool:
-    """Whether two edges whose boxes overlap have a point in common."""
+    """Return whether two edges whose boxes overlap have a point in common."""
     a, b = vertices[first], vertices[first + 1]
     c, d = vertices[second], vertices[(second + 1) % len(vertices)]
     # in overlapping boxes, segments that are in line with each other overlap as well

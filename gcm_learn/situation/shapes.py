@@ -37,7 +37,7 @@ class Disc:
 
 @dataclass(frozen=True)
 class Polygon:
-    """A filled simple polygon; convex or not, but without crossings, contacts or spikes.
+    """A filled simple polygon, convex or not. It has no crossings, contacts or spikes.
 
     Parameters
     ----------

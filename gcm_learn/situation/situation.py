@@ -114,7 +114,7 @@ else:
 
 @dataclass(frozen=True)
 class Situation(Generic[ArmKind]):
-    """Everything a planner is told.
+    """Input of a planner: the arm, the bodies and the rules.
 
     In annotations, `Situation` has a planar arm, ``Situation[SpatialArm]`` one in space, and
     `AnySituation` either.
@@ -229,12 +229,12 @@ class Situation(Generic[ArmKind]):
 
     @property
     def is_solid(self) -> bool:
-        """Whether a planar arm is in a 3D scene, in which its hand meets the cuts of solids."""
+        """True if a planar arm is in a 3D scene, in which its hand meets the cuts of solids."""
         return self.plane is not None
 
     @property
     def is_spatial(self) -> bool:
-        """Whether the arm moves in space."""
+        """True if the arm moves in space."""
         return isinstance(self.arm, SpatialArm)
 
 

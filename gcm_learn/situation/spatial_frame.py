@@ -66,7 +66,7 @@ _TURNS = np.array([1.0, -1.0, -1.0, -1.0])  # of joint angles
 
 @dataclass(frozen=True)
 class SpatialFrame:
-    """How a situation lies: mirror the canonical one in its xz-plane if so, then put it there."""
+    """Pose of a situation: mirror the canonical one in its xz-plane if so, then put it there."""
 
     base: Base = IDENTITY
     """Pose of the shoulder in the world."""
@@ -98,7 +98,7 @@ class SpatialFrame:
 
 
 def spatial_frame_of(situation: Situation[SpatialArm]) -> SpatialFrame:
-    """How a situation lies.
+    """Return the pose of a situation.
 
     The first number that has a side decides; a negative one is mirrored.  The order: the middles of
     the ranges of all joints but the first, the bones' y, joints and rates at t = 0, the bodies.

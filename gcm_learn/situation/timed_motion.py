@@ -122,7 +122,7 @@ def _piece(value: Any, field: str) -> Piece:
 
 
 def _check_times(times: Sequence[float], field: str, item: str) -> None:
-    """Refuse times that do not begin at 0 or do not increase."""
+    """Require that times begin at 0 and increase."""
     if not times:
         raise SituationError(field, "must not be empty")
     if times[0] != 0.0:
@@ -217,7 +217,7 @@ class Sampled:
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
-        """The same motion as pieces of constant velocity and spin; the last one rests."""
+        """Return the motion as pieces of constant velocity and spin; the last one rests."""
         made, turns = [], self.turns
         last = len(self.times) - 1
         for k, (start, position, turn) in enumerate(

@@ -55,7 +55,7 @@ class Agenda(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """Cells that are looked at together; what they may become."""
+    """Cells that are checked together; what they may become."""
 
     places: np.ndarray  # in the padded lattice
     cells: np.ndarray  # without padding
@@ -64,7 +64,7 @@ class Batch(NamedTuple):
     limits: np.ndarray  # until when they are of use [s]
     since: np.ndarray  # known to be free from then on [s]
     until: np.ndarray  # and till then
-    which: np.ndarray  # bool: to be looked at again after `until`
+    which: np.ndarray  # bool: to be checked again after `until`
 
 
 @njit(_nrt=False)

@@ -20,7 +20,7 @@ class Front:
 
     chart: Chart
     waits: bool
-    """Whether the hand may wait."""
+    """True if the hand may wait."""
     nodes: np.ndarray
     """(m,) int: node of every state; in order of arrival where the front may wait."""
     via: np.ndarray | None
@@ -39,7 +39,7 @@ class Front:
     met_body: int
     """Index of that target, -1 if none."""
     met_time: float
-    """When [s]; the horizon if none."""
+    """Time of the meeting [s]; the horizon without one."""
     steps: int
     """Euler steps (wave) or accepted nodes that it took."""
 

@@ -55,7 +55,7 @@ class Book(NamedTuple):
     opened: np.ndarray  # (n * n,): since when a cell is not inhibited [tau]
     heads: np.ndarray  # (SLOTS,): first cell of a day's list in the calendar, -1 if none
     following: np.ndarray  # (n * n,): next cell of the list
-    dates: np.ndarray  # (n * n,): look at which a cell's turn comes
+    dates: np.ndarray  # (n * n,): check at which a cell's turn comes
     states: np.ndarray  # (m, 2): cell and predecessor
     spans: np.ndarray  # (m, 2): arrival and end of the safe interval [s]
     refused: np.ndarray  # (n * n,) bool: an obstacle was there when a front came

@@ -247,7 +247,7 @@ def crossed(B, start, arrived, level):
 
 @njit(_nrt=False, forceinline=True)
 def when_crossed(B, k, other, tau, before, run):
-    """Time at which the potential at k crossed the threshold before a look at `tau` [tau].
+    """Time at which the potential at k crossed the threshold before a check at `tau` [tau].
 
     Parameters
     ----------

@@ -76,10 +76,10 @@ def waits_in(k, time, sheets):
 
 @njit(_nrt=False, forceinline=True)
 def bend(s, k, q, di, dj, plane, sheets):
-    """When the front of state s in cell k is in the neighbour q = k + (di, dj), going round a cell.
+    """Compute when the front of state s in cell k is in q = k + (di, dj), going round a cell.
 
     Returns the time and the state that it goes round: this state, or an earlier one beside it.  If
-    q is reached across a corner only, where nothing squeezes through, they are (NEVER, -1).
+    q is reached across a corner only, which is too narrow, they are (NEVER, -1).
     """
     n, latest, spans = plane.n, sheets.latest, sheets.spans
     W, now = n + 2, spans[s, ARRIVAL]
@@ -201,7 +201,7 @@ def write_down(total, free, terms, sheets, agenda, batch):
 
 @njit
 def agenda_of(plane):
-    """Nothing reached yet."""
+    """Return an agenda in which nothing is reached yet."""
     n = plane.n
     size = (n + 2) * (n + 2)
     none = np.full((2, size), -9, dtype=np.int32)

@@ -1,6 +1,6 @@
 """Causal marching: the map of a front of constant speed, cell by cell in order of arrival.
 
-The meaning is that of the wave, at the speed of a Dijkstra search: a cell is accepted only if its
+The meaning is that of the wave, at the speed of a Dijkstra search.  A cell is accepted only if its
 limb is free when the front gets there.  Distances are measured in cells and times in crossings
 (the time the front needs for one cell) while marching.
 
@@ -83,7 +83,7 @@ def push(k, time, bucket, agenda):
 
 @njit(_nrt=False, forceinline=True)
 def bend(k, q, di, dj, plane, agenda):
-    """When the front of cell k is in its neighbour q = k + (di, dj), going round a cell.
+    """Compute when the front of cell k is in its neighbour q = k + (di, dj), going round a cell.
 
     Returns the time and the cell that it goes round: this cell, or one beside it.  If q is reached
     across a corner only, where nothing squeezes through, they are (0, -1).
@@ -266,7 +266,7 @@ def close(batch, count, state, agenda, arrival):
 
 @njit
 def agenda_of(plane):
-    """Nothing reached yet."""
+    """Return an agenda in which nothing is reached yet."""
     n = plane.n
     size = (n + 2) * (n + 2)
     return Agenda(

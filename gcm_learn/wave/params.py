@@ -41,15 +41,15 @@ class WaveParams:
     """Radius of the disc that is excited at the start [cells]. 0 is the paper's single neuron,
     whose wave needs some 20 tau to become one (erratum 9)."""
     frozen: Literal["insulating", "held"] = "insulating"
-    """What a frozen neuron does to its neighbours. "held" is Eq. 10 to the letter: q = 0 keeps r
+    """Effect of a frozen neuron on its neighbours. "held" is Eq. 10 to the letter: q = 0 keeps r
     where it was, and the neighbours go on seeing it, which can leak through a wall (erratum 14).
     "insulating" also cuts the couplings, so walls hold and narrow gaps stay passable."""
     margin: float = 1.0
     """Widening of obstacles, in units of what half a cell's step moves the limb; 1 closes the
     space between two cells (erratum 14), 0 tests the cells' centres only."""
     slack: float = 0.0
-    """How far beyond the grasp a target still makes a contact [cells]. Needed only where no cell's
-    centre is within grasp, e.g. at the rim; the path's end is homed in on exactly anyway."""
+    """Distance beyond the grasp at which a target still makes a contact [cells]. Needed only where
+    no cell's centre is within grasp, e.g. at the rim; the path's end is refined exactly anyway."""
     until: Literal["contact", "horizon"] = "contact"
     """Stop at the first contact with a target (Sect. 3.1) or explore to the horizon (Fig. 4)."""
 
@@ -136,5 +136,5 @@ class Run(NamedTuple):
 
 @njit(_nrt=False)
 def rhythm(run):
-    """Pairs of Euler steps between two looks at the front, and looks between renewals of blocks."""
+    """Pairs of Euler steps between checks of the front, and checks between renewals of blocks."""
     return int(0.5 * run.lag / run.step + 0.5), max(1, int(3.6 / run.lag))

@@ -13,7 +13,7 @@ from gcm_learn.wave.posture_stencil import FIELD, LEFT, SLAB, WIDTH
 
 UNASKED, GAPS, WHOLE = 0, 1, 2  # of a block: whether all of its cells have postures
 UNKNOWN = np.float32(-1e30)  # room
-MOST = 65_536  # cells that are looked at together; what there is more of has its turn next
+MOST = 65_536  # cells that are checked together; the rest has its turn next
 ADAPTED, SHARE, DEGREE, ARRIVED = FIELD, 3 * FIELD, 4 * FIELD, 5 * FIELD
 DOORS = np.array([-SLAB, -WIDTH, -1, 1, WIDTH, SLAB])
 

@@ -21,7 +21,7 @@ from gcm_learn.wave.solver import front_speed
 from gcm_learn.wave.stepping import CORNERS, EDGES, Cell, Stepped, couplings
 from gcm_learn.wave.waiting import free_clock
 
-LOOK = 1.2  # the front is looked at about this often [tau]
+LOOK = 1.2  # the front is checked about this often [tau]
 
 
 def propagate_reference(
@@ -113,7 +113,7 @@ class _Freezing(Stepped):
         return first
 
     def front(self) -> Front:
-        """What was reached."""
+        """Return the reached states."""
         time, cell, body = (-1.0, -1, -1) if self.contact is None else self.contact
         arrival = (self.arrival * self.kappa).ravel()
         met = (cell, body, time * self.kappa)
@@ -138,7 +138,7 @@ class _Waiting(Stepped):
             lattice.spacing / fastest_in_plane(scene)
         )  # [s] at every TICK
         self.slowness = 1.0 / front_speed(params).fastest
-        self.seen = 0.0  # until when bodies have been looked at [s]
+        self.seen = 0.0  # until when bodies have been checked [s]
         self.met = (scene.limits.horizon, -1, -1)  # when [s], state, body
         self.cells: list[Cell] = []
         self.via: list[int] = []
@@ -146,7 +146,7 @@ class _Waiting(Stepped):
         shape = lattice.shape
         self.opened = np.zeros(shape)  # since when the cell is not inhibited
         self.date = np.full(shape, np.inf)  # when it is released
-        self.asked = np.zeros(shape)  # since when an inhibited cell has to be looked at [s]
+        self.asked = np.zeros(shape)  # since when an inhibited cell has to be checked [s]
         self.touched = np.full(shape, -1.0)  # when an obstacle was last there [s]
         self.inhibited, self.felt, self.refused = np.zeros((3, *shape), dtype=bool)
         self.latest = np.full(shape, -1)  # state, -1 if not reached
@@ -313,14 +313,14 @@ class _Waiting(Stepped):
         return out
 
     def _targets(self, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """Which target the hand would catch in cells (c, 2) at times (m,): (c, m), -1 if none."""
+        """Find the target that the hand would catch in cells (c, 2) at times (m,): (c, m) or -1."""
         out = np.full((len(cells), len(times)), -1)
         for b in self.targets:
             out[self.near(b, cells, times) & (out < 0)] = b
         return out
 
     def front(self) -> Front:
-        """What was reached."""
+        """Return the reached states."""
         order = np.argsort([came for came, _ in self.spans], kind="stable")
         rank = np.append(np.argsort(order), -1)
         spans, cells = np.array(self.spans)[order], np.array(self.cells)[order]

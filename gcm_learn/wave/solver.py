@@ -18,7 +18,7 @@ from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, run_of, t
 from gcm_learn.wave.params import REST, WaveParams
 
 QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
-STATES_PER_CELL = 4  # room for sheets; most cells need one
+STATES_PER_CELL = 4  # capacity for sheets; most cells need one
 SLOWEST_RATE = 0.02  # of a cell whose front is slow: the wave should not stop altogether
 _workspace = threading.local()
 

@@ -47,7 +47,7 @@ class AsDrawn:
 
 @dataclass(frozen=True)
 class Kernels:
-    """Everything that a kinematic plant has to know of a kind of arm."""
+    """Kernels and layout that a kinematic plant needs of a kind of arm."""
 
     commands: int
     """Numbers of a command."""

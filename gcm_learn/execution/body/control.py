@@ -24,7 +24,7 @@ Feedforward = Literal["computed-torque", "gravity"]
 
 @dataclass(frozen=True)
 class Controller:
-    """Which torques follow a plan.
+    """Torques that follow a plan.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Following:
         self._dynamics = Dynamics(arm, body)
         self._computed = controller.feedforward == "computed-torque"
         self.inertia = np.median(np.einsum("njj->nj", load_of(arm, body).inertia), axis=0)
-        """That joints feel alone (dof,) [kg m^2]"""
+        """Inertia that each joint feels alone (dof,) [kg m^2]."""
         self.kp = controller.bandwidth**2 * self.inertia
         """(dof,) [N m/rad]"""
         self.kd = 2.0 * controller.bandwidth * self.inertia

@@ -44,25 +44,25 @@ class Execution:
     """"caught", "collided" or "late"; "no plan" where there was none to follow, "no body"
     where none fits the arm, "failed" where physics could not."""
     message: str = ""
-    """Why there was no plan, or what failed."""
+    """Reason for a missing plan or a failure."""
     body: str = ""
     """Name of the body."""
     limits: tuple[float, ...] | None = None
     """Of accelerations, where they came from the motors [rad/s^2]."""
     planned: float | None = None
-    """When the plan catches [s]."""
+    """Catch time of the plan [s]."""
     catch_time: float | None = None
-    """When the hand first was within grasp of a target [s]."""
+    """Time at which the hand first was within grasp of a target [s]."""
     catch_body: str | None = None
     contact: Contact | None = None
     """Of limb and obstacle before the catch."""
     error: tuple[float, float, float] | None = None
-    """How far the hand was from where the plan has it until the catch: median, largest, and at
+    """Distance of the hand from where the plan has it until the catch: median, largest, and at
     the end [m]."""
     torque: float | None = None
     """Largest share of a motor's torque until the catch."""
     stays: bool | None = None
-    """Whether the target was within grasp for another `STAYS` seconds, with no fingers to hold
+    """True if the target was within grasp for another `STAYS` seconds, with no fingers to hold
     it."""
     braked: float | None = None
     """Time from the catch until the arm rested [s]."""

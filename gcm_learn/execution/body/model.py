@@ -164,7 +164,7 @@ def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float
 
 
 def _solid(thing: Body | Thing) -> tuple[str, list[float]]:
-    """Return MuJoCo's name and sizes of a thing's shape, which are those of the shape."""
+    """Return MuJoCo's name and sizes of a thing's shape; the sizes are the shape's own."""
     if thing.shape.kind not in GEOMS:
         raise PhysicsError(f"body {thing.name!r}: physics has no {thing.shape.kind}")
     return thing.shape.kind, numbers_of(thing.shape)

@@ -104,7 +104,7 @@ class PhysicalPlant:
         """Go back to t = 0; the logs are overwritten from then on."""
         mujoco().mj_resetData(self._model, self._data)
         self.steps = 0
-        """How many have been made."""
+        """Number of steps so far."""
         self.outcome = RUNNING
         self.catch_time: float | None = None
         self.catch_body: str | None = None

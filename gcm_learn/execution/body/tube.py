@@ -1,4 +1,4 @@
-"""How wide a tube is: measured on what arms with mass did."""
+"""Width of a tube, measured on what arms with mass did."""
 
 from __future__ import annotations
 

@@ -122,7 +122,7 @@ class Belief:
         self.forearm = LEADS.of(situation).forearm(situation.arm)
         self._situation: Any = situation
         self.looks = 0
-        """How many were joined."""
+        """Number of joined percepts."""
         self.time = 0.0
         """Of the last one [s]."""
         self._prior = acceleration * self.forearm

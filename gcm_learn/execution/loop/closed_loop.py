@@ -1,6 +1,6 @@
 """The closed loop: an agent perceives, thinks while the world goes on, and an arm follows.
 
-Every period the world is looked at, and what is believed is renewed.  An agent that thinks for k
+Every period brings a percept, which renews the belief.  An agent that thinks for k
 periods, or a part of the last one, has its plan k periods later.  It knows how long it will think:
 the plan is for the world as it is believed to be then, from where the arm will be.  Meanwhile the
 arm follows what it followed; after the end of that it brakes to rest.
@@ -45,18 +45,18 @@ class LedPlant(Protocol):
 
 
 class Occasion(NamedTuple):
-    """When an agent may think."""
+    """Occasion at which an agent may think."""
 
     believed: AnySituation
     """The world from now on, with the arm as it is led now."""
     left: Movement
     """Rest of the trajectory that is followed, on a clock of its own; it ends at rest."""
     thoughts: int
-    """How often the agent thought before."""
+    """Number of the agent's earlier thoughts."""
 
 
 class Mind(Protocol):
-    """Whatever thinks."""
+    """Protocol of agents that think."""
 
     def wants(self, occasion: Occasion) -> bool:
         """Return whether it thinks now."""
@@ -77,7 +77,7 @@ class Thought(NamedTuple):
 
 @dataclass(frozen=True)
 class Loop:
-    """How an episode goes."""
+    """Settings of an episode."""
 
     perception: Perception
     looks: int = 10
@@ -102,7 +102,7 @@ class Course:
     outcome: int
     """CAUGHT, COLLIDED or LATE of `world`."""
     time: float
-    """When it ended [s]."""
+    """Time of its end [s]."""
     thoughts: tuple[Thought, ...]
 
 

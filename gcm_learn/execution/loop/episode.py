@@ -70,9 +70,9 @@ class Steps(NamedTuple):
     """One step of those arms whose episode is not over, or several steps joined."""
 
     arms: np.ndarray
-    """Which they are (m,)."""
+    """Numbers of the arms (m,)."""
     told: np.ndarray
-    """Before (m, width) float32."""
+    """Observations before (m, width) float32."""
     actions: np.ndarray
     """(m, 2) float32, in space (m, 4)."""
     rewards: np.ndarray
@@ -92,15 +92,15 @@ class Episodes:
     outcomes: np.ndarray
     """CAUGHT, COLLIDED or LATE of `world` (n,)."""
     times: np.ndarray
-    """When they ended [s] (n,)."""
+    """Times of their ends [s] (n,)."""
     steps: np.ndarray
     """Numbers of steps (n,)."""
     time: np.ndarray
     """Samples [s] (most + 1, n); after the end all are the last one."""
     hand: np.ndarray
-    """The same of the hand, as `Moment` has it (most + 1, n, 2 or 3)."""
+    """Places of the hand at these times, as `Moment` has them (most + 1, n, 2 or 3)."""
     posture: np.ndarray
-    """The same of what trajectories are made of (most + 1, n, k)."""
+    """Postures at these times, of which trajectories are made (most + 1, n, k)."""
 
     def path(self, e: int) -> tuple[np.ndarray, np.ndarray]:
         """Time (m,) and hand (m, 2) of an episode; in space joints and rates (m, 8)."""

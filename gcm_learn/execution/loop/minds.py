@@ -79,8 +79,8 @@ class Planning:
 
     planner: Answering
     habit: Literal["once", "always", "broken"] = "broken"
-    """When it thinks: once; whenever it is done with the last thought; or when what is followed
-    does not catch any more, in the world as it is believed to be."""
+    """Occasions to think: once; whenever it is done with the last thought; or when the followed
+    plan does not catch any more, in the world as it is believed to be."""
 
     def __post_init__(self) -> None:
         if self.habit not in HABITS:

@@ -49,9 +49,9 @@ class Perception:
     place: float = 0.0
     """Standard deviation of each coordinate of a place [forearms]."""
     faster: float = 5.0
-    """That of velocities over that of places [1/s]."""
+    """Deviation of velocities over that of places [1/s]."""
     dropouts: float = 0.0
-    """Frequency of dropouts [1/s]; each takes 0.1 s, without any look."""
+    """Frequency of dropouts [1/s]; each takes 0.1 s, without any percept."""
     delay: int = 1
     """Periods after which the percept of a look comes."""
     period: float = PERIOD
@@ -94,7 +94,7 @@ class Perception:
         situation : Situation
             The world from t = 0 on.
         look : int
-            From 0 on; look k is told at k periods.
+            From 0 on; look k is at k periods.
         seed : int
         *index : int
             Of the errors: the same for the same seed, index and look, whatever was asked before.

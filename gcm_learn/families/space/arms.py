@@ -1,6 +1,6 @@
-"""Spatial arms to draw: a human-like one, NAO's left arm, and what is between and around them.
+"""Spatial arms to draw: a human-like one, NAO's left arm, and arms between and around them.
 
-Numbers of NAO's arm are those of its data sheet (H25); the human-like arm has two bones of 30 cm.
+Numbers of NAO's arm are from its data sheet (H25); the human-like arm has two bones of 30 cm.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Matrix = tuple[tuple[float, float], ...]
 
 
 class Build(NamedTuple):
-    """What an arm is made of, in a unit of its own; a left arm: x ahead, y to its side, z up."""
+    """Measures of an arm, in a unit of its own; a left arm: x ahead, y to its side, z up."""
 
     metres: float
     """Length of the unit [m]."""
@@ -77,16 +77,16 @@ _RADIANS = {"joint_range": 1.0, "max_joint_speed": 1.0}  # do not count in forea
 
 @dataclass(frozen=True)
 class SpatialArmRanges(Ranges):
-    """Which arms there are, how long a situation lasts, and what limits a movement."""
+    """Ranges of spatial arms, of the duration of situations, and of the limits of movements."""
 
     human: float = number(0.4)
     """Share of arms that are the human-like one."""
     nao: float = number(0.4)
     """Share of arms that are NAO's, in metres. The others are between and around the two."""
     between: Range = span(0.0, 1.0, -0.5, 1.5)
-    """What these are: 0 the human-like arm, 1 NAO's in its forearms."""
+    """Place between the two arms: 0 is the human-like arm, 1 NAO's in its forearms."""
     around: float = number(0.15, most=0.3)
-    """How far each of their numbers may be from that, as a share of it."""
+    """Largest deviation of each number from there, as a share of it."""
     horizon: Range = span(1.0, 2.0, 1e-3)
     """Last moment at which a catch counts [s]."""
     ramp: Range = span(0.0, 0.0)

@@ -37,7 +37,7 @@ class BenchSpace(SpatialFamily):
     summary = "a ball that rolls on a table, among boxes and cans, the hand under the table"
 
     takes: Range = span(0.12, 0.6, most=0.9)
-    """How long the straight way of the joints takes [horizons]."""
+    """Duration of the straight way of the joints [horizons]."""
     height: Range = span(-0.9, -0.3, -2.0, 1.0)
     """Of the table's top, from the shoulder [forearms]."""
     edge: Range = span(0.25, 0.6, 0.01)

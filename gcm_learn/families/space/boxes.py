@@ -22,19 +22,19 @@ SIDES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0))
 class CrateSpace(SpatialFamily):
     """A ball in a crate that is open above or to one side, or will be: its lid slides off.
 
-    It asks for a way round the crate's walls and into it with the forearm ahead. Where there is a
-    lid, it asks to wait before it.
+    It asks for a way round the crate's walls and into it with the forearm ahead. A lid asks to
+    wait before it.
     """
 
     name = "crate-space"
     summary = "a ball in a crate, open to one side, or shut by a lid that slides off"
 
     takes: Range = span(0.1, 0.3, most=0.9)
-    """How long the straight way of the joints takes [horizons]."""
+    """Duration of the straight way of the joints [horizons]."""
     lids: float = number(0.75)
     """Share of crates with a lid."""
     left: Range = span(0.7, 1.5, 0.1)
-    """How long it is open until the horizon, in times that the straight way takes."""
+    """Time for which it is open before the horizon, in durations of the straight way."""
     slack: Range = span(0.2, 0.5, 0.01)
     """Between a forearm in the middle and the walls [forearms]."""
     depth: Range = span(0.25, 0.55, 0.05)
@@ -72,13 +72,13 @@ class TraySpace(SpatialFamily):
     summary = "a ball on a moving tray, under a cover that is lifted late, or under a roof"
 
     takes: Range = span(0.1, 0.3, most=0.9)
-    """How long the straight way of the joints takes [horizons]."""
+    """Duration of the straight way of the joints [horizons]."""
     covers: float = number(0.75)
     """Share of trays with a cover; the others have a roof."""
     speed: Range = span(0.3, 1.5)
     """Of the tray [forearms/s]."""
     left: Range = span(0.7, 1.5, 0.1)
-    """How long it is uncovered until the horizon, in times that the straight way takes."""
+    """Time for which it is uncovered before the horizon, in durations of the straight way."""
     radius: Range = span(0.25, 0.45, 1e-3)
     """Of covers beyond the limb's thickness, and half the width of trays [forearms]."""
     headroom: Range = span(0.15, 0.4, 0.01)
@@ -131,7 +131,7 @@ class TraySpace(SpatialFamily):
 
 
 def reaching(stage: Stage) -> np.ndarray:
-    """Which postures reach level or down (n,)."""
+    """Return which postures reach level or down (n,)."""
     elbow, hand = stage.limb(stage.joints)
     return (hand - elbow)[:, 2] < 0.3
 

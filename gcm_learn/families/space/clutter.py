@@ -25,7 +25,7 @@ from gcm_learn.situation import Body, Box, Capsule
 
 @dataclass(frozen=True)
 class StaticClutterSpace(SpatialFamily):
-    """Nothing moves; boards, bars and balls stand across the arm's straight way.
+    """Bodies at rest: boards, bars and balls stand across the arm's straight way.
 
     It asks for a way round: over an edge of a board, or with the arm drawn in.
     """
@@ -37,7 +37,7 @@ class StaticClutterSpace(SpatialFamily):
     """Number of obstacles."""
     things: Things = field(default_factory=Things)
     share: Range = span(0.25, 0.8, most=1.0)
-    """Where on the way they stand, as shares of it."""
+    """Places on the way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball at rest, and what stands in the way."""
@@ -63,7 +63,7 @@ class CrossingSwarmSpace(SpatialFamily):
     """Number of obstacles."""
     things: Things = field(default_factory=lambda: Things(boards=0.5, bars=0.4))
     share: Range = span(0.25, 0.9, most=1.0)
-    """Where on the way they cross, as shares of it."""
+    """Places on the way at which they cross, as shares of it."""
     speed: Range = span(0.4, 1.6)
     """Of the swarm, in ways of one forearm within the time that the way takes."""
     spread: Range = span(-0.4, 0.4, -3.15)
@@ -115,12 +115,12 @@ class BehindPostSpace(SpatialFamily):
     summary = "a ball behind a tall post that moves with it, or on past it"
 
     takes: Range = span(0.1, 0.3, most=0.9)
-    """How long the straight way of the joints takes [horizons]."""
+    """Duration of the straight way of the joints [horizons]."""
     passing: float = number(0.8)
     """Share of posts that go on past the ball."""
     left: Range = span(0.6, 1.4, 0.1)
-    """How long the arm that catches is free of it until the horizon, in times that the straight way
-    takes."""
+    """Time for which the arm that catches is free of it before the horizon, in durations of the
+    straight way."""
     near: Range = span(0.3, 0.7, 0.05)
     """Distance of the post's inner side from the shoulder [forearms]."""
     slabs: float = number(0.7)

@@ -1,4 +1,4 @@
-"""What families in space share: a story about one way of the arm, and bodies aimed at it."""
+"""Base of families in space: a story about one way of the arm, and bodies aimed at it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from gcm_learn.families.space.solids import (
 from gcm_learn.families.space.stage import CHECKS, Stage, Way, stage_of
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Situation, SolidShape, Sphere
 
-STORIES = 20  # that are told at most; the last one is taken then
+STORIES = 20  # that are drawn at most; the last one is taken then
 BETWEEN = 40  # random postures, and as many beside the end, by which a way may lead
 BESIDE = 0.15  # of a joint's range: how far beside it
 BEYOND = 0.05  # how far a wall keeps the hand, at least, from catching through it [forearms]
@@ -36,7 +36,7 @@ FARTHEST, SEARCHED = 5.0, 0.1  # how far a body goes to leave a place, in steps 
 
 
 class Story(NamedTuple):
-    """What happens, and one way to catch."""
+    """Events of a situation, and one way to catch."""
 
     way: Way
     when: float
@@ -44,7 +44,7 @@ class Story(NamedTuple):
     bodies: tuple[Body, ...]
     """The target and the obstacles [forearms]."""
     until: float | None = None
-    """When it is over, if that is before the horizon [s]."""
+    """End of the story, if that is before the horizon [s]."""
 
 
 @dataclass(frozen=True)
@@ -80,13 +80,13 @@ class Things(Ranges):
 
 @dataclass(frozen=True)
 class SpatialFamily(Family):
-    """Base of families in space; a story is told anew until both ends of its way are free."""
+    """Base of families in space; a story is drawn anew until both ends of its way are free."""
 
     kind: ClassVar[str] = "spatial"
 
     arm: SpatialArmRanges = field(default_factory=SpatialArmRanges)
     takes: Range = span(0.12, 0.45, most=0.9)
-    """How long the straight way of the joints takes [horizons]."""
+    """Duration of the straight way of the joints [horizons]."""
     easy: float = number(0.25)
     """Share of situations in which the straight way may be free from the start."""
     target: Range = span(0.1, 0.28, TINY)
@@ -107,7 +107,7 @@ class SpatialFamily(Family):
 
     @abstractmethod
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
-        """What happens once."""
+        """Draw one story."""
 
     def ball(
         self,
@@ -124,12 +124,12 @@ class SpatialFamily(Family):
 
 
 def through(stage: Stage, radius: float) -> float:
-    """How far a ball has to be behind a wall so that no hand before it catches it [forearms]."""
+    """Distance of a ball behind a wall at which no hand before the wall catches it [forearms]."""
     return max(radius + stage.grasp - stage.thickness, 0.0) + BEYOND
 
 
 def worth_planning(rng: np.random.Generator, stage: Stage, story: Story, easy: bool) -> bool:
-    """Whether there is a way by one posture between, and not at once the straight one.
+    """Return whether a way by one posture between is free while the straight one is blocked.
 
     A good guess: bodies are where they are at the start for the first half of the way, and where
     they are at the end for the second.
@@ -149,7 +149,7 @@ def worth_planning(rng: np.random.Generator, stage: Stage, story: Story, easy: b
 
 
 def fits(stage: Stage, way: Way, when: float, bodies: Sequence[Body]) -> bool:
-    """Whether a way's start is free of bodies at t = 0, and its end at a time: a good guess."""
+    """Guess well whether a way's start is free of bodies at t = 0, and its end at a time."""
     if stage.room(way.start, bodies) <= 0.0:
         return False
     return bool(stage.room(way.end, bodies, when) > 0.0)

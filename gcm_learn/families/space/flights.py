@@ -40,13 +40,13 @@ class ThrownFamily(SpatialFamily):
     """Base of families with a ball that is thrown from afar, and caught on its way down."""
 
     when: Range = span(0.5, 0.9, 0.1, 0.95)
-    """When the ball is where it may be met [horizons]."""
+    """Time of the meeting [horizons]."""
     thrown: Range = span(4.0, 12.0)
     """From how far, level [forearms]."""
     heading: Range = span(-0.8, 1.2, -3.15, 3.15)
-    """Where from, from ahead to the arm's side [rad]."""
+    """Direction that it comes from, from ahead to the arm's side [rad]."""
     drop: Range = span(-3.0, 1.0, -100.0)
-    """How much higher the ball is thrown from than it is met [forearms]."""
+    """Height of the throw above the meeting [forearms]."""
 
     def thrown_ball(
         self, rng: np.random.Generator, stage: Stage, meet: np.ndarray, when: float
@@ -77,7 +77,7 @@ class OverShelfSpace(ThrownFamily):
     depth: Range = span(1.2, 2.2, 0.01)
     """Of the shelf [forearms]."""
     side: Range = span(0.6, 2.0, -1.0)
-    """How far it reaches to the arm's side [forearms]."""
+    """Extent to the arm's side [forearms]."""
     posts: float = number(0.6)
     """Share of shelves on a wall at that side, round which there is no way."""
 
@@ -125,13 +125,13 @@ class LateTargetSpace(ThrownFamily):
     sentries: float = number(0.75)
     """Share of balls whose place is taken at first."""
     leaves: Range = span(0.8, 0.98, 0.05, 1.0)
-    """When it is free, as shares of the time until the ball is there."""
+    """Instant at which it is free, as shares of the time until the ball is there."""
     sentry: Range = span(0.4, 0.9, 1e-3)
     """Radius of what takes it [forearms]."""
     obstacles: Counts = counts(1, 3)
     """Number of other obstacles, which rest across the way."""
     share: Range = span(0.25, 0.8, most=1.0)
-    """Where on the way they stand, as shares of it."""
+    """Places on the way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A thrown ball, what is in its place, what stands in the way."""
@@ -160,13 +160,13 @@ class FallingSpace(SpatialFamily):
     shelves: float = number(0.6)
     """Share of obstacles that are shelves at rest."""
     falls: Range = span(0.05, 0.3)
-    """How long a body has fallen when it is in its place [s]."""
+    """Time that a body has fallen when it is in its place [s]."""
     drift: Range = span(0.0, 1.0)
     """Level speeds [forearms/s]."""
     when: Range = span(0.35, 0.8, 0.1, 0.95)
-    """When the ball is where it may be met [horizons]."""
+    """Time of the meeting [horizons]."""
     share: Range = span(0.25, 0.85, most=1.0)
-    """Where on the way obstacles are met, as shares of it."""
+    """Places of obstacles on the way, as shares of it."""
     things: Things = field(default_factory=lambda: Things(boards=0.4, bars=0.4))
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
@@ -213,7 +213,7 @@ class FallingSpace(SpatialFamily):
 
 
 def _lands(ball: Body, height: float, when: float) -> float:
-    """When a ball that is over a height at a time, and comes down, is down there [s]."""
+    """Return when a ball that is over a height at a time, and comes down, is down there [s]."""
     motion, radius = flight(ball), ball.shape.bounding_radius
     pull, rate = motion.acceleration[2], motion.velocity[2]
     above = max(motion.position[2] + when * (rate + 0.5 * pull * when) - height - radius, 0.0)
@@ -222,7 +222,7 @@ def _lands(ball: Body, height: float, when: float) -> float:
 
 
 def _keeps_off(ball: Body, bodies: tuple[Body, ...], when: float) -> bool:
-    """Whether a ball passes through nothing at rest shortly before it is met."""
+    """Return whether a ball passes through nothing at rest shortly before its meeting."""
     times = np.linspace(max(when - SEEN, 0.0), when, 12)[:, None]
     motion = flight(ball)
     p, v, a = (np.array(x) for x in (motion.position, motion.velocity, motion.acceleration))

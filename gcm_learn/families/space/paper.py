@@ -1,7 +1,7 @@
 """The paper's scenes in space: its falling ball and its pendulum, without the plane of the arm.
 
-What the bodies do is as in the planar scenes (`families.paper`), and so are the numbers that the
-paper does not give.
+The bodies move as in the planar scenes (`families.paper`), and the numbers that the paper does not
+give are the same, too.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ HANGING = (1.5, 0.1, -1.2, -0.05)  # [rad] chosen: the arm hangs down behind the
 def fig5_space() -> Situation[SpatialArm]:
     """A ball falls past a fixed bar (Fig. 5), before the human-like arm.
 
-    Bar, ball, gravity and the limit of the hand's speed are those of the plane; the bar ends to
+    Bar, ball, gravity and the limit of the hand's speed are as in the plane. The bar ends to
     either side, so that there is a way round its ends as well.
     """
     arm = replace(arm_of(HUMAN, np.array(RAISED)), max_hand_speed=HAND_SPEED)

@@ -29,8 +29,8 @@ from gcm_learn.situation import Body, Capsule, Pendulum, Sphere
 class PendulumSpace(SpatialFamily):
     """The ball is the target, its cord an obstacle; heavy balls on cords swing across the way.
 
-    It asks for a hand that meets the ball from below or beside, with the limb off the cord, and
-    for a way round or after what else is there.
+    It asks for a hand that meets the ball from below or beside, with the limb off the cord. It
+    also asks for a way round the other bodies, or after them.
     """
 
     name = "pendulum-space"
@@ -41,9 +41,9 @@ class PendulumSpace(SpatialFamily):
     amplitude: Range = span(0.2, 0.9, 0.01, 1.5)
     """Largest angle of swings [rad]."""
     phase: Range = span(-0.9, 0.9, -0.99, 0.99)
-    """Angle in the place where a ball is met [amplitudes]."""
+    """Angle at the place of a ball's meeting [amplitudes]."""
     when: Range = span(0.5, 0.9, 0.05, 0.95)
-    """When the ball is where it may be met [horizons]."""
+    """Time of the meeting [horizons]."""
     cord: Range = span(0.01, 0.03, 1e-3)
     """Radius of cords [forearms]."""
     heavy: Counts = counts(0, 1)
@@ -55,12 +55,12 @@ class PendulumSpace(SpatialFamily):
     sentry: Range = span(0.3, 0.7, 1e-3)
     """Radius of what takes it [forearms]."""
     leaves: Range = span(0.8, 0.98, 0.05, 1.0)
-    """When it is free, as shares of the time until the ball is there."""
+    """Instant at which it is free, as shares of the time until the ball is there."""
     boards: Counts = counts(0, 2)
     """Number of bodies at rest across the way."""
     things: Things = field(default_factory=Things)
     share: Range = span(0.25, 0.85, most=1.0)
-    """Where on the way obstacles are met, as shares of it."""
+    """Places of obstacles on the way, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball on a cord, other pendulums, what is in the way."""

@@ -34,7 +34,7 @@ class Way(NamedTuple):
     """The hand (3,) at its end [forearms]."""
 
     def opens(self, horizon: float, left: float) -> float:
-        """When something opens that leaves some times the straight way's until the horizon [s]."""
+        """Return when a body opens that leaves `left` straight ways before the horizon [s]."""
         return max(horizon - left * self.takes, self.takes)
 
     def at(self, share: float) -> np.ndarray:
@@ -90,7 +90,7 @@ class Stage(NamedTuple):
     def lines(
         self, first: np.ndarray, last: np.ndarray, bodies: Sequence[Body], t: float
     ) -> np.ndarray:
-        """Which straight lines of joints (m, dof) are free of bodies as they are at time t (m,)."""
+        """Return which straight lines of joints (m, dof) are free of bodies as at time t (m,)."""
         shares = np.linspace(0.0, 1.0, CHECKS)[:, None, None]
         return np.all(self.room(first + shares * (last - first), bodies, t) > 0.0, axis=0)
 

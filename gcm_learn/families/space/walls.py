@@ -63,7 +63,7 @@ class WallFamily(SpatialFamily):
     """Base of families with a wall: the forearm has to go through its opening."""
 
     takes: Range = span(0.1, 0.3, most=0.9)
-    """How long the straight way of the joints takes [horizons]."""
+    """Duration of the straight way of the joints [horizons]."""
     distance: Range = span(0.45, 1.1, 0.05)
     """From the shoulder to the wall [forearms]."""
     slack: Range = span(0.15, 0.4, 0.01)
@@ -75,7 +75,7 @@ class WallFamily(SpatialFamily):
     drift: Range = span(0.0, 0.3)
     """Speed of the target along the wall [forearms/s]."""
     left: Range = span(0.6, 1.4, 0.1)
-    """How long it is open until the horizon, in times that the straight way takes."""
+    """Time for which it is open before the horizon, in durations of the straight way."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball behind a wall."""
@@ -91,7 +91,7 @@ class WallFamily(SpatialFamily):
     def shut(
         self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float
     ) -> tuple[tuple[Body, ...], float]:
-        """What shuts the opening, and when the limb can be in it [s]."""
+        """Return the bodies that shut the opening, and when the limb can be in it [s]."""
 
     def _wall(self, rng: np.random.Generator, stage: Stage, past: float) -> tuple[Way, Wall]:
         """A wall, a start before it and an end `past` it, whose forearm is in the opening."""
@@ -132,7 +132,7 @@ class WindowSpace(WallFamily):
     closing: float = number(0.25)
     """Share of those that close; the other windows have none."""
     closes: Range = span(2.0, 5.0, 0.1)
-    """When a window is closed, in times that the straight way takes."""
+    """Instant at which a window is closed, in durations of the straight way."""
 
     def shut(
         self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float

@@ -25,13 +25,13 @@ class _Failed:
 
 
 def told(work: Callable[[Tell], None], longest: float) -> tuple[list[Any], bool]:
-    """Run `work` in a forked copy of this process and collect what it tells.
+    """Run `work` in a forked copy of this process and collect what it sends.
 
     Parameters
     ----------
     work : callable
-        Gets a function with which it tells picklable things, each of which arrives whatever
-        happens afterwards.
+        Gets a function that sends a picklable thing.  Each thing arrives whatever happens
+        afterwards.
     longest : float
         Processor time after which the copy is ended [s].
 

@@ -58,7 +58,7 @@ def aim(study, q, t):
     """
     scene, end = study.scene, study.scene.limits.horizon
     for k in range(1, _AHEAD + 1):
-        when = t + (end - t) * (k / _AHEAD) ** 2  # near ones are told apart more finely
+        when = t + (end - t) * (k / _AHEAD) ** 2  # near ones are separated more finely
         for b in range(scene.bodies.rows.shape[0]):
             if scene.bodies.rows[b, PART] == HAND and met_from(study, q, t, b, q, when) > 0:
                 return True

@@ -1,9 +1,9 @@
 """Artificial potential field: pulled by the target, pushed by obstacles, step by step.
 
 O. Khatib, Real-time obstacle avoidance for manipulators and mobile robots, Int. J. Robotics
-Research 5(1), 1986: an attractive well at the goal and a repulsive potential
-eta / 2 (1 / d - 1 / d0)^2 within the distance d0 of an obstacle.  Here the goal is the straight
-interception predicted anew in every step, d is the distance of the whole limb, and the hand goes
+Research 5(1), 1986.  The goal is an attractive well.  An obstacle has the repulsive potential
+eta / 2 (1 / d - 1 / d0)^2 within the distance d0 of it.  Here the goal is the straight
+interception, predicted anew in every step, and d is the distance of the whole limb.  The hand goes
 down the gradient at most at its speed limit.  It is a local rule: it gets stuck, and it may touch
 what comes fast, which the verification then finds.
 """

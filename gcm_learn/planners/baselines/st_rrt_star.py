@@ -4,16 +4,17 @@ F. Grothe, V. N. Hartmann, A. Orthey, M. Toussaint, ST-RRT*: asymptotically-opti
 motion planning through space-time, ICRA 2022.
 
 OMPL's planner knows goals that stand still: it has a goal's place drawn and draws its time itself.
-Here an interception is drawn, place and time at once, and its time is put in place of OMPL's when
-OMPL next asks whether that state is valid (`st_rrt_star_search`).  Refusing places on which no
-target is at the time that OMPL drew found as many catches, but later ones (within 10 ms 1.14 times
-as late as `layered`, against 1.07).  A search for each of many instants was not tried: what it
-learns for one would be lost for the next.
+Here an interception is drawn, place and time at once.  Its time replaces OMPL's when OMPL next asks
+whether that state is valid (`st_rrt_star_search`).  The alternative is to refuse places that no
+target is on at the time that OMPL drew.  It found as many catches, but later ones (within 10 ms
+1.14 times as late as `layered`, against 1.07).  A search for each of many instants was not tried:
+what it learns for one would be lost for the next.
 
-All settings are OMPL's own.  On 100 random situations that no straight line solves, ranges down to
-0.25 found fewer catches within 10 ms and as many within 100; without rewiring there were a few more
-within 10 ms (67 against 59 to 63), but they improved less (1.04 times as late as `layered` after
-100 ms, against 1.00).  Four fifths of the time are spent inside OMPL, not in our checks.
+All settings are OMPL's own.  They were varied on 100 random situations that no straight line
+solves.  Ranges down to 0.25 found fewer catches within 10 ms and as many within 100.  Without
+rewiring there were a few more within 10 ms (67 against 59 to 63).  They improved less, though (1.04
+times as late as `layered` after 100 ms, against 1.00).  Four fifths of the time are spent inside
+OMPL, not in our checks.
 """
 
 from __future__ import annotations
@@ -72,12 +73,12 @@ Improvement = tuple[float, np.ndarray]  # when it was found [ms], and x, y and t
 class STRRTStarPlanner:
     """ST-RRT* of OMPL 1.7, its goals along the predicted interceptions.
 
-    States are hand and time, and the elbow keeps its side; in space they are joints and time, each
-    joint in units of what it turns in a second.  A goal is an instant and a place where
-    the hand is then within grasp of a target, drawn evenly from all instants that would improve the
-    catch.  A leg is valid if the continuous clearance that verifies plans says so; paths are
-    finished and verified like everybody's.  Without a budget the search ends after a number of
-    iterations, so that its answers are the same every time.
+    In the plane states are hand and time, and the elbow keeps its side.  In space they are joints
+    and time, each joint in units of what it turns in a second.  A goal is an instant and a place
+    where the hand is then within grasp of a target.  Goals are drawn evenly from all instants that
+    would improve the catch.  A leg is valid if the continuous clearance that verifies plans says
+    so; paths are finished and verified like everybody's.  Without a budget the search ends after a
+    number of iterations, so that its answers are the same every time.
 
     OMPL 1.7.0 now and then crashes when it prunes its trees (fixed in 2.0, whose Python binding has
     no ST-RRT*).  So it runs in a copy of the process, and what it had found before counts.
@@ -123,8 +124,8 @@ class STRRTStarPlanner:
     ) -> Any:
         """Answer a situation once for each budget, from one run with the largest.
 
-        The planner only ever improves its path, so what it has by some time is what a run that ends
-        there has found.  `planning_ms` is that of such a run, without copying the process.
+        The planner only ever improves its path.  So its path at some time is the result of a run
+        that ends there.  `planning_ms` is that of such a run, without copying the process.
         """
         return self._plans(situation, budgets_ms, NO_END)
 
@@ -162,7 +163,7 @@ def _library() -> ModuleType:
 
 @lru_cache(maxsize=1)
 def _warmed() -> ModuleType:
-    """The same with everything loaded, or every copy of the process would load it again."""
+    """Return the module with everything loaded; else every copy of the process would load it."""
     library = _library()
     library.warm_up()
     return library
@@ -185,7 +186,7 @@ def _search(task: SpaceTime) -> tuple[list[Improvement], float]:
 
 
 def _forward(path: np.ndarray) -> bool:
-    """Whether time, the last number of each state (n, k), never goes back."""
+    """Return whether time, the last number of each state (n, k), never goes back."""
     return bool((np.diff(path[:, -1]) >= 0.0).all())
 
 
@@ -217,7 +218,7 @@ def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def task_of(problem: Problem, seed: int, budget_ms: float, iterations: int) -> HandTask:
-    """What to search, and for how long."""
+    """Return the search space for a planar arm, and how long to search it."""
     situation, arm, scene = problem.situation, problem.situation.arm, problem.scene
     rules = problem.rules._replace(speed=arm.max_hand_speed)
     t, *_ = first_interception(anywhere(scene), rules, *arm.hand, 0.0, 0.0, situation.horizon)

@@ -1,8 +1,8 @@
 """ST-RRT* of OMPL over places and time: it needs ompl, and is imported only by its planner.
 
 OMPL's planner knows goals that stand still: it asks for a goal's place and draws its time itself.
-Ours exist for an instant only, so places and times are drawn together, and the time that OMPL had
-drawn is replaced when it asks, next, whether that state is valid.  Everything else is as OMPL has
+Ours exist for an instant only, so places and times are drawn together.  The time that OMPL had
+drawn is replaced when it next asks whether that state is valid.  Everything else is as OMPL has
 it: both trees, conditional sampling, rewiring, pruning.
 """
 
@@ -39,7 +39,7 @@ Path = list[tuple[float, ...]]  # place and time of the states
 
 
 SpaceTime = HandTask | JointTask
-"""What is searched: places, goals, legs, and for how long."""
+"""Search space: places, goals, legs, and how long to search."""
 
 
 class Search:

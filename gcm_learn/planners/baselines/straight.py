@@ -50,8 +50,8 @@ class StraightWaitPlanner:
     """A straight line at the speed limit to an interception, the earlier the better, and a wait.
 
     Spare time is spent before leaving, after arriving, or in parts at both ends.  Arms that are not
-    planar go straight in their joints; all postures with which a target can be met are tried at
-    every instant, and the move may be slow as well.
+    planar go straight in their joints.  All postures that meet a target are tried at every instant,
+    and the move may be slow as well.
     """
 
     name: str = "straight-wait"

@@ -1,4 +1,4 @@
-"""The same search from the goals to the start, through a scene whose time runs backwards.
+"""Search from the goals to the start, through a scene whose time runs backwards.
 
 A place that is hard to enter is easy to leave.  If goals lie behind a gap, a search from there
 finds the gap at once.  If they are shut in, it ends soon.

@@ -60,7 +60,7 @@ class States(NamedTuple):
 
 
 class Tries(NamedTuple):
-    """Moves to nodes that have yet to be looked at, and a heap of them."""
+    """Moves to nodes that have yet to be checked, and a heap of them."""
 
     node: np.ndarray  # (t,)
     home: np.ndarray  # (t,): state that the move begins at
@@ -91,7 +91,7 @@ def new_tree(nodes: int, joints: int, most: int) -> Tree:
     joints : int
         Of the arm.
     most : int
-        Tries that are looked at before the search gives up.
+        Tries that are checked before the search gives up.
     """
     queued = 9 * most + 64
     places = Places(

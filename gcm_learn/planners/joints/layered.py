@@ -50,8 +50,8 @@ class LayeredInSpace:
     coarse: Effort = COARSE
     fine: Effort = FINE
     earliest: bool = False
-    """Whether catches before the first one that is found are looked for, until there is none that
-    is earlier by a hundredth of the horizon."""
+    """True to search for catches before the first one that is found, until none is earlier by a
+    hundredth of the horizon."""
 
     takes = staticmethod(spatial_only)
 
@@ -129,7 +129,7 @@ class LayeredInSpace:
                 return best
 
     def _times(self, end: float, more: int = 1) -> np.ndarray:
-        """When interceptions are tried [s]."""
+        """Instants at which interceptions are tried [s]."""
         count = more * self.instants
         times = end * np.arange(1, count + 1) / count
         times[-1] = end

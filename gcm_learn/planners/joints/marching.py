@@ -41,7 +41,7 @@ class FrontInSpace:
 
     name: str
     levels: tuple[tuple[WaveParams | MarchingParams, int], ...]
-    """How fronts spread, and postures in a cell."""
+    """Parameters of the fronts, and postures in a cell."""
     trials: int = 3
     """Interceptions that are tried on each of them."""
     wait: bool = False

@@ -1,6 +1,6 @@
 """Moves in the joints of an arm: how long they take, whether they are free.
 
-A move is straight in the joints. Where the hand's speed limits it, it is cut into pieces, each as
+A move is straight in the joints. If the hand's speed limits it, it is cut into pieces, each as
 fast as its own limits let it be.
 """
 

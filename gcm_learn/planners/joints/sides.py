@@ -20,21 +20,21 @@ from gcm_learn.planners.joints.lattice_search import Tree, new_tree, plant, sear
 from gcm_learn.planners.joints.moves import NEVER, Study
 from gcm_learn.planners.joints.ways import Way, new_way, trace
 
-SLICE = 100  # moves that are looked at between two looks at the clock
+SLICE = 100  # moves that are checked between two readings of the clock
 
 
 class Effort(NamedTuple):
-    """How hard a search tries."""
+    """Limits of a search."""
 
     nodes: int
     """Of the lattice over the joints, about."""
     tries: tuple[int, ...]
-    """Moves that are looked at from the start, from the goals, from the start, ..."""
+    """Moves that are checked from the start, from the goals, from the start, ..."""
     weight: float = 1.0
     """Of the motion that is left, beside the time of the catch."""
 
     def times(self, share: float) -> Effort:
-        """The same lattice with a share of the tries, at least one each."""
+        """Return the lattice with a share of the tries, at least one each."""
         return self._replace(tries=tuple(max(int(share * tries), 1) for tries in self.tries))
 
 
@@ -44,7 +44,7 @@ class Side:
 
     study: Study
     goals: Goals
-    """What it makes for."""
+    """Its goals."""
     lattice: JointLattice
     tree: Tree
     weight: float

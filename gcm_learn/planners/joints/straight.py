@@ -31,7 +31,7 @@ from gcm_learn.scene.bodies import BALL, HAND, PART
 
 SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for
-_HALVINGS = 8  # of an instant, by which the earliest interception is told
+_HALVINGS = 8  # of an instant, to find the earliest interception
 SHORTEST = 1e-9  # a leg that takes less is one piece [s]
 
 
@@ -148,7 +148,7 @@ def earliest_straight(problem: SpatialProblem) -> Plan:
 
 
 def soonest_straight(study: Study) -> float:
-    """When a straight line that nothing hinders meets a target first; 0 if none does [s]."""
+    """Return when a straight line that nothing hinders meets a target first, or 0 [s]."""
     goals = _earliest(study)
     return float(goals.time[: goals.size[0]].min()) if goals.size[0] else 0.0
 

@@ -1,10 +1,11 @@
 """The yardstick: bounds on the earliest catch of any movement, waiting allowed, whole limb.
 
-The places that the hand can reach are followed through space and time on a lattice,
-R(t + dt) = dilate(R(t), v dt) minus what is occupied, once rounded outwards and once inwards
-(`reachable_set`).  The outer set's first meeting with a target comes before every catch; if it
-never meets one there is none.  The inner set's meetings end movements, which are pulled tight,
-timed and verified like every plan: the earliest of them is not before the earliest catch.
+The places that the hand can reach are followed through space and time on a lattice:
+R(t + dt) = dilate(R(t), v dt) minus what is occupied.  It is rounded once outwards and once inwards
+(`reachable_set`).  The outer set's first meeting with a target comes before every catch; an outer
+set that misses all targets rules catches out.  The inner set's meetings end movements, which are
+pulled tight, timed and verified like every plan: the earliest of them is not before the earliest
+catch.
 """
 
 from __future__ import annotations
@@ -48,23 +49,23 @@ Stratum = Literal["U", "L", "W", "Q"]
 
 @dataclass(frozen=True)
 class Bounds:
-    """What is known of a situation's earliest catch."""
+    """Bounds on a situation's earliest catch."""
 
     lower: float
     """No movement catches before [s]; infinite if none does within the horizon."""
     upper: float
-    """When `plan` catches [s]; infinite if it does not."""
+    """Catch time of `plan` [s]; infinite if it does not catch."""
     plan: Plan
-    """The best verified plan, or why there is none."""
+    """The best verified plan, or the reason for its absence."""
 
     @property
     def tight(self) -> bool:
-        """Whether the bounds agree to a share of TIGHT, or say that there is no catch."""
+        """True if the bounds agree to a share of TIGHT, or rule catches out."""
         return self.lower >= (1.0 - TIGHT) * self.upper
 
     @property
     def decided(self) -> bool:
-        """Whether it is known that there is a catch, or that there is none."""
+        """True if a catch is known, or ruled out."""
         return self.plan.caught or math.isinf(self.lower)
 
 
@@ -136,14 +137,14 @@ def bounds(
 
 
 def stratum(situation: AnySituation, known: Bounds | Yardstick | None = None) -> Stratum:
-    """What a situation takes; in space, see `yardstick`.
+    """Classify a situation by what a catch takes; in space, see `yardstick`.
 
     - **L**, straight line: the planner `straight` catches.
-    - **W**, way round: not L, but a first arrival catches: the planner `marching` does, or the
-      inner set that never waits (it leaves every cell when it comes, once) meets a target from
-      where a straight last leg, which may be slow, ends in a verified catch.
+    - **W**, way round: other than L, a first arrival catches.  Either the planner `marching` does,
+      or the inner set that never waits (it leaves every cell when it comes, once) meets a target.
+      From there a straight last leg, which may be slow, ends in a verified catch.
     - **Q**, queueing: neither, but `bounds` has a verified plan, which therefore waits.
-    - **U**, unreachable: no plan at all.  `known.decided` tells whether that is certain.
+    - **U**, unreachable: no plan at all.  `known.decided` says whether that is certain.
 
     Parameters
     ----------
@@ -215,12 +216,12 @@ def earliest_catch(
 
 
 def _time(plan: Plan) -> float:
-    """Catch time of a plan, infinite if there is none [s]."""
+    """Catch time of a plan, infinite if it catches nothing [s]."""
     return math.inf if plan.catch_time is None else plan.catch_time
 
 
 def _why(known: Bounds) -> Reason:
-    """Why there is no plan."""
+    """Return the reason why a plan is missing."""
     if math.isinf(known.lower):
         return Reason(Failure.IMPOSSIBLE)
     return Failure.UNDECIDED.with_numbers(since=known.lower)
@@ -229,7 +230,7 @@ def _why(known: Bounds) -> Reason:
 def _unhindered(problem: Problem) -> float:
     """Earliest interception by a hand that nothing hinders [s]; 0 if that is not known.
 
-    Infinite if there is none: in 3D the outer set alone would not know that, because for it a
+    It is infinite without any interception.  In 3D the outer set alone would miss that: for it a
     target is where its solid is near, not where its cut with the plane is.
     """
     arm, instant = problem.situation.arm, problem.rules.instant
@@ -285,10 +286,10 @@ class Dash(NamedTuple):
     """A clear straight leg from a stop to a target."""
 
     time: float
-    """When it catches [s]."""
+    """Catch time [s]."""
     stop: int
     leave: float
-    """When it leaves the stop [s]."""
+    """Instant at which it leaves the stop [s]."""
     tight: bool
     """The stop is reached by the path pulled tight, else by the path as it was."""
 

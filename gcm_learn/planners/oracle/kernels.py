@@ -2,10 +2,10 @@
 
 One recurrence, R(t + dt) = dilate(R(t), v dt) minus what is occupied, with two roundings:
 
-*outer*: a cell is free unless the limb touches the same obstacle at all four of its corners, and
-paths count as short as they can be, so what this set does not reach nothing reaches;
-*inner*: the hand goes straight from centre to centre and rests there, moves are checked without
-sampling and rests to a fraction of a step, so what this set reaches can be reached.
+*outer*: a cell is blocked if the limb touches the same obstacle at all four of its corners, and
+paths count as short as they can be.  No hand leaves this set.
+*inner*: the hand goes straight from centre to centre and rests there.  Moves are checked without
+sampling and rests to a fraction of a step.  A hand can reach all of this set.
 
 The lattice rounds places only: arrivals are real numbers, and a step just holds those within it.
 """
@@ -50,7 +50,7 @@ class Grid(NamedTuple):
 
 
 class Regime(NamedTuple):
-    """What makes a set outer or inner, and of whose hand."""
+    """Rules that make a set outer or inner, and the hand that it is of."""
 
     scene: Scene
     rules: Rules  # of moves, and of straight legs to targets
@@ -87,7 +87,7 @@ class Front(NamedTuple):
 class Workspace(NamedTuple):
     """Room to work."""
 
-    look: np.ndarray  # (m, b): when a cell or corner has to be looked at for an obstacle [s]
+    look: np.ndarray  # (m, b): when a cell or corner has to be checked for an obstacle [s]
     touched: np.ndarray  # (m,) uint64: obstacles that are touched at a corner, a bit each
     poses: np.ndarray  # (b, 12)
     others: np.ndarray  # (b, 12)
@@ -230,7 +230,7 @@ def settle(grid, front, k, d, when, cost):
 
 @njit
 def meetings(regime, grid, front, work, t0, t1, end):
-    """Find the cells of the set in which a target is met in [t0, t1] and write them down.
+    """Find the cells of the set in which the hand meets a target in [t0, t1], and list them.
 
     For the inner set that is a clear straight leg from the cell that catches before `end` [s].
     """
@@ -270,7 +270,7 @@ def useful_until(bodies, grid, until, speed, gap, instants):
     gap : float
         Distance from the centre at which a target is met.
     instants : int
-        Times at which the targets are looked at; what they travel in between widens the gap.
+        Times at which the targets are sampled; their travel in between widens the gap.
     """
     poses = np.zeros((bodies.rows.shape[0], 12))
     last = np.full(grid.centre.shape[0], -1.0)

@@ -89,8 +89,8 @@ def move_time(front, k, d):
 def barred(grid, front, k, d, leave, cost, s, dt):
     """Tell whether move d into cell k, begun at `leave`, leads through what is surely occupied.
 
-    At every sample of time on its way the hand is in one of the cells around the straight path, and
-    it passes between cells of which one is free at the sample before or after.
+    At every sample of time on its way the hand is in one of the cells around the straight path.  It
+    passes between cells of which one is free at the sample before or after.
     """
     q = source_of(grid, k, d)
     for m in range(s - 1, max(s - PAST, -1), -1):
@@ -137,7 +137,7 @@ def clear(regime, time, hand):
 
 @njit
 def leg_from(regime, x, y, leave, since, end):
-    """When a clear straight leg that leaves (x, y) at `leave` catches a target, -1 if it cannot.
+    """Return when a clear straight leg that leaves (x, y) at `leave` catches a target, or -1.
 
     Catches between `since` and `end` are looked for, joints left aside [s].
     """

@@ -19,7 +19,7 @@ from gcm_learn.planners.joints.moves import Study, turning_time
 from gcm_learn.scene.bodies import LIMB, PART, drift
 
 SLICES = 32  # of the horizon, looked through one after the other
-MOST = 1_000_000  # boxes that are looked at
+MOST = 1_000_000  # boxes that are checked
 FINEST = 1e-3  # share of the reach by which limbs of a box may differ: it is split no more
 _POINTS = 6  # of each bone that are held against an obstacle
 _HAIR = 1e-9  # share of the reach, against rounding
@@ -113,7 +113,7 @@ def slice_is_ruled_out(study, since, until, most, stack):
     Parameters
     ----------
     most : int
-        Boxes that may be looked at; if that is not enough a catch counts as possible.
+        Boxes that may be checked; if that is not enough a catch counts as possible.
     stack : (_DEEPEST, 10) ndarray
         Room to work in.
     """

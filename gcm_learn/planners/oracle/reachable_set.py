@@ -33,7 +33,7 @@ class Meeting(NamedTuple):
     time: float
     """[s]"""
     leave: float
-    """When an inner set's hand leaves the cell for it, by a straight leg [s]."""
+    """Instant at which an inner set's hand leaves the cell for it, by a straight leg [s]."""
     cell: int
 
 
@@ -93,7 +93,7 @@ class ReachableSet:
 
     @property
     def sound(self) -> bool:
-        """Whether steps are short enough for an outer set to be one."""
+        """True if steps are short enough for an outer set to be one."""
         return self.dt <= self.front.cost.min()
 
     def meetings(self) -> Iterator[list[Meeting]]:
@@ -168,7 +168,7 @@ def _grid(lattice: Lattice, exact: bool) -> Grid:
 
 
 def _part(grid: Grid, wanted: np.ndarray) -> Grid:
-    """The same grid with those cells only that are wanted (m,), out of those it has, if any."""
+    """Return the grid with only those of its cells that are wanted (m,)."""
     if len(grid.cells):
         wanted = wanted & np.isin(np.arange(len(wanted)), grid.cells)
     w, corners = grid.width, wanted.copy()
@@ -178,7 +178,7 @@ def _part(grid: Grid, wanted: np.ndarray) -> Grid:
 
 
 def _regime(problem: Problem, h: float, exact: bool, waiting: bool, after: float) -> Regime:
-    """How to round, and what to keep; an outer set asks for nothing beyond the limits."""
+    """Return the rounding and the rules of a set; an outer one keeps the limits only."""
     arm, rules = problem.situation.arm, problem.rules
     meet = rules.catch + 2.0 * h if exact else arm.grasp + h * math.sqrt(0.5)
     rules = rules._replace(
@@ -212,7 +212,7 @@ def _start_until(problem: Problem, touch: float) -> float:
 
 
 def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> Front:
-    """The set before the first step: empty, with the cells around the hand in view."""
+    """The set before the first step: empty, with the cells around the hand listed."""
     size = len(grid.centre)
     offset = np.abs(grid.centre[:, :2] - arm.hand)
     if not exact:  # the nearest point of each cell

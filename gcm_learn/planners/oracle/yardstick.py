@@ -1,9 +1,9 @@
 """The yardstick for spatial arms: what all methods catch at large budgets, and what none can.
 
 There is no set of places that could be followed through time, as there is in the plane: the joints
-have four dimensions.  So catches are looked for by every method, each at a budget far beyond what
-it is used with; and a relaxation rules catches out, if it can: that no posture which meets a target
-is free and in reach of the joints (`posture_boxes`).
+have four dimensions.  So every method searches for catches, each at a budget far beyond its usual
+one.  A relaxation rules catches out if it can: it shows that no posture which meets a target is
+free and in reach of the joints (`posture_boxes`).
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ class Yardstick:
 
     @property
     def plan(self) -> SpatialPlan:
-        """The earliest verified plan, or why there is none."""
+        """The earliest verified plan, or the reason for its absence."""
         return min(self.plans.values(), key=_time)
 
     @property
     def upper(self) -> float:
-        """When `plan` catches [s]; infinite if it does not."""
+        """Catch time of `plan` [s]; infinite if it does not catch."""
         return _time(self.plan)
 
     @property
@@ -77,13 +77,16 @@ class Yardstick:
 def yardstick(
     situation: Situation[SpatialArm], trees_ms: float = TREES_MS, *, earliest: bool = True
 ) -> Yardstick:
-    """Ask all methods, and what is impossible.
+    """Run all methods, and rule out the impossible.
 
-    The strata are those of the plane. **L**: a straight line in joints to some interception, evenly
-    fast, catches. **W**: `marching` catches, which never waits, or a plan of another method still
-    does if its rests are left out and all its legs but the last are as fast as the limits allow;
-    under limits of acceleration, a plan without rests. **Q**: some plan catches. **U**: none does;
-    a `lower` that is infinite rules catches out, else the question is open.
+    The strata are as in the plane.
+
+    - **L**: a straight line in joints to some interception, evenly fast, catches.
+    - **W**: `marching` catches, which never waits.  Or a plan of another method still does if its
+      rests are left out and all its legs except the last are as fast as the limits allow.  Under
+      limits of acceleration it is a plan without rests.
+    - **Q**: some plan catches.
+    - **U**: none does.  A `lower` that is infinite rules catches out, else the question is open.
 
     Parameters
     ----------
@@ -119,7 +122,7 @@ def yardstick(
 
 
 def oracle_in_space(situation: Situation[SpatialArm], trees_ms: float = TREES_MS) -> SpatialPlan:
-    """The plan behind the upper bound, or why there is none."""
+    """Return the plan behind the upper bound, or the reason for its absence."""
     problem = SpatialProblem(situation, "oracle")
     plan = yardstick(situation, trees_ms).plan
     return replace(plan, planner="oracle", planning_ms=problem.elapsed_ms)
@@ -158,7 +161,7 @@ def without_waits(
 ) -> SpatialPlan | None:
     """A catch without its rests, all legs but the last as fast as can be, if it still is one.
 
-    Where the last leg begins is tried from the end of the way to its start.  Under limits of
+    Beginnings of the last leg are tried from the end of the way to its start.  Under limits of
     acceleration it is the plan itself, if that never rests.
     """
     study = study_of(problem.scene, problem.rules) if study is None else study
@@ -183,5 +186,5 @@ def without_waits(
 
 
 def _time(plan: SpatialPlan) -> float:
-    """Catch time of a plan, infinite if there is none [s]."""
+    """Catch time of a plan, infinite if it catches nothing [s]."""
     return math.inf if plan.catch_time is None else plan.catch_time

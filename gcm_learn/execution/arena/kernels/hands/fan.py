@@ -54,7 +54,7 @@ def tell_fan(scene, floor, view, dx, dy, poses, row, at):
                 break
             ex, ey = elbow_of(hx, hy, rho, 1.0)
             room = least  # what is farther changes nothing
-            for b in range(n):  # balls first: what they leave is looked at closely
+            for b in range(n):  # balls first: what they leave is checked closely
                 gaps[b] = 1e300
                 if bodies.rows[b, PART] == HAND:
                     continue

@@ -46,11 +46,11 @@ from gcm_learn.scene.bodies import (
 )
 
 ARM, TARGET, OBSTACLE = 10, 17, 20  # numbers of the arm, the target, an obstacle
-MEETING = ARM + 14  # where the direction of the meeting is told, two numbers
+MEETING = ARM + 14  # place of the direction of the meeting, two numbers
 LEAST, LATE, NOW = range(3)  # of an obstacle on the straight way: least distance, when, at first
 _INSTANTS = 16  # at which an interception is looked for
 _BISECTIONS = 6
-_FARTHEST = 2.0  # distances are told up to this
+_FARTHEST = 2.0  # observed distances are cut at this
 
 
 class View(NamedTuple):
@@ -59,7 +59,7 @@ class View(NamedTuple):
     x: float  # hand, in canonical coordinates of t = 0
     y: float
     t: float  # [s]
-    c: float  # direction of the hand, which is the x axis of what is told
+    c: float  # direction of the hand, which is the x axis of the observation
     s: float
 
 
@@ -244,7 +244,7 @@ def _tell_target(scene, catch, b, view, first, poses, row):
 
 @njit(_nrt=False)
 def _look_ahead(scene, view, first, workspace):
-    """How near each obstacle comes to the limb on the straight way to the meeting, and when.
+    """Find how near each obstacle comes to the limb on the straight way to the meeting, and when.
 
     Written into the workspace's `gaps`, for each body LEAST, LATE and NOW; LEAST of targets is
     1e300.

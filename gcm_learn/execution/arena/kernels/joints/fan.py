@@ -22,7 +22,7 @@ from gcm_learn.scene.bodies import REACH, centre_at
 
 FRAME = 16  # numbers of the frame: four unit vectors, the straight command first
 RAY = 3  # numbers of a ray
-TIMES = np.array([0.06, 0.15, 0.3, 0.5, 0.8, 1.2])  # at which a ray is looked at [units of time]
+TIMES = np.array([0.06, 0.15, 0.3, 0.5, 0.8, 1.2])  # at which a ray is sampled [units of time]
 ROOM = 0.15  # clearances beyond are alike [reaches]
 _GAP = 1.0  # the same of gaps to the target [reaches]
 _INDEPENDENT = 0.2  # share of a vector that must be left when others are taken out of it

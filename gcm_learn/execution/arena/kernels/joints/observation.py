@@ -32,10 +32,10 @@ from gcm_learn.scene.bodies import REACH, centre_at, pose_at
 from gcm_learn.scene.shapes.choice import inner_radius
 
 ARM, TARGET, OBSTACLE = 35, 30, 20  # numbers of the arm, the target, an obstacle
-MEETING_AT = ARM + 21  # where the direction of the first meeting is told, three numbers
-AIM = ARM + 26  # where the command that leads straight there is told, a number for each joint
-MOMENTS = (0.5, 1.0, 2.0)  # units of time after which the target's place is told
-AHEAD = (0.5, 1.0)  # units of time after which obstacles are looked at
+MEETING_AT = ARM + 21  # place of the direction of the first meeting, three numbers
+AIM = ARM + 26  # place of the command that leads straight there, a number for each joint
+MOMENTS = (0.5, 1.0, 2.0)  # units of time after which the target's place is observed
+AHEAD = (0.5, 1.0)  # units of time after which obstacles are observed
 _EXACTLY = 0.5  # farther than this [reaches], distances are those of the balls that hold bodies
 
 

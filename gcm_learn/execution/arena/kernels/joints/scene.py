@@ -28,8 +28,8 @@ class View(NamedTuple):
     reach: float  # of the arm [lengths]
     pace: float  # fastest that its hand can be [lengths/s]
     desk: Desk
-    joints: np.ndarray  # (2, dof): the present ones, and room for others
-    rates: np.ndarray  # (4, dof): room for rates
+    joints: np.ndarray  # (2, dof): the present ones, and a buffer for others
+    rates: np.ndarray  # (4, dof): buffer for rates
     jacobian: np.ndarray  # (3, dof)
     gaps: np.ndarray  # (n,): distances of bodies
 
