@@ -1,5 +1,7 @@
 """Arms: records, kinematics, and the registry of their kinds."""
 
+from typing import TYPE_CHECKING
+
 from gcm_learn.arms.chain import (
     JOINT_TYPES,
     Chain,
@@ -39,6 +41,10 @@ from gcm_learn.arms.rotations import quaternion_of, rotation_of, unit_quaternion
 from gcm_learn.arms.spatial import IDENTITY, JOINTS, OTHER_ARMS, Base, SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, forward_in_space, spatial_limb_of
 from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
+from gcm_learn.late import late_names
+
+if TYPE_CHECKING:
+    from gcm_learn.arms.robots import Fitted, Robot, chain_of, checked_pairs, frames_at, read_robot
 
 __all__ = [
     "Arm",
@@ -50,6 +56,7 @@ __all__ = [
     "ChainLimb",
     "ChainModel",
     "ELBOWS",
+    "Fitted",
     "Hand",
     "IDENTITY",
     "JOINTS",
@@ -59,15 +66,19 @@ __all__ = [
     "OTHER_ARMS",
     "PLANAR",
     "PlanarLimb",
+    "Robot",
     "SIDE",
     "SPATIAL",
     "SpatialArm",
     "SpatialLimb",
     "chain_limb_of",
+    "chain_of",
+    "checked_pairs",
     "elbow_of",
     "elbow_position",
     "forward",
     "forward_in_space",
+    "frames_at",
     "hand_speed",
     "hands_along",
     "inverse_in_space",
@@ -80,6 +91,7 @@ __all__ = [
     "links_along",
     "planar_limb_of",
     "quaternion_of",
+    "read_robot",
     "register_kind",
     "rotation_of",
     "solution_format",
@@ -88,3 +100,9 @@ __all__ = [
     "unit_quaternion",
     "unknown_obstacle",
 ]
+
+
+__getattr__ = late_names(
+    __name__,
+    {"robots": ("Fitted", "Robot", "chain_of", "checked_pairs", "frames_at", "read_robot")},
+)

@@ -14,8 +14,7 @@ from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import output, staged
 
 if TYPE_CHECKING:
-    from gcm_learn.arms import ChainModel
-    from gcm_learn.arms.robots import Fitted, Robot
+    from gcm_learn.arms import ChainModel, Fitted, Robot
 
 FORMATS = (".png", ".pdf", ".svg")
 Numbers = tuple[float, ...]
@@ -89,9 +88,9 @@ class Arm:
         """Read, cover, write, and say how it went."""
         import sys
 
-        from gcm_learn.arms.robots import read_robot
+        from gcm_learn.arms import read_robot
         from gcm_learn.errors import RobotError
-        from gcm_learn.situation.arm_files import arm_to_json
+        from gcm_learn.situation import arm_to_json
 
         self._check()
         robot = read_robot(self.robot, self.packages)
@@ -119,7 +118,7 @@ class Arm:
             raise CommandFailure(f"--axis: must have length 1 (got {length:g})")
 
     def _fitted(self, robot: Robot) -> Fitted:
-        from gcm_learn.arms.robots import chain_of
+        from gcm_learn.arms import chain_of
 
         return chain_of(
             robot, self.base, self.tip,

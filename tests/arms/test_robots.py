@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gcm_learn.arms import SpatialArm, hands_along
-from gcm_learn.arms.robots import chain_of, checked_pairs, frames_at, read_robot
+from gcm_learn.arms import SpatialArm, chain_of, checked_pairs, frames_at, hands_along, read_robot
 from gcm_learn.arms.robots.capsules import support
 from gcm_learn.arms.robots.pairs import segment_distance
 from gcm_learn.cli import main

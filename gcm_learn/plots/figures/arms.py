@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from gcm_learn.arms import ChainModel
-from gcm_learn.arms.robots import frames_at
 from gcm_learn.plots.figures import style
 
 SIDES = {"from the side": (0, 2), "from the front": (1, 2)}
@@ -37,6 +36,8 @@ def draw_arm(
     -------
     matplotlib.figure.Figure
     """
+    from gcm_learn.arms import frames_at  # its libraries take a while to import
+
     low, high = np.array([joint.range for joint in model.joints]).T
     posture = 0.5 * (low + high) if joints is None else np.array(joints)
     rotations, places = frames_at(model, posture[None].astype(float))
