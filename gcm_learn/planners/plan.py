@@ -81,6 +81,8 @@ class Plan:
     """Reason for a missing catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
     """The map that the plan came from; plans that needed none leave it out."""
+    on_the_way: tuple[tuple[str, float], ...] = ()
+    """Targets that are caught before `catch_body`, in order: names and times [s]."""
     nodes: int = 0
     """Labels, or moves of a spatial arm, that a search over a lattice has expanded."""
 
@@ -99,7 +101,8 @@ class Plan:
         """Targets that are caught, in order of time: `body` and `time` [s] of each."""
         if self.catch_body is None:
             return []
-        return [{"body": self.catch_body, "time": self.catch_time}]
+        caught = (*self.on_the_way, (self.catch_body, self.catch_time))
+        return [{"body": body, "time": t} for body, t in caught]
 
 
 class Planner(Protocol):

@@ -165,12 +165,18 @@ def solve(situation: AnySituation, planner: str | Any = "search") -> Plan:
     return plan_with(get_planner(planner), situation)
 
 
+def several(situation: AnySituation) -> bool:
+    """Return whether a situation asks for more than one catch."""
+    return situation.catch in ("all", "most") and len(situation.targets) > 1
+
+
 def plan_with(
     planner: Planner, situation: AnySituation, deadline: float | Deadline | None = None
 ) -> Plan:
     """Let a planner answer a situation, if it takes the arm; a deadline is for those `Anytime`.
 
-    All plans come in here; `Outside` verifies plans from outside of the package.
+    All plans come in here; `Outside` verifies plans from outside of the package. Planners catch one
+    target, so of several they catch one after the other, see `planners.sequences`.
 
     Raises
     ------
@@ -178,6 +184,10 @@ def plan_with(
     """
     chosen = get_planner(planner)
     given: Any = taken(chosen, situation)
+    if several(given) and not isinstance(chosen, Outside):
+        from gcm_learn.planners.sequences import caught_in_turn
+
+        return caught_in_turn(chosen, given, deadline)
     if deadline is None:
         return chosen.plan(given)
     return cast(Anytime, chosen).plan(given, deadline=deadline)

@@ -8,14 +8,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from gcm_learn.arms import Arm, SpatialArm
+from gcm_learn.arms import Arm, Chain, SpatialArm
 from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies, pose_at
 from gcm_learn.scene.laws import LAWS
 from gcm_learn.situation import Body, Situation
 
-AnyKind = TypeVar("AnyKind", Situation[Arm], Situation[SpatialArm])
+AnyKind = TypeVar("AnyKind", Situation[Arm], Situation[SpatialArm], Situation[Chain])
 
 
 def later(
@@ -36,8 +36,8 @@ def later(
     hand : (2,) tuple of float, optional
         Where the hand of a planar arm is then; by default it has rested.
     joints : (dof,) sequence of float, optional
-        How a spatial arm stands then [rad]; by default it has rested, which only one can that
-        rests at t = 0.
+        Posture of an arm that moves in its joints then [rad or lengths]; by default it has rested,
+        which only one can that rests at t = 0.
     rates : (dof,) sequence of float, optional
         Rates of its joints then [rad/s]; 0 by default.
 
@@ -47,9 +47,9 @@ def later(
         Its bodies go on as they would have; its horizon is shorter by t.
     """
     arm: Any = situation.arm
-    if isinstance(arm, SpatialArm):
+    if not isinstance(arm, Arm):
         if hand is not None:
-            raise ArmKindError("hand: is of planar arms; a spatial one has joints")
+            raise ArmKindError("hand: is of planar arms; others have joints")
         arm = _stands(arm, t, joints, rates)
     elif joints is not None or rates is not None:
         raise ArmKindError("joints, rates: are of spatial arms; a planar one has a hand")
@@ -67,13 +67,13 @@ def bodies_later(bodies: Iterable[Body], t: float) -> tuple[Body, ...]:
 
 
 def _stands(
-    arm: SpatialArm, t: float, joints: Sequence[float] | None, rates: Sequence[float] | None
-) -> SpatialArm:
+    arm: Any, t: float, joints: Sequence[float] | None, rates: Sequence[float] | None
+) -> Any:
     """The arm with other joints and rates at t = 0."""
     if joints is None and rates is None and (t <= 0.0 or not any(arm.joint_rates or ())):
         return arm
     if joints is None:
-        raise SituationError("joints", "are to be told of an arm that moves")
+        raise SituationError("joints", "are needed of an arm that moves")
     if rates is None and arm.max_joint_acceleration is not None:
         rates = (0.0,) * len(arm.joints)
     there: Any = tuple(joints)

@@ -67,7 +67,7 @@ def test_a_spatial_arm_stands_and_moves_as_it_is_told():
 
 def test_what_cannot_be_so_is_refused():
     resting, moving = situation_from_json(NAO), situation_from_json(MOVING)
-    with pytest.raises(SituationError, match="joints: are to be told of an arm that moves"):
+    with pytest.raises(SituationError, match="joints: are needed of an arm that moves"):
         later(moving, 0.2)
     with pytest.raises(SituationError, match="joint_rates: are given without"):
         later(resting, 0.2, joints=resting.arm.joints, rates=(0, 0, 0, 0))

@@ -1,0 +1,139 @@
+"""Several catches in one movement: greedy orders, leg after leg."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.motion import Movement, rules_of, verify
+from gcm_learn.planners.plan import Deadline, Plan
+from gcm_learn.scene import later, pack
+from gcm_learn.situation import AnySituation
+
+
+def caught_in_turn(
+    planner: Any, situation: AnySituation, deadline: float | Deadline | None = None
+) -> Plan:
+    """Catch targets one after the other, whichever the planner catches first.
+
+    Each leg begins where the one before ends and is planned for the targets that are left. If "all"
+    are asked for and one is missed, the order begins again with the missed target. The whole
+    movement is verified once more.
+
+    Parameters
+    ----------
+    planner : Planner
+        Plans the legs.
+    situation : Situation
+        Asks for "all" of its targets, or for "most" of them.
+    deadline : float or Deadline, optional
+        Processor time of the whole answer [s], shared evenly among legs.
+
+    Returns
+    -------
+    Plan
+        Of the order that catches most, of these the one that ends first.
+    """
+    since, targets = clock.perf_counter(), [target.name for target in situation.targets]
+    given: dict[str, Any] = {}
+    if deadline is not None:
+        shared = isinstance(deadline, int | float)
+        given["deadline"] = deadline / len(targets) if shared else deadline  # type: ignore
+    best: list[Plan] = []
+    first: str | None = None
+    for _ in targets:
+        legs = list(_legs(planner, situation, first, given))
+        if not best or _worth(legs) > _worth(best):
+            best = legs
+        caught = {leg.catch_body for leg in legs if leg.caught}
+        missed = [name for name in targets if name not in caught and name != first]
+        if situation.catch == "most" or not missed:
+            break
+        first = missed[0]
+    spent = 1e3 * (clock.perf_counter() - since)
+    return _joined(situation, best, spent)
+
+
+def _legs(
+    planner: Any, situation: AnySituation, first: str | None, given: dict[str, Any]
+) -> Iterator[Plan]:
+    """Yield plans, each in the situation that the one before leaves; the last may be no catch."""
+    now: Any = situation
+    left = {target.name for target in situation.targets}
+    while True:
+        plan = planner.plan(_with_targets(now, left if first is None else {first}), **given)
+        yield plan
+        left, first = left - {plan.catch_body}, None
+        if not plan.caught or not left or plan.catch_time >= now.horizon:
+            return
+        moves = plan.trajectory
+        rates = None if moves.rates is None else tuple(moves.rates[-1].tolist())
+        joints = tuple(moves.joints[-1].tolist())
+        now = later(_with_targets(now, left), plan.catch_time, joints=joints, rates=rates)
+
+
+def _with_targets(situation: Any, names: set[Any]) -> Any:
+    """Return a situation with some of its targets only, of which one is to be caught."""
+    bodies = (b for b in situation.bodies if b.role != "target" or b.name in names)
+    return replace(situation, bodies=tuple(bodies), catch="most")
+
+
+def _worth(legs: list[Plan]) -> tuple[int, float]:
+    """Return what makes an order better: catches, then an early end."""
+    caught = [leg for leg in legs if leg.caught]
+    return len(caught), -sum(leg.catch_time or 0.0 for leg in caught)
+
+
+def _joined(situation: AnySituation, legs: list[Plan], spent: float) -> Plan:
+    """Return the plan of all legs, verified, or the reason for its absence."""
+    caught = [leg for leg in legs if leg.caught]
+    missing = len(situation.targets) - len(caught)
+    if not caught:
+        return replace(legs[0], planning_ms=spent)
+    if situation.catch == "all" and missing:
+        message = f"{len(caught)} of {len(situation.targets)} targets are caught in the best order"
+        return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
+    moves, ends = _movement(situation, caught)
+    names = [str(leg.catch_body) for leg in caught]
+    clearance, fault = _verified(situation, moves, names[-1])
+    if fault is not None:
+        message = f"the legs do not join: {fault}"
+        return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
+    told = ", ".join(f"{name!r} at {t:.3f} s" for name, t in zip(names, ends, strict=True))
+    return Plan(
+        situation.name, legs[0].planner, "caught", f"caught {told}", spent, ends[-1], names[-1],
+        clearance, moves, nodes=sum(leg.nodes for leg in legs),
+        on_the_way=tuple(zip(names[:-1], ends[:-1], strict=True)),
+    )  # fmt: skip
+
+
+def _movement(situation: AnySituation, legs: list[Plan]) -> tuple[Movement, list[float]]:
+    """Return the movement of all legs, and when each ends [s]."""
+    parts: list[Any] = [leg.trajectory for leg in legs]
+    ends = np.cumsum([part.duration for part in parts])
+    first = [0] + [1] * (len(parts) - 1)  # where a leg begins, the one before has ended
+
+    def joined(columns: list[np.ndarray]) -> np.ndarray:
+        return np.concatenate([column[k:] for column, k in zip(columns, first, strict=True)])
+
+    time = joined([part.time + end - part.duration for part, end in zip(parts, ends, strict=True)])
+    curved = all(part.rates is not None for part in parts)
+    rates = joined([part.rates for part in parts]) if curved else None
+    moves = Movement(situation.arm, time, joined([part.joints for part in parts]), rates)
+    last = np.cumsum([len(part.time) for part in parts]) - 1 - np.arange(len(parts))
+    return moves, time[last].tolist()
+
+
+def _verified(
+    situation: AnySituation, moves: Movement, target: str
+) -> tuple[float | None, str | None]:
+    """Return the clearance of a movement, and what is wrong with it."""
+    scene = pack(situation)
+    body = [body.name for body in situation.bodies].index(target)
+    rules = rules_of(scene)._replace(touch=scene.limb.thickness)  # legs keep a little more
+    verdict = verify(scene, rules, moves, body)
+    return verdict.clearance, None if verdict.reason is None else str(verdict.reason)
