@@ -21,7 +21,7 @@ def caught_in_turn(
     """Catch targets one after the other, whichever the planner catches first.
 
     Each leg begins where the one before ends and is planned for the targets that are left. If "all"
-    are asked for and one is missed, the order begins again with the missed target. The whole
+    have to be caught and one is missed, another order begins with it. The whole
     movement is verified once more.
 
     Parameters
@@ -103,9 +103,9 @@ def _joined(situation: AnySituation, legs: list[Plan], spent: float) -> Plan:
     if fault is not None:
         message = f"the legs do not join: {fault}"
         return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
-    told = ", ".join(f"{name!r} at {t:.3f} s" for name, t in zip(names, ends, strict=True))
+    events = ", ".join(f"{name!r} at {t:.3f} s" for name, t in zip(names, ends, strict=True))
     return Plan(
-        situation.name, legs[0].planner, "caught", f"caught {told}", spent, ends[-1], names[-1],
+        situation.name, legs[0].planner, "caught", f"caught {events}", spent, ends[-1], names[-1],
         clearance, moves, nodes=sum(leg.nodes for leg in legs),
         on_the_way=tuple(zip(names[:-1], ends[:-1], strict=True)),
     )  # fmt: skip
