@@ -29,7 +29,10 @@ from gcm_learn.parts import PartCompiler, WholeCompiler, loading
 PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code
 STARTED = time.time()
-UNCALLED = ("gcm_learn.arms.robots", "gcm_learn.errors", "gcm_learn.late", "gcm_learn.storage")
+UNCALLED = tuple(
+    f"gcm_learn.{name}"
+    for name in ("arms.robots", "errors", "late", "motion.as_obstacles", "storage")
+)
 """Modules in which no kernel calls anything."""
 PATIENCE = 1.0  # of compiling, after which it is announced [s]
 NOTICE = "gcm-learn: compiling for this machine, a minute or less; later runs start at once"

@@ -1,6 +1,7 @@
 """Timed movement: trajectories, timing under limits, interception, verification."""
 
 from gcm_learn.motion.acceleration import braked
+from gcm_learn.motion.as_obstacles import as_obstacles
 from gcm_learn.motion.clearance import RESOLUTION, clearance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.interception import anywhere, first_catch, first_interception
@@ -37,6 +38,7 @@ __all__ = [
     "Verdict",
     "Wait",
     "anywhere",
+    "as_obstacles",
     "braked",
     "clearance",
     "fastest_hand",
