@@ -200,7 +200,7 @@ def banks(records: dataset.Dataset) -> Banks:
 
 
 def static(spec: DatasetSpec) -> Iterator[Catch]:
-    """Yield catches of further static situations, drawn as those of the dataset."""
+    """Yield catches of further static situations by the dataset's specification."""
     some = tuple(one for one in spec.families if one.family == "static-clutter")
     spec = replace(spec, families=some, count=10**6, audit=0.0)
     for k in count(spec.count):

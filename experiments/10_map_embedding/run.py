@@ -4,8 +4,8 @@ python -m experiments 10_map_embedding DATASET     outcomes, then the table and 
 
 DATASET is a folder of `gcm-learn generate`. Encoders that know memories by their path, by their
 map, by both and by raw parameters take the same lessons. They and the controls are asked with the
-same memories, adapted in the same way, in test situations to which more and more obstacles are
-added that do not matter. Answers are kept in out/.
+same memories, adapted in the same way. More and more obstacles that do not matter are added to the
+situations. Answers are kept in out/.
 """
 
 from __future__ import annotations

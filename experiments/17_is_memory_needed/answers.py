@@ -40,6 +40,14 @@ class Entrant(NamedTuple):
     make: Callable[[], Ask]
 
 
+class Judged(NamedTuple):
+    """Situations whose catches are judged."""
+
+    referee: Referee
+    each: int
+    """One of so many: the referee takes ten times as long as an answer."""
+
+
 def by(memory: Memory) -> Ask:
     """Return recall; with one check it takes the first choice, however novel the situation."""
 
@@ -65,11 +73,11 @@ def among_equals(memory: Memory, label: Callable[[Question], str], column: int) 
 
 
 def answered(
-    folder: Path, split: str, who: Entrant, rows: Sequence[Question], referee: Referee
+    folder: Path, split: str, who: Entrant, rows: Sequence[Question], judged: Judged
 ) -> list[dict[str, Any]]:
-    """Return outcomes that a folder keeps, or none of an entrant that is not trained yet."""
+    """Return the outcomes of an entrant, kept in a folder; empty before it is trained."""
     seed = "" if who.seed is None else f"-{who.seed}"
-    make = partial(_outcomes, split, who, rows, referee)
+    make = partial(_outcomes, split, who, rows, judged)
     try:
         return kept(folder / split / f"{who.method}{seed}.jsonl", make)
     except (EncoderError, FileNotFoundError) as error:
@@ -78,16 +86,16 @@ def answered(
 
 
 def _outcomes(
-    split: str, who: Entrant, rows: Sequence[Question], referee: Referee
+    split: str, who: Entrant, rows: Sequence[Question], judged: Judged
 ) -> list[dict[str, Any]]:
     """Outcomes: `caught` within twenty checks, `first` if one check is all there is."""
     ask, found = who.make(), []
-    for question in rows:
+    for number, question in enumerate(rows):
         one, many = ask(question, 1).plan, ask(question, CHECKS)
-        broken = [p for p in (one, many.plan) if p.caught and referee.broken(question.situation, p)]
-        found.append(
-            question.about()
-            | {"split": split, "method": who.method, "seed": who.seed, "first": int(one.caught)}
-            | {"caught": many.plan.caught, "checks": many.checks, "complaints": len(broken)}
-        )
+        row = question.about() | {"split": split, "method": who.method, "seed": who.seed}
+        row |= {"first": int(one.caught), "caught": many.plan.caught, "checks": many.checks}
+        if number % judged.each == 0:
+            plans = [plan for plan in (one, many.plan) if plan.caught]
+            row["complaints"] = sum(judged.referee.broken(question.situation, p) for p in plans)
+        found.append(row)
     return found

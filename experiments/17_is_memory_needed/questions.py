@@ -1,4 +1,4 @@
-"""Questions outside of the training, and those of a suite as they are at rest."""
+"""Questions outside of the training, and a suite as it is at rest."""
 
 from __future__ import annotations
 

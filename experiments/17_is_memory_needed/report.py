@@ -38,6 +38,7 @@ INSTEAD = {
     "100 prototypes, random": "prototypes, random",
     "1,000 memories, learned": "learned-1000",
 }
+BARS = ("memories", "prototypes", "any of them", "regressor")
 SUITES = {"": "frozen.json", "-space": "frozen-space.json"}
 """Files with the seeds of the suites, by the end of the names of their results."""
 
@@ -69,12 +70,18 @@ def page(found: Outcomes, seed: int) -> str:
     first = fresh.where(method=fresh.methods()[:1])
     first = first.where(seed=int(first["seed"][0]))
     counts = [int(np.sum(first["stratum"] == name)) for name in "WQ"]
-    catches = int(found["caught"].sum() + np.sum(found["first"]))
+    judged = found.where(np.isfinite(found["complaints"]))
     return (
         f"{sections(filled)}\n"
         f"Suite of seed {seed}: {counts[0]} situations of W and {counts[1]} of Q. The referee "
-        f"judged {catches:,} catches and found fault with {np.nansum(found['complaints']):.0f}.\n"
+        f"judged {catches_of(judged):,} of {catches_of(found):,} catches and found fault with "
+        f"{judged['complaints'].sum():.0f}.\n"
     )
+
+
+def catches_of(rows: Outcomes) -> int:
+    """Return the number of catches, with one check and within twenty."""
+    return int(rows["caught"].sum() + rows["first"].sum())
 
 
 def within(rows: Outcomes, checks: int) -> np.ndarray:
@@ -185,8 +192,8 @@ def shipped(found: Outcomes) -> str:
                 unknown = name == "splines" and k == CHECKS[1]  # it says not how many it took
                 shown = percent(stratified(within(some, k), some["family"]))
                 cells.append("" if unknown else shown)
-        lines.append([name, *cells, f"{np.nansum(mine['complaints']):.0f}"])
-    return table(["asked", *(f"{s}, {k}" for s in "WQ" for k in CHECKS), "complaints"], lines)
+        lines.append([name, *cells])
+    return table(["asked", *(f"{s}, {k}" for s in "WQ" for k in CHECKS)], lines)
 
 
 def outside(found: Outcomes) -> str:
@@ -282,10 +289,10 @@ def off_the_ranges(axes: Any, found: Outcomes) -> None:
 
 def in_its_place(axes: Any, found: Outcomes) -> None:
     """Draw what stands in for a memory."""
-    there = {shown: name for shown, name in INSTEAD.items() if seeds_of(found, name)}
+    names = (f"learned-{WHOLE}", "prototypes", "prototypes, random", "regressor")
     for k, alpha in ((20, 0.45), (1, 1.0)):
-        caught = [over_seeds(found, n, seeds_of(found, n), k) for n in there.values()]
+        caught = [over_seeds(found, name, seeds_of(found, name), k) for name in names]
         tall = [100 * one.mean() for one in caught]
-        axes.bar(range(len(tall)), tall, 0.6, color=style.TARGET, alpha=alpha)
-    axes.set_xticks(range(len(there)), [shown.replace(", ", ",\n") for shown in there], fontsize=6)
+        axes.bar(BARS, tall, 0.6, color=style.TARGET, alpha=alpha)
     axes.set_ylabel("caught, 20 checks; dark: 1 [%]")
+    axes.set_title(f"learned from the same {int(WHOLE):,} catches", fontsize=9)

@@ -17,7 +17,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from answers import answered
+from answers import Judged, answered
 from entrants import equal, needed, resting, shipped
 from questions import SPLITS, outside, waitless
 from report import write_figure
@@ -56,18 +56,18 @@ def main() -> None:
 def ask(records: dataset.Dataset) -> Iterator[list[dict[str, Any]]]:
     """Yield the outcomes of each entrant; those that lie in the folder are not asked again."""
     seed = json.loads(FROZEN.read_text("utf-8"))["seed"]
-    whole, referee = asked(suite(seed, OUT / f"fresh-{seed}" / "draws")), Referee()
-    answers = OUT / "answers"
+    whole, every = asked(suite(seed, OUT / f"fresh-{seed}" / "draws")), Judged(Referee(), 1)
+    answers, fourth = OUT / "answers", every._replace(each=4)
     for group, some in waitless(whole).items():
         for who in resting(records, OUT):
-            yield answered(answers, group, who, some, referee)
-    for who in chain(equal(records, OUT), needed(records, OUT), shipped(records, OUT)):
-        yield answered(answers, "fresh", who, whole, referee)
+            yield answered(answers, group, who, some, every)
     for split in SPLITS:
         some = outside(split, records.spec, OUT / "outside")
         for who in shipped(records, OUT):
             if who.method != "shipped-family-stratum":
-                yield answered(answers, split, who, some, referee)
+                yield answered(answers, split, who, some, every)
+    for who in chain(equal(records, OUT), needed(records, OUT), shipped(records, OUT)):
+        yield answered(answers, "fresh", who, whole, fourth)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from itertools import chain
 from pathlib import Path
 
 import fronts
-from answers import answered
+from answers import Judged, answered
 from report import write_figure
 from space_asked import RefereeInSpace, planners, suite
 from space_entrants import equal, needed, shipped
@@ -52,7 +52,7 @@ def ask(folder: Path) -> None:
     rows = suite(frozen["seed"], out / "draws", frozen["each"])
     whole = catches_of(dataset.open(folder), OUT / "catches.npz")
     found = [
-        answered(out / "answers", "fresh", who, rows, referee)
+        answered(out / "answers", "fresh", who, rows, Judged(referee, 1))
         for who in chain(equal(whole, OUT), needed(whole, OUT), shipped(whole, OUT))
     ]
     outcomes.write(HERE / "outcomes-space.csv.gz", chain.from_iterable(found))

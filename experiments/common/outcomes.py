@@ -89,7 +89,7 @@ def write(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
 
 
 def kept(file: Path, make: Callable[[], Iterable[Mapping[str, Any]]]) -> list[dict[str, Any]]:
-    """Return the rows that lie in a file of JSON lines; if there is none, make and keep them."""
+    """Read rows from a file of JSON lines; without the file make the rows and write it."""
     if not file.exists():
         file.parent.mkdir(parents=True, exist_ok=True)
         write_whole(file, "".join(json.dumps(row) + "\n" for row in make()))
