@@ -20,9 +20,9 @@ from gcm_learn.evaluation import difference, stratified
 CHECKS = (1, 5, 20)
 BASE = "raw neighbours"
 ADDED = ("map unchanged", "catch unchanged")
-PAIRS = (("map", "raw, learned"), ("map", "way"), ("way and map", "way"))
+PAIRS = (("map", "raw, learned"), ("map", "path"), ("path and map", "path"))
 COLOURS = {
-    "way": "#0b6e4f", "map": "#2b6cb0", "way and map": "#6b46c1", "raw, learned": "#dd6b20",
+    "path": "#0b6e4f", "map": "#2b6cb0", "path and map": "#6b46c1", "raw, learned": "#dd6b20",
     "raw neighbours": "#c1666b", "components of maps": "#d4a017", "codes of maps": "#8a5a00",
     "random": "#7d8597",
 }  # fmt: skip
@@ -92,6 +92,6 @@ def write_figure(file: Path, found: Outcomes) -> None:
     for ax in axes[:, 0]:
         ax.set_ylabel("caught [%]")
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=7, frameon=False, fontsize=9)
+    figure.legend(handles, labels, loc="outside lower center", ncols=8, frameon=False, fontsize=9)
     figure.savefig(file, dpi=110)
     plt.close(figure)

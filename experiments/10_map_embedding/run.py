@@ -68,9 +68,9 @@ def learned(labels: TransferLabels) -> dict[str, Memory]:
     padded[:, : raw.shape[1]] = Scale.of(raw)(raw)
     out = {}
     for name, kind, seen in (
-        ("way", "trace", None),
+        ("path", "trace", None),
         ("map", "map", labels.map_features),
-        ("way and map", "both", labels.map_features),
+        ("path and map", "both", labels.map_features),
         ("raw, learned", "map", padded),
     ):
         config = EncoderConfig(memory=kind, hard=0.0, steps=STEPS)  # type: ignore[arg-type]
