@@ -39,7 +39,8 @@ COLOURS = {
     TWINS[1]: "#d4a017",
     "static as drawn": "#7d8597",
 }
-INDEXES = ("learned", "raw", "random")
+INDEXES = ("learned", "raw", "random", "learned, unchanged")
+"""Names of how memories are found; unchanged paths are adapted to the ends and not changed."""
 
 
 def results(folder: Path) -> dict[str, str]:
@@ -92,10 +93,10 @@ def made_of(twins: Outcomes) -> str:
 
 
 def write_figure(file: Path, found: Outcomes) -> None:
-    """Draw catches with the learned and the raw index."""
+    """Draw catches with the learned index, by changed paths and by unchanged ones."""
     figure, axes = plt.subplots(2, 3, figsize=(12.0, 6.6), sharey="row", sharex=True,
                                 layout="constrained")  # fmt: skip
-    for row, index in zip(axes, INDEXES, strict=False):
+    for row, index in zip(axes, (INDEXES[0], INDEXES[-1]), strict=True):
         for ax, stratum in zip(row, STRATA, strict=True):
             for b, (method, colour) in enumerate(COLOURS.items()):
                 some = found.where(index=index, method=method, stratum=stratum)

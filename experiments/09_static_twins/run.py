@@ -9,14 +9,14 @@ one by default).
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import count, islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from report import write_example, write_figure
+from report import INDEXES, write_example, write_figure
 
 from experiments import recompute
 from experiments.common import outcomes
@@ -28,6 +28,7 @@ from gcm_learn.dataset import DatasetSpec, Record, make_item, planner_of
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots import birth
 from gcm_learn.recall import (
+    Adaptation,
     Index,
     LearnedIndex,
     Memory,
@@ -38,6 +39,7 @@ from gcm_learn.recall import (
     load_encoder,
     waypoints_of,
 )
+from gcm_learn.recall.adaptation import DEFAULT
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
 from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Body, PlanarQuadratic, Situation
@@ -220,19 +222,20 @@ def questions(records: dataset.Dataset) -> list[Question]:
 
 
 def answers(
-    banks: dict[str, list[Catch]], indexes: Sequence[Index], asked: list[Question]
+    banks: dict[str, list[Catch]], indexes: dict[str, Index], asked: list[Question]
 ) -> Iterator[dict[str, Any]]:
     """Yield the outcomes of every question by every memory, found by every index."""
     for name, catches in banks.items():
-        for index in indexes:
+        for index_name, index in indexes.items():
             memory = Memory(index, "exact")
             memory.add([s for s, _ in catches], [t for _, t in catches])
-            planner = RecallPlanner(memory)
+            bends = 0 if index_name.endswith("unchanged") else DEFAULT.bends
+            planner = RecallPlanner(memory, how=Adaptation(bends=bends))
             for question in asked:
                 found = planner.recollect(question.situation)
-                row = question.about() | {"method": name, "index": index.name}
+                row = question.about() | {"method": name, "index": index_name}
                 yield row | {"caught": found.plan.caught, "checks": found.checked}
-            print(name, index.name, len(catches), flush=True)
+            print(name, index_name, len(catches), flush=True)
 
 
 def main() -> None:
@@ -246,7 +249,8 @@ def main() -> None:
     lots = seeding.rng(9).permutation(min(map(len, made.catches.values())))
     catches = {name: [c[k] for k in lots] for name, c in made.catches.items()}
     scale = RawIndex.fit([s for s, _ in catches["dynamic"]])
-    indexes = [LearnedIndex(encoder), scale, RandomIndex()]
+    indexes = dict(zip(INDEXES, (LearnedIndex(encoder), scale, RandomIndex()), strict=False))
+    indexes["learned, unchanged"] = indexes["learned"]
     outcomes.write(HERE / "outcomes-twins.csv.gz", made.rows)
     outcomes.write(HERE / "outcomes.csv.gz", answers(catches, indexes, questions(records)))
     recompute.update(HERE)
