@@ -17,12 +17,13 @@ from pathlib import Path
 import fronts
 from answers import Judged, answered
 from report import write_figure
-from space_asked import RefereeInSpace, planners, suite
+from space_asked import planners, suite
 from space_entrants import equal, needed, shipped
 from space_lessons import catches_of, names, train_all
 
 from experiments import recompute
 from experiments.common import outcomes
+from experiments.common.judging import Referee
 from gcm_learn import dataset
 
 HERE = Path(__file__).resolve().parent
@@ -48,7 +49,7 @@ def main() -> None:
 def ask(folder: Path) -> None:
     """Ask what was not asked yet; write the outcomes, and what is computed from them."""
     frozen = json.loads(FROZEN.read_text("utf-8"))
-    out, referee = OUT / f"fresh-{frozen['seed']}", RefereeInSpace()
+    out, referee = OUT / f"fresh-{frozen['seed']}", Referee()
     rows = suite(frozen["seed"], out / "draws", frozen["each"])
     whole = catches_of(dataset.open(folder), OUT / "catches.npz")
     found = [
