@@ -62,12 +62,7 @@ def main() -> None:
         for question in questions[:WARM]:
             planner.plan(question.situation)
         for question in questions:
-            about = {
-                "situation": question.index,
-                "stratum": question.stratum,
-                "family": question.family,
-                "method": method,
-            }
+            about = question.about() | {"method": method}
             rows.append(about | outcome(planner, question.situation, referee))
         print(method, flush=True)
     outcomes.write(HERE / f"outcomes-{name}.csv.gz", rows)

@@ -1,4 +1,4 @@
-"""Table and figures."""
+"""Table and figures, computed from outcomes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from experiments.common.tables import percent, rounded, table
+from experiments.common.comparing import share, within
+from experiments.common.outcomes import Outcomes, read
+from experiments.common.tables import rounded, table
 from gcm_learn.evaluation import difference, stratified
-from gcm_learn.maps import build_map
+from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots import (
     draw_bodies,
     draw_courses,
@@ -29,82 +31,79 @@ from gcm_learn.wave import MarchingParams
 STRATA = ("L", "W", "Q")
 CHECKS = (1, 5, 20)
 BASE = "dynamic"
-COLOURS = ("#0b6e4f", "#68a691", "#c1666b", "#d4a017", "#7d8597")
-Line = dict[str, Any]
+TWINS = ("twins, one pose", "twins, five poses")
+COLOURS = {
+    BASE: "#0b6e4f",
+    f"{BASE}, those of the twins": "#68a691",
+    TWINS[0]: "#c1666b",
+    TWINS[1]: "#d4a017",
+    "static as drawn": "#7d8597",
+}
+INDEXES = ("learned", "raw", "random", "learned, unchanged")
+"""Names of how memories are found; unchanged paths are adapted to the ends and not changed."""
 
 
-def caught(lines: list[Line], bank: str, index: str, stratum: str, checks: int) -> np.ndarray:
-    """Return whether each situation of a stratum was caught within so many checks."""
-    some = [x for x in lines if (x["bank"], x["index"], x["stratum"]) == (bank, index, stratum)]
-    return np.array([x["caught"] and x["checks"] <= checks for x in some])
+def results(folder: Path) -> dict[str, str]:
+    """Return the table of the outcomes."""
+    found, twins = (read(folder / f"outcomes{end}.csv.gz") for end in ("", "-twins"))
+    return {"table.md": tabled(found, twins)}
 
 
-def families(lines: list[Line], stratum: str) -> np.ndarray:
-    """Family of each situation of a stratum."""
-    first = (lines[0]["bank"], lines[0]["index"])
-    some = [x for x in lines if (x["bank"], x["index"]) == first and x["stratum"] == stratum]
-    return np.array([x["family"] for x in some])
-
-
-def _names(lines: list[Line], what: str) -> list[str]:
-    return list(dict.fromkeys(line[what] for line in lines))
-
-
-def write_table(file: Path, lines: list[Line], twins: list[Line], key: str) -> None:
-    """Write shares caught, their differences to the dynamic memory, and the twins."""
+def tabled(found: Outcomes, twins: Outcomes) -> str:
+    """Return shares caught, their differences to the dynamic memory, and the twins."""
     asked = [(s, k) for s in STRATA for k in CHECKS]
-    ways = [(bank, index) for index in _names(lines, "index") for bank in _names(lines, "bank")]
-    head = ["memory", "found by", *(f"{s}, {k}" for s, k in asked)]
     shares, less = [], []
-    for way in ways:
-        hits = [caught(lines, *way, s, k) for s, k in asked]
-        groups = [families(lines, s) for s, _ in asked]
-        shares.append([*way, *map(percent, map(stratified, hits, groups))])
-        if way[0] != BASE:
-            base = [caught(lines, BASE, way[1], s, k) for s, k in asked]
-            less.append([*way, *map(rounded, map(difference, hits, base, groups))])
-    counts = ", ".join(f"{len(families(lines, s))} {s}" for s in STRATA)
+    for index in INDEXES:
+        for method in COLOURS:
+            rows = {s: found.where(index=index, method=method, stratum=s) for s in STRATA}
+            base = {s: found.where(index=index, method=BASE, stratum=s) for s in STRATA}
+            shares.append([method, index, *(share(rows[s], checks=k) for s, k in asked)])
+            gaps = [
+                difference(within(rows[s], k), within(base[s], k), rows[s]["family"])
+                for s, k in asked
+            ]
+            if method != BASE:
+                less.append([method, index, *map(rounded, gaps)])
+    head = ["memory", "found by", *(f"{s}, {k}" for s, k in asked)]
+    one = found.where(index=INDEXES[0], method=BASE)
+    counts = ", ".join(f"{len(one.where(stratum=s))} {s}" for s in STRATA)
     parts = [
         table(head, shares),
         "Less the memory of dynamic situations, found by the same index [points]:",
         table(head, less),
         made_of(twins),
-        f"Caught [%] of planar test situations with an obstacle that moves ({counts}) with "
-        f"at most 1, 5, 20 checked paths; {lines[0]['size']} memories each; encoder `{key}`; "
-        "95 % intervals, bootstrapped within families, of differences over pairs.",
+        f"Caught [%] of planar situations with an obstacle that moves ({counts}) with at most 1, "
+        "5, 20 checked paths; 95 % intervals, bootstrapped within families, of differences over "
+        "pairs.",
     ]
-    file.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    return "\n\n".join(parts) + "\n"
 
 
-def made_of(twins: list[Line]) -> str:
+def made_of(twins: Outcomes) -> str:
     """Return the table of twins: how many there are, and which cells of the map they keep."""
     head = ["twin", "of stratum", "made", "caught by first arrival",
             "effective cells that stay shut", "reached cells that stay open"]  # fmt: skip
     rows = []
-    for name in _names(twins, "twin"):
+    for name in TWINS:
         for s in STRATA:
-            some = [x for x in twins if (x["twin"], x["stratum"]) == (name, s)]
-            if not some:
-                continue
-            shut, open_ = np.nanmean([x["agreement"] for x in some], axis=0)
-            share = np.mean([x["caught"] for x in some])
-            rows.append([name, s, len(some), *(f"{100 * x:.0f} %" for x in (share, shut, open_))])
+            some = twins.where(method=name, stratum=s)
+            kept = (some["caught"].mean(), np.nanmean(some["shut"]), np.nanmean(some["open"]))
+            rows.append([name, s, len(some), *(f"{100 * x:.0f} %" for x in kept)])
     return table(head, rows)
 
 
-def write_figure(file: Path, lines: list[Line]) -> None:
-    """Catches with the learned and the raw index."""
-    banks, indexes = _names(lines, "bank"), _names(lines, "index")[:2]
-    figure, axes = plt.subplots(len(indexes), 3, figsize=(12.0, 6.6), sharey="row", sharex=True,
+def write_figure(file: Path, found: Outcomes) -> None:
+    """Draw catches with the learned index, by changed paths and by unchanged ones."""
+    figure, axes = plt.subplots(2, 3, figsize=(12.0, 6.6), sharey="row", sharex=True,
                                 layout="constrained")  # fmt: skip
-    for row, index in zip(axes, indexes, strict=True):
+    for row, index in zip(axes, (INDEXES[0], INDEXES[-1]), strict=True):
         for ax, stratum in zip(row, STRATA, strict=True):
-            groups = families(lines, stratum)
-            for b, bank in enumerate(banks):
+            for b, (method, colour) in enumerate(COLOURS.items()):
+                some = found.where(index=index, method=method, stratum=stratum)
                 for i, k in enumerate(CHECKS):
-                    value, low, high = stratified(caught(lines, bank, index, stratum, k), groups)
-                    at = i + 0.16 * (b - 2)
-                    ax.bar(at, 100 * value, 0.15, color=COLOURS[b], label=bank if i == 0 else None)
+                    value, low, high = stratified(within(some, k), some["family"])
+                    at, label = i + 0.16 * (b - 2), method if i == 0 else None
+                    ax.bar(at, 100 * value, 0.15, color=colour, label=label)
                     ax.plot([at, at], [100 * low, 100 * high], color="k", lw=0.9)
             ax.set_xticks(range(3), [f"{k} check{'s' * (k > 1)}" for k in CHECKS])
             ax.set(title=f"{stratum}, found by {index}", ylim=(0, 101))
@@ -116,8 +115,8 @@ def write_figure(file: Path, lines: list[Line]) -> None:
     plt.close(figure)
 
 
-def write_example(file: Path, record: Any, twins: Mapping[str, Any]) -> None:
-    """A situation and its twins, each above its map."""
+def write_example(file: Path, record: Any, made: CognitiveMap, twins: Mapping[str, Any]) -> None:
+    """Draw a situation and its twins, each above its map."""
     figure = style.new_figure(3.2 * (1 + len(twins)), 6.6)
     panels = figure.subplots(2, 1 + len(twins))
     plan = min((p for p in record.plans.values() if p.caught), key=lambda p: p.catch_time)
@@ -125,7 +124,7 @@ def write_example(file: Path, record: Any, twins: Mapping[str, Any]) -> None:
     draw_bodies(panels[0, 0], record.situation, plan.catch_time, 0.3)
     draw_courses(panels[0, 0], record.situation, plan.catch_time)
     style.title(panels[0, 0], f"dynamic: {record.family}")
-    plot_map(record.map, panels[1, 0], plan.trajectory.hand)
+    plot_map(made, panels[1, 0], plan.trajectory.hand)
     draw_targets(panels[1, 0], record.situation, plan.catch_time)
     for column, (name, twin) in zip(panels.T[1:], twins.items(), strict=True):
         draw_workspace(column[0], twin.situation)

@@ -1,4 +1,4 @@
-"""Do memories of static situations catch in dynamic ones? Writes table.md and figure.png.
+"""Do memories of static situations catch in dynamic ones? Writes outcomes, table and figures.
 
 python -m experiments 09_static_twins DATASET [ENCODER]
 
@@ -9,21 +9,26 @@ one by default).
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import count, islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from report import write_example, write_figure, write_table
+from report import INDEXES, write_example, write_figure
 
+from experiments import recompute
+from experiments.common import outcomes
+from experiments.common.questions import Question
 from gcm_learn import dataset, seeding
 from gcm_learn.arms.planar_limb import SIDE, elbow_of
 from gcm_learn.collision.distance import arm_distance
-from gcm_learn.dataset import Record, planner_of
+from gcm_learn.dataset import DatasetSpec, Record, make_item, planner_of
+from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots import birth
 from gcm_learn.recall import (
+    Adaptation,
     Index,
     LearnedIndex,
     Memory,
@@ -34,12 +39,16 @@ from gcm_learn.recall import (
     load_encoder,
     waypoints_of,
 )
+from gcm_learn.recall.adaptation import DEFAULT
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, pose_at
 from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Body, PlanarQuadratic, Situation
+from gcm_learn.wave import MarchingParams
 
 HERE = Path(__file__).resolve().parent
 STRATA = ("L", "W", "Q")
+SPLITS = ("test", "validation")  # no memory is of these
+SIZE, COUNT = 2000, 300  # memories of each kind, situations of each stratum at most
 POSES = {"twins, one pose": 1, "twins, five poses": 5}
 CLEAR = 1e-3  # what stands nearer to the limb at t = 0 is no obstacle of it [forearm lengths]
 Catch = tuple[Situation, Waypoints]
@@ -49,9 +58,10 @@ class Twin(NamedTuple):
     """A static situation in place of a dynamic one."""
 
     situation: Situation
-    agreement: tuple[float, float]
-    """Share of the effective obstacles that the twin's front does not enter, either; share of the
-    cells that were reached that its front reaches, too."""
+    shut: float
+    """Share of the effective obstacles that the twin's front does not enter, either."""
+    open: float
+    """Share of the cells that were reached that its front reaches, too."""
     trace: Waypoints | None
     """The catch by first arrival, or None."""
 
@@ -65,14 +75,14 @@ def moving(situation: Situation) -> bool:
 
 
 def best_plan(record: Record) -> Any:
-    """The earliest catch."""
+    """Return the earliest catch."""
     plans = [plan for plan in record.plans.values() if plan.caught]
     return min(plans, key=lambda plan: plan.catch_time or 0.0) if plans else None
 
 
-def met(record: Record) -> dict[int, np.ndarray]:
-    """When the front met each obstacle: times of the effective cells that are its own."""
-    made, arm, bodies = record.map, record.situation.arm, pack_bodies(record.situation)
+def met(situation: Situation, made: CognitiveMap) -> dict[int, np.ndarray]:
+    """Return times at which the front met each obstacle, one for each of its effective cells."""
+    arm, bodies = situation.arm, pack_bodies(situation)
     when = birth(made) * made.kappa
     obstacles = np.flatnonzero(bodies.rows[:, PART] != HAND)
     poses, times = np.zeros((len(bodies.rows), 12)), {int(b): [] for b in obstacles}
@@ -91,7 +101,7 @@ def met(record: Record) -> dict[int, np.ndarray]:
 
 
 def still(body: Body, bodies: Any, b: int, t: float, name: str) -> Body:
-    """A body as it is at time t, for good."""
+    """Return a body as it is at time t, for good."""
     poses = np.zeros((len(bodies.rows), 12))
     poses[:, [3, 7, 11]] = 1.0
     pose_at(bodies, b, t, poses)
@@ -100,8 +110,8 @@ def still(body: Body, bodies: Any, b: int, t: float, name: str) -> Body:
     return replace(body, name=name, motion=PlanarQuadratic(place, (0.0, 0.0), (0.0, 0.0), turn))
 
 
-def twin_of(record: Record, poses: int) -> Situation:
-    """Every obstacle stands where the front met it, the target where it was caught.
+def twin_of(record: Record, made: CognitiveMap, poses: int) -> Situation:
+    """Put every obstacle where the front met it, the target where it was caught.
 
     With several poses an obstacle stands wherever it was met at as many shares of its effective
     cells, in order of time. Cells that the front never met are left out.
@@ -112,7 +122,7 @@ def twin_of(record: Record, poses: int) -> Situation:
     for b, body in enumerate(situation.bodies):
         if body.name == plan.catch_body:
             out.append(still(body, bodies, b, plan.catch_time, body.name))
-    for b, times in met(record).items():
+    for b, times in met(situation, made).items():
         shares = [0.5] if poses == 1 else np.linspace(0.0, 1.0, poses)
         moves = bodies.rows[b, TOP_SPEED] > 0.0
         for k, t in enumerate(np.quantile(times, shares if moves else [0.5])):
@@ -128,14 +138,14 @@ def twin_of(record: Record, poses: int) -> Situation:
     return replace(situation, name=f"twin of {situation.name}", bodies=tuple(out))
 
 
-def twin(record: Record, poses: int, n: int) -> Twin:
-    """A record's twin, how its map agrees, and its catch."""
-    situation = twin_of(record, poses)
-    plan = planner_of("marching", n, 1).plan(situation)
+def twin(record: Record, here: CognitiveMap, poses: int) -> Twin:
+    """Return a record's twin, how the maps agree, and its catch."""
+    situation = twin_of(record, here, poses)
+    plan = planner_of("marching", record.n, 1).plan(situation)
     trace = waypoints_of(situation, plan) if plan.caught else None
-    here, there = record.map, plan.map
+    there = plan.map
     if there is None or there.arrival.count() == 0:
-        return Twin(situation, (np.nan, np.nan), trace)
+        return Twin(situation, np.nan, np.nan, trace)
     entered = ~np.ma.getmaskarray(there.arrival)
     walls = here.effective_obstacles
     reached = ~np.ma.getmaskarray(here.arrival)
@@ -143,80 +153,89 @@ def twin(record: Record, poses: int, n: int) -> Twin:
     soon = reached & (here.arrival.filled(np.inf) < 0.95 * float(there.arrival.max()))
     blocked = 1.0 - entered[walls].mean() if walls.any() else np.nan
     kept = entered[soon].mean() if soon.any() else np.nan
-    return Twin(situation, (float(blocked), float(kept)), trace)
+    return Twin(situation, float(blocked), float(kept), trace)
 
 
 def moved(records: dataset.Dataset) -> Iterator[Record]:
-    """Planar records with a catch and an obstacle that moves."""
+    """Yield planar records with a catch and an obstacle that moves."""
     for record in records:
         if moving(record.situation) and best_plan(record) is not None:
             yield record
 
 
 class Banks(NamedTuple):
-    """Memories of equal size by where they come from, and what is known of the twins."""
+    """Memories of equal size by where they come from, and outcomes of the twins."""
 
     catches: dict[str, list[Catch]]
-    lines: list[dict[str, Any]]
-    example: tuple[Record, dict[str, Twin]]
+    rows: list[dict[str, Any]]
+    example: tuple[Record, CognitiveMap, dict[str, Twin]]
 
 
-def banks(records: dataset.Dataset, size: int) -> Banks:
-    """Twins that can be caught of dynamic situations, these themselves, others, and static ones."""
+def banks(records: dataset.Dataset) -> Banks:
+    """Return twins that can be caught, their dynamic situations, others, and static ones."""
     train = records.where(split="train")
-    out: dict[str, list[Catch]] = {name: [] for name in ("dynamic", "dynamic, those of the twins")}
-    out |= {name: [] for name in POSES}
-    lines, example = [], None
+    every, paired = [], []
+    twins: dict[str, list[Catch]] = {name: [] for name in POSES}
+    rows, example = [], None
     for record in moved(train):
-        catch = (record.situation, waypoints_of(record.situation, best_plan(record)))
-        if len(out["dynamic"]) < size:
-            out["dynamic"].append(catch)
-        twins = {name: twin(record, poses, record.n) for name, poses in POSES.items()}
-        for name, found in twins.items():
-            lines.append({"stratum": record.stratum, "twin": name, "caught": bool(found.trace),
-                          "agreement": found.agreement})  # fmt: skip
-        if all(found.trace for found in twins.values()):
-            shut = [found.agreement[0] for found in twins.values()]
-            if example is None and record.stratum == "W" and shut[0] < 0.75 and shut[1] > 0.95:
-                example = (record, twins)
-            out["dynamic, those of the twins"].append(catch)
-            for name, found in twins.items():
-                out[name].append((found.situation, found.trace))
-        if len(out["dynamic, those of the twins"]) == size:
+        every.append((record.situation, waypoints_of(record.situation, best_plan(record))))
+        made = build_map(record.situation, MarchingParams(n=record.n))
+        found = {name: twin(record, made, poses) for name, poses in POSES.items()}
+        about = Question(record.stratum, record.family, record.index, record.situation).about()
+        for name, one in found.items():
+            kept = {"shut": round(one.shut, 3), "open": round(one.open, 3)}
+            rows.append(about | {"method": name, "caught": one.trace is not None} | kept)
+        if not all(one.trace for one in found.values()):
+            continue
+        once, often = (one.shut for one in found.values())
+        if example is None and record.stratum == "W" and once < 0.75 and often > 0.95:
+            example = (record, made, found)
+        paired.append(every[-1])
+        for name, one in found.items():
+            twins[name].append((one.situation, one.trace))
+        if len(paired) == SIZE:
             break
-    calm = train.where(family="static-clutter")
-    still_ones = [(r.situation, waypoints_of(r.situation, best_plan(r)))
-                  for r in calm[: 3 * size] if best_plan(r) is not None]  # fmt: skip
-    out["static as drawn"] = still_ones[:size]
     assert example is not None
-    return Banks(out, lines, example)
+    own = {"dynamic": every[:SIZE], "dynamic, those of the twins": paired}
+    calm = list(islice(static(records.spec), SIZE))
+    return Banks(own | twins | {"static as drawn": calm}, rows, example)
 
 
-def questions(records: dataset.Dataset, count: int) -> list[tuple[str, str, Situation]]:
-    """Stratum, family and situation of dynamic test records."""
+def static(spec: DatasetSpec) -> Iterator[Catch]:
+    """Yield catches of further static situations by the dataset's specification."""
+    some = tuple(one for one in spec.families if one.family == "static-clutter")
+    spec = replace(spec, families=some, count=10**6, audit=0.0)
+    for k in count(spec.count):
+        record = make_item(spec, k)
+        plan = best_plan(record) if record.split == "train" else None
+        if plan is not None:
+            yield record.situation, waypoints_of(record.situation, plan)
+
+
+def questions(records: dataset.Dataset) -> list[Question]:
+    """Return dynamic situations that no memory is of."""
     out = []
     for stratum in STRATA:
-        some = records.where(split="test", stratum=stratum)
-        found = (r for r in moved(some))
-        out += [(stratum, r.family, r.situation) for r, _ in zip(found, range(count), strict=False)]
+        some = islice(moved(records.where(split=SPLITS, stratum=stratum)), COUNT)
+        out += [Question(stratum, r.family, r.index, r.situation) for r in some]
     return out
 
 
 def answers(
-    banks: dict[str, list[Catch]], indexes: Sequence[Index], asked: list
+    banks: dict[str, list[Catch]], indexes: dict[str, Index], asked: list[Question]
 ) -> Iterator[dict[str, Any]]:
-    """Return the catches of every question by every memory, found by every index."""
+    """Yield the outcomes of every question by every memory, found by every index."""
     for name, catches in banks.items():
-        for index in indexes:
+        for index_name, index in indexes.items():
             memory = Memory(index, "exact")
             memory.add([s for s, _ in catches], [t for _, t in catches])
-            planner = RecallPlanner(memory)
-            for case, (stratum, family, situation) in enumerate(asked):
-                found = planner.recollect(situation)
-                yield {"bank": name, "index": index.name, "size": len(catches), "case": case,
-                       "stratum": stratum, "family": family, "caught": found.plan.caught,
-                       "checks": found.checked}  # fmt: skip
-            print(name, index.name, len(catches), flush=True)
+            bends = 0 if index_name.endswith("unchanged") else DEFAULT.bends
+            planner = RecallPlanner(memory, how=Adaptation(bends=bends))
+            for question in asked:
+                found = planner.recollect(question.situation)
+                row = question.about() | {"method": name, "index": index_name}
+                yield row | {"caught": found.plan.caught, "checks": found.checked}
+            print(name, index_name, len(catches), flush=True)
 
 
 def main() -> None:
@@ -224,22 +243,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("dataset")
     parser.add_argument("encoder", nargs="?", default=str(HERE.parents[1] / "models" / "encoder"))
-    parser.add_argument("--memories", type=int, default=2000)
-    parser.add_argument("--situations", type=int, default=300, help="of each stratum")
     given = parser.parse_args()
     records, encoder = dataset.open(given.dataset), load_encoder(given.encoder)
-    made = banks(records, given.memories)
-    size = min(len(catches) for catches in made.catches.values())
-    lots = seeding.rng(9).permutation(size)
+    made = banks(records)
+    lots = seeding.rng(9).permutation(min(map(len, made.catches.values())))
     catches = {name: [c[k] for k in lots] for name, c in made.catches.items()}
-    print({name: len(c) for name, c in made.catches.items()}, flush=True)
     scale = RawIndex.fit([s for s, _ in catches["dynamic"]])
-    asked = questions(records, given.situations)
-    lines = list(answers(catches, [LearnedIndex(encoder), scale, RandomIndex()], asked))
-    (HERE / "out").mkdir(exist_ok=True)
-    (HERE / "out" / "answers.json").write_text(json.dumps(lines))
-    write_table(HERE / "table.md", lines, made.lines, encoder.key)
-    write_figure(HERE / "figure.png", lines)
+    indexes = dict(zip(INDEXES, (LearnedIndex(encoder), scale, RandomIndex()), strict=False))
+    indexes["learned, unchanged"] = indexes["learned"]
+    outcomes.write(HERE / "outcomes-twins.csv.gz", made.rows)
+    outcomes.write(HERE / "outcomes.csv.gz", answers(catches, indexes, questions(records)))
+    recompute.update(HERE)
+    write_figure(HERE / "figure.png", outcomes.read(HERE / "outcomes.csv.gz"))
     write_example(HERE / "twins.png", *made.example)
 
 

@@ -1,26 +1,29 @@
 """Do maps find memories better than raw parameters do, the more so the more there is around?
 
-python -m experiments 10_map_embedding DATASET
+python -m experiments 10_map_embedding DATASET     outcomes, then the table and the figure
 
-Writes table.md and figure.png. DATASET is a folder of `gcm-learn generate`. Encoders that know
-memories by their way, by their map, by both and by raw parameters take the same lessons; they and
-the controls are asked with the same memories, bent in the same way, in test situations to which
-more and more obstacles are added that do not matter. Answers are kept in out/.
+DATASET is a folder of `gcm-learn generate`. Encoders that know memories by their path, by their
+map, by both and by raw parameters take the same lessons. They and the controls are asked with the
+same memories, adapted in the same way. More and more obstacles that do not matter are added to the
+situations. Answers are kept in out/.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from autoencoder import AutoencoderIndex
-from report import write_figure, write_table
+from report import write_figure
 from teaching import Given, filed, trained
 
+from experiments import recompute
+from experiments.common import outcomes
+from experiments.common.questions import Question
 from gcm_learn import dataset, seeding
 from gcm_learn.families.random_planar import RandomPlanar
 from gcm_learn.maps import build_map
@@ -38,36 +41,40 @@ from gcm_learn.recall import (
     Scale,
     TransferLabels,
     Waypoints,
-    map_features,
     nearest_rows,
     raw_features,
 )
+from gcm_learn.recall.features import COUNT as COUNT_OF_MAP
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams
 
 HERE = Path(__file__).resolve().parent
+RECORDS = 10_000  # that are read
+TURNS, STEPS = 24, 20  # lessons of every encoder, steps of the optimiser after each
+COUNT = 150  # situations of each stratum
 EXTRAS = (0, 1, 2, 4, 8)  # obstacles that are added
 DRAWS = 400  # of obstacles, before a situation counts as too crowded
-FREE = 0.1  # room that they leave the limb on the known catch [forearm lengths]
+FREE = 0.1  # clearance that they leave the limb on the known catch [forearm lengths]
 CELLS = 40  # along a side of the maps that must not change
 STRATA = ("W", "Q")
+SPLITS = ("test", "validation")  # no lesson is about these
 
 
-def learned(labels: TransferLabels, turns: int, steps: int) -> dict[str, Memory]:
-    """The memories filed by encoders that know different things of them."""
+def learned(labels: TransferLabels) -> dict[str, Memory]:
+    """Return the memories filed by encoders that know different things of them."""
     given: Given = {}
     raw = np.array([raw_features(s) for s in labels.situations])
-    padded = np.zeros((len(raw), map_features.COUNT), np.float32)
+    padded = np.zeros((len(raw), COUNT_OF_MAP), np.float32)
     padded[:, : raw.shape[1]] = Scale.of(raw)(raw)
     out = {}
     for name, kind, seen in (
-        ("way", "trace", None),
+        ("path", "trace", None),
         ("map", "map", labels.map_features),
-        ("way and map", "both", labels.map_features),
+        ("path and map", "both", labels.map_features),
         ("raw, learned", "map", padded),
     ):
-        config = EncoderConfig(memory=kind, hard=0.0, steps=steps)  # type: ignore[arg-type]
-        encoder = trained(labels, config, turns, seen, given)
+        config = EncoderConfig(memory=kind, hard=0.0, steps=STEPS)  # type: ignore[arg-type]
+        encoder = trained(labels, config, TURNS, seen, given)
         places = np.zeros((len(raw), encoder.dim), np.float32)
         if config.uses_traces:
             places += encoder._memory["trace"](labels.path_features)
@@ -78,7 +85,7 @@ def learned(labels: TransferLabels, turns: int, steps: int) -> dict[str, Memory]
 
 
 def controls(labels: TransferLabels) -> dict[str, Memory]:
-    """The memories filed without learning."""
+    """Return the memories filed without learning."""
     raw = np.array([raw_features(s) for s in labels.situations])
     scale, pca, lots = Scale.of(raw), PcaIndex.fit(labels.situations[:3000]), RandomIndex()
     codes = AutoencoderIndex.fit(labels.situations[:3000])
@@ -100,9 +107,9 @@ def same_map(before: Situation, after: Situation) -> bool:
 
 
 def crowded(situation: Situation, plan: Plan, seed: int, strict: bool) -> list[Situation]:
-    """The situation with ever more obstacles that do not matter.
+    """Return the situation with ever more obstacles that do not matter.
 
-    They leave the limb on the known catch alone; if `strict`, the map stays the same as well.
+    They stay clear of the limb on the known catch; if `strict`, the map stays the same as well.
     """
     now, found = situation, [situation]
     for k in range(DRAWS):
@@ -123,63 +130,49 @@ def crowded(situation: Situation, plan: Plan, seed: int, strict: bool) -> list[S
     return found
 
 
-def questions(
-    records: dataset.Dataset, stratum: str, count: int, strict: bool
-) -> list[tuple[str, list[Situation]]]:
-    """Families and planar test situations of a stratum, each with ever more obstacles."""
-    out = []
-    for record in records.where(split="test", stratum=stratum):
-        plans = [p for p in record.plans.values() if p.caught]
-        if plans and not record.situation.is_solid:
+def questions(records: dataset.Dataset, strict: bool) -> Iterator[tuple[int, Question]]:
+    """Yield planar situations of W and Q with ever more obstacles, and how many these are."""
+    for stratum in STRATA:
+        found = 0
+        for record in records.where(split=SPLITS, stratum=stratum):
+            plans = [p for p in record.plans.values() if p.caught]
+            if not plans or record.situation.is_solid:
+                continue
             best = min(plans, key=lambda p: p.catch_time or 0.0)
             row = crowded(record.situation, best, record.index, strict)
-            out += [(record.family, row)] if len(row) == len(EXTRAS) else []
-        if len(out) == count:
-            break
-    return out
+            if len(row) < len(EXTRAS):
+                continue
+            for extra, situation in zip(EXTRAS, row, strict=True):
+                yield extra, Question(stratum, record.family, record.index, situation)
+            found += 1
+            if found == COUNT:
+                break
 
 
-def answers(memories: dict[str, Memory], records: dataset.Dataset, count: int) -> Iterator[dict]:
-    """Return the catches of every question with every memory."""
+def answers(records: dataset.Dataset) -> Iterator[dict[str, Any]]:
+    """Yield the outcomes of every question with every memory."""
+    labels = TransferLabels(records[:RECORDS], 1, maps=True)
+    print(len(labels.knots), "memories", flush=True)
+    memories = learned(labels) | controls(labels)
     for added in ("map unchanged", "catch unchanged"):
-        for stratum in STRATA:
-            asked = questions(records, stratum, count, added == "map unchanged")
-            print(added, stratum, len(asked), flush=True)
-            for name, memory in memories.items():
-                planner = RecallPlanner(memory)
-                for case, (family, row) in enumerate(asked):
-                    for extra, situation in zip(EXTRAS, row, strict=True):
-                        found = planner.recollect(situation)
-                        yield {
-                            "index": name, "added": added, "stratum": stratum, "case": case,
-                            "family": family, "extra": extra, "caught": found.plan.caught,
-                            "checks": found.checked,
-                        }  # fmt: skip
+        asked = list(questions(records, added == "map unchanged"))
+        print(added, len(asked), flush=True)
+        for name, memory in memories.items():
+            planner = RecallPlanner(memory)
+            for extra, question in asked:
+                found = planner.recollect(question.situation)
+                row = question.about() | {"method": name, "added": added, "extra": extra}
+                yield row | {"caught": found.plan.caught, "checks": found.checked}
 
 
 def main() -> None:
-    """Train, ask, write table.md and figure.png."""
+    """Train and ask, or read the answers; write the outcomes, and what is computed from them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("dataset")
-    parser.add_argument("--records", type=int, default=10_000, help="that are read")
-    parser.add_argument("--turns", type=int, default=24, help="lessons of every encoder")
-    parser.add_argument("--steps", type=int, default=20, help="of the optimiser after each")
-    parser.add_argument("--situations", type=int, default=150, help="of each stratum")
-    given = parser.parse_args()
-    records = dataset.open(given.dataset)
-    (HERE / "out").mkdir(exist_ok=True)
-    effort = f"{given.turns} lessons, {given.steps} steps after each"
-    size = f"{given.records}-{given.turns}-{given.steps}-{given.situations}"
-    file = HERE / "out" / f"answers-{size}.json"
-    if not file.exists():
-        labels = TransferLabels(records[: given.records], 1, maps=True)
-        memories = learned(labels, given.turns, given.steps) | controls(labels)
-        lines = list(answers(memories, records, given.situations))
-        file.write_text(json.dumps({"memories": len(labels.knots), "lines": lines}))
-    made = json.loads(file.read_text())
-    lines, told = made["lines"], f"{made['memories']} memories; encoders: {effort}"
-    write_table(HERE / "table.md", lines, told)
-    write_figure(HERE / "figure.png", lines)
+    records, file = dataset.open(parser.parse_args().dataset), HERE / "outcomes.csv.gz"
+    outcomes.write(file, outcomes.kept(HERE / "out" / "answers.jsonl", lambda: answers(records)))
+    recompute.update(HERE)
+    write_figure(HERE / "figure.png", outcomes.read(file))
 
 
 if __name__ == "__main__":

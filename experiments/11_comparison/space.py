@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
+from experiments.common.judging import complaints_in_space
 from gcm_learn.arms import SPATIAL, SpatialArm
 from gcm_learn.evaluation import get_method
 from gcm_learn.execution import (
@@ -32,11 +33,10 @@ from gcm_learn.execution import (
     with_motor_limits,
 )
 from gcm_learn.families import draw, family_names, get_family
-from gcm_learn.planners import Plan, STRRTStarPlanner, plan_to_json
+from gcm_learn.planners import Plan, STRRTStarPlanner
 from gcm_learn.policies import actor_names, shipped_actor
-from gcm_learn.situation import ArmBody, Situation, situation_to_json
+from gcm_learn.situation import ArmBody, Situation
 from gcm_learn.storage import write_whole
-from tests.referee_of_spatial_arms import judge
 
 HERE = Path(__file__).resolve().parent
 SEED = 1420
@@ -79,8 +79,7 @@ def followed(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
     plan, ms = planned(name, free)
     told: dict[str, Any] = {"caught": plan.caught, "ms": round(ms, 2)}
     if plan.caught:
-        found = judge(situation_to_json(free), plan_to_json(plan, free)).complaints
-        told["complaints"] = found
+        told["complaints"] = complaints_in_space(free, plan)
     limited = with_motor_limits(free, body)
     if name in KEEPING:
         plan, told["limited ms"] = planned(name, limited)
@@ -128,8 +127,7 @@ def judged(situation: Spatial, moves: Any) -> list[str]:
     )
     found = []
     for target in situation.targets:
-        told = plan_to_json(replace(plan, catch_body=target.name), situation)
-        complaints = judge(situation_to_json(situation), told).complaints
+        complaints = complaints_in_space(situation, replace(plan, catch_body=target.name))
         found.append([text for text in complaints if not text.startswith("clearance")])
     return min(found, key=len)
 

@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from experiments.common.judging import complaints_in_space
 from gcm_learn.arms import SpatialArm
 from gcm_learn.families import draw, family_names
-from gcm_learn.planners import get_planner, plan_to_json
-from gcm_learn.situation import Situation, situation_to_json
-from tests.referee_of_spatial_arms import judge
+from gcm_learn.planners import get_planner
+from gcm_learn.situation import Situation
 
 HERE = Path(__file__).parent
 SEED = 1301
@@ -47,7 +47,7 @@ def answer(family: str, index: int, ramp: float) -> dict[str, Any]:
     took = 1e3 * (clock.process_time() - since)
     broken = False
     if plan.caught:
-        broken = bool(judge(situation_to_json(situation), plan_to_json(plan, situation)).complaints)
+        broken = bool(complaints_in_space(situation, plan))
     return {
         "family": family,
         "index": index,

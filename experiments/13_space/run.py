@@ -22,21 +22,20 @@ from report import HELD, YARDSTICK
 
 from experiments import recompute
 from experiments.common import outcomes
+from experiments.common.judging import complaints_in_space
 from gcm_learn import seeding
 from gcm_learn.arms import SPATIAL, SpatialArm
 from gcm_learn.families import draw, family_names
 from gcm_learn.planners import (
     STRRTStarPlanner,
     get_planner,
-    plan_to_json,
     planner_names,
     takes,
     yardstick,
 )
 from gcm_learn.planners.joints.layered import LayeredInSpace
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, situation_to_json
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 from gcm_learn.storage import write_whole
-from tests.referee_of_spatial_arms import judge
 
 HERE = Path(__file__).resolve().parent
 SEED = 1300
@@ -96,8 +95,7 @@ def judged(situation: Spatial, plan: Any, ms: float) -> list[Any]:
     """Catch time [s] or null, time for planning [ms], and what the referee complains of."""
     if not plan.caught:
         return [None, ms, []]
-    solution = plan_to_json(plan, situation)
-    return [plan.catch_time, ms, judge(situation_to_json(situation), solution).complaints]
+    return [plan.catch_time, ms, complaints_in_space(situation, plan)]
 
 
 def timed(situation: Spatial, planner: Any) -> list[Any]:

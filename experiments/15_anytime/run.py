@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiments.common.judging import first_answer
+from experiments.common.judging import complaints_in_space, first_answer
 from experiments.common.memories import random_by_family
 from gcm_learn.dataset import make_item, read_spec
 from gcm_learn.evaluation.kinds import resting
@@ -32,14 +32,11 @@ from gcm_learn.planners import (
     STRRTStarPlanner,
     any_straight,
     get_planner,
-    plan_to_json,
 )
 from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
 from gcm_learn.recall import HybridPlanner, RecallPlanner
 from gcm_learn.scene import later
-from gcm_learn.situation import situation_to_json
 from gcm_learn.storage import write_whole
-from tests.referee_of_spatial_arms import judge
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
@@ -238,7 +235,7 @@ def improved(planner: Any, control: Any, situation: Any, enough: float) -> list[
         took += process_time() - since
         if plan.catch_time is None or took > LIMIT:
             return known
-        if not judge(situation_to_json(situation), plan_to_json(plan, situation)).complaints:
+        if not complaints_in_space(situation, plan):
             known.append([plan.catch_time, round(1e3 * took, 3)])
         bound = plan.catch_time - GAIN * situation.horizon
         if plan.catch_time <= enough or bound <= 0.0:

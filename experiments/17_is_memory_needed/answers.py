@@ -1,20 +1,20 @@
-"""Answers of memories: their catches, and the verdicts of the tests' referee on them."""
+"""Answers of memories, and outcomes of them with one check and with twenty."""
 
 from __future__ import annotations
 
-import json
-import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from experiments.common.judging import Referee
+from experiments.common.outcomes import kept
 from experiments.common.questions import Question
+from gcm_learn.errors import EncoderError
 from gcm_learn.planners import Plan
 from gcm_learn.recall import Memory, RandomIndex, RecallPlanner
-from gcm_learn.storage import write_whole
 
 CHECKS = 20
 
@@ -24,15 +24,32 @@ class Answer(NamedTuple):
 
     plan: Plan
     checks: int
-    """Paths that were checked."""
+    """Number of verified paths."""
 
 
 Ask = Callable[[Question, int], Answer]
-"""Of a question and the number of checks that are granted."""
+"""Answers a question with a number of checks."""
+
+
+class Entrant(NamedTuple):
+    """Method that is asked, made in its turn."""
+
+    method: str
+    seed: int | None
+    """Seed of the training, None if there is one training only."""
+    make: Callable[[], Ask]
+
+
+class Judged(NamedTuple):
+    """Situations whose catches are judged."""
+
+    referee: Referee
+    each: int
+    """One of so many: the referee takes ten times as long as an answer."""
 
 
 def by(memory: Memory) -> Ask:
-    """Recall: one check is of the first choice, whatever it is like."""
+    """Return recall; with one check it takes the first choice, however novel the situation."""
 
     def ask(question: Question, checks: int) -> Answer:
         how = {"novelty": 0.0} if checks == 1 else {}
@@ -42,45 +59,43 @@ def by(memory: Memory) -> Ask:
     return ask
 
 
-def among_equals(memory: Memory, what: Callable[[Question], str], column: int) -> Ask:
-    """Memories at random, of the same kind as the question by one of their labels or both."""
+def among_equals(memory: Memory, label: Callable[[Question], str], column: int) -> Ask:
+    """Return memories at random that share one label with the question, or both (column -1)."""
     words = np.array(memory._words)[memory.labels]
-    told = ["/".join(row) if column < 0 else row[column] for row in words.tolist()]
+    labels = np.array(["/".join(row) if column < 0 else row[column] for row in words.tolist()])
     parts: dict[str, Ask] = {}
-    for word in sorted(set(told)):
+    for word in sorted(set(labels.tolist())):
         part = memory.refiled(RandomIndex())
-        part.forget(np.array(told) != word)
+        part.forget(labels != word)
         parts[word] = by(part)
     nothing = by(Memory(RandomIndex()))
-    return lambda question, checks: parts.get(what(question), nothing)(question, checks)
+    return lambda question, checks: parts.get(label(question), nothing)(question, checks)
 
 
-def answered(file: Path, ask: Ask, rows: Sequence[Question], referee: Referee) -> dict[str, Any]:
-    """Catches with one check and with twenty, kept in a file."""
-    if file.exists():
-        return json.loads(file.read_text("utf-8"))
-    for question in rows[:5]:
-        ask(question, CHECKS)  # compiled, cells made
-    first, whole, checks, ms, broken = [], [], [], [], 0
-    for question in rows:
-        one = ask(question, 1)
-        began = time.process_time()
-        many = ask(question, CHECKS)
-        ms.append(round(1e3 * (time.process_time() - began), 3))
-        first.append(one.plan.caught)
-        whole.append(many.plan.caught)
-        checks.append(many.checks)
-        for plan in (one.plan, many.plan):
-            broken += plan.caught and referee.broken(question.situation, plan)
-    found = {"first": first, "caught": whole, "checks": checks, "ms": ms, "broken": int(broken)}
-    file.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(file, json.dumps(found))
-    print(file.stem, f"{np.mean(first):.3f} {np.mean(whole):.3f} broken {broken}", flush=True)
+def answered(
+    folder: Path, split: str, who: Entrant, rows: Sequence[Question], judged: Judged
+) -> list[dict[str, Any]]:
+    """Return the outcomes of an entrant, kept in a folder; empty before it is trained."""
+    seed = "" if who.seed is None else f"-{who.seed}"
+    make = partial(_outcomes, split, who, rows, judged)
+    try:
+        return kept(folder / split / f"{who.method}{seed}.jsonl", make)
+    except (EncoderError, FileNotFoundError) as error:
+        print(f"{who.method}{seed}: not asked ({error})", flush=True)
+        return []
+
+
+def _outcomes(
+    split: str, who: Entrant, rows: Sequence[Question], judged: Judged
+) -> list[dict[str, Any]]:
+    """Outcomes: `caught` within twenty checks, `first` if one check is all there is."""
+    ask, found = who.make(), []
+    for number, question in enumerate(rows):
+        one, many = ask(question, 1).plan, ask(question, CHECKS)
+        row = question.about() | {"split": split, "method": who.method, "seed": who.seed}
+        row |= {"first": int(one.caught), "caught": many.plan.caught, "checks": many.checks}
+        if number % judged.each == 0:
+            plans = [plan for plan in (one, many.plan) if plan.caught]
+            row["complaints"] = sum(judged.referee.broken(question.situation, p) for p in plans)
+        found.append(row)
     return found
-
-
-def within(found: dict[str, Any], checks: int) -> np.ndarray:
-    """Which questions (n,) are caught with so many checks."""
-    if checks == 1:
-        return np.array(found["first"])
-    return np.array(found["caught"]) & (np.array(found["checks"]) <= checks)

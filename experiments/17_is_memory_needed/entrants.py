@@ -1,19 +1,18 @@
-"""Everybody who is asked, by name; made when it is their turn."""
+"""Methods that are asked, each made in its turn."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from answers import CHECKS, Answer, Ask, among_equals, by
+from answers import CHECKS, Answer, Ask, Entrant, among_equals, by
 from lessons import drawn_from, experience
 from regressor import by_regressor, regressor, told
-from trainings import FEW, LONG, PROTOTYPES, REST, SEEDS, SIZES, STILL, WHOLE
+from trainings import FEW, PROTOTYPES, REST, SEEDS, SIZES, STILL, WHOLE
 
 from experiments.common.questions import Question
-from gcm_learn import dataset
 from gcm_learn.dataset import Dataset
 from gcm_learn.recall import (
     Index,
@@ -29,78 +28,69 @@ from gcm_learn.recall import (
 )
 
 STEPS = 750  # of the regressor's optimiser: as many as an encoder takes
-Make = Callable[[], Ask]
 
 
-def equal(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
-    """The same N catches, asked by the encoder that saw no others, by raw parameters, at random."""
+def equal(records: Dataset, out: Path) -> Iterator[Entrant]:
+    """Yield the same N catches, filed by their own encoder, by raw parameters and at random."""
     for seed in SEEDS:
         for size in SIZES:
-            some = partial(_catches, records, size, seed)
-            yield f"raw-{size}-{seed}", lambda some=some: by(remember(some(), "raw"))
+            filed = partial(_filed, records, size, seed)
+            yield Entrant(f"raw-{size}", seed, partial(filed, "raw"))
             if seed == SEEDS[0]:
-                yield f"random-{size}-{seed}", lambda some=some: by(remember(some(), RandomIndex()))
-            folder = out / "encoders" / f"strict-{size}-{seed}"
-            yield f"learned-{size}-{seed}", lambda folder=folder: by(paths_of(folder))
+                yield Entrant(f"random-{size}", seed, partial(filed, RandomIndex()))
+            yield _trained(f"learned-{size}", out, f"strict-{size}", seed)
 
 
-def longer(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
-    """Encoders that learned five times as long, beside the same catches by the others."""
-    for seed in REST:
-        for size in LONG:
-            some = partial(_catches, records, size, seed)
-            yield f"raw-{size}-{seed}", lambda some=some: by(remember(some(), "raw"))
-            for name, kind in (("learned", "strict"), ("long", "long")):
-                folder = out / "encoders" / f"{kind}-{size}-{seed}"
-                yield f"{name}-{size}-{seed}", lambda folder=folder: by(paths_of(folder))
+def _filed(records: Dataset, size: int, seed: int, index: Index | str) -> Ask:
+    return by(remember(experience(drawn_from(records, size), size, seed), index))
 
 
-def _catches(records: Dataset, size: int, seed: int) -> Dataset:
-    return experience(drawn_from(records, size), size, seed)
+def _trained(method: str, out: Path, name: str, seed: int, index: Index | None = None) -> Entrant:
+    folder = out / "encoders" / f"{name}-{seed}"
+    return Entrant(method, seed, lambda: by(paths_of(folder, index)))
 
 
-def needed(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
-    """Substitutes for a memory, learned from the same labels."""
+def needed(records: Dataset, out: Path) -> Iterator[Entrant]:
+    """Yield substitutes for a memory, learned from the same labels."""
     for seed in FEW:
-        folder = out / "encoders" / f"prototypes-{PROTOTYPES}-{seed}"
-        yield folder.name, lambda folder=folder: by(paths_of(folder))
-        yield f"{folder.name}-random", lambda folder=folder: by(paths_of(folder, RandomIndex()))
-    for seed in FEW:
-        yield f"regressor-{WHOLE}-{seed}", lambda seed=seed: _regressor(out, seed)
+        name = f"prototypes-{PROTOTYPES}"
+        yield _trained("prototypes", out, name, seed)
+        yield _trained("prototypes, random", out, name, seed, RandomIndex())
+        yield Entrant("regressor", seed, partial(_regressor, out, seed))
 
 
-def resting(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
-    """Encoders and memories of situations in which nothing moves, and of those as they were."""
+def resting(records: Dataset, out: Path) -> Iterator[Entrant]:
+    """Yield encoders and memories of situations at rest, and of the same amount in motion."""
     for seed in REST:
-        name = f"still-{STILL}-{seed}"
-        yield name, lambda name=name: by(paths_of(out / "encoders" / name))
-        twin = f"strict-{STILL}-{seed}"
-        yield f"moving-{STILL}-{seed}", lambda twin=twin: by(paths_of(out / "encoders" / twin))
+        yield _trained("at rest", out, f"still-{STILL}", seed)
+        yield _trained("in motion", out, f"strict-{STILL}", seed)
 
 
-def shipped(records: Dataset, out: Path) -> Iterator[tuple[str, Make]]:
-    """The memory that is shipped and its controls."""
+def shipped(records: Dataset, out: Path) -> Iterator[Entrant]:
+    """Yield the memory that is shipped and its controls."""
     yield from with_controls(shipped_memory("recall"))
-    yield "splines", lambda: splines
+    yield Entrant("splines", None, lambda: splines)
 
 
-def with_controls(memory: Memory) -> Iterator[tuple[str, Make]]:
-    """A memory, and the same asked otherwise."""
-    yield "shipped", lambda: by(memory)
-    yield "shipped-raw", lambda: by(memory.refiled(RawIndex.fit(memory.situations())))
-    yield "shipped-random", lambda: by(memory.refiled(RandomIndex()))
-    yield "shipped-family", lambda: among_equals(memory, lambda q: q.family, 0)
-    both = among_equals(memory, lambda q: f"{q.family}/{q.stratum}", -1)
-    yield "shipped-family-stratum", lambda: both
+def with_controls(memory: Memory) -> Iterator[Entrant]:
+    """Yield a memory, and the same filed otherwise."""
+    raw = RawIndex.fit(memory.situations())
+    family = partial(among_equals, memory, lambda q: q.family, 0)
+    both = partial(among_equals, memory, lambda q: f"{q.family}/{q.stratum}", -1)
+    yield Entrant("shipped", None, lambda: by(memory))
+    yield Entrant("shipped-raw", None, lambda: by(memory.refiled(raw)))
+    yield Entrant("shipped-random", None, lambda: by(memory.refiled(RandomIndex())))
+    yield Entrant("shipped-family", None, family)
+    yield Entrant("shipped-family-stratum", None, both)
 
 
 def splines(question: Question, checks: int) -> Answer:
-    """Random movements; they are all checked if none is valid."""
+    """Try random movements; all are checked if none is valid."""
     return Answer(SplinesPlanner(checks).plan(question.situation), CHECKS)
 
 
 def paths_of(folder: Path, by_other: Index | None = None) -> Memory:
-    """The memories that an encoder was trained on, filed by it; their situations are not kept."""
+    """Return the memories that an encoder was trained on, filed by it or by another index."""
     index = by_other or LearnedIndex(load_encoder(folder))
     with np.load(folder / "paths.npz") as file:
         knots, goals = file["knots"], file["goals"]
@@ -113,8 +103,3 @@ def _regressor(out: Path, seed: int) -> Ask:
     with np.load(out / "encoders" / name / "paths.npz") as file:
         paths = told(file["knots"], file["goals"])
     return by_regressor(regressor(out / "work" / name, paths, seed, STEPS))
-
-
-def opened(folder: Path) -> Dataset:
-    """The records."""
-    return dataset.open(folder)

@@ -50,12 +50,7 @@ def parts(
         for planner in who.values():
             planner.plan(question.situation)
     for question in rows:
-        about = {
-            "situation": question.index,
-            "stratum": question.stratum,
-            "family": question.family,
-            "rests": resting(question.situation, CHARGED),
-        }
+        about = question.about() | {"rests": resting(question.situation, CHARGED)}
         after = later(question.situation, CHARGED)
         for name, planner in who.items():
             if about["rests"]:

@@ -174,7 +174,7 @@ def _resting(motion: Any, t: float) -> Any:
 
 def trained(data: TransferLabels, seed: int, folder: Path, turns: int, work: Path) -> Encoder:
     """An encoder, trained for some turns; its lessons stay in `work`."""
-    config = EncoderConfig(seed=seed, arm=data.kind.name)
+    config = EncoderConfig(seed=seed, arm=data.spec.kind.name)
     trainer = Trainer(config, data, work, Effort(turns=turns), average=AVERAGE)
     trainer.run()
     save_encoder(trainer.encoder, folder)

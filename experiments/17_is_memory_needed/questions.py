@@ -1,4 +1,4 @@
-"""Questions: suites that the oracle sorted, and situations outside of the training."""
+"""Questions outside of the training, and a suite as it is at rest."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from lessons import at_rest
+
 from experiments.common.questions import Question
 from gcm_learn import seeding
 from gcm_learn.dataset import DatasetSpec, FamilyShare, quantities_of
 from gcm_learn.families import get_family
-from gcm_learn.planners import Problem, StraightPlanner, bounds, stratum
+from gcm_learn.planners import Problem, StraightPlanner, bounds, get_planner, stratum
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import Situation, situation_from_json, situation_to_json
 from gcm_learn.storage import write_whole
@@ -22,17 +24,6 @@ SPLITS = ("test-pendulum", "test-long-arm", "test-fast", "test-crowded")
 EACH = 50  # situations of W and Q of a split
 CROWD = (6, 8)  # obstacles; those of the dataset's own families are five at most
 SEED = 1701  # of the splits
-
-
-def development(folder: Path, most: int) -> list[Question]:
-    """The first situations of the frozen suites W and Q: these have been looked at."""
-    rows = []
-    for name in ("W", "Q"):
-        for line in (folder / f"{name}.jsonl").read_text("utf-8").splitlines()[:most]:
-            values = json.loads(line)
-            situation: Any = situation_from_json(values["situation"])
-            rows.append(Question(name, values["family"], values["index"], situation))
-    return rows
 
 
 def outside(split: str, spec: DatasetSpec, folder: Path, seed: int = SEED) -> list[Question]:
@@ -83,3 +74,18 @@ def _drawn(split: str, spec: DatasetSpec, seed: int) -> Iterator[tuple[str, Situ
         held = {h.split for h in spec.holdouts if h.holds(share.family, told)}
         if held == {split}:
             yield share.family, situation
+
+
+def waitless(whole: list[Question]) -> dict[str, list[Question]]:
+    """Return W in which something moves, and what needs a detour once nothing does."""
+    straight, layered = get_planner("straight"), get_planner("layered")
+    groups: dict[str, list[Question]] = {"W": [], "at rest": []}
+    for question in whole:
+        still = at_rest(question.situation)
+        if still is None or still == question.situation:
+            continue
+        if question.stratum == "W":
+            groups["W"].append(question)
+        if not straight.plan(still).caught and layered.plan(still).caught:
+            groups["at rest"].append(question._replace(situation=still))
+    return groups

@@ -1,23 +1,20 @@
-"""Questions to spatial arms, their referee, fronts and fallbacks."""
+"""Questions to spatial arms, fronts and fallbacks."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from fronts import BUDGET_MS
 
-from experiments.common.judging import Referee
 from experiments.common.questions import Question
 from gcm_learn.dataset import make_item, read_spec
-from gcm_learn.planners import Planner, STRRTStarPlanner, get_planner, plan_to_json
+from gcm_learn.planners import Planner, STRRTStarPlanner, get_planner
 from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
 from gcm_learn.situation import situation_from_json, situation_to_json
-from gcm_learn.storage import content_hash, write_whole
-from tests.referee_of_spatial_arms import judge
+from gcm_learn.storage import write_whole
 
 SPEC = Path(__file__).resolve().parents[2] / "data" / "specs" / "space.toml"
 AS_TRAINED = ("train", "validation", "test")  # splits: whatever this seed draws, no memory has seen
@@ -56,21 +53,6 @@ def _chunk(spec: Any, first: int, folder: Path) -> list[Question]:
         write_whole(file, "".join(json.dumps(row) + "\n" for row in kept))
     rows = map(json.loads, file.read_text("utf-8").splitlines())
     return [Question(*row[:3], situation_from_json(row[3])) for row in rows]  # type: ignore
-
-
-@dataclass
-class RefereeInSpace(Referee):
-    """Judges catches in space; the same catch of the same situation once."""
-
-    def broken(self, situation: Any, plan: Any) -> bool:
-        """Return whether a catch breaks its promise."""
-        path = plan.trajectory
-        parts = (path.time, path.joints, np.array([plan.clearance, plan.catch_time]))
-        key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
-        if key not in self.known:
-            found = judge(situation_to_json(situation), plan_to_json(plan, situation))
-            self.known[key] = bool(found.complaints)
-        return self.known[key]
 
 
 def fallbacks() -> dict[str, Planner]:

@@ -1,13 +1,14 @@
-"""Everybody who is asked in space, by name; made when it is their turn."""
+"""Methods that are asked in space, each made in its turn."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from answers import CHECKS, Answer, Ask, by
-from entrants import Make, with_controls
+from answers import CHECKS, Answer, Ask, Entrant, by
+from entrants import with_controls
 from regressor import WAITS, Paths, regressor, told
 from space_lessons import OF, PROTOTYPES, SEEDS, SIZES, TURNS, Catches
 from torch import argsort, no_grad
@@ -37,33 +38,34 @@ from gcm_learn.recall.trials import Budget
 MOVEMENTS = MEMORIES.of(SPATIAL)
 
 
-def equal(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
-    """The same N catches, asked by the encoder that saw no others, by raw parameters, at random."""
+def equal(whole: Catches, out: Path) -> Iterator[Entrant]:
+    """Yield the same N catches, filed by their own encoder, by raw parameters and at random."""
     for seed in SEEDS:
         for size in SIZES:
             folder = out / "encoders" / f"strict-{size}-{seed}"
-            yield f"raw-{size}-{seed}", lambda s=size, k=seed: by(_raw(whole.part(s, k)))
-            yield f"learned-{size}-{seed}", lambda folder=folder: by(_learned(folder))
+            part = partial(whole.part, size, seed)
+            yield Entrant(f"raw-{size}", seed, lambda part=part: by(_raw(part())))
+            yield Entrant(f"learned-{size}", seed, lambda folder=folder: by(_learned(folder)))
             if seed == SEEDS[0]:
-                yield f"random-{size}-{seed}", lambda s=size, k=seed: by(_any(whole.part(s, k)))
+                yield Entrant(f"random-{size}", seed, lambda part=part: by(_any(part())))
 
 
-def needed(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
-    """Substitutes for a memory, learned from the same labels."""
+def needed(whole: Catches, out: Path) -> Iterator[Entrant]:
+    """Yield substitutes for a memory, learned from the same labels."""
     for seed in SEEDS:
-        folder = out / "encoders" / f"prototypes-{PROTOTYPES}-{seed}"
-        yield folder.name, lambda folder=folder: by(_learned(folder))
-        yield f"{folder.name}-random", lambda folder=folder: by(_any(_paths(folder)))
-        yield f"regressor-{OF}-{seed}", lambda seed=seed: _regressor(out, seed)
+        at = out / "encoders" / f"prototypes-{PROTOTYPES}-{seed}"
+        yield Entrant("prototypes", seed, lambda at=at: by(_learned(at)))
+        yield Entrant("prototypes, random", seed, lambda at=at: by(_any(_paths(at))))
+        yield Entrant("regressor", seed, partial(_regressor, out, seed))
 
 
-def shipped(whole: Catches, out: Path) -> Iterator[tuple[str, Make]]:
-    """The memory that is shipped and its controls."""
+def shipped(whole: Catches, out: Path) -> Iterator[Entrant]:
+    """Yield the memory that is shipped and its controls."""
     yield from with_controls(shipped_memory("recall", SPATIAL))
 
 
 def _paths(folder: Path) -> Catches:
-    """The movements that an encoder was trained on."""
+    """Return the movements that an encoder was trained on."""
     with np.load(folder / "paths.npz") as file:
         knots, goals = file["knots"], file["goals"]
     nothing = np.zeros(len(knots))
@@ -90,7 +92,7 @@ def _any(some: Catches) -> Memory:
 
 
 def _regressor(out: Path, seed: int) -> Ask:
-    """One that learns as many steps as an encoder, from its lessons."""
+    """Return one that learns as many steps as an encoder, from its lessons."""
     name = f"strict-{OF}-{seed}"
     some = _paths(out / "encoders" / name)
     paths, steps = told(some.knots, some.goals), TURNS * EncoderConfig().steps
@@ -114,7 +116,7 @@ def _regressor(out: Path, seed: int) -> Ask:
 
 @no_grad()
 def proposed(net: Paths, problem: SpatialProblem) -> tuple[np.ndarray, np.ndarray]:
-    """Knots (CHECKS, KNOTS, COLUMNS) and goals (CHECKS, GOAL), the likeliest first."""
+    """Return knots (CHECKS, KNOTS, COLUMNS) and goals (CHECKS, GOAL), the likeliest first."""
     made, scores = net(batched([MOVEMENTS.features(problem.situation, problem.scene)]))
     numbers = (made[0] * net.spread + net.mean)[argsort(-scores[0])].numpy()
     knots = numbers[:, : -MOVEMENTS.goal].reshape(CHECKS, *MOVEMENTS.knots)

@@ -1,4 +1,4 @@
-"""Which encoders are trained: all for the same number of turns, one after the other."""
+"""Trainings of encoders: all take the same number of turns, one after the other."""
 
 from __future__ import annotations
 
@@ -23,19 +23,17 @@ from gcm_learn import dataset
 from gcm_learn.recall import TransferLabels
 
 TURNS = 25
-LONGER = 5  # times as many turns of encoders that were added once the first results were known
 SIZES = (1000, 3000, 10_000, 30_000)
 WHOLE = 10_000  # catches of memories that others stand in for
-LONG = (10_000, 30_000)  # catches of encoders that learn longer
 SEEDS = (0, 1, 2, 3, 4)
 PROTOTYPES = 100
 STILL = 3000
 FEW = (0, 1)  # seeds of what is no claim of its own
-REST = (0, 1, 2)  # of what learns at rest, or longer
+REST = (0, 1, 2)  # of what learns at rest
 
 
 def names() -> list[str]:
-    """All trainings, what matters most first."""
+    """Return all trainings, what matters most first."""
     small, middle, large, most = SIZES
     strict = [(large, 0), (middle, 0), (small, 0)]
     strict += [(size, seed) for seed in (1, 2) for size in (large, small)]
@@ -45,12 +43,11 @@ def names() -> list[str]:
     found += [f"prototypes-{PROTOTYPES}-0", *(f"still-{STILL}-{seed}" for seed in REST)]
     found += [f"strict-{size}-{seed}" for size, seed in rest]
     found += [f"prototypes-{PROTOTYPES}-{seed}" for seed in FEW[1:]]
-    found += [f"strict-{most}-{seed}" for seed in SEEDS]
-    return found + [f"long-{size}-{seed}" for size in LONG for seed in REST]
+    return found + [f"strict-{most}-{seed}" for seed in SEEDS]
 
 
 def data_of(name: str, records: dataset.Dataset) -> TransferLabels:
-    """The lessons of a training."""
+    """Return the lessons of a training."""
     kind, size, seed = name.split("-")
     count = {"still": MOST, "prototypes": WHOLE}.get(kind, int(size))
     some = drawn_from(records, count)
@@ -67,8 +64,8 @@ def data_of(name: str, records: dataset.Dataset) -> TransferLabels:
 def train(name: str, folder: Path, out: Path) -> None:
     """Train one of them, and keep the memories that it was trained on."""
     data = data_of(name, dataset.open(folder))
-    place, turns = out / "encoders" / name, TURNS * (LONGER if name.startswith("long") else 1)
-    trained(data, int(name.split("-")[2]), place, turns, out / "work" / name)
+    place = out / "encoders" / name
+    trained(data, int(name.split("-")[2]), place, TURNS, out / "work" / name)
     np.savez(place / "paths.npz", knots=data.knots, goals=data.goals)
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import Page, Response, sync_playwright
 
-from tests.play.conftest import FLAGS
+from tests.conftest import FLAGS
 
 DRAWN = (("gate", 2), ("crossing-swarm", 1), ("spinning", 1), ("random-planar", 3))
 REACH = 40  # half the width of the way of the pointer [pixels]

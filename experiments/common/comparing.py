@@ -14,12 +14,18 @@ COUNTS = ("checks", "looks", "bends")
 STRATA = ("W", "Q")
 
 
-def share(rows: Outcomes, digits: int = 0) -> str:
+def within(rows: Outcomes, checks: int | None = None) -> np.ndarray:
+    """Mark the rows (n,) that are caught, with so many checks if a number is given."""
+    caught = rows["caught"]
+    return caught if checks is None else caught & (rows["checks"] <= checks)
+
+
+def share(rows: Outcomes, digits: int = 0, checks: int | None = None) -> str:
     """Return the share that is caught with its interval within families [%].
 
     A bootstrap of equal outcomes has zero width; the interval is Wilson's then.
     """
-    caught = rows["caught"]
+    caught = within(rows, checks)
     if len(rows) == 0:
         return ""
     if caught.all() or not caught.any():

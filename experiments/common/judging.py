@@ -11,7 +11,7 @@ import numpy as np
 from experiments.common.counting import counted
 from gcm_learn.planners import Plan, plan_to_json
 from gcm_learn.recall import HybridPlanner, RecallPlanner
-from gcm_learn.situation import Situation, situation_to_json
+from gcm_learn.situation import situation_to_json
 from gcm_learn.storage import content_hash
 from tests import referee, referee_of_spatial_arms
 
@@ -20,21 +20,31 @@ CLOSER = (1000, 8000)  # instants of further checks: the referee of planar arms 
 
 @dataclass
 class Referee:
-    """Judge of planar arms' catches; each catch of a situation is judged once."""
+    """Judge of catches; each catch of a situation is judged once."""
 
     known: dict[str, bool] = field(default_factory=dict)
 
-    def broken(self, situation: Situation, plan: Plan) -> bool:
-        """Return whether a catch breaks its promise at every density of the samples."""
+    def broken(self, situation: Any, plan: Plan) -> bool:
+        """Return whether a catch breaks its promise, in the plane at every density of samples."""
         path: Any = plan.trajectory
-        parts = (path.time, path.hand, np.array([plan.clearance, plan.catch_time]))
+        places = path.joints if situation.is_spatial else path.hand
+        parts = (path.time, places, np.array([plan.clearance, plan.catch_time]))
         key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
         if key not in self.known:
-            looks = (
-                referee.judge(situation, plan, *more) for more in ((), *((n,) for n in CLOSER))
-            )
-            self.known[key] = all(look.complaints for look in looks)
+            self.known[key] = self._broken(situation, plan)
         return self.known[key]
+
+    def _broken(self, situation: Any, plan: Plan) -> bool:
+        if situation.is_spatial:
+            return bool(complaints_in_space(situation, plan))
+        looks = (referee.judge(situation, plan, *more) for more in ((), *((n,) for n in CLOSER)))
+        return all(look.complaints for look in looks)
+
+
+def complaints_in_space(situation: Any, plan: Plan) -> list[str]:
+    """Complaints of the referee of spatial arms."""
+    records = situation_to_json(situation), plan_to_json(plan, situation)
+    return referee_of_spatial_arms.judge(*records).complaints
 
 
 def outcome(planner: Any, situation: Any, referee: Referee) -> dict[str, Any]:
@@ -55,8 +65,7 @@ def judged(plan: Plan, situation: Any, referee: Referee, ms: float) -> dict[str,
         return row
     if not situation.is_spatial:
         return row | {"complaints": int(referee.broken(situation, plan))}
-    records = situation_to_json(situation), plan_to_json(plan, situation)
-    return row | {"complaints": len(referee_of_spatial_arms.judge(*records).complaints)}
+    return row | {"complaints": len(complaints_in_space(situation, plan))}
 
 
 def counts(planner: Any, situation: Any) -> dict[str, int]:
@@ -72,6 +81,5 @@ def first_answer(planner: Any, situation: Any) -> dict[str, Any]:
     took = 1e3 * (process_time() - since)
     row: dict[str, Any] = {"catch": plan.catch_time, "ms": round(took, 3)}
     if plan.caught:
-        records = situation_to_json(situation), plan_to_json(plan, situation)
-        row["complaints"] = referee_of_spatial_arms.judge(*records).complaints
+        row["complaints"] = complaints_in_space(situation, plan)
     return row

@@ -9,12 +9,15 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from gcm_learn.storage import write_whole
 
 COLUMNS = (
     "situation", "stratum", "family", "method", "seed", "caught", "catch_time", "ms", "checks",
@@ -82,10 +85,16 @@ def write(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
     cells = sorted([_cell(name, row.get(name)) for name in names] for row in rows)
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([names, *cells])
-    packed = gzip.compress(text.getvalue().encode("utf-8"), 9, mtime=0)
-    temporary = file.with_suffix(".tmp")
-    temporary.write_bytes(packed)
-    temporary.replace(file)
+    write_whole(file, gzip.compress(text.getvalue().encode("utf-8"), 9, mtime=0))
+
+
+def kept(file: Path, make: Callable[[], Iterable[Mapping[str, Any]]]) -> list[dict[str, Any]]:
+    """Read rows from a file of JSON lines; without the file make the rows and write it."""
+    if not file.exists():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(file, "".join(json.dumps(row) + "\n" for row in make()))
+        print(file.stem, flush=True)
+    return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
 
 
 def read(file: Path) -> Outcomes:

@@ -24,6 +24,10 @@ class Question(NamedTuple):
     index: int
     situation: Situation
 
+    def about(self) -> dict[str, Any]:
+        """Return the columns of outcomes that name it."""
+        return {"situation": self.index, "stratum": self.stratum, "family": self.family}
+
 
 def suite(seed: int, folder: Path, most: int = MOST) -> list[Question]:
     """Return at least the first `most` situations of W and of Q that families draw in turn."""

@@ -65,6 +65,12 @@ def test_outcomes_are_read_as_they_were_written(tmp_path):
     assert len(found.where(found["caught"], split="test-arms")) == 0
 
 
+def test_rows_are_made_once(tmp_path):
+    file = tmp_path / "out" / "one.jsonl"
+    assert outcomes.kept(file, lambda: iter(rows_of(2))) == rows_of(2)
+    assert outcomes.kept(file, lambda: pytest.fail("made again")) == rows_of(2)
+
+
 def answers(name: str, caught: str, first: int = 0) -> list[dict]:
     """Return rows of a method: 1 is a catch, 0 is none."""
     return [
@@ -113,6 +119,22 @@ def test_shares_counts_and_quantiles_by_hand(tmp_path):
     assert comparing.complaints(found) == "1 of 9"
     assert comparing.counts(found) == ["2.0", "2.5", "0.5"]
     assert comparing.times(found, (0.5, 1.0)) == ["4.5", "9.0"]
+
+
+def test_catches_within_checks_by_seed(tmp_path):
+    """The last answer of seed 0 is caught with its fourth check, and not if one is all there is."""
+    report = importlib.import_module("experiments.17_is_memory_needed.report")
+    rows = [
+        row | {"seed": seed, "checks": 1 + row["situation"], "first": int(row["situation"] == 0)}
+        for seed, caught in enumerate(("1011", "1100"))
+        for row in answers("a", caught)
+    ]
+    found = table_of(tmp_path, rows)
+    assert report.seeds_of(found, "a") == [0, 1]
+    assert report.over_seeds(found, "a", [0, 1], 1).tolist() == [[True, False, False, False]] * 2
+    assert report.over_seeds(found, "a", [0], 3).tolist() == [[True, False, True, False]]
+    assert report.over_seeds(found, "a", [0], 20).tolist() == [[True, False, True, True]]
+    assert comparing.within(found.where(seed=1), 1).tolist() == [True, False, False, False]
 
 
 def test_a_hybrid_asks_its_fallback_where_its_front_has_no_catch(tmp_path):
