@@ -9,10 +9,10 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from gcm_learn.arms import Chain, ChainModel, hands_along
+from gcm_learn.arms import Base, Chain, ChainModel, hands_along
 from gcm_learn.errors import SituationError
 from gcm_learn.motion import Movement, rules_of, start_clearance, verify
-from gcm_learn.scene import pack
+from gcm_learn.scene import gap, pack, pose
 from gcm_learn.situation import (
     Approach,
     Body,
@@ -29,6 +29,10 @@ TARGET = 0.01
 """Radius of a target that stands for a goal posture [m]."""
 GRASP = 0.01
 """Default distance of hand and target at which it is caught [m]."""
+FINGERS = 0.01
+"""Largest distance of the hand in its goal posture to the object that it grasps [m]."""
+HELD = 0.25
+"""Largest bounding radius of an object that a hand grasps, or that a belt carries [m]."""
 WITHIN = 0.35
 """Default angle between the hand's axis and that of the goal posture, 20 degrees [rad]."""
 
@@ -121,3 +125,41 @@ def stays_free(situation: Situation[Chain]) -> bool:
     scene = pack(resting)
     movement = Movement(arm, np.array([0.0, resting.horizon]), posture)
     return verify(scene, rules_of(scene), movement, 0).good
+
+
+def grasping(situation: Situation[Chain], goal: Sequence[float]) -> Situation[Chain]:
+    """Return the situation in which the fingers may touch the object that they grasp.
+
+    An open gripper around an object is a goal of the original problem, but our fingers are one
+    capsule, which would be inside the object.  So pairs of the links around the hand's point and
+    the object nearest to it in the goal posture are ignored.
+    """
+    arm = replace(situation.arm, base=Base())
+    (hand,), _ = hands_along(arm, [goal])
+    scene, near = pack(situation), (FINGERS, "")
+    for k, body in enumerate(situation.bodies):
+        if body.role == "obstacle" and body.shape.bounding_radius <= HELD:
+            centre, turn = pose(situation, k, 0.0)
+            away = gap(scene.bodies, k, *(turn.T @ (hand - centre)).tolist())
+            near = min(near, (away, body.name))
+    if not near[1]:
+        return situation
+    pairs = tuple((k, near[1]) for k in fingers(arm.model))
+    return replace(situation, arm=replace(situation.arm, ignore=(*situation.arm.ignore, *pairs)))
+
+
+def fingers(model: ChainModel) -> list[int]:
+    """Return the links of a model in which the hand's point is."""
+    return [
+        k
+        for k, link in enumerate(model.links)
+        if link.joint == model.hand.joint
+        and _to_segment(model.hand.point, link.start, link.end) <= link.radius
+    ]
+
+
+def _to_segment(point: Sequence[float], start: Sequence[float], end: Sequence[float]) -> float:
+    p, a, b = map(np.array, (point, start, end))
+    length = float((b - a) @ (b - a))
+    share = np.clip((p - a) @ (b - a) / length, 0.0, 1.0) if length > 0.0 else 0.0
+    return float(np.linalg.norm(p - a - share * (b - a)))

@@ -23,7 +23,7 @@ from typing import Protocol
 import numpy as np
 
 from gcm_learn.arms import Chain, hands_along
-from gcm_learn.outside.converted import REST, UNTURNED, stays_free
+from gcm_learn.outside.converted import HELD, REST, UNTURNED, stays_free
 from gcm_learn.situation import (
     Body,
     Box,
@@ -38,7 +38,6 @@ from gcm_learn.situation import (
 )
 
 MEETING = (0.35, 0.65)  # share of the horizon at which all is in its original place
-LARGEST = 0.25  # bounding radius of a body that is carried [m]
 LEVEL = 0.25  # difference of height to the target of a body that is carried [m]
 SPEED = (0.05, 0.2)  # of a belt [m/s]
 STROKE = (0.05, 0.2)  # of a belt, to either side [m]
@@ -207,7 +206,7 @@ def _rest(body: Body) -> SolidQuadratic:
 
 def _rides(body: Body, target: Vector, carrier: Carrier) -> bool:
     place = _rest(body).position
-    small = body.shape.bounding_radius <= LARGEST
+    small = body.shape.bounding_radius <= HELD
     return small and abs(place[2] - target[2]) <= LEVEL and carrier.carries(place)
 
 

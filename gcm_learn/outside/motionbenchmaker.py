@@ -17,6 +17,7 @@ from gcm_learn.outside.converted import (
     WITHIN,
     Converted,
     goal_is_blocked,
+    grasping,
     is_blocked,
     model_named,
     resting_target,
@@ -29,6 +30,7 @@ from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation
 
 FILES = r"(scene|request)(\d+)\.ya?ml"
+GRASPED = "the fingers may touch the object that they grasp"
 START_BLOCKED = "the start is blocked"
 GOAL_BLOCKED = "the goal posture is blocked"
 
@@ -79,9 +81,11 @@ class MotionBenchMaker:
         try:
             arm = Chain(model, posture_of(state, model, robot), self.grasp, base_of(state))
             target = resting_target(arm, goal, self.within)
-            situation = Situation(name, self.horizon, arm, (target, *bodies))
+            resting = Situation(name, self.horizon, arm, (target, *bodies))
         except SituationError as error:
             raise request.error(str(error)) from None
+        situation = grasping(resting, goal)
+        counts.count(GRASPED, situation is not resting)
         blocked = counts.count(START_BLOCKED, is_blocked(situation))
         counts.count(GOAL_BLOCKED, goal_is_blocked(situation, goal))
         if self.moving is None:

@@ -49,8 +49,9 @@ class SiRrt:
 
     Parameters
     ----------
-    arm : str
-        Name of an arm that ships or an arm file; its joints have the names of the scene's.
+    arm : str, optional
+        Name of an arm that ships or an arm file, whose joints have the names of the scene's.  By
+        default the shipped ``xarm6`` with the radii of the scene.
     horizon : float, optional
         Of every situation [s]; by default the time of all frames.
     within : float
@@ -59,7 +60,7 @@ class SiRrt:
         Distance of hand and target at which it is caught [m].
     """
 
-    arm: str = "xarm6"
+    arm: str | None = None
     horizon: float | None = None
     within: float = WITHIN
     grasp: float = GRASP
@@ -68,12 +69,13 @@ class SiRrt:
 
     def convert(self, sources: Sequence[Path]) -> Converted:
         """Return a situation for each scene."""
-        result, model = Converted(), model_named(self.arm)
+        result, model = Converted(), model_named(self.arm or "xarm6")
         for scene in json_nodes(sources, FILES):
             named = f"{len(result.situations) + 1}-{Path(scene.file).name.split('.json')[0]}"
             situation, goal = self._convert(named, scene, model)
             result.count("the start is blocked", is_blocked(situation))
-            result.count("the goal posture is blocked", goal_is_blocked(situation, goal))
+            ended = goal_is_blocked(at_end(situation), goal)
+            result.count("the goal posture is blocked at the end", ended)
             result.situations.append(situation)
         return result
 
@@ -93,11 +95,37 @@ class SiRrt:
         bodies = tuple(_bodies(scene.at("obstacles"), rate))
         base = Base(scene.at("robot_base_coords").point(), scene.at("robot_base_quat_rot").turn())
         try:
-            arm = Chain(_with_speeds(model, speeds), start, self.grasp, base)
+            arm = Chain(self._measured(model, scene, speeds), start, self.grasp, base)
             target = resting_target(arm, goal, self.within)
             return Situation(name, horizon, arm, (target, *bodies)), goal
         except SituationError as error:
             raise scene.error(str(error)) from None
+
+    def _measured(self, model: ChainModel, scene: Node, speeds: Sequence[float]) -> ChainModel:
+        """Return the model with the speeds and radii of a scene; arms that are named keep theirs.
+
+        Raises
+        ------
+        SituationError
+        """
+        pairs = zip(model.joints, speeds, strict=True)
+        faster = replace(model, joints=tuple(replace(j, max_speed=v) for j, v in pairs))
+        if self.arm is not None:
+            return faster
+        radii = scene.at("robot_capsules_radius").numbers(len(model.links))
+        links = zip(model.links, radii, strict=True)
+        return replace(faster, links=tuple(replace(link, radius=r) for link, r in links))
+
+
+def at_end(situation: Situation[Chain]) -> Situation[Chain]:
+    """Return the situation with bodies that rest where their samples end."""
+    bodies = []
+    for body in situation.bodies:
+        if isinstance(body.motion, Sampled):
+            last = body.motion.pieces[-1].motion
+            body = replace(body, motion=last)
+        bodies.append(body)
+    return replace(situation, bodies=tuple(bodies))
 
 
 def _order(node: Node, model: ChainModel) -> list[int]:
@@ -117,11 +145,6 @@ def _sorted(node: Node, order: Sequence[int]) -> tuple[float, ...]:
 
 def _rate(node: Node) -> float:
     return node.checked(positive, node.number(), "")
-
-
-def _with_speeds(model: ChainModel, speeds: Sequence[float]) -> ChainModel:
-    joints = zip(model.joints, speeds, strict=True)
-    return replace(model, joints=tuple(replace(joint, max_speed=v) for joint, v in joints))
 
 
 def _bodies(obstacles: Node, rate: float) -> Iterator[Body]:
