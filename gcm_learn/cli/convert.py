@@ -72,7 +72,7 @@ class Convert:
             converted = converter.convert(self.sources)
             for situation in converted.situations:
                 stream.write(json.dumps(situation_to_json(situation)) + "\n")
-        print(f"{len(converted.situations)} situations", file=sys.stderr)
+        print(f"situations: {len(converted.situations)}", file=sys.stderr)
         for note in converted.notes():
             print(note, file=sys.stderr)
         return 0

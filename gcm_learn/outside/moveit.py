@@ -183,12 +183,10 @@ def _shape(node: Node) -> SolidShape:
 
 
 def start_of(request: Node, scene: Node) -> Node:
-    """Return the robot's state from which a request starts.
-
-    That is the scene's, where the request gives none.
-    """
+    """Return the robot's state from which a request starts: its own, or else the scene's."""
     given = request.find("start_state")
-    if given is None or given.find("joint_state") is None:
+    joints = None if given is None else given.find("joint_state")
+    if given is None or joints is None or joints.find("name") is None:
         return scene.at("robot_state")
     if given.find("attached_collision_objects") is not None:
         reason = "objects that the robot holds are not understood"

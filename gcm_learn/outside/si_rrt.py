@@ -41,6 +41,12 @@ KEPT = 1e-6
 LEAST = 0.1
 """Least product of neighbouring orientations, 1 where they are equal."""
 SHAPES = ("box", "sphere")
+FIELDS = (
+    "start_configuration", "end_configuration", "robot_joint_max_velocity", "start_time",
+    "robot_capsules_radius", "robot_urdf", "robot_joints_order", "robot_base_coords",
+    "robot_base_quat_rot", "frame_count", "fps", "blender_file_path", "obstacles",
+)  # fmt: skip
+"""Fields of a scene."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +88,7 @@ class SiRrt:
     def _convert(
         self, name: str, scene: Node, model: ChainModel
     ) -> tuple[Situation[Chain], tuple[float, ...]]:
+        scene.members(FIELDS)
         start_time = scene.find("start_time")
         if start_time is not None and start_time.number() != 0.0:
             raise start_time.error(f"must be 0 (got {start_time.number():g})")
