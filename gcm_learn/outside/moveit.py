@@ -118,7 +118,7 @@ def _transform(node: Node) -> Pose:
 
 
 def _pose(node: Node) -> Pose:
-    """Return the pose of a ``geometry_msgs/Pose``; no orientation is no turn."""
+    """Return the pose of a ``geometry_msgs/Pose``; an absent orientation is the identity."""
     node.members(("position", "orientation"))
     turn = node.find("orientation")
     place = np.array(node.at("position").point())

@@ -93,35 +93,32 @@ class SiRrt:
         if start_time is not None and start_time.number() != 0.0:
             raise start_time.error(f"must be 0 (got {start_time.number():g})")
         order = _order(scene.at("robot_joints_order"), model)
-        start, goal, speeds = (
-            _sorted(scene.at(field), order)
-            for field in ("start_configuration", "end_configuration", "robot_joint_max_velocity")
-        )
+        start = _sorted(scene.at("start_configuration"), order)
+        goal = _sorted(scene.at("end_configuration"), order)
         rate = _rate(scene.at("fps"))
         horizon = self.horizon or scene.at("frame_count").number() / rate
         bodies = tuple(_bodies(scene.at("obstacles"), rate))
         base = Base(scene.at("robot_base_coords").point(), scene.at("robot_base_quat_rot").turn())
         try:
-            arm = Chain(self._measured(model, scene, speeds), start, self.grasp, base)
+            arm = Chain(self._measured(model, scene, order), start, self.grasp, base)
             target = resting_target(arm, goal, self.within)
             return Situation(name, horizon, arm, (target, *bodies)), goal
         except SituationError as error:
             raise scene.error(str(error)) from None
 
-    def _measured(self, model: ChainModel, scene: Node, speeds: Sequence[float]) -> ChainModel:
-        """Return the model with the speeds and radii of a scene; arms that are named keep theirs.
+    def _measured(self, model: ChainModel, scene: Node, order: Sequence[int]) -> ChainModel:
+        """Return the model with a scene's speeds and radii, where it gives them.
 
-        Raises
-        ------
-        SituationError
+        An arm that is named keeps its radii.
         """
-        pairs = zip(model.joints, speeds, strict=True)
-        faster = replace(model, joints=tuple(replace(j, max_speed=v) for j, v in pairs))
-        if self.arm is not None:
-            return faster
-        radii = scene.at("robot_capsules_radius").numbers(len(model.links))
-        links = zip(model.links, radii, strict=True)
-        return replace(faster, links=tuple(replace(link, radius=r) for link, r in links))
+        speeds, radii = scene.find("robot_joint_max_velocity"), scene.find("robot_capsules_radius")
+        if speeds is not None:
+            faster = zip(model.joints, _sorted(speeds, order), strict=True)
+            model = replace(model, joints=tuple(replace(j, max_speed=v) for j, v in faster))
+        if radii is not None and self.arm is None:
+            wider = zip(model.links, radii.numbers(len(model.links)), strict=True)
+            model = replace(model, links=tuple(replace(link, radius=r) for link, r in wider))
+        return model
 
 
 def at_end(situation: Situation[Chain]) -> Situation[Chain]:

@@ -91,7 +91,7 @@ class TableTennis:
         )
 
     def _add(self, name: str, flown: list[Flight], arm: Chain, result: Converted) -> None:
-        """Add the situation of a ball, or count why there is none."""
+        """Add the situation of a ball, or count the reason against it."""
         flown = above_floor(flown)
         if result.count(NET_STOPS, meets_net(flown)):
             return

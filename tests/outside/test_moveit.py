@@ -155,7 +155,7 @@ REFUSED = [
     ("scene0002", "planes: []", "planes: [{coef: [0, 0, 1, 0]}]", "[0].planes: planes are not"),
     ("scene0002", "data: []", "data: [1, 2]", "world.octomap: octomaps are not understood"),
     ("scene0002", "operation: 0", "operation: 1", "operation: must be 0"),
-    ("scene0002", "0, frame_id: bench", "0, frame_id: cup", 'frame_id: the pose of "cup" is not known'),
+    ("scene0002", "0, frame_id: bench", "0, frame_id: cup", 'the pose of "cup" is not known'),
     ("scene0002", "attached_collision_objects: []", "attached_collision_objects: [{}]", "holds"),
     ("scene0001", "dimensions: [0.14, 0.03]", "dimensions: [0.14]", "a list of 2 numbers (got 1)"),
     ("scene0001", "dimensions: [0.14, 0.03]", "dimensions: [0.14, 0]", "must be positive"),

@@ -82,6 +82,13 @@ def test_a_named_arm_keeps_its_radii(flying, tmp_path):
     assert situation.arm.max_joint_speed == (3.0,) * 6
 
 
+def test_scenes_without_speeds_and_radii_have_those_of_the_arm(flying):
+    def older(scene):
+        del scene["robot_joint_max_velocity"], scene["robot_capsules_radius"]
+
+    assert converted(flying(older)).arm.model == shipped_arm("xarm6")
+
+
 def test_joints_are_found_by_name(flying):
     def swap(scene):
         for name in ("robot_joints_order", "start_configuration", "end_configuration"):
