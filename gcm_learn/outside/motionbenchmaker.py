@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from gcm_learn.arms import Chain, ChainModel
-from gcm_learn.checks import quote
+from gcm_learn.checks import non_negative, quote
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.outside.converted import (
     GRASP,
@@ -63,6 +63,7 @@ class MotionBenchMaker:
 
     def convert(self, sources: Sequence[Path]) -> Converted:
         """Return a situation for each pair of a scene and a request."""
+        non_negative(0 if self.moving is None else self.moving, "moving")
         result, names = Converted(), set()
         for source in sources:
             for name, scene, request in _pairs(source):
@@ -79,7 +80,7 @@ class MotionBenchMaker:
         state, goal = start_of(request, scene), goal_of(request, model, robot)
         bodies = bodies_of(scene)
         try:
-            arm = Chain(model, posture_of(state, model, robot), self.grasp, base_of(state))
+            arm = Chain(model, posture_of(state, model, robot), self.grasp, base_of(state, scene))
             target = resting_target(arm, goal, self.within)
             resting = Situation(name, self.horizon, arm, (target, *bodies))
         except SituationError as error:

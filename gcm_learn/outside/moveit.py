@@ -282,7 +282,11 @@ def base_pose(state: Node) -> Pose:
     return _transform(rows[0])
 
 
-def base_of(state: Node) -> Base:
-    """Return the base of an arm whose robot is in a state."""
+def base_of(state: Node, scene: Node) -> Base:
+    """Return the base of an arm whose robot starts in a state: the state's, or else the scene's."""
+    given = state.find("multi_dof_joint_state")
+    other = scene.find("robot_state")
+    if other is not None and (given is None or given.find("transforms") is None):
+        state = other
     pose = base_pose(state)
     return Base(tuple(pose.place.tolist()), quaternion_of(pose.turn))

@@ -77,8 +77,10 @@ class SiRrt:
         """Return a situation for each scene."""
         result, model = Converted(), model_named(self.arm or "xarm6")
         for scene in json_nodes(sources, FILES):
-            named = f"{len(result.situations) + 1}-{Path(scene.file).name.split('.json')[0]}"
-            situation, goal = self._convert(named, scene, model)
+            name = Path(scene.file).name.split(".json")[0]
+            taken = {situation.name for situation in result.situations}
+            name = name if name not in taken else f"{name}-{len(taken) + 1}"
+            situation, goal = self._convert(name, scene, model)
             result.count("the start is blocked", is_blocked(situation))
             ended = goal_is_blocked(at_end(situation), goal)
             result.count("the goal posture is blocked at the end", ended)
@@ -96,7 +98,9 @@ class SiRrt:
         start = _sorted(scene.at("start_configuration"), order)
         goal = _sorted(scene.at("end_configuration"), order)
         rate = _rate(scene.at("fps"))
-        horizon = self.horizon or scene.at("frame_count").number() / rate
+        horizon = self.horizon
+        if horizon is None:
+            horizon = scene.at("frame_count").number() / rate
         bodies = tuple(_bodies(scene.at("obstacles"), rate))
         base = Base(scene.at("robot_base_coords").point(), scene.at("robot_base_quat_rot").turn())
         try:

@@ -32,6 +32,8 @@ RACKET = 0.075
 """Default distance of hand and ball at which it is caught, the radius of a racket [m]."""
 SLAB = 0.0125
 """Half the thickness of the table's top [m]."""
+LARGEST = 1e4
+"""Largest number of a state; balls spin with some hundred rad/s."""
 CHUNK = 256
 """Balls that are integrated together."""
 NET_STOPS, PASSES = "the ball meets the net (left out)", "the ball stays out of reach (left out)"
@@ -118,7 +120,11 @@ def _names(balls: Sequence[Node]) -> list[str]:
 
 
 def _state(row: Node) -> list[float]:
-    return [row.at(name).number() for name in FIELDS]
+    values = [row.at(name).number() for name in FIELDS]
+    for name, value in zip(FIELDS, values, strict=True):
+        if abs(value) > LARGEST:
+            raise row.inside(name).error(f"is too large ({value:g}, max {LARGEST:g})")
+    return values
 
 
 def facing(states: np.ndarray) -> np.ndarray:

@@ -32,6 +32,8 @@ REFUSED = [
     (["si-rrt", SOURCES["si-rrt"], "--arm", "hook"], '"hook" is not the name of an arm'),
     (["si-rrt", SOURCES["si-rrt"], "--horizon", "-1"], "horizon: must be positive"),
     (["motionbenchmaker", SOURCES["motionbenchmaker"], "--within", "9"], "within: must be from 0"),
+    (["si-rrt", SOURCES["si-rrt"], "--horizon", "0"], "horizon: must be positive"),
+    (["motionbenchmaker", SOURCES["motionbenchmaker"], "--moving", "-1"], "moving: must not be"),
     (["si-rrt"], "SOURCE"),
     (["si-rrt", "nowhere.json"], "nowhere.json: cannot be read"),
 ]

@@ -91,6 +91,22 @@ def test_fingers_may_touch_what_they_grasp(shelf):
     ]
 
 
+def test_a_robot_elsewhere_takes_its_frame_along(shelf):
+    """The can is given in the frame of the first link, the board in that of the world."""
+    scene = shelf / "scene0001.yaml"
+    (hand,), _ = hands_along(converted(shelf)[0].arm, [GOAL])
+    text = scene.read_text()
+    text = text.replace("{translation: [0, 0, 0]", "{translation: [0.3, 0.1, 0.2]", 1)
+    text = text.replace("id: Can1", "header: {frame_id: panda_link0}\n      id: Can1")
+    text = text.replace("[0.55, 0.0, 0.45]", f"[{hand[0]}, {hand[1]}, {hand[2] - 0.06}]")
+    scene.write_text(text)
+    moved = converted(shelf)[0]
+    assert moved.arm.base.origin == (0.3, 0.1, 0.2) and moved.arm.ignore == ((7, "Can1"),)
+    shift = np.array(moved.targets[0].motion.position) - hand
+    np.testing.assert_allclose(shift, (0.3, 0.1, 0.2), atol=1e-12)
+    assert body(moved, "shelf").motion.position == (0.6, 0.0, 0.36)
+
+
 def test_blocked_starts_and_goals_are_counted_and_kept(shelf):
     scene = shelf / "scene0002.yaml"
     scene.write_text(scene.read_text().replace("y: -0.6, z: 0.2", "y: -0.2, z: 0.45"))

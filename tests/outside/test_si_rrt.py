@@ -41,6 +41,11 @@ def test_a_scene_becomes_a_situation(flying):
     }  # fmt: skip
 
 
+def test_scenes_are_called_after_their_files(flying):
+    names = [s.name for s in SiRrt().convert([flying(), flying()]).situations]
+    assert names == ["flying", "flying-2"]
+
+
 def test_few_samples_are_kept_and_they_say_the_same(flying):
     """A straight slide and its rest need two samples, a steady turn few."""
     situation = converted(flying())

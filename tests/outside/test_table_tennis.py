@@ -173,6 +173,7 @@ REFUSED = [
     (lambda s: s[1].pop("vel_z"), "[1].vel_z: is missing"),
     (lambda s: s[1].update(pos_x="far"), "[1].pos_x: must be a number"),
     (lambda s: s[1].update(w_vel_y=math.nan), "[1].w_vel_y: must be finite"),
+    (lambda s: s[1].update(vel_x=1e30), "[1].vel_x: is too large (1e+30, max 10000)"),
     (lambda s: s[1].update(id=7), "[1].id: is given twice"),
     (lambda s: s.append(3), "[4]: must be an object (got 3)"),
 ]
