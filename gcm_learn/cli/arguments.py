@@ -14,6 +14,7 @@ import tyro
 from gcm_learn import __version__
 from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.arm import Arm, Arms
+from gcm_learn.cli.convert import Convert
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.draw import Draw
 from gcm_learn.cli.evaluate import Evaluate
@@ -49,6 +50,7 @@ examples:
   gcm-learn arms                                       arms that ship
   gcm-learn families                                   what can be drawn at random
   gcm-learn draw gate --count 20 --out gates.jsonl     situations of a family
+  gcm-learn convert motionbenchmaker problems.tar.bz2 --out mbm.jsonl   problems of others
   gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
   gcm-learn inspect data/mine                          what is in it, in numbers
   gcm-learn gallery data/mine                          and in pictures
@@ -79,6 +81,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "arms": Arms,
     "families": Families,
     "draw": Draw,
+    "convert": Convert,
     "generate": Generate,
     "inspect": Inspect,
     "gallery": Gallery,

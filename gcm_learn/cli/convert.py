@@ -1,0 +1,97 @@
+"""``gcm-learn convert``: problems that others made, as situations."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.files import output
+from gcm_learn.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from gcm_learn.outside import Converter
+
+OF_SUITE = "(default: of the suite)"
+
+
+@dataclass(frozen=True)
+class Convert:
+    """Convert problems that others made; write one situation a line, in the format of `solve`.
+
+    Standard error says how many starts and goals are blocked.
+    """
+
+    suite: Annotated[Positional[str], arg(metavar="SUITE")]
+    """motionbenchmaker, si-rrt or table-tennis"""
+
+    sources: Annotated[Positional[tuple[Path, ...]], arg(metavar="SOURCE")]
+    """files, folders or tar archives"""
+
+    out: Annotated[
+        Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
+    ] = None
+    """where the situations go; the file appears whole or not at all"""
+
+    arm: Annotated[str | None, arg(metavar="NAME", help_behavior_hint=OF_SUITE)] = None
+    """an arm that ships or an arm file"""
+
+    horizon: Annotated[float | None, arg(metavar="S", help_behavior_hint=OF_SUITE)] = None
+    """last moment at which a catch counts"""
+
+    grasp: Annotated[float | None, arg(metavar="M", help_behavior_hint=OF_SUITE)] = None
+    """distance of hand and target at which it is caught"""
+
+    within: Annotated[float | None, arg(metavar="RAD", help_behavior_hint=OF_SUITE)] = None
+    """angle between the hand's axis and that of the goal posture; not of table-tennis"""
+
+    moving: Annotated[int | None, arg(metavar="SEED", help_behavior_hint="(default: at rest)")] = (
+        None
+    )
+    """set scenes in motion; of motionbenchmaker only"""
+
+    base: Annotated[
+        tuple[float, float, float] | None, arg(metavar="X Y Z", help_behavior_hint=OF_SUITE)
+    ] = None
+    """place of the arm's base; of table-tennis only"""
+
+    def run(self) -> int:
+        """Convert and write."""
+        from gcm_learn.situation import situation_to_json
+
+        converter = self._converter()
+        if not self.sources:
+            raise CommandFailure("SOURCE is missing: a file, a folder or a tar archive")
+        with output(self.out) as stream:
+            converted = converter.convert(self.sources)
+            for situation in converted.situations:
+                stream.write(json.dumps(situation_to_json(situation)) + "\n")
+        print(f"situations: {len(converted.situations)}", file=sys.stderr)
+        for note in converted.notes():
+            print(note, file=sys.stderr)
+        return 0
+
+    def _converter(self) -> Converter:
+        """Return the converter of the suite with the settings that are given."""
+        from gcm_learn.outside import CONVERTERS
+
+        if self.suite not in CONVERTERS:
+            raise UnknownNameError.among("suite", self.suite, CONVERTERS)
+        suite: Any = CONVERTERS[self.suite]
+        known = {field.name for field in dataclasses.fields(suite)}
+        given = {}
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if field.name in ("suite", "sources", "out") or value is None:
+                continue
+            if field.name not in known:
+                raise CommandFailure(f"--{field.name}: is no option of {self.suite}")
+            given[field.name] = value
+        converter: Converter = suite(**given)
+        return converter

@@ -1,0 +1,165 @@
+"""Records of a conversion, and what all converters do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from gcm_learn.arms import Base, Chain, ChainModel, hands_along
+from gcm_learn.errors import SituationError
+from gcm_learn.motion import Movement, rules_of, start_clearance, verify
+from gcm_learn.scene import gap, pack, pose
+from gcm_learn.situation import (
+    Approach,
+    Body,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    read_arm,
+    shipped_arm,
+)
+
+REST = (0.0, 0.0, 0.0)
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+TARGET = 0.01
+"""Radius of a target that stands for a goal posture [m]."""
+GRASP = 0.01
+"""Default distance of hand and target at which it is caught [m]."""
+FINGERS = 0.01
+"""Largest distance of the hand in its goal posture to the object that it grasps [m]."""
+HELD = 0.25
+"""Largest bounding radius of an object that a hand grasps, or that a belt carries [m]."""
+WITHIN = 0.35
+"""Default angle between the hand's axis and that of the goal posture, 20 degrees [rad]."""
+
+
+@dataclass
+class Converted:
+    """Situations, and counts for the person who converts."""
+
+    situations: list[Situation[Chain]] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+    """Sentence to how many problems it applies to."""
+
+    asked: dict[str, int] = field(default_factory=dict)
+    """Sentence to how many problems it might apply to."""
+
+    def count(self, sentence: str, applies: bool) -> bool:
+        """Count a problem if a sentence applies to it; return whether it does."""
+        self.counts[sentence] = self.counts.get(sentence, 0) + bool(applies)
+        self.asked[sentence] = self.asked.get(sentence, 0) + 1
+        return applies
+
+    def notes(self) -> Iterator[str]:
+        """Yield lines such as ``3 of 700: the start is blocked``."""
+        for sentence, count in self.counts.items():
+            yield f"{count} of {self.asked[sentence]}: {sentence}"
+
+
+class Converter(Protocol):
+    """Record of the settings of a conversion, one class for each suite."""
+
+    summary: ClassVar[str]
+
+    def convert(self, sources: Sequence[Path]) -> Converted:
+        """Return the situations of files or folders."""
+
+
+def model_named(arm: str) -> ChainModel:
+    """Return the arm of a file whose name ends in ``.json``, or one that ships.
+
+    Raises
+    ------
+    FileFormatError, SituationError
+    """
+    if arm.endswith(".json"):
+        return read_arm(arm)
+    try:
+        return shipped_arm(arm)
+    except SituationError as error:
+        raise SituationError("arm", error.reason) from None
+
+
+def resting_target(arm: Chain, goal: Sequence[float], within: float) -> Body:
+    """Return a small ball at the place that the hand has in a goal posture.
+
+    Parameters
+    ----------
+    arm : Chain
+    goal : (n,) sequence of float
+    within : float
+        Largest angle between the hand's axis and its axis in that posture [rad].
+    """
+    (hand,), (axis,) = hands_along(arm, [goal])
+    place = SolidQuadratic(tuple(hand.tolist()), REST, REST)
+    approach = Approach(tuple((axis / np.linalg.norm(axis)).tolist()), within)
+    return Body("target", "goal", Sphere(TARGET), place, approach)
+
+
+def is_blocked(situation: Situation[Chain]) -> bool:
+    """Return whether the arm at t = 0 touches an obstacle or itself."""
+    return start_clearance(pack(situation)) <= 0.0
+
+
+def goal_is_blocked(situation: Situation[Chain], goal: Sequence[float]) -> bool:
+    """Return whether a goal posture is out of range, or touches at t = 0."""
+    try:
+        there = replace(situation.arm, joints=tuple(goal))
+    except SituationError:
+        return True
+    return is_blocked(replace(situation, arm=there))
+
+
+def stays_free(situation: Situation[Chain]) -> bool:
+    """Return whether the arm stays free up to the horizon while it rests."""
+    arm: Any = situation.arm
+    posture = np.array([arm.joints, arm.joints])
+    (hand,), _ = hands_along(arm, posture[:1])
+    place = SolidQuadratic(tuple(hand.tolist()), REST, REST)
+    held = Body("target", situation.targets[0].name, Sphere(TARGET), place)
+    resting = replace(situation, bodies=(held, *situation.obstacles), catch="any")
+    scene = pack(resting)
+    movement = Movement(arm, np.array([0.0, resting.horizon]), posture)
+    return verify(scene, rules_of(scene), movement, 0).good
+
+
+def grasping(situation: Situation[Chain], goal: Sequence[float]) -> Situation[Chain]:
+    """Return the situation in which the fingers may touch the object that they grasp.
+
+    An open gripper around an object is a goal of the original problem, but our fingers are one
+    capsule, which would be inside the object.  So pairs of the links around the hand's point and
+    the object nearest to it in the goal posture are ignored.
+    """
+    arm = replace(situation.arm, base=Base())
+    (hand,), _ = hands_along(arm, [goal])
+    scene, near = pack(situation), (FINGERS, "")
+    for k, body in enumerate(situation.bodies):
+        if body.role == "obstacle" and body.shape.bounding_radius <= HELD:
+            centre, turn = pose(situation, k, 0.0)
+            away = gap(scene.bodies, k, *(turn.T @ (hand - centre)).tolist())
+            near = min(near, (away, body.name))
+    if not near[1]:
+        return situation
+    pairs = tuple((k, near[1]) for k in fingers(arm.model))
+    return replace(situation, arm=replace(situation.arm, ignore=(*situation.arm.ignore, *pairs)))
+
+
+def fingers(model: ChainModel) -> list[int]:
+    """Return the links of a model in which the hand's point is."""
+    return [
+        k
+        for k, link in enumerate(model.links)
+        if link.joint == model.hand.joint
+        and _to_segment(model.hand.point, link.start, link.end) <= link.radius
+    ]
+
+
+def _to_segment(point: Sequence[float], start: Sequence[float], end: Sequence[float]) -> float:
+    p, a, b = map(np.array, (point, start, end))
+    length = float((b - a) @ (b - a))
+    share = np.clip((p - a) @ (b - a) / length, 0.0, 1.0) if length > 0.0 else 0.0
+    return float(np.linalg.norm(p - a - share * (b - a)))
