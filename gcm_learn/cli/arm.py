@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import Positional, UseAppendAction, arg
 
 from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.figure import FORMATS, require_suffix
 from gcm_learn.cli.files import output, staged
 
 if TYPE_CHECKING:
     from gcm_learn.arms import ChainModel, Fitted, Robot
 
-FORMATS = (".png", ".pdf", ".svg")
 Numbers = tuple[float, ...]
 
 
@@ -106,8 +106,8 @@ class Arm:
         return 0
 
     def _check(self) -> None:
-        if self.plot is not None and self.plot.suffix.lower() not in FORMATS:
-            raise CommandFailure(f"--plot {self.plot}: the name must end in {' or '.join(FORMATS)}")
+        if self.plot is not None:
+            require_suffix(self.plot, FORMATS, "--plot")
         if self.capsules < 1:
             raise CommandFailure(f"--capsules {self.capsules}: must be at least 1")
         for name, numbers in (("--point", self.point), ("--axis", self.axis)):

@@ -41,7 +41,7 @@ class Figure:
         return 0
 
 
-def require_suffix(target: Path, known: tuple[str, ...]) -> None:
+def require_suffix(target: Path, known: tuple[str, ...], option: str = "--out") -> None:
     """Refuse a file name that does not end in one of the `known` formats."""
     if target.suffix.lower() not in known:
-        raise CommandFailure(f"--out {target}: the name must end in {' or '.join(known)}")
+        raise CommandFailure(f"{option} {target}: the name must end in {' or '.join(known)}")
