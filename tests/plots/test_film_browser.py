@@ -19,8 +19,15 @@ def seen(page):
     return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), dtype=float) / 255
 
 
-@pytest.mark.parametrize("width", [1200, 400])
-@pytest.mark.parametrize("name", ["spatial", "chain"])
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [
+        ("chain", 400),
+        pytest.param("chain", 1200, marks=pytest.mark.slow),
+        pytest.param("spatial", 400, marks=pytest.mark.slow),
+        pytest.param("spatial", 1200, marks=pytest.mark.slow),
+    ],
+)
 def test_the_page_begins_at_the_start_and_shows_all(name, width, tmp_path, browser):
     pytest.importorskip("plotly")
     path = write_film_page(*FAR[name](), tmp_path / "page.html")
