@@ -153,6 +153,7 @@ def test_a_hybrid_asks_its_fallback_where_its_front_has_no_catch(tmp_path):
     assert hybrid.ready.tolist() == [True, True, False, False]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["crossing-swarm", "door-space"])
 def test_counting_changes_no_answer(family):
     planner, known = get_planner("recall-random"), trials.first_valid

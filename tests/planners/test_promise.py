@@ -62,6 +62,8 @@ def broken(family, planner, seed, seeds):
     ("family", "count"), [("planar", 100), ("solid", 30), ("limited", 16), ("slippery", 30)]
 )
 def test_every_catch_keeps_the_promise(family, count, planner):
+    if family == "limited" and planner in ("oracle", "layered-wave"):
+        pytest.skip("asked by the slow tests: code of its own is compiled")
     count = max(count // LESS.get(planner, 1), 10)
     complaints, caught = broken(family, planner, 61, range(count))
     assert complaints == {}

@@ -81,6 +81,7 @@ def test_a_stratum_is_that_of_the_oracle(family, index):
     assert (explained["stratum"] == "L") == plan_with(get_planner("straight"), situation).caught
 
 
+@pytest.mark.slow
 def test_everything_that_is_offered_is_answered():
     offered = respond("begin", {})
     for name in [*offered["scenes"], *offered["families"]]:

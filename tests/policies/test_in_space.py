@@ -348,6 +348,7 @@ def test_situations_that_another_planner_catches_are_chosen(tmp_path):
     assert all(solve(situation, "straight").caught for situation in easy.situations)
 
 
+@pytest.mark.slow
 def test_catches_out_of_memory_are_shown(monkeypatch):
     from gcm_learn.policies import situations
     from gcm_learn.policies.plan import Share

@@ -107,6 +107,7 @@ class _Stops:
         return self.spec.choose(rng)
 
 
+@pytest.mark.slow
 def test_a_cluster_makes_the_same_encoder(folder, small, scheduler, tmp_path, monkeypatch):
     """By its labels of all kinds: the first about any memories, later ones about the best."""
     monkeypatch.setattr(transfer_labels, "READ", 7)

@@ -59,7 +59,7 @@ answers = []
 for kind in ("capsule", "pill"):
     situation = situation_from_json(json.loads(given.replace('"capsule"', f'"{kind}"')))
     assert f'"{kind}"' in json.dumps(situation_to_json(situation))
-    plan = solve(situation, "straight-wait")
+    plan = solve(situation, "search")
     plan_figure(situation, plan).savefig(f"{kind}.png")
     answers.append(plan_to_json(plan, situation) | {"planning_ms": 0})
 print(json.dumps(answers))
