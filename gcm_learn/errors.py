@@ -92,7 +92,7 @@ class UnknownNameError(GcmError, ValueError):
 
 
 class RobotError(GcmError, ValueError):
-    """A robot's file, or what is asked of it, cannot be made into a chain; names link or joint."""
+    """A robot's file cannot be made into a chain as requested; names the link or joint."""
 
 
 class LatticeError(GcmError, ValueError):

@@ -21,9 +21,9 @@ def as_obstacles(movement: Movement, name: str, error: float = ERROR) -> tuple[B
     """Return bodies that hold the links of an arm during a movement, and at rest afterwards.
 
     A body is a link's capsule whose pose is sampled. Between samples its centre goes straight and
-    its axis turns evenly, while a point of the link strays from the straight line by at most
-    ``a dt^2 / 8``, where ``a`` bounds its acceleration. Samples are so dense that this is less than
-    `error`, by which the capsule is thicker.
+    its axis turns evenly. A point of the link strays from the straight line by at most
+    ``a dt^2 / 8``, where ``a`` bounds its acceleration. The capsule is thicker by `error`. Samples
+    are so dense that links stray less.
 
     Parameters
     ----------
@@ -148,8 +148,8 @@ def _bounds(movement: Movement, k: int) -> tuple[np.ndarray, np.ndarray]:
 def _of_chain(arm: Chain) -> np.ndarray:
     """Return for each link what its joints do to it (links, 2, dof).
 
-    First bounds on the distance of the link's points to a turning joint, 1 for a sliding one and 0
-    for joints beyond the link; then 1 for joints that turn the link.
+    The first row bounds the distance of the link's points to a turning joint. It is 1 for a sliding
+    joint and 0 for joints beyond the link. The second row is 1 for joints that turn the link.
     """
     joints, found = arm.model.joints, []
     for link in arm.model.links:

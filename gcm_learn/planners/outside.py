@@ -65,13 +65,13 @@ def judged_anew(situation: AnySituation, plan: Plan) -> tuple[str | None, float 
     parts = (moves.time, moves.hand, moves.joints, moves.rates)
     if not all(np.isfinite(part).all() for part in parts if part is not None):
         return "has numbers that are not finite", None
-    return _verified(situation, moves, plan.catch_body)
+    return verified_anew(situation, moves, plan.catch_body)
 
 
-def _verified(
+def verified_anew(
     situation: AnySituation, moves: Movement, target: str
 ) -> tuple[str | None, float | None]:
-    """Return what verification says against a movement, and the clearance."""
+    """Return what verification says against a movement to a target, and the clearance."""
     scene = pack(situation)
     body = [body.name for body in situation.bodies].index(target)
     rules = rules_of(scene)._replace(touch=scene.limb.thickness)  # planners keep a little more

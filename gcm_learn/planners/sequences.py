@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.motion import Movement, rules_of, verify
+from gcm_learn.motion import Movement
+from gcm_learn.planners.outside import verified_anew
 from gcm_learn.planners.plan import Deadline, Plan
-from gcm_learn.scene import later, pack
+from gcm_learn.scene import later
 from gcm_learn.situation import AnySituation
 
 
@@ -99,7 +100,7 @@ def _joined(situation: AnySituation, legs: list[Plan], spent: float) -> Plan:
         return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
     moves, ends = _movement(situation, caught)
     names = [str(leg.catch_body) for leg in caught]
-    clearance, fault = _verified(situation, moves, names[-1])
+    fault, clearance = verified_anew(situation, moves, names[-1])
     if fault is not None:
         message = f"the legs do not join: {fault}"
         return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
@@ -126,14 +127,3 @@ def _movement(situation: AnySituation, legs: list[Plan]) -> tuple[Movement, list
     moves = Movement(situation.arm, time, joined([part.joints for part in parts]), rates)
     last = np.cumsum([len(part.time) for part in parts]) - 1 - np.arange(len(parts))
     return moves, time[last].tolist()
-
-
-def _verified(
-    situation: AnySituation, moves: Movement, target: str
-) -> tuple[float | None, str | None]:
-    """Return the clearance of a movement, and what is wrong with it."""
-    scene = pack(situation)
-    body = [body.name for body in situation.bodies].index(target)
-    rules = rules_of(scene)._replace(touch=scene.limb.thickness)  # legs keep a little more
-    verdict = verify(scene, rules, moves, body)
-    return verdict.clearance, None if verdict.reason is None else str(verdict.reason)

@@ -17,29 +17,26 @@ def shelf(tmp_path):
     return Path(shutil.copytree(DATA / "shelf", tmp_path / "shelf"))
 
 
-@pytest.fixture
-def flying(tmp_path):
-    """Return a function that writes a changed scene of frames."""
+def changing(folder, name):
+    """Return a function that writes a file of DATA to a folder, changed by another function."""
 
-    def write(change=lambda scene: None):
-        scene = json.loads((DATA / "flying.json").read_text())
-        change(scene)
-        path = tmp_path / "flying.json"
-        path.write_text(json.dumps(scene))
+    def write(change=lambda content: None):
+        content = json.loads((DATA / name).read_text())
+        change(content)
+        path = folder / name
+        path.write_text(json.dumps(content))
         return path
 
     return write
+
+
+@pytest.fixture
+def flying(tmp_path):
+    """Return a function that writes a changed scene of frames."""
+    return changing(tmp_path, "flying.json")
 
 
 @pytest.fixture
 def balls(tmp_path):
     """Return a function that writes changed states of balls."""
-
-    def write(change=lambda states: None):
-        states = json.loads((DATA / "balls.json").read_text())
-        change(states)
-        path = tmp_path / "balls.json"
-        path.write_text(json.dumps(states))
-        return path
-
-    return write
+    return changing(tmp_path, "balls.json")

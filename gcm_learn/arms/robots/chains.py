@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
 from gcm_learn.arms.robots.capsules import Group, covered, overhang
 from gcm_learn.arms.robots.pairs import checked_pairs
-from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint
+from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint, motion
 from gcm_learn.arms.robots.urdf import FULL_TURN, read_urdf
 from gcm_learn.errors import RobotError
 
@@ -214,13 +214,8 @@ def _frames(
 
 
 def _moved(joint: RobotJoint, values: Mapping[str, float]) -> np.ndarray:
-    """Return the pose that a joint's value gives its child."""
-    pose, value = np.eye(4), values[joint.name]
-    if joint.type == "prismatic":
-        pose[:3, 3] = np.array(joint.axis) * value
-    elif joint.type in MOVING:
-        pose[:3, :3] = Rotation.from_rotvec(np.array(joint.axis) * value).as_matrix()
-    return pose
+    """Return the pose that a joint's value gives its child; joints of other types do not move."""
+    return motion(joint.type if joint.type in MOVING else "fixed", joint.axis, values[joint.name])
 
 
 def _chain_joint(

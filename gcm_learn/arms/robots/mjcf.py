@@ -57,7 +57,8 @@ def _join(
     parent = names[model.body_parentid[b]]
     pose = _pose(model.body_pos[b], model.body_quat[b])
     first, count = int(model.body_jntadr[b]), int(model.body_jntnum[b])
-    types = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}  # noqa: E501  # fmt: skip
+    hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+    types = {int(hinge): "revolute", int(slide): "prismatic"}
     for j in range(first, first + count):
         name = model.joint(j).name or f"joint {j}"
         kind = types.get(int(model.jnt_type[j]), "free or ball")
@@ -69,29 +70,11 @@ def _join(
             kind = "continuous"
         between = f"{names[b]} at {name}"
         links[between] = RobotLink(between, ())
-        origin = pose @ anchor @ _motion(kind, axis, -at)
-        joints.append(
-            RobotJoint(
-                name,
-                kind,
-                parent,
-                between,
-                origin,
-                (float(axis[0]), float(axis[1]), float(axis[2])),
-                bounds,
-            )
-        )
+        origin = pose @ anchor @ tree.motion(kind, axis, -at)
+        x, y, z = map(float, axis)
+        joints.append(RobotJoint(name, kind, parent, between, origin, (x, y, z), bounds))
         parent, pose = between, np.linalg.inv(anchor)
     joints.append(RobotJoint(f"{names[b]} (fixed)", "fixed", parent, names[b], pose))
-
-
-def _motion(kind: str, axis: np.ndarray, value: float) -> np.ndarray:
-    moved = np.eye(4)
-    if kind == "prismatic":
-        moved[:3, 3] = np.asarray(axis) * value
-    else:
-        moved[:3, :3] = Rotation.from_rotvec(np.asarray(axis) * value).as_matrix()
-    return moved
 
 
 def _pose(place: Any, quaternion: Any) -> np.ndarray:

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 CORNERS = 24
 """Corners of the polygons that stand for circles; they lie outside of the circle."""
@@ -63,6 +64,16 @@ class Robot(NamedTuple):
     name: str
     links: Mapping[str, RobotLink]
     joints: Sequence[RobotJoint]
+
+
+def motion(kind: str, axis: Sequence[float], value: float) -> np.ndarray:
+    """Return the pose (4, 4) that a joint's value gives its child; that of a fixed one is none."""
+    pose = np.eye(4)
+    if kind == "prismatic":
+        pose[:3, 3] = np.asarray(axis) * value
+    elif kind != "fixed":
+        pose[:3, :3] = Rotation.from_rotvec(np.asarray(axis) * value).as_matrix()
+    return pose
 
 
 def ball(radius: float) -> Hull:
