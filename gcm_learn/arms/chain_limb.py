@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.chain import Chain, ChainJoint
+from gcm_learn.arms.chain import Chain, ChainModel
 from gcm_learn.arms.curves import on_curve, rate_of, turn_of
 from gcm_learn.arms.link_gaps import middles_gap, segments_gap2
 from gcm_learn.arms.rotations import rotation_of
@@ -24,12 +24,13 @@ POINT, AXIS = 0, 3  # columns of `ChainLimb.reaches`
 class ChainLimb(NamedTuple):
     """A chain as kernels read it, frame 0 at the origin."""
 
-    joints: np.ndarray  # (n, 16): type, origin (3), rotation (9, row by row), axis (3)
+    joints: np.ndarray  # (n, 13): type, origin (3), rotation (9, row by row); z is the joint's axis
     low: np.ndarray  # (n,) ends of the joints' ranges
     high: np.ndarray  # (n,)
     carriers: np.ndarray  # (m + 1,): frame that carries each link, and last the hand
     ends: np.ndarray  # (m + 1, 6): ends of the links' axes; last the hand's point and its axis
     radii: np.ndarray  # (m,): of the links
+    halves: np.ndarray  # (m,): half the lengths of their axes
     pairs: np.ndarray  # (p, 2): links that must not overlap
     ignored: np.ndarray  # (m, bodies) bool: links and obstacles that are not checked
     tails: np.ndarray  # (n,): bound of the hand's way for a unit of each joint, at any posture
@@ -45,65 +46,77 @@ class ChainLimb(NamedTuple):
     turns: np.ndarray  # (n,): how far joints turn; written by `swept`
 
 
-@njit(_nrt=False)
+# A call hands over every array of a tuple, number by number, which takes as long as the work of a
+# small function. So small functions are in the place of their call, and larger ones take what they
+# need.
+@njit(_nrt=False, forceinline=True)
 def place(limb, q):
     """Write frames, axes and links at a posture (n,) into the limb's arrays."""
-    frames, joints, axes = limb.frames, limb.joints, limb.axes
-    for k in range(joints.shape[0]):
-        _step(limb, k, q[k])
-    for i in range(limb.carriers.size):
-        f = limb.carriers[i]
-        for e in range(2):
-            x, y, z = limb.ends[i, 3 * e], limb.ends[i, 3 * e + 1], limb.ends[i, 3 * e + 2]
-            shift = 0.0 if i == limb.radii.size and e == 1 else 1.0  # the hand's axis is no point
-            for r in range(3):
-                turned = frames[f, 3 * r] * x + frames[f, 3 * r + 1] * y + frames[f, 3 * r + 2] * z
-                limb.reaches[i, 3 * e + r] = turned + shift * frames[f, 9 + r]
-    return axes.shape[0]
+    _frames(limb.joints, q, limb.frames, limb.axes)
+    _links(limb.carriers, limb.ends, limb.frames, limb.reaches)
+    return q.size
 
 
 @njit(_nrt=False)
-def _step(limb, k, value):
-    """Write frame k + 1 from frame k: the joint's place, then its motion."""
-    frames, row = limb.frames, limb.joints
-    for r in range(3):
-        a, b, c = frames[k, 3 * r], frames[k, 3 * r + 1], frames[k, 3 * r + 2]
-        at = frames[k, 9 + r] + a * row[k, 1] + b * row[k, 2] + c * row[k, 3]
-        u = a * row[k, 4] + b * row[k, 7] + c * row[k, 10]
-        v = a * row[k, 5] + b * row[k, 8] + c * row[k, 11]
-        w = a * row[k, 6] + b * row[k, 9] + c * row[k, 12]
-        along = u * row[k, 13] + v * row[k, 14] + w * row[k, 15]
-        limb.axes[k, r], limb.axes[k, 3 + r] = at, along
-        frames[k + 1, 3 * r], frames[k + 1, 3 * r + 1], frames[k + 1, 3 * r + 2] = u, v, w
-        frames[k + 1, 9 + r] = at + (along * value if row[k, 0] == PRISMATIC else 0.0)
-    if row[k, 0] == REVOLUTE:
-        _turn(frames, k + 1, value, row[k, 13], row[k, 14], row[k, 15])
+def _links(carriers, ends, frames, out):
+    """Write the ends of links and last the hand's point and axis, carried by the frames."""
+    for m in range(carriers.size):
+        k = carriers[m]
+        a, b, c, x = frames[k, 0], frames[k, 1], frames[k, 2], frames[k, 9]
+        d, e, f, y = frames[k, 3], frames[k, 4], frames[k, 5], frames[k, 10]
+        g, h, i, z = frames[k, 6], frames[k, 7], frames[k, 8], frames[k, 11]
+        u, v, w = ends[m, 0], ends[m, 1], ends[m, 2]
+        r, s, t = ends[m, 3], ends[m, 4], ends[m, 5]
+        px, py, pz = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        qx, qy, qz = a * r + b * s + c * t, d * r + e * s + f * t, g * r + h * s + i * t
+        out[m, 0], out[m, 1], out[m, 2] = px + x, py + y, pz + z
+        if m + 1 < carriers.size:  # the hand's axis is no point
+            qx, qy, qz = qx + x, qy + y, qz + z
+        out[m, 3], out[m, 4], out[m, 5] = qx, qy, qz
+
+
+@njit(_nrt=False)
+def _frames(rows, q, frames, axes):
+    """Write frames and axes.  The frame at hand is kept in numbers: arrays may overlap."""
+    a, b, c, d, e, f, g, h, i = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(q.size):
+        u, v, w = rows[k, 1], rows[k, 2], rows[k, 3]
+        x, y, z = (
+            x + a * u + b * v + c * w, y + d * u + e * v + f * w, z + g * u + h * v + i * w
+        )  # fmt: skip
+        u, v, w = rows[k, 4], rows[k, 7], rows[k, 10]
+        ax, ay, az = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        u, v, w = rows[k, 5], rows[k, 8], rows[k, 11]
+        bx, by, bz = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        u, v, w = rows[k, 6], rows[k, 9], rows[k, 12]
+        c, f, i = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        axes[k, 0], axes[k, 1], axes[k, 2] = x, y, z
+        axes[k, 3], axes[k, 4], axes[k, 5] = c, f, i
+        if rows[k, 0] == REVOLUTE:
+            u, v = np.cos(q[k]), np.sin(q[k])
+            a, d, g = u * ax + v * bx, u * ay + v * by, u * az + v * bz
+            b, e, h = u * bx - v * ax, u * by - v * ay, u * bz - v * az
+        else:
+            a, d, g, b, e, h = ax, ay, az, bx, by, bz
+            x, y, z = x + c * q[k], y + f * q[k], z + i * q[k]
+        frames[k + 1, 0], frames[k + 1, 1], frames[k + 1, 2] = a, b, c
+        frames[k + 1, 3], frames[k + 1, 4], frames[k + 1, 5] = d, e, f
+        frames[k + 1, 6], frames[k + 1, 7], frames[k + 1, 8] = g, h, i
+        frames[k + 1, 9], frames[k + 1, 10], frames[k + 1, 11] = x, y, z
 
 
 @njit(_nrt=False, forceinline=True)
-def _turn(frames, f, angle, x, y, z):
-    """Turn frame f about its own axis (x, y, z): Rodrigues' formula from the right."""
-    c, s = np.cos(angle), np.sin(angle)
-    v = 1.0 - c
-    for r in range(3):
-        a, b, d = frames[f, 3 * r], frames[f, 3 * r + 1], frames[f, 3 * r + 2]
-        along = (a * x + b * y + d * z) * v
-        frames[f, 3 * r] = c * a + along * x + s * (b * z - d * y)
-        frames[f, 3 * r + 1] = c * b + along * y + s * (d * x - a * z)
-        frames[f, 3 * r + 2] = c * d + along * z + s * (a * y - b * x)
-
-
-@njit(_nrt=False, forceinline=True)
-def _off_axis(limb, k, x, y, z):
-    """Distance of a point to the axis of joint k."""
-    px, py, pz = x - limb.axes[k, 0], y - limb.axes[k, 1], z - limb.axes[k, 2]
-    ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
+def _off_axis2(axes, k, x, y, z):
+    """Squared distance of a point to the axis of joint k."""
+    px, py, pz = x - axes[k, 0], y - axes[k, 1], z - axes[k, 2]
+    ax, ay, az = axes[k, 3], axes[k, 4], axes[k, 5]
     u, v, w = ay * pz - az * py, az * px - ax * pz, ax * py - ay * px
-    return np.sqrt(u * u + v * v + w * w)
+    return u * u + v * v + w * w
 
 
-@njit(_nrt=False)
-def travel(limb, i, turns):
+@njit(_nrt=False, forceinline=True)
+def _travel(joints, axes, reaches, last, i, turns):
     """Bound how far points of link i travel while each joint moves by at most its turn (n,).
 
     The outermost joint is moved first: it carries points no farther than its turn times their
@@ -111,16 +124,22 @@ def travel(limb, i, turns):
     by what the others did.  On a link the farther end bounds all points.
     """
     way = 0.0
-    x, y, z = limb.reaches[i, 0], limb.reaches[i, 1], limb.reaches[i, 2]
-    u, v, w = limb.reaches[i, 3], limb.reaches[i, 4], limb.reaches[i, 5]
-    for k in range(limb.carriers[i] - 1, -1, -1):
+    x, y, z = reaches[i, 0], reaches[i, 1], reaches[i, 2]
+    u, v, w = reaches[i, 3], reaches[i, 4], reaches[i, 5]
+    for k in range(last - 1, -1, -1):
         if turns[k] > 0.0:
-            if limb.joints[k, 0] == PRISMATIC:
+            if joints[k, 0] == PRISMATIC:
                 way += turns[k]
             else:
-                off = max(_off_axis(limb, k, x, y, z), _off_axis(limb, k, u, v, w))
-                way += turns[k] * (off + way)
+                off = max(_off_axis2(axes, k, x, y, z), _off_axis2(axes, k, u, v, w))
+                way += turns[k] * (np.sqrt(off) + way)
     return way
+
+
+@njit(_nrt=False, forceinline=True)
+def travel(limb, i, turns):
+    """Bound how far points of link i travel while each joint moves by at most its turn (n,)."""
+    return _travel(limb.joints, limb.axes, limb.reaches, limb.carriers[i], i, turns)
 
 
 @njit(_nrt=False, forceinline=True)
@@ -151,9 +170,9 @@ def link_count(limb):
 
 @njit(_nrt=False, forceinline=True)
 def link(limb, place, i):
-    """Ends of a link's axis where `place` left them, and its radius."""
-    r = limb.reaches
-    return r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5], limb.radii[i]
+    """Ends of a link's axis where `place` left them, its radius, and half its length."""
+    r, half = limb.reaches, limb.halves[i]
+    return r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5], limb.radii[i], half
 
 
 @njit(_nrt=False, forceinline=True)
@@ -162,13 +181,18 @@ def ignores(limb, i, b):
     return limb.ignored[i, b]
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def self_gap(limb, place, slack, enough):
     """Distance of the nearest pair of links that must not overlap, and the same less slack."""
-    best, room, r = 1e300, 1e300, limb.reaches
-    for k in range(limb.pairs.shape[0]):
-        i, j = limb.pairs[k, 0], limb.pairs[k, 1]
-        thick, slip = limb.radii[i] + limb.radii[j], limb.ways[i] + limb.ways[j]
+    return _nearest_pair(limb.pairs, limb.radii, limb.reaches, limb.ways, enough)
+
+
+@njit(_nrt=False)
+def _nearest_pair(pairs, radii, r, ways, enough):
+    best, room = 1e300, 1e300
+    for k in range(pairs.shape[0]):
+        i, j = pairs[k, 0], pairs[k, 1]
+        thick, slip = radii[i] + radii[j], ways[i] + ways[j]
         gap = middles_gap(r, i, j) - thick
         if gap - slip <= enough:
             gap = np.sqrt(max(segments_gap2(r, i, j), 0.0)) - thick
@@ -184,14 +208,21 @@ def still(limb):
     return 0
 
 
-@njit(_nrt=False)
+@njit(_nrt=False, forceinline=True)
 def swept(limb, curve, s, half, place):
     """Note how far points of each link travel from share s of a move to s +- half."""
-    for k in range(limb.turns.size):
-        limb.turns[k] = turn_of(curve, k, s, half)
-    for i in range(limb.ways.size):
-        limb.ways[i] = travel(limb, i, limb.turns)
+    _sweep(
+        limb.joints, limb.axes, limb.reaches, limb.carriers, curve, s, half, limb.turns, limb.ways
+    )
     return 0
+
+
+@njit(_nrt=False)
+def _sweep(joints, axes, reaches, carriers, curve, s, half, turns, ways):
+    for k in range(turns.size):
+        turns[k] = turn_of(curve, k, s, half)
+    for i in range(ways.size):
+        ways[i] = _travel(joints, axes, reaches, carriers[i], i, turns)
 
 
 @njit(_nrt=False, forceinline=True)
@@ -261,8 +292,7 @@ def lever(limb):
 
 @njit(_nrt=False)
 def axis_turns(limb, q, out):
-    """Write the derivative of the hand's axis by the joints (n,) into `out` (3, n)."""
-    place(limb, q)
+    """Write the derivative of the hand's axis, after `place`, into `out` (3, n)."""
     hand, last = limb.radii.size, limb.carriers[limb.radii.size]
     x, y, z = limb.reaches[hand, 3], limb.reaches[hand, 4], limb.reaches[hand, 5]
     for k in range(limb.low.size):
@@ -291,8 +321,7 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
 
 @njit(_nrt=False)
 def jacobian(limb, q, out):
-    """Write the derivative of the hand by the joints (n,) into `out` (3, n)."""
-    place(limb, q)
+    """Write the derivative of the hand by the joints (n,), after `place`, into `out` (3, n)."""
     hand, last = limb.radii.size, limb.carriers[limb.radii.size]
     for k in range(limb.joints.shape[0]):
         ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
@@ -333,19 +362,20 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
     model, n, m = arm.model, arm.dof, len(arm.model.links)
     low, high = np.array(arm.joint_range).T.copy()
     hand = model.hand
-    ends = [(*link.start, *link.end) for link in model.links] + [(*hand.point, *hand.axis)]
+    joints, ends = _axes_along_z(model)
     ignored = np.zeros((m, len(bodies)), dtype=np.bool_)
     for link, name in arm.ignore:
         ignored[link, [b == name for b in bodies]] = True
     frames = np.zeros((n + 1, 12))
     frames[0, :9] = np.eye(3).ravel()
     return ChainLimb(
-        joints=np.array([_joint_row(joint) for joint in model.joints]),
+        joints=joints,
         low=low,
         high=high,
         carriers=np.array([link.joint for link in model.links] + [hand.joint]),
-        ends=np.array(ends, dtype=float),
+        ends=ends,
         radii=np.array([link.radius for link in model.links]),
+        halves=0.5 * np.linalg.norm(ends[:-1, 3:] - ends[:-1, :3], axis=1),
         pairs=np.array(model.self_collision, dtype=np.int64).reshape(-1, 2),
         ignored=ignored,
         tails=_tails(arm),
@@ -362,7 +392,28 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
     )
 
 
-def _joint_row(joint: ChainJoint) -> list[float]:
-    kind = REVOLUTE if joint.type == "revolute" else PRISMATIC
-    rotation = rotation_of(joint.rotation).ravel().tolist()
-    return [kind, *joint.origin, *rotation, *joint.axis]
+def _axes_along_z(model: ChainModel) -> tuple[np.ndarray, np.ndarray]:
+    """Return rows of joints (n, 13), and of links and hand (m + 1, 6), as `ChainLimb` has them.
+
+    Frames are turned so that each joint moves about its z axis, which spares `place` a third.
+    """
+    turned, rows = [np.eye(3)], []
+    for joint in model.joints:
+        before, turn = turned[-1], _to_z(np.array(joint.axis))
+        turned.append(turn)
+        kind = REVOLUTE if joint.type == "revolute" else PRISMATIC
+        rotation = before.T @ rotation_of(joint.rotation) @ turn
+        rows.append([kind, *(before.T @ joint.origin), *rotation.ravel()])
+    hand = model.hand
+    ends = [(link.joint, link.start, link.end) for link in model.links]
+    ends.append((hand.joint, hand.point, hand.axis))
+    return np.array(rows), np.array([np.ravel(np.array([p, q]) @ turned[k]) for k, p, q in ends])
+
+
+def _to_z(axis: np.ndarray) -> np.ndarray:
+    """Return a rotation (3, 3) whose third column is a unit vector (3,)."""
+    if axis[0] == axis[1] == 0.0 < axis[2]:
+        return np.eye(3)
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(axis, first), axis], axis=1)

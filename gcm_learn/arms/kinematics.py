@@ -33,6 +33,7 @@ def _links_of(limb):
 
 @njit(_nrt=False)
 def _differentiate(limb, q, out):
+    place(limb, q)
     jacobian(limb, q, out)
 
 

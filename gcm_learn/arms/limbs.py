@@ -79,7 +79,8 @@ def link_count(limb):
 
 @by_limb
 def link(limb, place, i):
-    """Ends of the axis of link i, six numbers, and its radius beyond the limb's thickness."""
+    """Ends of the axis of link i, six numbers; its radius beyond the limb's thickness; half its
+    length."""
 
 
 @by_limb
@@ -142,12 +143,12 @@ def lever(limb):
 
 @by_limb
 def jacobian(limb, q, out):
-    """Write the derivative of the hand by the joints (n,) into `out` (3, n)."""
+    """Write the derivative of the hand by the joints (n,), after `place`, into `out` (3, n)."""
 
 
 @by_limb
 def axis_turns(limb, q, out):
-    """Write the derivative of the hand's axis by the joints (n,) into `out` (3, n)."""
+    """Write the derivative of the hand's axis, after `place`, into `out` (3, n)."""
 
 
 @by_limb

@@ -144,15 +144,17 @@ def _hinged_room(bodies, b, elbow, slack, poses):
 
 @njit(_nrt=False)
 def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
-    """Ask link by link; the ball that holds the body bounds what is farther."""
+    """Ask link by link.  Balls about link and body settle what is farther than is asked for."""
     turned = centre_at(bodies, b, t, poses)
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     best, room = 1e300, 1e300
     for i in range(link_count(limb)):
-        if ignores(limb, i, b):
-            continue
-        px, py, pz, qx, qy, qz, radius = link(limb, where, i)
+        px, py, pz, qx, qy, qz, radius, half = link(limb, where, i)
         slip = slack_of(limb, slack, i) + off
+        far = enough + slip + reach + radius + half
+        u, v, w = x - 0.5 * (px + qx), y - 0.5 * (py + qy), z - 0.5 * (pz + qz)
+        if far < 0.0 or u * u + v * v + w * w > far * far or ignores(limb, i, b):
+            continue
         gap = off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radius
         if bodies.rows[b, BALL] == 0.0 and gap - slip <= enough:
             if turned:

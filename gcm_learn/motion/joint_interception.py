@@ -77,14 +77,20 @@ def _no_excess(limits, scene, where, b, t, poses):
 
 
 @njit(_nrt=False)
+def angle_between(first, second):
+    """Angle between two directions of three numbers each [rad]."""
+    ax, ay, az = first
+    bx, by, bz = second
+    cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    return np.arctan2(np.sqrt(cx * cx + cy * cy + cz * cz), ax * bx + ay * by + az * bz)
+
+
+@njit(_nrt=False)
 def _excess(limits, scene, where, b, t, poses):
     if not has_approach(scene, b):
         return -1.0
-    ax, ay, az = approach_axis(scene, b, t, poses)
-    bx, by, bz = axis_of(scene.limb, where)
-    cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-    sine = np.sqrt(cx * cx + cy * cy + cz * cz)
-    return np.arctan2(sine, ax * bx + ay * by + az * bz) - scene.bodies.rows[b, WITHIN]
+    angle = angle_between(approach_axis(scene, b, t, poses), axis_of(scene.limb, where))
+    return angle - scene.bodies.rows[b, WITHIN]
 
 
 approach_excess = by_type({None: _no_excess, AimedLimits: _excess})

@@ -3,6 +3,8 @@
 A node is a posture with the time at which the limb is there.  The first tree grows forwards by free
 moves, the second backwards; a free move from one to the other is a way to a catch.  The idea is
 that of RRT-Connect (Kuffner and LaValle 2000) with time, as in ST-RRT* (Grothe et al. 2022).
+
+Under limits of acceleration nodes have rates, too: half of them rest, half move on.
 """
 
 from __future__ import annotations
@@ -13,46 +15,79 @@ import numpy as np
 
 from gcm_learn.collision.postures import gap_at
 from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
 from gcm_learn.planners.joints.goals import reach
 from gcm_learn.planners.joints.moves import Study, turning_time
 from gcm_learn.planners.joints.pull import box, pulled
-from gcm_learn.planners.joints.ways import MOST, write
+from gcm_learn.planners.joints.ramps import (
+    END_FREE,
+    GIVEN,
+    START_FREE,
+    Ramp,
+    least_ramp,
+    may_ramp,
+    new_ramp,
+    ramp_box,
+    reach_ramped,
+)
+from gcm_learn.planners.joints.ways import MOST, write, write_rates
 from gcm_learn.scene.bodies import HAND, PART
 
 FROM_START, FROM_CATCH = 0, 1
 TRIES = 3  # nearest nodes of the other tree to which a new node is connected
 NEAR_START = 0.5  # share of goals that are drawn near to what the start is pulled to
+RESTS = 0.5  # share of nodes at which the limb comes to rest, under limits of acceleration
+
+
+class Lines(NamedTuple):
+    """Straight moves of joints that have their rates at once."""
+
+    none: float
+
+
+LINES = Lines(0.0)
 
 
 class Trees(NamedTuple):
     """Both trees of a search, and its random numbers."""
 
+    moves: Lines | Ramp  # their kind, and room for one
     joints: np.ndarray  # (2, size, n)
+    rates: np.ndarray  # (2, size, n): when a node is left, or reached in the second tree [rad/s]
     time: np.ndarray  # (2, size): when the limb is there [s]
     begin: np.ndarray  # (2, size): of the move that joins a node to `via` [s]
     end: np.ndarray  # (2, size) [s]
+    free: np.ndarray  # (2, size): which rates of that move were free; see `ramp`
     via: np.ndarray  # (2, size): the node nearer to the root; -1 of a root
     body: np.ndarray  # (size,): caught at a root of the second tree, which all its nodes inherit
     size: np.ndarray  # (2,): nodes of each
     drawn: np.ndarray  # (n,): a posture
+    drawn_rates: np.ndarray  # (n,)
+    ends: np.ndarray  # (2,): when a move begins and ends [s]
     state: np.ndarray  # (1,) uint64: of the random numbers
 
 
-def new_trees(study: Study, size: int, seed: int) -> Trees:
+def new_trees(study: Study, size: int, seed: int, accelerates: bool) -> Trees:
     """Return trees with the start alone."""
     n = study.goal.size
     trees = Trees(
+        new_ramp(n) if accelerates else LINES,
+        np.zeros((2, size, n)),
         np.zeros((2, size, n)),
         np.zeros((2, size)),
         np.zeros((2, size)),
         np.zeros((2, size)),
+        np.zeros((2, size), np.int64),
         np.full((2, size), -1, np.int64),
         np.zeros(size, np.int64),
         np.zeros(2, np.int64),
         np.zeros(n),
+        np.zeros(n),
+        np.zeros(2),
         np.array([seed], np.uint64),
     )
     trees.joints[FROM_START, 0] = study.scene.limb.start
+    trees.rates[FROM_START, 0] = study.scene.limb.rates
     trees.size[FROM_START] = 1
     return trees
 
@@ -69,19 +104,111 @@ def uniform(trees):
 
 
 @njit(_nrt=False)
-def _add(trees, tree, q, time, begin, end, via, body):
-    """Add a node to a tree: its number, -1 if the tree is full."""
+def _add(trees, tree, q, rates, time, free, via, body):
+    """Add a node to a tree, by the move of ``trees.ends``: its number, -1 if the tree is full."""
     k = trees.size[tree]
     if k == trees.time.shape[1]:
         return -1
     for j in range(q.size):
-        trees.joints[tree, k, j] = q[j]
-    trees.time[tree, k], trees.begin[tree, k], trees.end[tree, k] = time, begin, end
-    trees.via[tree, k] = via
+        trees.joints[tree, k, j], trees.rates[tree, k, j] = q[j], rates[j]
+    trees.time[tree, k], trees.begin[tree, k], trees.end[tree, k] = time, trees.ends[0], trees.ends[1]
+    trees.via[tree, k], trees.free[tree, k] = via, free
     if tree == FROM_CATCH:
         trees.body[k] = body
     trees.size[tree] = k + 1
     return k
+
+
+@njit(_nrt=False, forceinline=True)
+def _line_box(moves, study, t):
+    box(study, study.scene.limb.start, t)
+
+
+@njit(_nrt=False)
+def _ramp_box(moves, study, t):
+    ramp_box(study, study.scene.limb.start, study.scene.limb.rates, t)
+
+
+box_by = by_type({None: _line_box, Ramp: _ramp_box})
+"""Write the joints that are within reach of the start in a time [s] into ``study``."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _line_time(moves, limits, q, p):
+    return turning_time(limits.joint_speed, q, p)
+
+
+@njit(_nrt=False)
+def _ramp_time(moves, limits, q, p):
+    return least_ramp(limits, q, p, END_FREE)
+
+
+time_by = by_type({None: _line_time, Ramp: _ramp_time})
+"""Least time of a move from joints q at rest to p (n,) [s]."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _any_line(moves, limits, q, r, p, span, backward):
+    return True
+
+
+@njit(_nrt=False)
+def _any_ramp(moves, limits, q, r, p, span, backward):
+    return may_ramp(limits, q, r, p, span, backward)
+
+
+may_by = by_type({None: _any_line, Ramp: _any_ramp})
+"""Return whether there may be a move from q with rates r to p (n,), or to q with these rates."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _no_rates(moves, trees, tree):
+    return GIVEN
+
+
+@njit(_nrt=False)
+def _draw_rates(moves, trees, tree):
+    for j in range(trees.drawn_rates.size):
+        trees.drawn_rates[j] = 0.0
+    if uniform(trees) < RESTS:
+        return GIVEN
+    return END_FREE if tree == FROM_START else START_FREE
+
+
+rates_by = by_type({None: _no_rates, Ramp: _draw_rates})
+"""Draw whether the limb rests at a new node of a tree: which rates are free; see `ramp`."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _line_between(moves, study, q, r, since, p, v, t, free):
+    return reach(study, q, since, t, p, t)
+
+
+@njit(_nrt=False)
+def _ramp_between(moves, study, q, r, since, p, v, t, free):
+    return reach_ramped(study, q, r, since, p, v, t, free, moves)
+
+
+move_by = by_type({None: _line_between, Ramp: _ramp_between})
+"""Free move from joints q with rates r at a time to p with rates v at t [s]; see `reach_ramped`."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _keep_none(moves, tree, free, rates):
+    pass
+
+
+@njit(_nrt=False)
+def _keep_free(moves, tree, free, rates):
+    for j in range(rates.size):
+        if tree == FROM_START and free & END_FREE:
+            rates[j] = moves.rates[3, j]
+        elif tree == FROM_CATCH and free & START_FREE:
+            rates[j] = moves.rates[0, j]
+
+
+keep_by = by_type({None: _keep_none, Ramp: _keep_free})
+"""Write the rates (n,) that were free, as the last move has them."""
 
 
 @njit(_nrt=False)
@@ -103,14 +230,15 @@ def draw_goal(study, trees, horizon):
         b += 1
         left -= rows[b, PART] == HAND
     t = horizon * (1.0 - uniform(trees))
-    box(study, limb.start, t)
+    box_by(trees.moves, study, t)
     near = 1.0 if uniform(trees) >= NEAR_START else uniform(trees)
     for j in range(q.size):
         share = study.low[j] + uniform(trees) * (study.high[j] - study.low[j])
         q[j] = limb.start[j] + near * (share - limb.start[j])
     if not pulled(study, b, t, q) or gap_at(scene, q, t, study.desk) <= study.touch:
         return -1
-    return _add(trees, FROM_CATCH, q, t, t, t, -1, b)
+    trees.ends[0] = trees.ends[1] = t
+    return _add(trees, FROM_CATCH, q, trees.drawn_rates, t, GIVEN, -1, b)
 
 
 @njit(_nrt=False)
@@ -119,7 +247,7 @@ def _draw_state(study, trees, horizon):
     limb, q = study.scene.limb, trees.drawn
     for j in range(q.size):
         q[j] = limb.low[j] + uniform(trees) * (limb.high[j] - limb.low[j])
-    least = turning_time(study.scene.limits.joint_speed, limb.start, q)
+    least = time_by(trees.moves, study.scene.limits, limb.start, q)
     if least >= horizon:  # come nearer, as far as there is time
         share = uniform(trees) * horizon / least
         for j in range(q.size):
@@ -137,24 +265,39 @@ def _nearest(study, trees, tree, q, t, worse):
     worse : float
         Only moves that take longer than this count [s].
     """
-    rate, best, found = study.scene.limits.joint_speed, 1e300, -1
+    limits, best, found = study.scene.limits, 1e300, -1
     for k in range(trees.size[tree]):
         spare = t - trees.time[tree, k] if tree == FROM_START else trees.time[tree, k] - t
         if spare <= 0.0:
             continue
-        took = turning_time(rate, trees.joints[tree, k], q)
+        there = trees.joints[tree, k]
+        took = turning_time(limits.joint_speed, there, q)
         if worse < took < best and took <= spare:
-            best, found = took, k
+            root = tree == FROM_CATCH and trees.via[tree, k] < 0
+            if root or may_by(trees.moves, limits, there, trees.rates[tree, k], q, spare, tree):
+                best, found = took, k
     return found, best
 
 
 @njit(_nrt=False)
-def _join(study, trees, tree, k, q, t):
-    """Free move between node k of a tree and joints q (n,) at t [s]: its begin and end, or -1."""
-    there, when = trees.joints[tree, k], trees.time[tree, k]
+def _join(study, trees, tree, k, q, rates, t, free):
+    """Free move between node k of a tree and joints q with some rates (n,) at t [s].
+
+    Returns whether there is one. Its begin and end are in ``trees.ends``, and what rates were free
+    are written.
+    """
+    there, when, turning = trees.joints[tree, k], trees.time[tree, k], trees.rates[tree, k]
     if tree == FROM_START:
-        return reach(study, there, when, t, q, t)
-    return reach(study, q, t, when, there, when)
+        begin, end = move_by(trees.moves, study, there, turning, when, q, rates, t, free)
+    else:
+        if trees.via[tree, k] < 0:
+            free += END_FREE
+        begin, end = move_by(trees.moves, study, q, rates, t, there, turning, when, free)
+    trees.ends[0], trees.ends[1] = begin, end
+    if begin < 0.0:
+        return False
+    keep_by(trees.moves, tree, free, rates)
+    return True
 
 
 @njit(_nrt=False)
@@ -163,15 +306,17 @@ def _grown(study, trees, tree, q, t):
 
     If the whole move is blocked, half of it and then a quarter are tried.
     """
+    free, rates = rates_by(trees.moves, trees, tree), trees.drawn_rates
     k, _ = _nearest(study, trees, tree, q, t, -1.0)
     if k < 0:
         return -1
     there, when = trees.joints[tree, k], trees.time[tree, k]
+    root = tree == FROM_CATCH and trees.via[tree, k] < 0
     for _ in range(3):
-        begin, end = _join(study, trees, tree, k, q, t)
-        if begin >= 0.0:
-            time = end if tree == FROM_START else begin
-            return _add(trees, tree, q, time, begin, end, k, trees.body[k])
+        if _join(study, trees, tree, k, q, rates, t, free):
+            time = trees.ends[1] if tree == FROM_START else trees.ends[0]
+            kept = free + END_FREE if root else free
+            return _add(trees, tree, q, rates, time, kept, k, trees.body[k])
         for j in range(q.size):
             q[j] = 0.5 * (q[j] + there[j])
         t = 0.5 * (t + when)
@@ -179,16 +324,16 @@ def _grown(study, trees, tree, q, t):
 
 
 @njit(_nrt=False)
-def _connected(study, trees, tree, k, ends):
-    """Node of the other tree to which node k has a free move, whose ends (2,) [s] are written."""
+def _connected(study, trees, tree, k):
+    """Node of the other tree to which node k has a free move, whose ends are in ``trees.ends``."""
     other, worse = 1 - tree, -1.0
-    q, t = trees.joints[tree, k], trees.time[tree, k]
+    q, t, rates = trees.joints[tree, k], trees.time[tree, k], trees.rates[tree, k]
+    free = END_FREE if tree == FROM_CATCH and trees.via[tree, k] < 0 else GIVEN
     for _ in range(TRIES):
         m, took = _nearest(study, trees, other, q, t, worse)
         if m < 0:
             return -1
-        ends[0], ends[1] = _join(study, trees, other, m, q, t)
-        if ends[0] >= 0.0:
+        if _join(study, trees, other, m, q, rates, t, free):
             return m
         worse = took
     return -1
@@ -211,13 +356,12 @@ def search_trees(study, trees, rounds, horizon, way):
     -------
     bool
     """
-    ends = np.zeros(2)
     for _ in range(rounds):
         root = draw_goal(study, trees, horizon)
         if root >= 0:
-            m = _connected(study, trees, FROM_CATCH, root, ends)
+            m = _connected(study, trees, FROM_CATCH, root)
             if m >= 0:
-                return _trace(trees, m, root, ends, way)
+                return _trace(trees, m, root, way)
         elif trees.size[FROM_CATCH] == 0:
             continue
         for tree in range(2):
@@ -225,18 +369,21 @@ def search_trees(study, trees, rounds, horizon, way):
             k = _grown(study, trees, tree, trees.drawn, t)
             if k < 0:
                 continue
-            m = _connected(study, trees, tree, k, ends)
+            m = _connected(study, trees, tree, k)
             if m >= 0:
                 first, second = (k, m) if tree == FROM_START else (m, k)
-                return _trace(trees, first, second, ends, way)
+                return _trace(trees, first, second, way)
         if max(trees.size[0], trees.size[1]) + 2 > trees.time.shape[1]:
             return False
     return False
 
 
 @njit
-def _trace(trees, first, second, ends, way):
-    """Write the way through node `first` of the one tree and `second` of the other."""
+def _trace(trees, first, second, way):
+    """Write the way through node `first` of the one tree and `second` of the other.
+
+    The move between them is in ``trees.ends``.
+    """
     length, k = 1, first
     while trees.via[FROM_START, k] >= 0:
         length, k = length + 1, trees.via[FROM_START, k]
@@ -251,15 +398,19 @@ def _trace(trees, first, second, ends, way):
     for i in range(length - 1, -1, -1):
         order[i] = k
         k = trees.via[FROM_START, k]
+    root = trees.via[FROM_CATCH, second] < 0
     for i in range(length):
-        k = order[i]
-        left = trees.begin[FROM_START, order[i + 1]] if i + 1 < length else ends[0]
+        k, last = order[i], i + 1 == length
+        left = trees.ends[0] if last else trees.begin[FROM_START, order[i + 1]]
         reached = trees.end[FROM_START, k] if i > 0 else 0.0
         write(way, i, trees.joints[FROM_START, k], reached, left)
-    k, reached, i = second, ends[1], length
+        free = (END_FREE if root else GIVEN) if last else trees.free[FROM_START, order[i + 1]]
+        write_rates(way, i, trees.rates[FROM_START, k], free)
+    k, reached, i = second, trees.ends[1], length
     while k >= 0:
         root = trees.via[FROM_CATCH, k] < 0
         left = trees.time[FROM_CATCH, k] if root else trees.begin[FROM_CATCH, k]
         write(way, i, trees.joints[FROM_CATCH, k], reached, left)
+        write_rates(way, i, trees.rates[FROM_CATCH, k], trees.free[FROM_CATCH, k])
         reached, i, k = trees.end[FROM_CATCH, k], i + 1, trees.via[FROM_CATCH, k]
     return True

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.limbs import axis_of, axis_turns, dof, hand_of, jacobian, place
+from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.motion.joint_interception import (
     ANGLE,
+    angle_between,
     approach_axis,
-    approach_excess,
     has_approach,
-    target_room,
 )
 from gcm_learn.planners.joints.moves import HAIR, time_of
 from gcm_learn.scene import AimedLimits
-from gcm_learn.scene.bodies import WITHIN
+from gcm_learn.scene.bodies import WITHIN, pose_at
 
 ROUNDS = 16  # of pulling a hand to a target
 DEPTH = 1e-4  # how far into the catch it is pulled [forearms]
@@ -28,13 +28,20 @@ DAMPING = 1e-6  # share of the curvature of distance and angle, against singular
 @njit(_nrt=False)
 def slope_at(study, b, x, y, z, t):
     """Slope of the signed distance to body b at the point (x, y, z) and t [s], by differences."""
-    scene, poses, probe = study.scene, study.desk.poses, PROBE * study.scene.limb.length
-    nx = target_room(scene, b, x + probe, y, z, t, poses)
-    nx -= target_room(scene, b, x - probe, y, z, t, poses)
-    ny = target_room(scene, b, x, y + probe, z, t, poses)
-    ny -= target_room(scene, b, x, y - probe, z, t, poses)
-    nz = target_room(scene, b, x, y, z + probe, t, poses)
-    nz -= target_room(scene, b, x, y, z - probe, t, poses)
+    pose_at(study.scene.bodies, b, t, study.desk.poses)
+    return _slope(study, b, x, y, z)
+
+
+@njit(_nrt=False)
+def _slope(study, b, x, y, z):
+    """Slope of the signed distance to body b, whose pose is known, by differences."""
+    bodies, poses, probe = study.scene.bodies, study.desk.poses, PROBE * study.scene.limb.length
+    nx = point_distance(bodies, poses, b, x + probe, y, z)
+    nx -= point_distance(bodies, poses, b, x - probe, y, z)
+    ny = point_distance(bodies, poses, b, x, y + probe, z)
+    ny -= point_distance(bodies, poses, b, x, y - probe, z)
+    nz = point_distance(bodies, poses, b, x, y, z + probe)
+    nz -= point_distance(bodies, poses, b, x, y, z - probe)
     return 0.5 * nx / probe, 0.5 * ny / probe, 0.5 * nz / probe
 
 
@@ -50,12 +57,13 @@ def pulled(study, b, t, q):
     pulled_so = pulled_along(scene.limits, study, b, t, q)
     if pulled_so >= 0:
         return pulled_so == 1
+    pose_at(scene.bodies, b, t, poses)
     for _ in range(ROUNDS):
         x, y, z = hand_of(limb, place(limb, q))
-        room = target_room(scene, b, x, y, z, t, poses) - study.catch
+        room = point_distance(scene.bodies, poses, b, x, y, z) - study.catch
         if room <= 0.0:
             return True
-        nx, ny, nz = slope_at(study, b, x, y, z, t)
+        nx, ny, nz = _slope(study, b, x, y, z)
         jacobian(limb, q, slopes)
         size, most = 0.0, 0.0
         for j in range(dof(limb)):
@@ -84,16 +92,17 @@ def _pulled_along(limits, study, b, t, q):
         return -1
     scene, poses, rate = study.scene, study.desk.poses, study.scene.limits.joint_speed
     limb, within = scene.limb, scene.bodies.rows[b, WITHIN]
+    pose_at(scene.bodies, b, t, poses)
+    ax, ay, az = approach_axis(scene, b, t, poses)
     for _ in range(2 * ROUNDS):
         where = place(limb, q)
         x, y, z = hand_of(limb, where)
-        room = target_room(scene, b, x, y, z, t, poses) - study.catch
-        excess = approach_excess(scene.limits, scene, where, b, t, poses)
+        room = point_distance(scene.bodies, poses, b, x, y, z) - study.catch
+        bx, by, bz = axis_of(limb, where)
+        excess = angle_between((ax, ay, az), (bx, by, bz)) - within
         if room <= 0.0 and excess <= 0.5 * ANGLE:
             return 1
-        ax, ay, az = approach_axis(scene, b, t, poses)
-        bx, by, bz = axis_of(limb, where)
-        nx, ny, nz = slope_at(study, b, x, y, z, t)
+        nx, ny, nz = _slope(study, b, x, y, z)
         jacobian(limb, q, study.jacobian)
         axis_turns(limb, q, study.turns)
         cosine = ax * bx + ay * by + az * bz

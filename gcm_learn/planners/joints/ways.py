@@ -27,6 +27,8 @@ class Way(NamedTuple):
     joints: np.ndarray  # (MOST, n) [rad]
     reached: np.ndarray  # (MOST,) [s]
     left: np.ndarray  # (MOST,): that of the last posture is the time of the catch [s]
+    rates: np.ndarray  # (MOST, n): while a posture is reached and left [rad/s]
+    free: np.ndarray  # (MOST,): rates of the move after a posture that were free; see `ramp`
     body: np.ndarray  # (1,): that is caught
     size: np.ndarray  # (1,): how many postures there are
 
@@ -37,6 +39,8 @@ def new_way(dof: int) -> Way:
         np.zeros((MOST, dof)),
         np.zeros(MOST),
         np.zeros(MOST),
+        np.zeros((MOST, dof)),
+        np.zeros(MOST, np.int64),
         np.zeros(1, np.int64),
         np.zeros(1, np.int64),
     )
@@ -49,6 +53,14 @@ def write(way, k, q, reached, left):
         way.joints[k, j] = q[j]
     way.reached[k], way.left[k] = reached, left
     way.size[0] = k + 1
+
+
+@njit(_nrt=False)
+def write_rates(way, k, rates, free):
+    """Note rates (dof,) at posture k, and which rates of the move after it were free."""
+    for j in range(rates.size):
+        way.rates[k, j] = rates[j]
+    way.free[k] = free
 
 
 @njit(_nrt=False)
