@@ -3,13 +3,14 @@
 In each period all bodies are frozen where they are, and VAMP plans (RRT-Connect, then its
 shortcuts) from the present posture to one of up to 20 postures.  Each of these catches the target
 where it will be at the instant that is aimed for.  The arm follows the path at its joints' speeds
-for 20 ms, or rests if there is none.  What is left of the last path is followed on if the new one
-is not quicker, the aim is the same and VAMP still finds it free; without this the arm wavered
-between ways.  A path that leaves the range of a joint of our arm is drawn again, twice at most.
+for 20 ms, or rests without a path.  It stays on the last path if the new one is not quicker.  VAMP
+has to find the rest of that path free, and the aim has to be the same.  Without this rule the arm
+wavered between ways.  A path that leaves the range of a joint of our arm is drawn again, twice at
+most.
 
 The aim is the earliest of 48 instants at which a straight move could meet the target.  A path that
-takes longer moves the aim to its end.  Where no posture catches then, the aim is taken anew.  For
-a target that moves, VAMP gets the postures to which a straight move leads in time, or the nearest.
+takes longer moves the aim to its end.  The aim is taken anew if no posture catches then.  For a
+target that moves, VAMP gets the postures to which a straight move leads in time, or the nearest.
 """
 
 from __future__ import annotations
@@ -87,12 +88,12 @@ def _angles(turn: np.ndarray) -> list[float]:
 
 @dataclass
 class Executed:
-    """What came of planning anew all the time."""
+    """Movement that planning anew all the time led to."""
 
     plan: Plan
     """Caught if the hand met the target; whether it touched is for the referee."""
     good: bool
-    """Whether our verification finds the movement free."""
+    """True if our verification finds the movement free."""
     first_ms: float
     """Processor time of the first plan [ms]."""
     inner_ms: float
@@ -141,7 +142,7 @@ class Frozen:
         self.aim = self.inner = 0.0
 
     def run(self) -> Executed:
-        """Plan and act until the target is met or the horizon ends."""
+        """Plan and move until a catch or the horizon."""
         t, horizon, body = 0.0, self.situation.horizon, -1
         path, spent, inner, plans = [self.joints[0]], [], [], 0
         while body < 0 and t < horizon:
@@ -242,7 +243,7 @@ class Frozen:
         self.goals = found
 
     def _follow(self, path: list[np.ndarray], t: float, end: float) -> tuple[list[np.ndarray], int]:
-        """Follow a path from t to `end` [s]: what is left of it, and the target that is met."""
+        """Follow a path from t to `end` [s]; return its rest and the target that is caught."""
         path = [self.joints[-1], *path[1:]]
         while t < end:
             if len(path) == 1:

@@ -31,7 +31,7 @@ SHARES = (0.25, 0.5, 0.7, 0.85, 0.95)  # of the time to think, for a search that
 
 
 class Answer(NamedTuple):
-    """What a method answers."""
+    """Answer of a method."""
 
     plan: Plan
     ms: float

@@ -1,7 +1,7 @@
 """Situations of others' suites: which are drawn, and what is known of them.
 
-The part of each suite that serves for development is never drawn: the problems of MotionBenchMaker
-up to number 20 of each set, and the first 500 balls of a file.
+A part of two suites serves for development and is never drawn.  It holds the problems of
+MotionBenchMaker up to number 20 of each set, and the first 500 balls of a file.
 """
 
 from __future__ import annotations

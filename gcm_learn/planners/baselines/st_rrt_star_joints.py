@@ -161,7 +161,7 @@ class Drawing(NamedTuple):
 
     draw: Callable[..., Any]
     numbers: Callable[[int], int]
-    """How many a try needs, of the number of joints."""
+    """Count of random numbers of a try, of the number of joints."""
     soonest: Callable[[Study], float]
     """No goal is before [s]."""
     speed: float
