@@ -79,7 +79,8 @@ def catches(mine: Outcomes) -> str:
     """Return what each method catches, and when."""
     head = [
         "method", "caught", "broken", "caught, 20 ms charged", "caught, 100 ms charged",
-        "ms to the first catch, median / 90 %", "catch time relative to the best known, median / 90 %",
+        "ms to the first catch, median / 90 %",
+        "catch time relative to the best known, median / 90 %",
     ]  # fmt: skip
     free = mine.where(charge=0)
     best, lines = _best(free), []
