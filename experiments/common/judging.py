@@ -13,7 +13,7 @@ from gcm_learn.planners import Plan, plan_to_json
 from gcm_learn.recall import HybridPlanner, RecallPlanner
 from gcm_learn.situation import situation_to_json
 from gcm_learn.storage import content_hash
-from tests import referee, referee_of_spatial_arms
+from tests import referee, referee_of_chains, referee_of_spatial_arms
 
 CLOSER = (1000, 8000)  # instants of further checks: the referee of planar arms samples time
 
@@ -45,6 +45,12 @@ def complaints_in_space(situation: Any, plan: Plan) -> list[str]:
     """Complaints of the referee of spatial arms."""
     records = situation_to_json(situation), plan_to_json(plan, situation)
     return referee_of_spatial_arms.judge(*records).complaints
+
+
+def complaints_of_chains(situation: Any, plan: Plan) -> list[str]:
+    """Complaints of the referee of chains."""
+    records = situation_to_json(situation), plan_to_json(plan, situation)
+    return referee_of_chains.judge(*records).complaints
 
 
 def outcome(planner: Any, situation: Any, referee: Referee) -> dict[str, Any]:

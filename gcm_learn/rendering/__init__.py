@@ -34,6 +34,7 @@ from gcm_learn.rendering.limbs import (
     arm_faces,
     balls_of,
     bone_pose,
+    bone_shape,
     limb_along,
     limb_faces,
 )
@@ -83,6 +84,7 @@ __all__ = [
     "body_faces",
     "body_poses",
     "bone_pose",
+    "bone_shape",
     "box_of",
     "camera_from",
     "centred",

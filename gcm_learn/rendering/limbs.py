@@ -67,7 +67,7 @@ def limb_faces(limb: Limb, alpha: float = 1.0) -> list[Faces]:
     out = []
     for (a, b), radius in zip(limb.ends[0], limb.radii, strict=True):
         turn, half = bone_pose(a, b)
-        out.append(placed(Capsule(radius, half), (a + b) / 2, turn, rgb(ARM), alpha))
+        out.append(placed(bone_shape(radius, half), (a + b) / 2, turn, rgb(ARM), alpha))
     for ball in balls_of(limb):
         shape = Sphere(ball.radius)
         out.append(placed(shape, ball.places[0], np.eye(3), rgb(ball.colour), alpha))
@@ -78,6 +78,11 @@ def bone_pose(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the turn (3, 3) of a capsule whose axis ends at two points, and half its length."""
     length = float(np.linalg.norm(b - a))
     return (frame_along((b - a) / length) if length > 0.0 else np.eye(3)), length / 2
+
+
+def bone_shape(radius: float, half_length: float) -> Capsule | Sphere:
+    """Return the shape of a link, a ball if its axis is a point."""
+    return Capsule(radius, half_length) if half_length > 0.0 else Sphere(radius)
 
 
 def balls_of(limb: Limb) -> Iterator[Ball]:

@@ -13,14 +13,19 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
+from gcm_learn.errors import ArmKindError
 from gcm_learn.families.random_planar import random_planar
+from gcm_learn.motion.joint_interception import met_at
+from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.baselines import st_rrt_star
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner, task_of
+from gcm_learn.planners.baselines.st_rrt_star_joints import near, task_in_space
 from gcm_learn.planners.baselines.st_rrt_star_moves import draw_goal, leg_holds
 from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.completion import Problem
+from gcm_learn.planners.completion import Problem, SpatialProblem
 from gcm_learn.planners.oracle.bounds import bounds
-from gcm_learn.situation import Body, Disc, Situation, read_situations
+from gcm_learn.situation import Body, Disc, Situation, read_situations, situation_from_json
+from tests import chains, referee_of_chains
 from tests.extras import INSTALLED
 from tests.planners.test_baselines import FREE, GATE, OPENS, TRAP, body, goal, scene
 from tests.referee import judge
@@ -242,3 +247,64 @@ def test_without_ompl_the_command_line_says_so_in_one_line(tmp_path):
     done = without_ompl(f"from gcm_learn.cli import main\nsys.exit({command})")
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr.count("\n") == 1 and "pip install 'gcm_learn[peers]'" in done.stderr
+
+
+# --- chains ----------------------------------------------------------------------------------
+
+
+@needs_ompl
+def test_its_catches_of_chains_pass_the_referee_and_repeat():
+    caught = 0
+    for name, k in (("panda", 0), ("panda", 1), ("slide", 2), ("planar-2", 3)):
+        given = chains.drawn(name, k)
+        situation = situation_from_json(given)
+        plans = [STRRTStarPlanner(iterations=3000).plan(situation) for _ in range(2)]
+        answers = [plan_to_json(plan, situation) | {"planning_ms": 0.0} for plan in plans]
+        assert answers[0] == answers[1]
+        assert referee_of_chains.judge(given, answers[0]).complaints == [], given["name"]
+        caught += plans[0].caught
+    assert caught >= 3
+
+
+def chain_task(k, postures=()):
+    situation = situation_from_json(chains.drawn("panda", k))
+    problem = SpatialProblem(situation, "test")
+    task = task_in_space(problem, seed=0, budget_ms=0.0, iterations=0)
+    return problem, near(task, postures) if postures else task
+
+
+@pytest.mark.parametrize("k", [0, 1, 3])
+def test_goals_of_chains_catch_in_time(k):
+    problem, task = chain_task(k)
+    rate, drawn = problem.scene.limits.joint_speed, []
+    for chances in seeding.rng(3).random((100, 16, task.draws)):
+        t, *places = task.draw(problem.situation.horizon, chances)
+        if t < 0.0:
+            continue
+        q = np.array(places) * rate
+        met = met_at(problem.scene, q, t, problem.rules.catch + 1e-9, np.zeros((99, 12)))
+        assert problem.situation.bodies[met].role == "target"
+        assert (np.abs(q - problem.scene.limb.start) <= rate * t * (1.0 + 1e-9)).all()
+        drawn.append(t)
+    assert len(drawn) > 50 and np.ptp(drawn) > 0.3 * problem.situation.horizon
+
+
+def test_a_quarter_of_goals_of_chains_come_from_given_postures():
+    problem, free = chain_task(0)
+    chances = seeding.rng(4).random((400, 16, free.draws))
+    end = problem.situation.horizon
+    found = next(row for row in (free.draw(end, c) for c in chances) if row[0] > 0.0)
+    posture = tuple(np.array(found[1:]) * problem.scene.limits.joint_speed)
+    near_it = [0, 0]
+    for way, task in enumerate((free, chain_task(0, (posture,))[1])):
+        for c in chances:
+            t, *places = task.draw(end, c)
+            near_it[way] += t > 0.0 and np.abs(np.array(places) - found[1:]).max() < 0.1
+    assert near_it[1] > 5 * max(near_it[0], 1)
+
+
+@needs_ompl
+@pytest.mark.parametrize("situation", [FREE, read_situations(EXAMPLES)[0]])
+def test_other_arms_refuse_given_postures(situation):
+    with pytest.raises(ArmKindError, match=r"^postures: are of chains"):
+        STRRTStarPlanner(postures=((0.0,) * 7,)).plan(situation)

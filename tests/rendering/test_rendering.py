@@ -8,10 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from matplotlib.colors import to_rgb
 
 from gcm_learn import rendering
-from gcm_learn.arms import hands_along
+from gcm_learn.arms import Chain, hands_along
 from gcm_learn.motion import Movement
 from gcm_learn.rendering import solids
-from gcm_learn.situation import Box, Capsule, Cylinder, Sphere, read_situations
+from gcm_learn.situation import Box, Capsule, Cylinder, Sphere, read_situations, shipped_arm
 from tests.panda import PANDA
 from tests.spatial import EXAMPLES
 from tests.strategies import spatial_situations, third_situations
@@ -178,3 +178,15 @@ def test_faces_hold_the_solids_volume(shape):
     """Gauss: the volume is a third of the flux of x through the faces."""
     volume = sum(area_vector(f) @ f.mean(axis=0) for f in solids.faces(shape)) / 3
     assert volume == pytest.approx(VOLUMES[shape.kind](shape), rel=0.06)
+
+
+def test_links_whose_axis_is_a_point_are_balls():
+    """Link 1 of the xArm 6 is one."""
+    model = shipped_arm("xarm6")
+    middle = tuple(0.5 * (low + high) for low, high in (joint.range for joint in model.joints))
+    arm = Chain(model, middle, 0.02)
+    things = rendering.arm_faces(arm, arm.joints)
+    balls = len(list(rendering.balls_of(rendering.limb_along(arm, [arm.joints]))))
+    assert len(things) == len(model.links) + balls
+    ends = rendering.limb_along(arm, [arm.joints]).ends[0]
+    assert (ends[1, 0] == ends[1, 1]).all()

@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
+from gcm_learn.arms import PLANAR, ByKind, Kind, SpatialArm
 from gcm_learn.errors import MissingExtraError, PlatformError
 from gcm_learn.motion import (
     HOLE_MARGIN,
@@ -42,7 +42,7 @@ from gcm_learn.motion import (
 )
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
-from gcm_learn.planners.baselines.st_rrt_star_joints import task_in_space, ways_along
+from gcm_learn.planners.baselines.st_rrt_star_joints import near, task_in_space, ways_along
 from gcm_learn.planners.baselines.st_rrt_star_moves import HandTask
 from gcm_learn.planners.completion import (
     Attempt,
@@ -73,7 +73,7 @@ Improvement = tuple[float, np.ndarray]  # when it was found [ms], and x, y and t
 class STRRTStarPlanner:
     """ST-RRT* of OMPL 1.7, its goals along the predicted interceptions.
 
-    In the plane states are hand and time, and the elbow keeps its side.  In space they are joints
+    In the plane states are hand and time, and the elbow keeps its side.  Otherwise they are joints
     and time, each joint in units of what it turns in a second.  A goal is an instant and a place
     where the hand is then within grasp of a target.  Goals are drawn evenly from all instants that
     would improve the catch.  A leg is valid if the continuous clearance that verifies plans says
@@ -90,6 +90,8 @@ class STRRTStarPlanner:
     iterations: int = ITERATIONS
     """Of the search if there is no budget: of growing the trees, or of looking for a goal."""
     seed: int = 0
+    postures: tuple[tuple[float, ...], ...] = ()
+    """Of chains: postures from which a quarter of the goals are pulled, such as known goals."""
 
     def takes(self, kind: Kind) -> bool:
         """Return whether there is a search for arms of a kind."""
@@ -138,6 +140,8 @@ class STRRTStarPlanner:
         if answer is not None:
             return [answer] * len(budgets_ms)
         task = make(problem, self.seed, min(max(budgets_ms), LONGEST_MS), iterations)
+        if self.postures:
+            task = near(task, self.postures)
         before = problem.elapsed_ms
         found, used = _search(task)
         plans = []
@@ -172,6 +176,8 @@ def _warmed() -> ModuleType:
 def _search(task: SpaceTime) -> tuple[list[Improvement], float]:
     """All improvements, the best last, and the time used [ms]."""
     library = _warmed()
+    task.draw(task.scene.limits.horizon, np.full((1, task.draws), 0.5))  # loads kernels, see above
+    task.holds(task.start, 0.0, task.start, task.scene.limits.horizon)
 
     def work(tell: Tell) -> None:
         library.Search(task, lambda *_: None)  # touches the memory that copies share until then
@@ -242,9 +248,7 @@ def _hole(inner: float, nearest: float) -> float:
 
 
 _BY_KIND: ByKind[tuple[Any, Any, Any]] = ByKind(
-    {
-        PLANAR: (Problem, task_of, _finished),
-        SPATIAL: (SpatialProblem, task_in_space, ways_along),
-    },
+    {PLANAR: (Problem, task_of, _finished)},
+    default=(SpatialProblem, task_in_space, ways_along),
     who="planner 'st-rrt-star'",
 )

@@ -5,17 +5,19 @@ Places are joints in units of what each turns in a second, so that distances are
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import SPATIAL, ByKind
 from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.arms.swivels import inverse
-from gcm_learn.collision.postures import distance_at
+from gcm_learn.collision.postures import distance_at, gap_at
 from gcm_learn.compiled import njit
+from gcm_learn.errors import ArmKindError
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.planners.completion import Attempt, SpatialProblem
 from gcm_learn.planners.joints.moves import (
@@ -24,6 +26,7 @@ from gcm_learn.planners.joints.moves import (
     timed_move_is_free,
     turning_time,
 )
+from gcm_learn.planners.joints.pull import box, pulled
 from gcm_learn.planners.joints.straight import attempt_along, soonest_straight
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, centre_at
@@ -32,7 +35,14 @@ SPEED = 1.0
 """Of places, with which OMPL reckons. It leaves out legs on which several joints turn at their
 fastest; 2 would leave out none. Of 44 situations 1, 1.4 and 2 caught 38, 34 and 31 within 100 ms,
 and 41, 39 and 39 within a second."""
+SPEED_OF_CHAINS = 1.6
+"""The same for chains. Of 44 problems with a Panda (28 of MotionBenchMaker, 16 table-tennis balls)
+1, 1.6 and 2.65 caught 24, 35 and 26 within 100 ms; 2.65 leaves out no leg of seven joints."""
 _SLACK = 1e-6  # of the bounds of places, which must not be empty [s]
+NEAR_START = 0.5
+"""Share of goals of chains that are drawn near to what the start is pulled to."""
+NEAR_GIVEN = 0.25
+"""Share of goals of chains that are pulled from given postures, where there are some."""
 
 
 @njit(_nrt=False)
@@ -98,6 +108,73 @@ def draw_posture(study, since, until, chances, q):
     return -1.0
 
 
+@njit(_nrt=False)
+def draw_pulled(study, since, until, chances, given, q):
+    """Draw an interception of any arm: postures are pulled until the hand catches.
+
+    Parameters
+    ----------
+    since, until : float
+        The instants to draw from [s].
+    chances : (m, n + 4) ndarray
+        Uniform in [0, 1): the numbers for m tries.
+    given : (k, n) ndarray
+        Postures from which some goals are pulled.
+
+    Returns
+    -------
+    time : float
+        -1 if all tries fail [s].
+    """
+    scene = study.scene
+    start, rows = scene.limb.start, scene.bodies.rows
+    targets = 0
+    for b in range(rows.shape[0]):
+        targets += rows[b, PART] == HAND
+    for k in range(chances.shape[0]):
+        left, b = int(chances[k, 0] * targets), -1
+        while left >= 0:
+            b += 1
+            left -= rows[b, PART] == HAND
+        t = since + chances[k, 1] * (until - since)
+        box(study, start, t)
+        near = min(chances[k, 2] / NEAR_START, 1.0)
+        hinted = given.shape[0] > 0 and chances[k, 3] < NEAR_GIVEN
+        which = int(chances[k, 3] / NEAR_GIVEN * given.shape[0]) if hinted else 0
+        for j in range(q.size):
+            low, high = study.low[j], study.high[j]
+            if hinted:
+                q[j] = min(max(given[which, j], low), high)
+            else:
+                q[j] = start[j] + near * (low + chances[k, 4 + j] * (high - low) - start[j])
+        if pulled(study, b, t, q) and gap_at(scene, q, t, study.desk) > study.touch:
+            return t
+    return -1.0
+
+
+def _by_inverse(study: Study, since: float, until: float, chances: Any, given: Any, q: Any) -> Any:
+    return draw_posture(study, since, until, chances, q)
+
+
+class Drawing(NamedTuple):
+    """Goals of a kind of arm."""
+
+    draw: Callable[..., Any]
+    numbers: Callable[[int], int]
+    """Count of random numbers of a try, of the number of joints."""
+    soonest: Callable[[Study], float]
+    """No goal is before [s]."""
+    speed: float
+    """See `SPEED`."""
+
+
+_DRAWINGS: ByKind[Drawing] = ByKind(
+    {SPATIAL: Drawing(_by_inverse, lambda n: 7, soonest_straight, SPEED)},
+    # The soonest straight line of a chain costs about as much as our search.
+    default=Drawing(draw_pulled, lambda n: n + 4, lambda study: 0.0, SPEED_OF_CHAINS),
+)
+
+
 @dataclass(frozen=True)
 class JointTask:
     """Task of the search and its budget."""
@@ -109,9 +186,16 @@ class JointTask:
     budget_ms: float
     """Of processor time."""
     iterations: int
+    drawing: Drawing
+    draws: int
+    """Numbers that are drawn for a try to draw a goal."""
+    given: np.ndarray | None = None
+    """Postures (k, dof) from which some goals are pulled."""
 
-    draws: ClassVar[int] = 7
-    speed: ClassVar[float] = SPEED
+    @property
+    def speed(self) -> float:
+        """Of places, with which OMPL reckons."""
+        return self.drawing.speed
 
     @property
     def scene(self) -> Scene:
@@ -146,7 +230,8 @@ class JointTask:
     def draw(self, until: float, chances: np.ndarray) -> tuple[float, ...]:
         """An interception before `until` [s]: when (-1 if all tries fail) and where."""
         q = np.zeros_like(self.scene.limb.start)
-        time = draw_posture(self.study, self.unhindered, until, chances, q)
+        given = np.zeros((0, q.size)) if self.given is None else self.given
+        time = self.drawing.draw(self.study, self.unhindered, until, chances, given, q)
         return (float(time), *(q / self.scene.limits.joint_speed).tolist())
 
 
@@ -155,8 +240,23 @@ def task_in_space(
 ) -> JointTask:
     """Return the task of the search."""
     study = problem.study
-    soonest = max(soonest_straight(study) - problem.rules.instant, 0.0)
-    return JointTask(study, soonest, seed, budget_ms, iterations)
+    drawing = _DRAWINGS.of(problem.situation)
+    soonest = max(drawing.soonest(study) - problem.rules.instant, 0.0)
+    draws = drawing.numbers(study.goal.size)
+    return JointTask(study, soonest, seed, budget_ms, iterations, drawing, draws)
+
+
+def near(task: Any, postures: Sequence[Sequence[float]]) -> JointTask:
+    """Return a task in which some goals are pulled from given postures.
+
+    Raises
+    ------
+    ArmKindError
+        If the arm's goals are not pulled from postures.
+    """
+    if not isinstance(task, JointTask) or task.drawing.draw is not draw_pulled:
+        raise ArmKindError("postures: are of chains; goals of other arms are drawn otherwise")
+    return replace(task, given=np.array(postures, dtype=float).reshape(-1, len(task.start)))
 
 
 def ways_along(problem: SpatialProblem, paths: list[np.ndarray]) -> list[Attempt]:

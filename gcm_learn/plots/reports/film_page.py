@@ -24,6 +24,7 @@ from gcm_learn.rendering import (
     body_colour,
     body_poses,
     bone_pose,
+    bone_shape,
     box_of,
     drawn_scale,
     faces,
@@ -33,7 +34,7 @@ from gcm_learn.rendering import (
     limb_along,
     target_paths,
 )
-from gcm_learn.situation import Capsule, Sphere
+from gcm_learn.situation import Sphere
 
 if TYPE_CHECKING:
     from gcm_learn.motion import Movement
@@ -190,7 +191,7 @@ def _limb(
     for i, radius in enumerate(limb.radii):
         a, b = limb.ends[:, i, 0], limb.ends[:, i, 1]
         turns = np.array([bone_pose(*ends)[0] for ends in limb.ends[:, i]])
-        link = faces(Capsule(radius, bone_pose(a[0], b[0])[1]), np.inf)
+        link = faces(bone_shape(radius, bone_pose(a[0], b[0])[1]), np.inf)
         out.append(_solid(link, f"link {i}", style.ARM, 0.5 * (a + b), turns))
     upright = np.broadcast_to(np.eye(3), (len(times), 3, 3))
     for ball in balls_of(limb):
