@@ -19,7 +19,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from numba.core import config
+from numba.core import config, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
@@ -90,8 +90,12 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]
         return made
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return the types of a call by another function; compile the part for it."""
-        return self._part.get_call_template(args, kws)
+        """Return the types of a call by another function; compile the part for it.
+
+        Numba has a type for every number in a source, for which it would compile a part once more.
+        """
+        plain = tuple(types.unliteral(given) for given in args)
+        return self._part.get_call_template(plain, kws)
 
     def get_overload(self, sig: Any) -> Any:
         """Return the key of the part."""

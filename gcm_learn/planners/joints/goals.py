@@ -12,7 +12,7 @@ from gcm_learn.arms.limbs import (
     postures_at,
     reach_of,
 )
-from gcm_learn.collision.postures import gap_at
+from gcm_learn.collision.postures import free_at
 from gcm_learn.collision.rests import free_until
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import (
@@ -64,7 +64,7 @@ def _keep(study, goals, b, t, q):
         if away < ALIKE:
             return
         i -= 1
-    if k < goals.time.size and gap_at(study.scene, q, t, study.desk) > study.touch:
+    if k < goals.time.size and free_at(study.scene, q, t, study.touch, study.desk):
         for j in range(q.size):
             goals.joints[k, j] = q[j]
         goals.time[k], goals.body[k] = t, b

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.postures import gap_at
+from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.planners.joints.goals import reach
@@ -36,6 +36,10 @@ from gcm_learn.scene.bodies import HAND, PART
 FROM_START, FROM_CATCH = 0, 1
 TRIES = 3  # nearest nodes of the other tree to which a new node is connected
 NEAR_START = 0.5  # share of goals that are drawn near to what the start is pulled to
+NEAR_GOAL = 0.3  # share of goals that are drawn near to one that is there
+NEARBY = 0.3  # how near: share of a joint's range, and of the horizon
+NEARER = 3  # moves to a drawn state that are tried, each half as long as the one before
+NEARER_GOAL = 7  # likewise from one to a posture that catches, which is often in a narrow place
 RESTS = 0.5  # share of nodes at which the limb comes to rest, under limits of acceleration
 
 
@@ -212,16 +216,9 @@ keep_by = by_type({None: _keep_none, Ramp: _keep_free})
 
 
 @njit(_nrt=False)
-def draw_goal(study, trees, horizon):
-    """Draw a posture that catches a target at some time, and is free then, as a root.
-
-    Returns
-    -------
-    int
-        Number of the root, -1 if the draw failed.
-    """
-    scene, q = study.scene, trees.drawn
-    rows, limb = scene.bodies.rows, scene.limb
+def _draw_near_start(study, trees, horizon):
+    """Draw a posture between the start and what is within reach: a target and a time [s]."""
+    q, rows, start = trees.drawn, study.scene.bodies.rows, study.scene.limb.start
     targets = 0
     for b in range(rows.shape[0]):
         targets += rows[b, PART] == HAND
@@ -234,8 +231,42 @@ def draw_goal(study, trees, horizon):
     near = 1.0 if uniform(trees) >= NEAR_START else uniform(trees)
     for j in range(q.size):
         share = study.low[j] + uniform(trees) * (study.high[j] - study.low[j])
-        q[j] = limb.start[j] + near * (share - limb.start[j])
-    if not pulled(study, b, t, q) or gap_at(scene, q, t, study.desk) <= study.touch:
+        q[j] = start[j] + near * (share - start[j])
+    return b, t
+
+
+@njit(_nrt=False)
+def _draw_near_goal(study, trees, horizon):
+    """Draw a posture near one that catches: its target and a time [s]."""
+    q, limb = trees.drawn, study.scene.limb
+    k = int(uniform(trees) * trees.size[FROM_CATCH])
+    while trees.via[FROM_CATCH, k] >= 0:
+        k = trees.via[FROM_CATCH, k]
+    wide = NEARBY * uniform(trees)
+    t = trees.time[FROM_CATCH, k] + wide * horizon * (2.0 * uniform(trees) - 1.0)
+    t = min(max(t, 0.01 * horizon), horizon)
+    box_by(trees.moves, study, t)
+    for j in range(q.size):
+        far = wide * (limb.high[j] - limb.low[j]) * (2.0 * uniform(trees) - 1.0)
+        q[j] = min(max(trees.joints[FROM_CATCH, k, j] + far, study.low[j]), study.high[j])
+    return trees.body[k], t
+
+
+@njit(_nrt=False)
+def draw_goal(study, trees, horizon):
+    """Draw a posture that catches a target at some time, and is free then, as a root.
+
+    Returns
+    -------
+    int
+        Number of the root, -1 if the draw failed.
+    """
+    scene, q = study.scene, trees.drawn
+    if trees.size[FROM_CATCH] > 0 and uniform(trees) < NEAR_GOAL:
+        b, t = _draw_near_goal(study, trees, horizon)
+    else:
+        b, t = _draw_near_start(study, trees, horizon)
+    if not pulled(study, b, t, q) or not free_at(scene, q, t, study.touch, study.desk):
         return -1
     trees.ends[0] = trees.ends[1] = t
     return _add(trees, FROM_CATCH, q, trees.drawn_rates, t, GIVEN, -1, b)
@@ -301,25 +332,60 @@ def _join(study, trees, tree, k, q, rates, t, free):
 
 
 @njit(_nrt=False)
-def _grown(study, trees, tree, q, t):
-    """Grow a tree by a move to or from q (n,) at t [s]; the new node, -1 if no move is free.
+def _grown(study, trees, horizon):
+    """Grow the first tree to a drawn state; the new node, -1 if no move is free.
 
-    If the whole move is blocked, half of it and then a quarter are tried.
+    If the whole move is blocked, half of it is tried, and so on.
     """
-    free, rates = rates_by(trees.moves, trees, tree), trees.drawn_rates
+    tree, q, rates = FROM_START, trees.drawn, trees.drawn_rates
+    t = _draw_state(study, trees, horizon)
+    free = rates_by(trees.moves, trees, tree)
     k, _ = _nearest(study, trees, tree, q, t, -1.0)
     if k < 0:
         return -1
     there, when = trees.joints[tree, k], trees.time[tree, k]
-    root = tree == FROM_CATCH and trees.via[tree, k] < 0
-    for _ in range(3):
-        if _join(study, trees, tree, k, q, rates, t, free):
-            time = trees.ends[1] if tree == FROM_START else trees.ends[0]
-            kept = free + END_FREE if root else free
-            return _add(trees, tree, q, rates, time, kept, k, trees.body[k])
-        for j in range(q.size):
-            q[j] = 0.5 * (q[j] + there[j])
+    for _ in range(NEARER):
+        if free_at(study.scene, q, t, study.touch, study.desk):
+            if _join(study, trees, tree, k, q, rates, t, free):
+                return _add(trees, tree, q, rates, trees.ends[1], free, k, 0)
+        _halve(q, there)
         t = 0.5 * (t + when)
+    return -1
+
+
+@njit(_nrt=False, forceinline=True)
+def _halve(q, there):
+    for j in range(q.size):
+        q[j] = 0.5 * (q[j] + there[j])
+
+
+@njit(_nrt=False)
+def _grown_backward(study, trees):
+    """Grow the second tree by a move from a drawn posture; the new node, -1 if none is free.
+
+    The move ends at the nearest node, and begins at a time by which the start can be there.
+    """
+    limits, limb = study.scene.limits, study.scene.limb
+    tree, q, rates = FROM_CATCH, trees.drawn, trees.drawn_rates
+    for j in range(q.size):
+        q[j] = limb.low[j] + uniform(trees) * (limb.high[j] - limb.low[j])
+    free = rates_by(trees.moves, trees, tree)
+    k, best = -1, 1e300
+    for m in range(trees.size[tree]):
+        took = turning_time(limits.joint_speed, q, trees.joints[tree, m])
+        if took < best:
+            k, best = m, took
+    there, when, share = trees.joints[tree, k], trees.time[tree, k], uniform(trees)
+    if trees.via[tree, k] < 0:
+        free += END_FREE
+    for _ in range(NEARER_GOAL):
+        took = time_by(trees.moves, limits, q, there)
+        spare = when - took - time_by(trees.moves, limits, limb.start, q)
+        t = when - took - share * spare
+        if spare > 0.0 and free_at(study.scene, q, t, study.touch, study.desk):
+            if _join(study, trees, tree, k, q, rates, t, free & START_FREE):
+                return _add(trees, tree, q, rates, trees.ends[0], free, k, trees.body[k])
+        _halve(q, there)
     return -1
 
 
@@ -365,8 +431,10 @@ def search_trees(study, trees, rounds, horizon, way):
         elif trees.size[FROM_CATCH] == 0:
             continue
         for tree in range(2):
-            t = _draw_state(study, trees, horizon)
-            k = _grown(study, trees, tree, trees.drawn, t)
+            if tree == FROM_START:
+                k = _grown(study, trees, horizon)
+            else:
+                k = _grown_backward(study, trees)
             if k < 0:
                 continue
             m = _connected(study, trees, tree, k)
