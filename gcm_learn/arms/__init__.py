@@ -37,7 +37,13 @@ from gcm_learn.arms.planar_limb import (
     joints_of,
     planar_limb_of,
 )
-from gcm_learn.arms.rotations import quaternion_of, rotation_of, unit_quaternion
+from gcm_learn.arms.rotations import (
+    quaternion_of,
+    rotation_of,
+    rotations_of,
+    turned_by,
+    unit_quaternion,
+)
 from gcm_learn.arms.spatial import IDENTITY, JOINTS, OTHER_ARMS, Base, SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, forward_in_space, spatial_limb_of
 from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
@@ -94,9 +100,11 @@ __all__ = [
     "read_robot",
     "register_kind",
     "rotation_of",
+    "rotations_of",
     "solution_format",
     "spatial_limb_of",
     "swivel_in_space",
+    "turned_by",
     "unit_quaternion",
     "unknown_obstacle",
 ]

@@ -13,7 +13,7 @@ import numpy as np
 
 from gcm_learn.arms.chain import Chain, ChainModel
 from gcm_learn.arms.curves import on_curve, rate_of, turn_of
-from gcm_learn.arms.link_gaps import middles_gap, segments_gap2
+from gcm_learn.arms.link_gaps import segments_gap2
 from gcm_learn.arms.rotations import rotation_of
 from gcm_learn.compiled import njit
 
@@ -30,7 +30,6 @@ class ChainLimb(NamedTuple):
     carriers: np.ndarray  # (m + 1,): frame that carries each link, and last the hand
     ends: np.ndarray  # (m + 1, 6): ends of the links' axes; last the hand's point and its axis
     radii: np.ndarray  # (m,): of the links
-    halves: np.ndarray  # (m,): half the lengths of their axes
     pairs: np.ndarray  # (p, 2): links that must not overlap
     ignored: np.ndarray  # (m, bodies) bool: links and obstacles that are not checked
     tails: np.ndarray  # (n,): bound of the hand's way for a unit of each joint, at any posture
@@ -42,8 +41,11 @@ class ChainLimb(NamedTuple):
     frames: np.ndarray  # (n + 1, 12): rotation (9), origin (3) of every frame; written by `place`
     axes: np.ndarray  # (n, 6): a point on each joint's axis and its direction; written by `place`
     reaches: np.ndarray  # (m + 1, 6): ends of the links, then hand and axis; written by `place`
+    balls: np.ndarray  # (m, 4): centre, written by `place`, and radius of balls about the links
+    near: np.ndarray  # (m,): links; written by `near_links`
     ways: np.ndarray  # (m,): how far points of each link travel; written by `swept`
     turns: np.ndarray  # (n,): how far joints turn; written by `swept`
+    paces: np.ndarray  # (n,): rates of joints per share of a move; written by `swept`
 
 
 # A call hands over every array of a tuple, number by number, which takes as long as the work of a
@@ -53,13 +55,13 @@ class ChainLimb(NamedTuple):
 def place(limb, q):
     """Write frames, axes and links at a posture (n,) into the limb's arrays."""
     _frames(limb.joints, q, limb.frames, limb.axes)
-    _links(limb.carriers, limb.ends, limb.frames, limb.reaches)
+    _links(limb.carriers, limb.ends, limb.frames, limb.reaches, limb.balls)
     return q.size
 
 
 @njit(_nrt=False)
-def _links(carriers, ends, frames, out):
-    """Write the ends of links and last the hand's point and axis, carried by the frames."""
+def _links(carriers, ends, frames, out, balls):
+    """Write ends and balls of links, and last the hand's point and axis, by the frames."""
     for m in range(carriers.size):
         k = carriers[m]
         a, b, c, x = frames[k, 0], frames[k, 1], frames[k, 2], frames[k, 9]
@@ -72,6 +74,8 @@ def _links(carriers, ends, frames, out):
         out[m, 0], out[m, 1], out[m, 2] = px + x, py + y, pz + z
         if m + 1 < carriers.size:  # the hand's axis is no point
             qx, qy, qz = qx + x, qy + y, qz + z
+            balls[m, 0], balls[m, 1] = 0.5 * (px + qx + x), 0.5 * (py + qy + y)
+            balls[m, 2] = 0.5 * (pz + qz + z)
         out[m, 3], out[m, 4], out[m, 5] = qx, qy, qz
 
 
@@ -107,39 +111,69 @@ def _frames(rows, q, frames, axes):
 
 
 @njit(_nrt=False, forceinline=True)
-def _off_axis2(axes, k, x, y, z):
-    """Squared distance of a point to the axis of joint k."""
+def _turned_by(axes, k, x, y, z):
+    """Velocity (3) of a point that joint k turns at a unit of rate."""
     px, py, pz = x - axes[k, 0], y - axes[k, 1], z - axes[k, 2]
     ax, ay, az = axes[k, 3], axes[k, 4], axes[k, 5]
-    u, v, w = ay * pz - az * py, az * px - ax * pz, ax * py - ay * px
-    return u * u + v * v + w * w
+    return ay * pz - az * py, az * px - ax * pz, ax * py - ay * px
 
 
 @njit(_nrt=False, forceinline=True)
-def _travel(joints, axes, reaches, last, i, turns):
-    """Bound how far points of link i travel while each joint moves by at most its turn (n,).
+def _travel(joints, axes, reaches, last, i, turns, rates, half):
+    """Bound how far points of link i travel from share s of a move to s +- half.
 
-    The outermost joint is moved first: it carries points no farther than its turn times their
-    distance to its axis, which is where `place` left it.  Each joint before it finds them displaced
-    by what the others did.  On a link the farther end bounds all points.
+    There are two bounds; on a link the farther end bounds all points.
+
+    Joint by joint, the outermost moves first: it carries points no farther than its turn times
+    their distance to its axis, which is where `place` left it.  Each joint before it finds them
+    displaced by what the others did.
+
+    Or all joints at once: points go on with their velocity at s.  They stray by what rates change,
+    and by half the square of the width times their acceleration, in which each joint turns the
+    velocity that those beyond it give.
+
+    Parameters
+    ----------
+    last : int
+        Joints before this one carry the link.
+    turns : (n,) ndarray
+        Bound how far each joint turns.
+    rates : (n,) ndarray
+        Of the joints at s, per share.
     """
-    way = 0.0
+    way, stray, before = 0.0, 0.0, 0.0
     x, y, z = reaches[i, 0], reaches[i, 1], reaches[i, 2]
     u, v, w = reaches[i, 3], reaches[i, 4], reaches[i, 5]
+    ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(last):
+        before += turns[k] if joints[k, 0] == REVOLUTE else 0.0
     for k in range(last - 1, -1, -1):
         if turns[k] > 0.0:
             if joints[k, 0] == PRISMATIC:
-                way += turns[k]
+                px, py, pz = axes[k, 3], axes[k, 4], axes[k, 5]
+                qx, qy, qz, gain, turn = px, py, pz, turns[k], 0.0
+                changed = turns[k] - half * abs(rates[k])
             else:
-                off = max(_off_axis2(axes, k, x, y, z), _off_axis2(axes, k, u, v, w))
-                way += turns[k] * (np.sqrt(off) + way)
-    return way
+                px, py, pz = _turned_by(axes, k, x, y, z)
+                qx, qy, qz = _turned_by(axes, k, u, v, w)
+                off = max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
+                off, turn = np.sqrt(off) + way, turns[k]
+                gain, changed = turn * off, (turn - half * abs(rates[k])) * off
+            way += gain
+            before -= turn
+            stray += changed + gain * (before + 0.5 * turn)
+            ax, ay, az = ax + rates[k] * px, ay + rates[k] * py, az + rates[k] * pz
+            bx, by, bz = bx + rates[k] * qx, by + rates[k] * qy, bz + rates[k] * qz
+    fast = np.sqrt(max(ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz))
+    return min(way, half * fast + stray)
 
 
-@njit(_nrt=False, forceinline=True)
-def travel(limb, i, turns):
-    """Bound how far points of link i travel while each joint moves by at most its turn (n,)."""
-    return _travel(limb.joints, limb.axes, limb.reaches, limb.carriers[i], i, turns)
+@njit(_nrt=False)
+def travel(limb, i, turns, rates, half):
+    """Bound how far points of link i travel; see `_travel`."""
+    return _travel(
+        limb.joints, limb.axes, limb.reaches, limb.carriers[i], i, turns, rates, half
+    )  # fmt: skip
 
 
 @njit(_nrt=False, forceinline=True)
@@ -170,9 +204,28 @@ def link_count(limb):
 
 @njit(_nrt=False, forceinline=True)
 def link(limb, place, i):
-    """Ends of a link's axis where `place` left them, its radius, and half its length."""
-    r, half = limb.reaches, limb.halves[i]
-    return r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5], limb.radii[i], half
+    """Ends of a link's axis where `place` left them, and its radius."""
+    r = limb.reaches
+    return r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5], limb.radii[i]
+
+
+@njit(_nrt=False)
+def near_links(balls, ways, x, y, z, far, near):
+    """Write the links whose balls are within `far` of a point, less their slack, into `near`.
+
+    Returns
+    -------
+    int
+        Number of these links.
+    """
+    count = 0
+    for i in range(ways.size):
+        u, v, w = x - balls[i, 0], y - balls[i, 1], z - balls[i, 2]
+        most = far + balls[i, 3] + ways[i]
+        near[count] = i
+        if most >= 0.0 and u * u + v * v + w * w <= most * most:
+            count += 1
+    return count
 
 
 @njit(_nrt=False, forceinline=True)
@@ -183,19 +236,24 @@ def ignores(limb, i, b):
 
 @njit(_nrt=False, forceinline=True)
 def self_gap(limb, place, slack, enough):
-    """Distance of the nearest pair of links that must not overlap, and the same less slack."""
-    return _nearest_pair(limb.pairs, limb.radii, limb.reaches, limb.ways, enough)
+    """Distance of the nearest pair of links that must not overlap, and the same less slack.
+
+    Pairs whose balls are farther apart than is asked for are left out.
+    """
+    return _nearest_pair(limb.pairs, limb.radii, limb.reaches, limb.balls, limb.ways, enough)
 
 
 @njit(_nrt=False)
-def _nearest_pair(pairs, radii, r, ways, enough):
+def _nearest_pair(pairs, radii, r, balls, ways, enough):
     best, room = 1e300, 1e300
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
-        thick, slip = radii[i] + radii[j], ways[i] + ways[j]
-        gap = middles_gap(r, i, j) - thick
-        if gap - slip <= enough:
-            gap = np.sqrt(max(segments_gap2(r, i, j), 0.0)) - thick
+        slip = ways[i] + ways[j]
+        far = enough + slip + balls[i, 3] + balls[j, 3]
+        x, y, z = balls[i, 0] - balls[j, 0], balls[i, 1] - balls[j, 1], balls[i, 2] - balls[j, 2]
+        if far < 0.0 or x * x + y * y + z * z > far * far:
+            continue
+        gap = np.sqrt(max(segments_gap2(r, i, j), 0.0)) - radii[i] - radii[j]
         best, room = min(best, gap), min(room, gap - slip)
     return best, room
 
@@ -212,17 +270,18 @@ def still(limb):
 def swept(limb, curve, s, half, place):
     """Note how far points of each link travel from share s of a move to s +- half."""
     _sweep(
-        limb.joints, limb.axes, limb.reaches, limb.carriers, curve, s, half, limb.turns, limb.ways
-    )
+        limb.joints, limb.axes, limb.reaches, limb.carriers, curve, s, half, limb.turns,
+        limb.paces, limb.ways,
+    )  # fmt: skip
     return 0
 
 
 @njit(_nrt=False)
-def _sweep(joints, axes, reaches, carriers, curve, s, half, turns, ways):
+def _sweep(joints, axes, reaches, carriers, curve, s, half, turns, rates, ways):
     for k in range(turns.size):
-        turns[k] = turn_of(curve, k, s, half)
+        turns[k], rates[k] = turn_of(curve, k, s, half), rate_of(curve, k, s)
     for i in range(ways.size):
-        ways[i] = _travel(joints, axes, reaches, carriers[i], i, turns)
+        ways[i] = _travel(joints, axes, reaches, carriers[i], i, turns, rates, half)
 
 
 @njit(_nrt=False, forceinline=True)
@@ -375,7 +434,6 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
         carriers=np.array([link.joint for link in model.links] + [hand.joint]),
         ends=ends,
         radii=np.array([link.radius for link in model.links]),
-        halves=0.5 * np.linalg.norm(ends[:-1, 3:] - ends[:-1, :3], axis=1),
         pairs=np.array(model.self_collision, dtype=np.int64).reshape(-1, 2),
         ignored=ignored,
         tails=_tails(arm),
@@ -387,8 +445,11 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
         frames=frames,
         axes=np.zeros((n, 6)),
         reaches=np.zeros((m + 1, 6)),
+        balls=_balls(ends[:-1], np.array([link.radius for link in model.links])),
+        near=np.zeros(m, dtype=np.int64),
         ways=np.zeros(m),
         turns=np.zeros(n),
+        paces=np.zeros(n),
     )
 
 
@@ -408,6 +469,14 @@ def _axes_along_z(model: ChainModel) -> tuple[np.ndarray, np.ndarray]:
     ends = [(link.joint, link.start, link.end) for link in model.links]
     ends.append((hand.joint, hand.point, hand.axis))
     return np.array(rows), np.array([np.ravel(np.array([p, q]) @ turned[k]) for k, p, q in ends])
+
+
+def _balls(ends: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """Return room for the centres of balls about links (m, 4), and last their radii."""
+    balls = np.zeros((len(ends), 4))
+    # rounded up, as a link must not stick out
+    balls[:, 3] = (0.5 * np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1) + radii) * (1.0 + 1e-9)
+    return balls
 
 
 def _to_z(axis: np.ndarray) -> np.ndarray:

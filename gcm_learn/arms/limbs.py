@@ -79,8 +79,7 @@ def link_count(limb):
 
 @by_limb
 def link(limb, place, i):
-    """Ends of the axis of link i, six numbers; its radius beyond the limb's thickness; half its
-    length."""
+    """Ends of the axis of link i, six numbers, and its radius beyond the limb's thickness."""
 
 
 @by_limb

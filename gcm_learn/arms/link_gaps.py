@@ -2,20 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from gcm_learn.compiled import njit
-
-
-@njit(_nrt=False)
-def middles_gap(r, i, j):
-    """Distance of the balls about two links' axes."""
-    away, first, second = 0.0, 0.0, 0.0
-    for k in range(3):
-        away += (0.5 * (r[i, k] + r[i, 3 + k] - r[j, k] - r[j, 3 + k])) ** 2
-        first += (0.5 * (r[i, 3 + k] - r[i, k])) ** 2
-        second += (0.5 * (r[j, 3 + k] - r[j, k])) ** 2
-    return np.sqrt(away) - np.sqrt(first) - np.sqrt(second)
 
 
 @njit(_nrt=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,16 @@ ROUNDING = 1e-15
 def rotation_of(quaternion: Sequence[float]) -> np.ndarray:
     """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
     length = math.hypot(*quaternion)
-    w, x, y, z = (part / length for part in quaternion)
+    return _matrix(*(part / length for part in quaternion))
+
+
+def rotations_of(quaternions: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
+    return np.moveaxis(_matrix(*(quaternions / lengths).T), -1, 0)
+
+
+def _matrix(w: Any, x: Any, y: Any, z: Any) -> np.ndarray:
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -24,6 +34,16 @@ def rotation_of(quaternion: Sequence[float]) -> np.ndarray:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+def turned_by(turns: np.ndarray) -> np.ndarray:
+    """Rotations (n, 3, 3) by vectors (n, 3) [rad]: Rodrigues' formula."""
+    angle = np.linalg.norm(turns, axis=1)
+    x, y, z = (turns / np.where(angle > 0.0, angle, 1.0)[:, None]).T
+    zero = np.zeros_like(x)
+    cross = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
+    sine, rest = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
+    return np.eye(3) + sine * cross + rest * (cross @ cross)
 
 
 def quaternion_of(rotation: np.ndarray) -> tuple[float, float, float, float]:

@@ -134,8 +134,8 @@ def link(limb, place, i):
     """Ends of a bone, and no radius beyond the limb's thickness."""
     ex, ey, ez, hx, hy, hz = place
     if i == 0:
-        return 0.0, 0.0, 0.0, ex, ey, ez, 0.0, 0.5 * limb.rho
-    return ex, ey, ez, hx, hy, hz, 0.0, 0.5 * limb.length
+        return 0.0, 0.0, 0.0, ex, ey, ez, 0.0
+    return ex, ey, ez, hx, hy, hz, 0.0
 
 
 @njit(_nrt=False, forceinline=True)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms.chain_limb import ChainLimb, near_links
 from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.limbs import (
     dof,
@@ -144,17 +145,15 @@ def _hinged_room(bodies, b, elbow, slack, poses):
 
 @njit(_nrt=False)
 def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
-    """Ask link by link.  Balls about link and body settle what is farther than is asked for."""
+    """Ask link by link; the ball that holds the body bounds what is farther."""
     turned = centre_at(bodies, b, t, poses)
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     best, room = 1e300, 1e300
     for i in range(link_count(limb)):
-        px, py, pz, qx, qy, qz, radius, half = link(limb, where, i)
-        slip = slack_of(limb, slack, i) + off
-        far = enough + slip + reach + radius + half
-        u, v, w = x - 0.5 * (px + qx), y - 0.5 * (py + qy), z - 0.5 * (pz + qz)
-        if far < 0.0 or u * u + v * v + w * w > far * far or ignores(limb, i, b):
+        if ignores(limb, i, b):
             continue
+        px, py, pz, qx, qy, qz, radius = link(limb, where, i)
+        slip = slack_of(limb, slack, i) + off
         gap = off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radius
         if bodies.rows[b, BALL] == 0.0 and gap - slip <= enough:
             if turned:
@@ -165,13 +164,58 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
     return best, room
 
 
+@njit(_nrt=False, forceinline=True)
+def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
+    """Ask only the links whose balls are near to the body's.  Mostly there is none."""
+    turned = centre_at(bodies, b, t, poses)
+    far = enough + off + bodies.rows[b, REACH]
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    count = near_links(limb.balls, limb.ways, x, y, z, far, limb.near)
+    if count == 0:
+        return 1e300, 1e300
+    return _gap_to_near(
+        limb.near, count, limb.reaches, limb.balls, limb.radii, limb.ways, limb.ignored, bodies, b,
+        t, turned, off, enough, poses,
+    )  # fmt: skip
+
+
+@njit(_nrt=False)
+def _gap_to_near(
+    near, count, links, balls, radii, ways, ignored, bodies, b, t, turned, off, enough, poses
+):
+    """Ask some links.  The ball about a link settles most, the distance of its axis the others."""
+    x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
+    best, room = 1e300, 1e300
+    for k in range(count):
+        i = near[k]
+        if ignored[i, b]:
+            continue
+        px, py, pz, qx, qy, qz = (
+            links[i, 0], links[i, 1], links[i, 2], links[i, 3], links[i, 4], links[i, 5],
+        )  # fmt: skip
+        slip = ways[i] + off
+        gap = off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radii[i]
+        if bodies.rows[b, BALL] == 0.0 and gap - slip <= enough:
+            if turned:
+                rotate(bodies, b, t, poses)
+                turned = False
+            u, v, w, ball = balls[i, 0], balls[i, 1], balls[i, 2], balls[i, 3]
+            gap = max(gap, point_distance(bodies, poses, b, u, v, w) - ball)
+            if gap - slip <= enough:
+                gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radii[i]
+        best, room = min(best, gap), min(room, gap - slip)
+    return best, room
+
+
 @njit(_nrt=False)
 def _gap_to_bones(limb, where, slack, bodies, b, t, off, enough, poses):
     """Ask both bones at once; see `body_distance`."""
     return body_distance(bodies, b, t, where, slack[0] + off, slack[1] + off, enough, poses)
 
 
-gap_to = by_type({None: _gap_to_links, SpatialLimb: _gap_to_bones})
+gap_to = by_type(
+    {None: _gap_to_links, SpatialLimb: _gap_to_bones, ChainLimb: _gap_to_capsules}
+)
 """Distance of body b at t [s] to a limb at a place, and the same less slack.
 
 Parameters
@@ -180,7 +224,7 @@ slack : slack of the limb
 off : float
     How much nearer the body may come, too.
 enough : float
-    Distances above this, slack taken off, need not be exact.
+    Distances above this, slack taken off, need not be exact; 1e300 says no more.
 """
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import quaternion_of, rotation_of
+from gcm_learn.arms import quaternion_of, rotation_of, rotations_of, turned_by
 from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.situation import Pendulum, Piece, Piecewise, PlanarQuadratic, Sampled, SolidQuadratic
@@ -142,28 +142,33 @@ def _place_pieces(
     row: list[float], tables: Tables, motion: Piecewise | Sampled, frame: Frame
 ) -> None:
     row[k.SWING], row[k.PIECES] = len(tables), len(motion.pieces)
-    rows: list[list[float]] = []
+    laws = [piece.motion for piece in motion.pieces]
+    starts = np.array([piece.start for piece in motion.pieces])
+    vectors = ("position", "velocity", "acceleration", "spin")
+    position, velocity, acceleration, spin = (
+        np.array([getattr(law, name) for law in laws]) for name in vectors
+    )
+    turn = rotations_of(np.array([law.orientation for law in laws]))
+    rows = np.zeros((len(laws), k.PIECE_COLUMNS))
+    rows[:, k.START] = starts
+    span = np.diff(starts)[:, None]
+    ends = position[:-1] + velocity[:-1] * span + 0.5 * acceleration[:-1] * span * span
+    rows[1:, k.JUMP] = np.linalg.norm(ends - position[1:], axis=1)
+    rows[1:, k.JUMP_TURN] = _angles_between(turned_by(spin[:-1] * span) @ turn[:-1], turn[1:])
+    view = np.eye(3) if frame.turn is None else frame.turn
+    rows[:, k.POSITION : k.POSITION + 3] = (position - frame.origin) @ view.T
+    rows[:, k.VELOCITY : k.VELOCITY + 3] = velocity @ view.T
+    rows[:, k.ACCELERATION : k.ACCELERATION + 3] = acceleration @ view.T
+    rows[:, k.SPIN : k.SPIN + 3] = spin @ view.T
+    rows[:, k.TURN : k.TURN + 9] = (view @ turn).reshape(-1, 9)
     tables.append(rows)
-    before: Piece | None = None
-    for piece in motion.pieces:
-        made = [0.0] * k.PIECE_COLUMNS
-        _place_solid(made, tables, piece.motion, frame)
-        made[k.START] = piece.start
-        if before is not None:
-            made[k.JUMP], made[k.JUMP_TURN] = _jump(before, piece)
-        before = piece
-        rows.append(made)
-    _place_solid(row, tables, motion.pieces[0].motion, frame)  # for readers of t = 0 only
+    _place_solid(row, tables, laws[0], frame)  # for readers of t = 0 only
 
 
-def _jump(before: Piece, after: Piece) -> tuple[float, float]:
-    """Return distance and angle [rad] between the end of a piece and the start of the next."""
-    there, span = after.motion, after.start - before.start
-    position, _ = _flown(before.motion, span)
-    turn = rotation_of(_turned(before.motion, span)).T @ rotation_of(there.orientation)
-    off = float(np.linalg.norm(turn - np.eye(3)))  # 2 sqrt(2) sin(angle / 2)
-    angle = 2.0 * math.asin(min(off / math.sqrt(8.0), 1.0))
-    return math.dist(position, there.position), angle
+def _angles_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the angles (n,) [rad] between rotations (n, 3, 3)."""
+    off = np.linalg.norm(first.transpose(0, 2, 1) @ second - np.eye(3), axis=(1, 2))
+    return 2.0 * np.arcsin(np.minimum(off / math.sqrt(8.0), 1.0))  # off = 2 sqrt(2) sin(angle / 2)
 
 
 def _planar_later(motion: PlanarQuadratic, t: float) -> PlanarQuadratic:

@@ -114,14 +114,14 @@ def pack_bodies(situation: AnySituation) -> Bodies:
 def _tables_of(tables: Tables, horizon: float) -> tuple[float, np.ndarray]:
     """Return step and `angles` of pendulums and pieces; tables of pieces end in zeros."""
     swings = [table for table in tables if isinstance(table, Pendulum)]
-    pieces = [k.PIECE_ROWS * len(table) for table in tables if isinstance(table, list)]
+    pieces = [k.PIECE_ROWS * len(table) for table in tables if not isinstance(table, Pendulum)]
     step, angles = swing_tables(swings, horizon, max([64, *pieces]))
     if not pieces:
         return step, angles
     length = angles.shape[1] if swings else max(pieces)
     result, swung = np.zeros((len(tables), length, 2)), iter(angles)
     for entry, table in zip(result, tables, strict=True):
-        rows = next(swung) if isinstance(table, Pendulum) else np.array(table).reshape(-1, 2)
+        rows = next(swung) if isinstance(table, Pendulum) else table.reshape(-1, 2)
         entry[: len(rows)] = rows
     return step, result
 

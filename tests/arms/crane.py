@@ -116,8 +116,8 @@ def link(limb, place, i):
     c, s, out, z = place
     x, y, inner = c * out, s * out, out - BOOM
     if i == 0:
-        return c * inner, s * inner, limb.height, x, y, limb.height, 0.0, 0.5 * BOOM
-    return x, y, z, x, y, z + ROD, 0.0, 0.5 * ROD
+        return c * inner, s * inner, limb.height, x, y, limb.height, 0.0
+    return x, y, z, x, y, z + ROD, 0.0
 
 
 @njit(_nrt=False)

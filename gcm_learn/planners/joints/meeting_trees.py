@@ -39,7 +39,7 @@ NEAR_START = 0.5  # share of goals that are drawn near to what the start is pull
 NEAR_GOAL = 0.3  # share of goals that are drawn near to one that is there
 NEARBY = 0.3  # how near: share of a joint's range, and of the horizon
 NEARER = 3  # moves to a drawn state that are tried, each half as long as the one before
-NEARER_GOAL = 7  # likewise from one to a posture that catches, which is often in a narrow place
+NEARER_GOAL = 4  # likewise from one to a posture that catches, which is often in a narrow place
 RESTS = 0.5  # share of nodes at which the limb comes to rest, under limits of acceleration
 
 
