@@ -198,6 +198,25 @@ move_by = by_type({None: _line_between, Ramp: _ramp_between})
 
 
 @njit(_nrt=False, forceinline=True)
+def _halve_line(moves, q, there, rates, span):
+    for j in range(q.size):
+        q[j] = 0.5 * (q[j] + there[j])
+
+
+@njit(_nrt=False)
+def _halve_ramp(moves, q, there, rates, span):
+    for j in range(q.size):
+        q[j] = there[j] + 0.25 * (q[j] - there[j]) + 0.25 * rates[j] * span
+
+
+halve_by = by_type({None: _halve_line, Ramp: _halve_ramp})
+"""Draw joints q (n,) nearer to where a move began: to where it is after half of its time.
+
+Under limits of acceleration that is where constant accelerations lead by then.
+"""
+
+
+@njit(_nrt=False, forceinline=True)
 def _keep_none(moves, tree, free, rates):
     pass
 
@@ -226,7 +245,7 @@ def _draw_near_start(study, trees, horizon):
     while left >= 0:
         b += 1
         left -= rows[b, PART] == HAND
-    t = horizon * (1.0 - uniform(trees))
+    t = horizon * np.sqrt(1.0 - uniform(trees))
     box_by(trees.moves, study, t)
     near = 1.0 if uniform(trees) >= NEAR_START else uniform(trees)
     for j in range(q.size):
@@ -348,15 +367,9 @@ def _grown(study, trees, horizon):
         if free_at(study.scene, q, t, study.touch, study.desk):
             if _join(study, trees, tree, k, q, rates, t, free):
                 return _add(trees, tree, q, rates, trees.ends[1], free, k, 0)
-        _halve(q, there)
+        halve_by(trees.moves, q, there, trees.rates[tree, k], t - when)
         t = 0.5 * (t + when)
     return -1
-
-
-@njit(_nrt=False, forceinline=True)
-def _halve(q, there):
-    for j in range(q.size):
-        q[j] = 0.5 * (q[j] + there[j])
 
 
 @njit(_nrt=False)
@@ -375,17 +388,21 @@ def _grown_backward(study, trees):
         took = turning_time(limits.joint_speed, q, trees.joints[tree, m])
         if took < best:
             k, best = m, took
-    there, when, share = trees.joints[tree, k], trees.time[tree, k], uniform(trees)
+    there, when, turning = trees.joints[tree, k], trees.time[tree, k], trees.rates[tree, k]
     if trees.via[tree, k] < 0:
         free += END_FREE
+        for j in range(q.size):
+            turning[j] = 0.0
+    share = uniform(trees)
     for _ in range(NEARER_GOAL):
         took = time_by(trees.moves, limits, q, there)
         spare = when - took - time_by(trees.moves, limits, limb.start, q)
-        t = when - took - share * spare
-        if spare > 0.0 and free_at(study.scene, q, t, study.touch, study.desk):
-            if _join(study, trees, tree, k, q, rates, t, free & START_FREE):
-                return _add(trees, tree, q, rates, trees.ends[0], free, k, trees.body[k])
-        _halve(q, there)
+        took += share * max(spare, 0.0)
+        if spare > 0.0 and free_at(study.scene, q, when - took, study.touch, study.desk):
+            if _join(study, trees, tree, k, q, rates, when - took, free & START_FREE):
+                time = trees.ends[0]
+                return _add(trees, tree, q, rates, time, free, k, trees.body[k])
+        halve_by(trees.moves, q, there, turning, -took)
     return -1
 
 
