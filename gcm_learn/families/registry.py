@@ -12,6 +12,12 @@ from gcm_learn import seeding
 from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError, not_known
 from gcm_learn.families.behind_mover import BehindMover, BehindMoverSolid
+from gcm_learn.families.chain.belts import ConveyorChain, TurntableChain
+from gcm_learn.families.chain.boxes import DrawerChain, ShelfChain
+from gcm_learn.families.chain.company import HandoverChain, OtherArmChain
+from gcm_learn.families.chain.flights import FallingChain, SwarmChain, ThrowChain
+from gcm_learn.families.chain.pendulum import PendulumChain
+from gcm_learn.families.chain.walls import GateChain, WindowChain
 from gcm_learn.families.crossing_swarm import CrossingSwarm, CrossingSwarmSolid
 from gcm_learn.families.falling import Falling, FallingSolid
 from gcm_learn.families.family import Family
@@ -47,12 +53,14 @@ _FAMILIES: dict[str, type[Family]] = {
         RandomSolid,
         StaticClutterSpace, CrossingSwarmSpace, BehindPostSpace, WindowSpace, DoorSpace, CrateSpace,
         TraySpace, OverShelfSpace, FallingSpace, LateTargetSpace, PendulumSpace, BenchSpace,
+        ThrowChain, ConveyorChain, WindowChain, PendulumChain, SwarmChain, ShelfChain,
+        TurntableChain, OtherArmChain, DrawerChain, FallingChain, GateChain, HandoverChain,
     )
 }  # fmt: skip
 
 
 def family_names(kind: str | None = None) -> list[str]:
-    """Names of the registered families, or of those for a "planar" or a "spatial" arm."""
+    """Names of the registered families, or of those for "planar", "spatial" or "chain" arms."""
     return [name for name, family in _FAMILIES.items() if kind in (None, family.kind)]
 
 

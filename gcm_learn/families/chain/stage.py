@@ -1,0 +1,177 @@
+"""Stage of families for chains: an arm, its floor, and postures to aim at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import Chain, hands_along, links_along
+from gcm_learn.families.chain.clearances import clearances
+from gcm_learn.families.ranges import Range, pick
+from gcm_learn.families.space.solids import solid
+from gcm_learn.scene import pack
+from gcm_learn.situation import Body, Box, Situation, Sphere
+
+POSTURES = 200  # that a draw chooses its start and its end from
+ENOUGH = 0.2  # share of postures above a floor; with fewer there is none
+ALONG = np.linspace(0.0, 1.0, 5)  # places on a link at which bodies are aimed
+ROOM = 2e-3  # clearance of both ends of a way, at least [reaches]
+SPARE = 1.05  # durations of a straight way, after which its end may be met
+LATEST = 0.97  # latest meeting [horizons]
+WIDE, THICK = 1.05, 0.035  # half the sizes of a floor [reaches]
+
+
+class Way(NamedTuple):
+    """From a start to a posture that catches, in a straight line of the joints."""
+
+    start: np.ndarray
+    """Joints (n,)."""
+    end: np.ndarray
+    when: float
+    """Time at which the hand meets a target at its end [s]."""
+    meet: np.ndarray
+    """Hand (3,) at its end."""
+    axis: np.ndarray
+    """Unit vector (3,) along which the hand reaches there."""
+
+    def at(self, share: float) -> np.ndarray:
+        """Joints (n,) at a share of the way."""
+        return self.start + share * (self.end - self.start)
+
+
+class Stage(NamedTuple):
+    """An arm with its horizon and floor; lengths are in the arm's unit."""
+
+    arm: Chain
+    """In any posture, its base at the origin."""
+    horizon: float
+    """[s]"""
+    gravity: float
+    """[lengths/s^2]"""
+    floor: tuple[Body, ...]
+    """None or one."""
+    joints: np.ndarray
+    """Postures (k, n) free of floor and self-collision."""
+
+    def size(self, rng: np.random.Generator, ends: Range) -> float:
+        """Draw a length from a range in reaches."""
+        return pick(rng, ends) * self.arm.reach
+
+    def hands(self) -> tuple[np.ndarray, np.ndarray]:
+        """Hands (k, 3) of the postures, and their axes (k, 3)."""
+        return hands_along(self.arm, self.joints)
+
+    def points(self, joints: np.ndarray) -> np.ndarray:
+        """Points (m, 5, 3) on the axes of the links at a posture (n,)."""
+        ends, _ = links_along(self.arm, joints[None])
+        first, last = ends[0, :, :1], ends[0, :, 1:]
+        return first + ALONG[:, None] * (last - first)
+
+    def rooms(
+        self, bodies: Sequence[Body], joints: np.ndarray, times: Sequence[float]
+    ) -> np.ndarray:
+        """Return the exact clearances (k,) from bodies at postures (k, n) and times (k,) [s]."""
+        mark = solid("target", Sphere(1e-3), (0.0, 0.0, 0.0))
+        others = tuple(body for body in bodies if body.role == "obstacle")
+        names = {body.name for body in others}
+        ignored = tuple(pair for pair in self.arm.ignore if pair[1] in names)
+        arm = replace(self.arm, ignore=ignored)
+        scene = pack(Situation("", self.horizon, arm, (mark, *others)))
+        return clearances(scene, np.ascontiguousarray(joints), np.array(times, dtype=float))
+
+    def fits(self, way: Way, bodies: Sequence[Body]) -> bool:
+        """Return whether bodies leave a way's start free at t = 0, and its end at the meeting."""
+        ends = np.stack([way.start, way.end])
+        room = ROOM * self.arm.reach
+        return bool(self.rooms(bodies, ends, (0.0, way.when)).min() > room)
+
+    def takes(self, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return durations of straight ways of joints [s]: at full speed, and from rest.
+
+        The second keeps limits of acceleration, if there are any; rates at the end are free.
+        """
+        turns, top = np.abs(last - first), np.array(self.arm.max_joint_speed)
+        quick = (turns / top).max(axis=-1)
+        if self.arm.max_joint_acceleration is None:
+            return quick, quick
+        limits = np.array(self.arm.max_joint_acceleration)
+        ramped = np.where(
+            2.0 * limits * turns <= top**2,
+            np.sqrt(2.0 * turns / limits),
+            turns / top + 0.5 * top / limits,
+        )
+        return quick, ramped.max(axis=-1)
+
+    def way(
+        self,
+        rng: np.random.Generator,
+        takes: Range,
+        when: Range,
+        ends: np.ndarray | None = None,
+    ) -> Way:
+        """Draw a way between two of the postures.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator
+        takes : (float, float)
+            Range of its duration at full speed [horizons]; the nearest there is, if there is none.
+        when : (float, float)
+            Range of the time of the meeting [horizons]; later if the way takes longer.
+        ends : (k,) ndarray of bool, optional
+            Postures that may be the end; all of them if none may.
+        """
+        first = self.joints[int(rng.integers(len(self.joints)))]
+        quick, real = (taken / self.horizon for taken in self.takes(first, self.joints))
+        off = np.maximum(np.maximum(takes[0] - quick, quick - takes[1]), 0.0)
+        off = np.where(SPARE * real > LATEST, np.inf, off)
+        if ends is not None and np.isfinite(off[ends]).any():
+            off = np.where(ends, off, np.inf)
+        last = int(rng.choice(np.flatnonzero(off <= off.min())))
+        hand, axis = hands_along(self.arm, self.joints[last][None])
+        time = min(max(pick(rng, when), SPARE * float(real[last])), LATEST) * self.horizon
+        return Way(first, self.joints[last], time, hand[0], axis[0])
+
+
+def stage_of(
+    rng: np.random.Generator, arm: Chain, horizon: float, gravity: float, floor: float | None
+) -> Stage:
+    """Draw postures of an arm, above a floor at a height or without one."""
+    low, high = np.array(arm.joint_range).T
+    joints = low + (high - low) * rng.random((POSTURES, len(low)))
+    bare = Stage(arm, horizon, gravity, (), joints)
+    if floor is not None:
+        grounded = _grounded(bare, floor)
+        if grounded is not None:
+            return grounded
+    return bare._replace(joints=_free(bare))
+
+
+def _free(stage: Stage) -> np.ndarray:
+    """Return the postures that are free of the floor and of self-collision; all if none is."""
+    rooms = stage.rooms(stage.floor, stage.joints, np.zeros(len(stage.joints)))
+    free = rooms > ROOM * stage.arm.reach
+    return stage.joints[free] if free.any() else stage.joints
+
+
+def _grounded(stage: Stage, height: float) -> Stage | None:
+    """Return a stage on a floor, None if the arm is mostly below it.
+
+    Links that touch the floor in every posture, such as a base, are not checked against it.
+    """
+    reach = stage.arm.reach
+    ends, radii = links_along(stage.arm, stage.joints)
+    below = ends[..., 2].min(axis=2) - radii < height + ROOM * reach
+    stuck = np.flatnonzero(below.all(axis=0))
+    free = ~np.delete(below, stuck, axis=1).any(axis=1)
+    if len(stuck) == len(radii) or free.mean() < ENOUGH:
+        return None
+    half = reach * THICK
+    shape = Box((reach * WIDE, reach * WIDE, half))
+    floor = solid("floor", shape, (0.0, 0.0, height - half))
+    arm = replace(stage.arm, ignore=tuple((int(i), "floor") for i in stuck))
+    grounded = stage._replace(arm=arm, floor=(floor,))
+    return grounded._replace(joints=_free(grounded))
