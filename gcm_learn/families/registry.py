@@ -25,6 +25,7 @@ from gcm_learn.families.gate import Gate, GateSolid
 from gcm_learn.families.late_target import LateTarget, LateTargetSolid
 from gcm_learn.families.moving_point import MovingPoint, MovingPointSolid
 from gcm_learn.families.pendulum import PendulumFamily
+from gcm_learn.families.presets import PRESETS
 from gcm_learn.families.random_planar import RandomPlanar
 from gcm_learn.families.random_solid import RandomSolid
 from gcm_learn.families.ranges import Ranges
@@ -76,14 +77,15 @@ def draw(family: str | Family, seed: int, index: int) -> AnySituation:
     Parameters
     ----------
     family : str or Family
-        A registered name, for the default ranges, or a configuration.
+        A registered name, for the default ranges, a preset's name, or a configuration.
     seed, index : int
         Non-negative.
 
     Returns
     -------
     Situation
-        Named after family and index, e.g. ``gate-0000042``.
+        Named after family and index, e.g. ``gate-0000042``; a preset's items are also named after
+        their families, e.g. ``panda-easy-0000042-throw-chain``.
 
     Examples
     --------
@@ -91,8 +93,21 @@ def draw(family: str | Family, seed: int, index: int) -> AnySituation:
     >>> families.draw("gate", 0, 42).name
     'gate-0000042'
     """
+    source = seeding.rng(seed, index)
+    if isinstance(family, str) and family in PRESETS:
+        members = preset_families(family)
+        member = members[index % len(members)]
+        return member.draw(source, f"{family}-{index:07d}-{member.name}")
     config = get_family(family) if isinstance(family, str) else family
-    return config.draw(seeding.rng(seed, index), item_name(config, index))
+    return config.draw(source, item_name(config, index))
+
+
+@functools.cache
+def preset_families(name: str) -> tuple[Family, ...]:
+    """Families of a preset with their ranges; raises UnknownNameError with the known names."""
+    if name not in PRESETS:
+        raise UnknownNameError.among("preset", name, list(PRESETS))
+    return tuple(map(family_from_dict, PRESETS[name].families))
 
 
 def item_name(family: Family, index: int) -> str:

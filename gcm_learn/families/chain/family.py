@@ -14,13 +14,14 @@ from gcm_learn.families.chain.arms import ChainArmRanges
 from gcm_learn.families.chain.stage import Stage, Way, stage_of
 from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.layout import TRIES
-from gcm_learn.families.ranges import Counts, Range, choose, counts, number, pick, pick_count, span
+from gcm_learn.families.ranges import Counts, Range, counts, number, pick, pick_count, span
 from gcm_learn.families.space.solids import axes_along, solid, triple, unit_vector
 from gcm_learn.scene import pose
 from gcm_learn.situation import Approach, Body, Situation, Sphere
 
+Maker = Callable[[np.random.Generator, Stage, Way, int], Body]
 STORIES = 30  # that are drawn at most until both ends of the way are free
-OUTER = 0.7  # share of bodies that are aimed at the outer half of the links
+INNER = 0.6  # share of a limb's points, carried least by a way, at which no body is aimed
 EARLY, LATE = 0.15, 0.95  # places on the way at which bodies are aimed, as shares of it
 
 
@@ -77,7 +78,8 @@ class ChainFamily(Family):
         else:
             story = story._replace(bodies=_kept(stage, story))
         way = story.way
-        bodies = (*story.bodies, *self.balls(rng, stage, way), *stage.floor)
+        strays = aimed(rng, stage, way, self._stray, pick_count(rng, self.strays))
+        bodies = (*story.bodies, *strays, *stage.floor)
         start: Any = tuple(way.start.tolist())
         arm = replace(stage.arm, joints=start, joint_rates=self.arm.rates(rng, stage.arm))
         situation = Situation(name, horizon, arm, bodies, catch=story.catch)
@@ -118,19 +120,12 @@ class ChainFamily(Family):
         shape = Sphere(stage.size(rng, self.target))
         return solid("target", shape, place, when=when, velocity=velocity, pull=pull)
 
-    def balls(self, rng: np.random.Generator, stage: Stage, way: Way) -> list[Body]:
-        """Draw the balls that fly across the way."""
-        found = []
-        for k in range(pick_count(rng, self.strays)):
-            found += aimed(
-                rng, stage, way, lambda k=k: self._stray(rng, stage, way, f"ball {k + 1}")
-            )
-        return found
-
-    def _stray(self, rng: np.random.Generator, stage: Stage, way: Way, name: str) -> Body:
+    def _stray(self, rng: np.random.Generator, stage: Stage, way: Way, k: int) -> Body:
+        """A ball that flies through a place on the way when the arm is there."""
         place, when = on_the_way(rng, stage, way)
         course = stage.size(rng, self.speed) * unit_vector(rng.normal(size=3))
-        return solid(name, Sphere(stage.size(rng, self.stray)), place, when=when, velocity=course)
+        shape = Sphere(stage.size(rng, self.stray))
+        return solid(f"ball {k + 1}", shape, place, when=when, velocity=course)
 
     def _directed(
         self, rng: np.random.Generator, situation: Situation[Chain], way: Way
@@ -147,23 +142,40 @@ class ChainFamily(Family):
 
 
 def on_the_way(rng: np.random.Generator, stage: Stage, way: Way) -> tuple[np.ndarray, float]:
-    """Draw a point (3,) on a link along a way, and the time at which the link is there [s]."""
+    """Draw a point (3,) on a link along a way, and the time at which the link is there [s].
+
+    Points that the way carries far are preferred: others cannot be elsewhere at that time.
+    """
     share = pick(rng, (EARLY, LATE))
-    points = stage.points(way.at(share)).reshape(-1, 3)
-    half = len(points) // 2
-    part = points[half:] if rng.random() < OUTER else points[:half]
-    return choose(rng, part), share * way.when
+    first, there, last = stage.points(np.stack([way.start, way.at(share), way.end]))
+    carried = np.minimum(
+        np.linalg.norm(there - first, axis=1), np.linalg.norm(last - first, axis=1)
+    )
+    far = np.flatnonzero(carried >= np.quantile(carried, INNER))
+    return there[int(rng.choice(far))], share * way.when
 
 
-def aimed(
-    rng: np.random.Generator, stage: Stage, way: Way, make: Callable[[], Body]
-) -> tuple[Body, ...]:
-    """Draw a body until it leaves both ends of a way free; none after ten draws."""
-    for _ in range(TRIES):
-        body = make()
-        if stage.fits(way, (body,)):
-            return (body,)
-    return ()
+def aimed(rng: np.random.Generator, stage: Stage, way: Way, make: Maker, count: int) -> list[Body]:
+    """Draw bodies, each until it fits the way; those that do not in ten draws are left out.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    stage : Stage
+    way : Way
+    make : callable
+        ``make(rng, stage, way, k)`` draws body k.
+    count : int
+        Number of bodies that are tried.
+    """
+    found = []
+    for k in range(count):
+        for _ in range(TRIES):
+            body = make(rng, stage, way, k)
+            if stage.fits(way, (body,)):
+                found.append(body)
+                break
+    return found
 
 
 def level(v: np.ndarray) -> np.ndarray:

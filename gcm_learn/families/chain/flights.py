@@ -49,8 +49,7 @@ class ThrowChain(ChainFamily):
         pull = -stage.gravity * UP
         velocity = stage.size(rng, self.level) * course + stage.size(rng, self.rise) * UP
         bodies = [self.ball(rng, stage, way.meet, way.when, velocity - way.when * pull, pull)]
-        for k in range(pick_count(rng, self.resting)):
-            bodies += aimed(rng, stage, way, lambda k=k: self._heavy(rng, stage, way, k))
+        bodies += aimed(rng, stage, way, self._heavy, pick_count(rng, self.resting))
         return Story(way, tuple(bodies))
 
     def _heavy(self, rng: np.random.Generator, stage: Stage, way: Way, k: int) -> Body:
@@ -109,8 +108,7 @@ class FallingChain(ChainFamily):
         """A ball that bounces, a table and what falls."""
         way = self.way(rng, stage)
         bodies = list(self._bounced(rng, stage, way))
-        for k in range(pick_count(rng, self.falling)):
-            bodies += aimed(rng, stage, way, lambda k=k: self._bar(rng, stage, way, k))
+        bodies += aimed(rng, stage, way, self._bar, pick_count(rng, self.falling))
         return Story(way, tuple(bodies))
 
     def _bounced(self, rng: np.random.Generator, stage: Stage, way: Way) -> tuple[Body, Body]:

@@ -60,10 +60,8 @@ class PendulumChain(ChainFamily):
             swing, stage.size(rng, self.target), stage.size(rng, self.cord), "target"
         )
         bodies = [ball, cord] if rng.random() < self.cords else [ball]
-        for k in range(pick_count(rng, self.boxes)):
-            bodies += aimed(rng, stage, way, lambda k=k: self._box(rng, stage, way, k))
-        for k in range(pick_count(rng, self.heavy)):
-            bodies += aimed(rng, stage, way, lambda k=k: self._bob(rng, stage, way, k))
+        bodies += aimed(rng, stage, way, self._box, pick_count(rng, self.boxes))
+        bodies += aimed(rng, stage, way, self._bob, pick_count(rng, self.heavy))
         return Story(way, tuple(bodies))
 
     def _swing(

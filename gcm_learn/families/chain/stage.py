@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import Chain, hands_along, links_along
+from gcm_learn.arms import Chain, Link, hands_along, links_along
 from gcm_learn.families.chain.clearances import clearances
 from gcm_learn.families.ranges import Range, pick
-from gcm_learn.families.space.solids import solid
+from gcm_learn.families.space.solids import solid, triple
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Box, Situation, Sphere
 
@@ -19,6 +19,8 @@ POSTURES = 200  # that a draw chooses its start and its end from
 ENOUGH = 0.2  # share of postures above a floor; with fewer there is none
 ALONG = np.linspace(0.0, 1.0, 5)  # places on a link at which bodies are aimed
 ROOM = 2e-3  # clearance of both ends of a way, at least [reaches]
+STILL = 0.06  # points of links that stray less from their mean stay where they are [reaches]
+INSTANTS = 24  # of the horizon, at which bodies must leave them free
 SPARE = 1.05  # durations of a straight way, after which its end may be met
 LATEST = 0.97  # latest meeting [horizons]
 WIDE, THICK = 1.05, 0.035  # half the sizes of a floor [reaches]
@@ -55,6 +57,8 @@ class Stage(NamedTuple):
     """None or one."""
     joints: np.ndarray
     """Postures (k, n) free of floor and self-collision."""
+    core: Chain | None
+    """The same arm with balls where its links are in all postures; None if there are none."""
 
     def size(self, rng: np.random.Generator, ends: Range) -> float:
         """Draw a length from a range in reaches."""
@@ -65,28 +69,57 @@ class Stage(NamedTuple):
         return hands_along(self.arm, self.joints)
 
     def points(self, joints: np.ndarray) -> np.ndarray:
-        """Points (m, 5, 3) on the axes of the links at a posture (n,)."""
-        ends, _ = links_along(self.arm, joints[None])
-        first, last = ends[0, :, :1], ends[0, :, 1:]
-        return first + ALONG[:, None] * (last - first)
+        """Points (k, 5 m, 3) on the axes of the m links at postures (k, n)."""
+        ends, _ = links_along(self.arm, joints)
+        first, last = ends[:, :, :1], ends[:, :, 1:]
+        return (first + ALONG[:, None] * (last - first)).reshape(len(joints), -1, 3)
 
     def rooms(
-        self, bodies: Sequence[Body], joints: np.ndarray, times: Sequence[float]
+        self,
+        bodies: Sequence[Body],
+        joints: np.ndarray,
+        times: Sequence[float] | np.ndarray,
+        arm: Chain | None = None,
     ) -> np.ndarray:
-        """Return the exact clearances (k,) from bodies at postures (k, n) and times (k,) [s]."""
+        """Return exact clearances from bodies.
+
+        Parameters
+        ----------
+        bodies : sequence of Body
+            Targets do not count.
+        joints : (k, n) ndarray
+        times : (k,) array_like
+            Of the postures [s].
+        arm : Chain, optional
+            Another arm with the same joints.
+
+        Returns
+        -------
+        (k,) ndarray
+            Of the arm itself, too.
+        """
         mark = solid("target", Sphere(1e-3), (0.0, 0.0, 0.0))
         others = tuple(body for body in bodies if body.role == "obstacle")
+        arm = self.arm if arm is None else arm
         names = {body.name for body in others}
-        ignored = tuple(pair for pair in self.arm.ignore if pair[1] in names)
-        arm = replace(self.arm, ignore=ignored)
+        arm = replace(arm, ignore=tuple(pair for pair in arm.ignore if pair[1] in names))
         scene = pack(Situation("", self.horizon, arm, (mark, *others)))
         return clearances(scene, np.ascontiguousarray(joints), np.array(times, dtype=float))
 
     def fits(self, way: Way, bodies: Sequence[Body]) -> bool:
-        """Return whether bodies leave a way's start free at t = 0, and its end at the meeting."""
-        ends = np.stack([way.start, way.end])
+        """Return whether bodies leave a way's start free at t = 0, and its end at the meeting.
+
+        They also have to leave the places free that no posture leaves, such as the base.
+        """
         room = ROOM * self.arm.reach
-        return bool(self.rooms(bodies, ends, (0.0, way.when)).min() > room)
+        ends = np.stack([way.start, way.end])
+        if self.rooms(bodies, ends, (0.0, way.when)).min() <= room:
+            return False
+        if self.core is None:
+            return True
+        times = np.linspace(0.0, self.horizon, INSTANTS)
+        still = np.repeat(ends[:1], INSTANTS, axis=0)
+        return bool(self.rooms(bodies, still, times, self.core).min() > room)
 
     def takes(self, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return durations of straight ways of joints [s]: at full speed, and from rest.
@@ -142,7 +175,7 @@ def stage_of(
     """Draw postures of an arm, above a floor at a height or without one."""
     low, high = np.array(arm.joint_range).T
     joints = low + (high - low) * rng.random((POSTURES, len(low)))
-    bare = Stage(arm, horizon, gravity, (), joints)
+    bare = Stage(arm, horizon, gravity, (), joints, _core(arm, joints))
     if floor is not None:
         grounded = _grounded(bare, floor)
         if grounded is not None:
@@ -155,6 +188,21 @@ def _free(stage: Stage) -> np.ndarray:
     rooms = stage.rooms(stage.floor, stage.joints, np.zeros(len(stage.joints)))
     free = rooms > ROOM * stage.arm.reach
     return stage.joints[free] if free.any() else stage.joints
+
+
+def _core(arm: Chain, joints: np.ndarray) -> Chain | None:
+    """Return an arm with balls at the points of its links that hardly move between postures."""
+    ends, radii = links_along(arm, joints)
+    points = ends[:, :, :1] + ALONG[:, None] * (ends[:, :, 1:] - ends[:, :, :1])
+    middle = points.mean(axis=0)
+    strays = np.linalg.norm(points - middle, axis=-1).max(axis=0)
+    links = tuple(
+        Link(0, triple(middle[i, k]), triple(middle[i, k]), float(radii[i]))
+        for i, k in np.argwhere(strays < STILL * arm.reach)
+    )
+    if not links:
+        return None
+    return replace(arm, model=replace(arm.model, links=links, self_collision=()), ignore=())
 
 
 def _grounded(stage: Stage, height: float) -> Stage | None:
