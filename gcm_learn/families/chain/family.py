@@ -22,7 +22,7 @@ from gcm_learn.situation import Approach, Body, Situation, Sphere
 Maker = Callable[[np.random.Generator, Stage, Way, int], Body]
 STORIES = 30  # that are drawn at most until both ends of the way are free
 INNER = 0.6  # share of a limb's points, carried least by a way, at which no body is aimed
-EARLY, LATE = 0.15, 0.95  # places on the way at which bodies are aimed, as shares of it
+EARLY, LATE = 0.25, 0.95  # places on the way at which bodies are aimed, as shares of it
 
 
 class Story(NamedTuple):

@@ -16,9 +16,10 @@ from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Box, Situation, Sphere
 
 POSTURES = 200  # that a draw chooses its start and its end from
-ENOUGH = 0.2  # share of postures above a floor; with fewer there is none
+ENOUGH = 0.5  # share of postures above a floor; with fewer there is none
 ALONG = np.linspace(0.0, 1.0, 5)  # places on a link at which bodies are aimed
-ROOM = 2e-3  # clearance of both ends of a way, at least [reaches]
+ROOM = 2e-3  # clearance of the end of a way, at least [reaches]
+START_ROOM = 0.02  # the same of its start, from which the arm may have to flee
 STILL = 0.06  # points of links that stray less from their mean stay where they are [reaches]
 INSTANTS = 24  # of the horizon, at which bodies must leave them free
 SPARE = 1.05  # durations of a straight way, after which its end may be met
@@ -57,6 +58,8 @@ class Stage(NamedTuple):
     """None or one."""
     joints: np.ndarray
     """Postures (k, n) free of floor and self-collision."""
+    shell: Chain
+    """The same arm without pairs of links that must not overlap."""
     core: Chain | None
     """The same arm with balls where its links are in all postures; None if there are none."""
 
@@ -96,7 +99,7 @@ class Stage(NamedTuple):
         Returns
         -------
         (k,) ndarray
-            Of the arm itself, too.
+            Of the arm from itself, too.
         """
         mark = solid("target", Sphere(1e-3), (0.0, 0.0, 0.0))
         others = tuple(body for body in bodies if body.role == "obstacle")
@@ -113,7 +116,8 @@ class Stage(NamedTuple):
         """
         room = ROOM * self.arm.reach
         ends = np.stack([way.start, way.end])
-        if self.rooms(bodies, ends, (0.0, way.when)).min() <= room:
+        rooms = self.rooms(bodies, ends, (0.0, way.when), self.shell)
+        if rooms[0] <= START_ROOM * self.arm.reach or rooms[1] <= room:
             return False
         if self.core is None:
             return True
@@ -175,7 +179,8 @@ def stage_of(
     """Draw postures of an arm, above a floor at a height or without one."""
     low, high = np.array(arm.joint_range).T
     joints = low + (high - low) * rng.random((POSTURES, len(low)))
-    bare = Stage(arm, horizon, gravity, (), joints, _core(arm, joints))
+    shell = replace(arm, model=replace(arm.model, self_collision=()), ignore=())
+    bare = Stage(arm, horizon, gravity, (), joints, shell, _core(shell, joints))
     if floor is not None:
         grounded = _grounded(bare, floor)
         if grounded is not None:
@@ -202,7 +207,7 @@ def _core(arm: Chain, joints: np.ndarray) -> Chain | None:
     )
     if not links:
         return None
-    return replace(arm, model=replace(arm.model, links=links, self_collision=()), ignore=())
+    return replace(arm, model=replace(arm.model, links=links))
 
 
 def _grounded(stage: Stage, height: float) -> Stage | None:
