@@ -27,9 +27,9 @@ class Families:
             lines = (f"  {json.dumps(name)}: {json.dumps(value)}" for name, value in values)
             print("{\n" + ",\n".join(lines) + "\n}")  # a range a line
             return 0
-        lines = {name: get_family(name).summary for name in family_names()}
-        lines |= {name: preset.summary for name, preset in PRESETS.items()}
-        width = max(map(len, lines))
-        for name, summary in lines.items():
+        summaries = {name: get_family(name).summary for name in family_names()}
+        summaries |= {name: preset.summary for name, preset in PRESETS.items()}
+        width = max(map(len, summaries))
+        for name, summary in summaries.items():
             print(f"{name:<{width}}  {summary}")
         return 0

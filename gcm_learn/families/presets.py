@@ -26,7 +26,7 @@ _THROW = {"level": [0.5, 1.4], "rise": [-1.0, 0.7], "speed": [0.2, 1.0]}
 _EASY_RANGES: dict[str, Config] = {
     "throw-chain": {**_THROW, "strays": [3, 6], "resting": [0, 2]},
     "conveyor-chain": {
-        "parts": [1, 1], "posts": [5, 5], "gap": [0.155, 0.22], "strays": [0, 1],
+        "parts": [1, 1], "posts": [5, 5], "gap": [0.078, 0.11], "strays": [0, 1],
     },
     "window-chain": {"opening": [0.12, 0.15], "strays": [0, 0]},
     "pendulum-chain": {"cords": 0.0, "boxes": [2, 2], "heavy": [1, 3], "strays": [0, 0]},
@@ -39,7 +39,7 @@ _EASY_RANGES: dict[str, Config] = {
 _CROWDED_RANGES: dict[str, Config] = {
     "throw-chain": {**_THROW, "strays": [6, 10], "resting": [1, 3]},
     "conveyor-chain": {
-        "parts": [1, 1], "posts": [7, 7], "gap": [0.155, 0.17], "strays": [1, 2],
+        "parts": [1, 1], "posts": [7, 7], "gap": [0.078, 0.085], "strays": [1, 2],
     },
     "window-chain": {"opening": [0.08, 0.1], "strays": [3, 3]},
     "pendulum-chain": {"cords": 0.0, "boxes": [4, 4], "heavy": [4, 7], "strays": [0, 0]},

@@ -56,8 +56,8 @@ class ConveyorChain(ChainFamily):
     """Half their sides [reaches]."""
     posts: Counts = counts(3, 5)
     """Number of posts."""
-    gap: Range = span(0.19, 0.24, 0.02)
-    """Between neighbouring posts [reaches]."""
+    gap: Range = span(0.095, 0.12, 0.01)
+    """Half the distance between neighbouring posts [reaches]."""
     before: Range = span(0.06, 0.14, 0.01)
     """From the belt's middle to the posts [reaches]."""
     post: Range = span(0.014, 0.028, 1e-3)
@@ -116,7 +116,7 @@ class ConveyorChain(ChainFamily):
         self, rng: np.random.Generator, stage: Stage, way: Way, axes: np.ndarray, out: np.ndarray
     ) -> list[Body]:
         """A row of posts between arm and belt, with a gap before the meeting's place."""
-        count, gap = pick_count(rng, self.posts), stage.size(rng, self.gap)
+        count, gap = pick_count(rng, self.posts), 2.0 * stage.slot(rng, self.gap)
         nearer = -axes[:, 1] * math.copysign(1.0, float(axes[:, 1] @ out))
         row = way.meet + stage.size(rng, self.before) * nearer
         first = -(count // 2) + 0.5

@@ -47,7 +47,7 @@ class ShelfChain(ChainFamily):
         """A part and a shelf."""
         way = self.way(rng, stage, lambda hands, axes: np.abs(axes[:, 2]) < LEVEL)
         axes, thin = axes_along(UP, level(way.axis)), THIN * stage.arm.reach
-        sizes = tuple(stage.size(rng, ends) for ends in (self.depth, self.wide, self.high))
+        sizes = tuple(stage.slot(rng, ends) for ends in (self.depth, self.wide, self.high))
         off = rng.uniform(-0.4, 0.4, 2) * sizes[1:]
         deep = (1.0 - pick(rng, self.inside)) * sizes[0]
         middle = way.meet + axes @ (deep, off[0], off[1])
@@ -114,7 +114,7 @@ class DrawerChain(ChainFamily):
         """A part in a drawer, and the cabinet."""
         way = self.way(rng, stage, lambda hands, axes: axes[:, 2] < DOWN)
         axes, thin = axes_along(UP, -level(way.meet)), THIN * stage.arm.reach
-        x, y = (stage.size(rng, self.half) for _ in range(2))
+        x, y = (stage.slot(rng, self.half) for _ in range(2))
         tall = 0.5 * stage.size(rng, self.deep)
         bottom = way.meet - stage.size(rng, self.low) * UP
         bottom = bottom + axes @ (0.3 * x * rng.uniform(-1, 1), 0.3 * y * rng.uniform(-1, 1), 0.0)

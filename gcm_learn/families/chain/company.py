@@ -99,7 +99,7 @@ class HandoverChain(ChainFamily):
     ) -> tuple[Body, ...]:
         """A giver that reaches against the hand."""
         axes, far = facing(way), stage.size(rng, self.palm)
-        apart, half = stage.size(rng, self.fingers), stage.size(rng, self.forearm)
+        apart, half = stage.slot(rng, self.fingers), stage.size(rng, self.forearm)
         along = axes_along(axes[:, 0])
         finger = Capsule(0.012 * reach, 0.5 * far)
         beside = 0.6 * far * axes[:, 0]

@@ -22,6 +22,7 @@ ROOM = 2e-3  # clearance of the end of a way, at least [reaches]
 START_ROOM = 0.02  # the same of its start, from which the arm may have to flee
 STILL = 0.06  # points of links that stray less from their mean stay where they are [reaches]
 INSTANTS = 24  # of the horizon, at which bodies must leave them free
+SLIM = 0.04  # radius of hands, for which openings are as wide as families say [reaches]
 SPARE = 1.05  # durations of a straight way, after which its end may be met
 LATEST = 0.97  # latest meeting [horizons]
 WIDE, THICK = 1.05, 0.035  # half the sizes of a floor [reaches]
@@ -66,6 +67,13 @@ class Stage(NamedTuple):
     def size(self, rng: np.random.Generator, ends: Range) -> float:
         """Draw a length from a range in reaches."""
         return pick(rng, ends) * self.arm.reach
+
+    def slot(self, rng: np.random.Generator, ends: Range) -> float:
+        """Draw half an opening's width from a range in reaches; wider for stout hands."""
+        model = self.arm.model
+        at_hand = [link.radius for link in model.links if link.joint == model.hand.joint]
+        radius = max(at_hand, default=model.links[-1].radius)
+        return self.size(rng, ends) + max(radius - SLIM * self.arm.reach, 0.0)
 
     def hands(self) -> tuple[np.ndarray, np.ndarray]:
         """Hands (k, 3) of the postures, and their axes (k, 3)."""

@@ -57,7 +57,7 @@ class WindowChain(ChainFamily):
         course = stage.size(rng, self.drift) * unit_vector(rng.normal(size=3))
         axes = facing(way)
         middle = way.meet - stage.size(rng, self.behind) * axes[:, 0]
-        wide, high = (stage.size(rng, self.opening) for _ in range(2))
+        wide, high = (stage.slot(rng, self.opening) for _ in range(2))
         bodies = [self.ball(rng, stage, way.meet, way.when, course)]
         bodies += self._bars(rng, stage, middle, axes, (wide, high))
         if rng.random() < self.shutters:
@@ -131,7 +131,8 @@ class GateChain(ChainFamily):
         bodies = [self.ball(rng, stage, way.meet, way.when, course)]
         axes, thin = facing(way), 0.012 * stage.arm.reach
         middle = way.meet - stage.size(rng, self.behind) * axes[:, 0]
-        wide, high, gap = (stage.size(rng, r) for r in (self.leaf, self.leaf, self.opening))
+        wide, high = (stage.size(rng, self.leaf) for _ in range(2))
+        gap = stage.slot(rng, self.opening)
         k = int(rng.integers(1, 3))
         size = [thin, high, high]
         size[k] = wide
