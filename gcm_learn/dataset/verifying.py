@@ -135,12 +135,12 @@ def _broken_plans(record: Record) -> Iterator[str]:
         if plan.trajectory is None or plan.catch_body not in names:
             yield f"the plan of {name} is not whole"
             continue
-        for body, time in (*plan.on_the_way, (plan.catch_body, plan.catch_time)):
-            part = _until(plan.trajectory, time)
-            if body not in names or part is None:
-                yield f"the plan of {name} does not hold a catch of {body!r}"
+        catches = [(body, _until(plan.trajectory, time)) for body, time in plan.on_the_way]
+        for body, moves in (*catches, (plan.catch_body, plan.trajectory)):
+            if body not in names or moves is None:
+                yield f"the plan of {name} does not stop at its catch of {body!r}"
                 continue
-            verdict = verify(scene, rules, part, names.index(body))
+            verdict = verify(scene, rules, moves, names.index(body))
             if not verdict.good:
                 yield f"the plan of {name} does not hold: {verdict.reason}"
         if plan.catch_time != plan.trajectory.duration:
@@ -149,10 +149,8 @@ def _broken_plans(record: Record) -> Iterator[str]:
         yield "the stratum is U, but there is a catch"
 
 
-def _until(moves: Movement, time: float | None) -> Movement | None:
+def _until(moves: Movement, time: float) -> Movement | None:
     """The part of a movement up to a sample's time [s]; None if no sample is there."""
-    if time is None or time == moves.duration:
-        return moves
     count = int(np.searchsorted(moves.time, time, side="right"))
     if count == 0 or moves.time[count - 1] != time:
         return None
