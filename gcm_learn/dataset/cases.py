@@ -26,6 +26,7 @@ from gcm_learn.planners import (
     layered,
     marching,
     posture_layered,
+    solve,
     straight_plan,
     stratum,
     without_waits,
@@ -271,8 +272,10 @@ class ChainCase(SpatialCase):
         return None if untaken else early
 
     def _caught_straight(self) -> bool:
-        """Return whether a straight line catches, which it does not if several are wanted."""
-        return not self._several and super()._caught_straight()
+        """Return whether straight lines catch; of several targets those that the planner finds."""
+        if self._several:
+            return self.plan("straight").caught
+        return super()._caught_straight()
 
     def _caught_without_waiting(self) -> bool:
         """Return whether the persistent planner needs no rest for its catches."""
@@ -280,3 +283,6 @@ class ChainCase(SpatialCase):
             return super()._caught_without_waiting()
         moves = self.plan(self.persistent).trajectory
         return moves is not None and not moves.rests
+
+    def _asked(self, name: str) -> Plan:
+        return solve(self.situation, name)
