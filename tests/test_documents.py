@@ -180,7 +180,10 @@ def test_families_are_told_and_their_example_runs():
     assert eval(last, scope) is True and scope["situation"].name == "gate-0000042"
 
 
-@pytest.mark.parametrize(("kind", "file"), [("planar", "table.md"), ("spatial", "table-space.md")])
+@pytest.mark.parametrize(
+    ("kind", "file"),
+    [("planar", "table.md"), ("spatial", "table-space.md"), ("chain", "table-chain.md")],
+)
 def test_measured_families_are_those_of_the_experiment(kind, file):
     made_by, table = (
         (ROOT / "experiments" / "03_families" / file).read_text("utf-8").split("\n\n", 1)

@@ -2,7 +2,7 @@
 
 python -m experiments 03_families              300 situations a family: half an hour on one core
 python -m experiments 03_families --count 30   a quick look
-python -m experiments 03_families --kind chain  those for chains, or for spatial arms
+python -m experiments 03_families --kind chain  families for chains, likewise `spatial`
 """
 
 from __future__ import annotations

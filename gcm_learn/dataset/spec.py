@@ -137,7 +137,7 @@ class DatasetSpec:
             raise SpecError("map", f"must be 'none' for {self.kind.plural} (got {self.map!r})")
         for name, asks in (("label", self.label == "oracle"), ("audit", self.audit > 0.0)):
             if asks and not known.oracle:
-                raise SpecError(name, f"needs an oracle, and there is none for {self.kind.plural}")
+                raise SpecError(name, f"the oracle does not take {self.kind.plural}")
         for k, name in enumerate(self.planners):
             if not takes(get_planner(name), self.kind):
                 raise SpecError(f"planners[{k}]", f"{name!r} does not take {self.kind.plural}")

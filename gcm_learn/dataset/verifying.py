@@ -150,7 +150,7 @@ def _broken_plans(record: Record) -> Iterator[str]:
 
 
 def _until(moves: Movement, time: float) -> Movement | None:
-    """The part of a movement up to a sample's time [s]; None if no sample is there."""
+    """The part of a movement up to a sample's time [s], or None for another time."""
     count = int(np.searchsorted(moves.time, time, side="right"))
     if count == 0 or moves.time[count - 1] != time:
         return None

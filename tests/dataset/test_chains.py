@@ -117,8 +117,8 @@ def test_another_arm_is_another_structure():
         ({"map": "wave"}, "map: must be 'none' for chains"),
         ({"planners": ("layered",)}, r"planners\[0\]: 'layered' does not take chains"),
         ({"effort": 0.5}, "effort: is for spatial arms"),
-        ({"audit": 0.1}, "audit: needs an oracle, and there is none for chains"),
-        ({"label": "oracle"}, "label: needs an oracle, and there is none for chains"),
+        ({"audit": 0.1}, "audit: the oracle does not take chains"),
+        ({"label": "oracle"}, "label: the oracle does not take chains"),
     ],
 )
 def test_what_is_not_for_chains_is_refused(changes, reason):

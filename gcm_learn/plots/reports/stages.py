@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import io
+from pathlib import Path
+from typing import Any
+
 from matplotlib.figure import Figure
+from PIL import Image
 
 from gcm_learn.arms import Chain
 from gcm_learn.families import draw, family_names
@@ -12,7 +17,17 @@ from gcm_learn.plots.figures.stage import Stage
 from gcm_learn.situation import Situation
 
 MOST = 100  # draws that are looked through for one worth showing
-PIXELS = 420
+PIXELS = 330
+TINTS = 192  # colours that the file keeps
+DPI = 110
+
+
+def write_chains(path: Path) -> None:
+    """Write the picture of the families for chains as a small file."""
+    whole = io.BytesIO()
+    chains_figure().savefig(whole, format="png", dpi=DPI)
+    with Image.open(whole) as image:
+        image.convert("RGB").quantize(TINTS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def chains_figure(seed: int = 0, columns: int = 4) -> Figure:
@@ -42,7 +57,7 @@ def chains_figure(seed: int = 0, columns: int = 4) -> Figure:
 def first_detour(name: str, seed: int) -> tuple[Situation[Chain], Plan]:
     """The first situation of a family that `search` catches and the straight line does not."""
     for k in range(MOST):
-        situation = draw(name, seed, k)
+        situation: Any = draw(name, seed, k)
         if solve(situation, "straight").caught:
             continue
         plan = solve(situation)
