@@ -13,13 +13,13 @@ from gcm_learn.arms import Chain
 from gcm_learn.families import draw, family_names
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures.film import palette_of
 from gcm_learn.plots.figures.stage import Stage
 from gcm_learn.situation import Situation
 
 MOST = 100  # draws that are looked through for one worth showing
 PIXELS = 330
-TINTS = 192  # colours that the file keeps
-DPI = 110
+DPI = 90
 
 
 def write_chains(path: Path) -> None:
@@ -27,10 +27,12 @@ def write_chains(path: Path) -> None:
     whole = io.BytesIO()
     chains_figure().savefig(whole, format="png", dpi=DPI)
     with Image.open(whole) as image:
-        image.convert("RGB").quantize(TINTS, dither=Image.Dither.NONE).save(path, optimize=True)
+        shown = image.convert("RGB")
+        kept = shown.quantize(palette=palette_of([shown]), dither=Image.Dither.NONE)
+        kept.save(path, optimize=True)
 
 
-def chains_figure(seed: int = 0, columns: int = 4) -> Figure:
+def chains_figure(seed: int = 100, columns: int = 4) -> Figure:
     """Draw one situation of every family for chains, with the movement that catches.
 
     Parameters
