@@ -86,7 +86,7 @@ class ChainArmRanges(Ranges):
         )
 
     def rates(self, rng: np.random.Generator, arm: Chain) -> tuple[float, ...] | None:
-        """Draw rates at t = 0 (n,), or None for an arm without limits of acceleration."""
+        """Draw rates at t = 0 (n,) of an arm with limits of acceleration; else return None."""
         if arm.max_joint_acceleration is None:
             return None
         top = np.array(arm.max_joint_speed)
