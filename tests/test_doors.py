@@ -37,6 +37,7 @@ MIXED = {
 }
 """Files that pass a door although fewer than half of their functions are kernels."""
 BOTH_WAYS = {
+    "gcm_learn.families.chain",
     "gcm_learn.families.space",
     "gcm_learn.planners.joints",
     "gcm_learn.scene.shapes",

@@ -1,8 +1,8 @@
-"""Measure the families: strata, thrown-away draws and cost; write table.md or table-space.md.
+"""Measure the families: strata, thrown-away draws and cost; write a table.
 
 python -m experiments 03_families              300 situations a family: half an hour on one core
 python -m experiments 03_families --count 30   a quick look
-python -m experiments 03_families --spatial    those for arms in space, with the planners there
+python -m experiments 03_families --kind chain  families for chains, likewise `spatial`
 """
 
 from __future__ import annotations
@@ -11,20 +11,37 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 from time import process_time
+from typing import NamedTuple
 
 from experiments.common.tables import line, table
 from gcm_learn import seeding
 from gcm_learn.families import draw, family_names, get_family
 from gcm_learn.motion.rules import start_clearance
-from gcm_learn.planners import get_planner
+from gcm_learn.planners import solve
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import AnySituation
 
 HERE = Path(__file__).resolve().parent
 SEED = 20
-PLANNERS = {"straight": "L", "marching": "W", "layered": "Q"}
+FRONTS = {"straight": "L", "marching": "W", "layered": "Q"}
+
+
+class Measured(NamedTuple):
+    """Families of one kind of arm: the table's file, planners with their strata, and examples."""
+
+    file: str
+    planners: dict[str, str]
+    warm: tuple[str, ...]
+
+
+KINDS = {
+    "planar": Measured("table.md", FRONTS, ("gate", "pendulum")),
+    "spatial": Measured("table-space.md", FRONTS, tuple(family_names("spatial"))),
+    "chain": Measured(
+        "table-chain.md", {"straight": "L", "search": "W"}, tuple(family_names("chain"))
+    ),
+}
 BATCH = 25  # draws that are timed together; the fastest batch is the least disturbed one
-HEAD = ("family", *"LWQU", "thrown away", "draw [µs]", *PLANNERS, "95 %")
 
 
 def blocked(situation: AnySituation) -> bool:
@@ -39,7 +56,7 @@ def timed(work: Callable[[], object]) -> tuple[object, float]:
     return result, 1e3 * (process_time() - before)
 
 
-def row(name: str, count: int) -> list[str]:
+def row(name: str, count: int, planners: dict[str, str]) -> list[str]:
     """Return what is measured of one family."""
     family = get_family(name)
     sketches = (family.sketch(seeding.rng(SEED + 1, k), "x") for k in range(count))
@@ -51,19 +68,20 @@ def row(name: str, count: int) -> list[str]:
         drawn, ms = timed(lambda a=first, b=last: [draw(family, SEED, k) for k in range(a, b)])
         situations += drawn
         batches.append(1e3 * ms / (last - first))
-    strata = dict.fromkeys("LWQU", 0)
-    spent: dict[str, list[float]] = {planner: [] for planner in PLANNERS}
+    strata = dict.fromkeys((*planners.values(), "U"), 0)
+    spent: dict[str, list[float]] = {planner: [] for planner in planners}
     for situation in situations:
         found = "U"
-        for planner, stratum in PLANNERS.items():
-            plan, ms = timed(lambda p=planner, s=situation: get_planner(p).plan(s))
+        for planner, stratum in planners.items():
+            plan, ms = timed(lambda p=planner, s=situation: solve(s, p))
             spent[planner].append(ms)
             if found == "U" and plan.caught:
                 found = stratum
         strata[found] += 1
     shares = [f"{100 * strata[s] / count:.0f}" for s in strata]
     means = [f"{sum(ms) / count:.1f}" for ms in spent.values()]
-    slow = f"{sorted(spent['layered'])[int(0.95 * count)]:.0f}"
+    final = list(spent.values())[-1]
+    slow = f"{sorted(final)[int(0.95 * count)]:.0f}"
     return [name, *shares, f"{100 * thrown:.0f}", f"{min(batches):.0f}", *means, slow]
 
 
@@ -71,19 +89,20 @@ def main() -> None:
     """Measure all families and write table.md."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=300, help="situations of each family")
-    parser.add_argument("--spatial", action="store_true", help="families for arms in space")
+    parser.add_argument("--kind", choices=KINDS, default="planar", help="of the families' arms")
     given = parser.parse_args()
-    count, names = given.count, family_names("spatial" if given.spatial else "planar")
-    for planner in PLANNERS:  # compiled code is loaded before anything is timed
-        for name in names if given.spatial else ("gate", "pendulum"):
-            get_planner(planner).plan(draw(name, SEED, count))
+    count, measured = given.count, KINDS[given.kind]
+    for planner in measured.planners:  # compiled code is loaded before anything is timed
+        for name in measured.warm:
+            solve(draw(name, SEED, count), planner)
     rows = []
-    for name in names:
-        rows.append(row(name, count))
+    for name in family_names(given.kind):
+        rows.append(row(name, count, measured.planners))
         print(line(rows[-1]), flush=True)
     note = f"{count} situations each, seed {SEED}. Shares in %, planners in ms of processor time."
-    file = HERE / ("table-space.md" if given.spatial else "table.md")
-    file.write_text(f"{table(HEAD, rows)}\n\n{note}\n", "utf-8")
+    strata = (*measured.planners.values(), "U")
+    head = ("family", *strata, "thrown away", "draw [µs]", *measured.planners, "95 %")
+    (HERE / measured.file).write_text(f"{table(head, rows)}\n\n{note}\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -21,8 +21,8 @@ class Draw:
     """
 
     family: Annotated[Positional[str], arg(metavar="FAMILY")]
-    """its name, or a .json file with its ranges, as `gcm-learn families NAME` prints them; an
-    unknown name lists all of them"""
+    """its name, a preset's name, or a .json file with its ranges, as `gcm-learn families NAME`
+    prints them; an unknown name lists all of them"""
 
     count: int = 1
     """how many"""
@@ -44,7 +44,7 @@ class Draw:
             if value < least:
                 raise CommandFailure(f"{name} {value}: must be at least {least}")
         named = not self.family.lower().endswith(".json")
-        family = (families.get_family if named else families.read_family)(self.family)
+        family = self.family if named else families.read_family(self.family)
         with output(self.out) as stream:
             for k in range(self.count):
                 line = json.dumps(situation_to_json(families.draw(family, self.seed, k)))

@@ -10,8 +10,6 @@ from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import dataset_package
 
-IN_SPACE = "gcm-learn/record@2"
-
 
 @dataclass(frozen=True)
 class Inspect:
@@ -62,10 +60,12 @@ def per_second(rate: float) -> str:
 
 
 def _maps(manifest: Mapping[str, Any]) -> str:
-    """Return the maps of records and the lattices of planners; spatial arms have neither."""
-    spec = manifest["spec"]
-    if manifest["schema"] == IN_SPACE:
-        return "spatial arms, no maps"
+    """Return the maps of records and the lattices of planners; only planar arms have them."""
+    from gcm_learn.dataset import kind_of_version
+
+    spec, kind = manifest["spec"], kind_of_version(manifest["schema"])
+    if kind.name != "planar":
+        return f"{kind.plural}, no maps"
     kept = "no maps, lattices" if spec["map"] == "none" else f"map {spec['map']}"
     return f"{kept} {spec['n']} x {spec['n']}, rungs {spec['rungs']}"
 

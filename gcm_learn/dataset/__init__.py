@@ -18,6 +18,7 @@ from gcm_learn.dataset.feeding import WINDOW, Example, MapCache
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import generate
 from gcm_learn.dataset.item import make_item, warm_up
+from gcm_learn.dataset.kinds import kind_of_version
 from gcm_learn.dataset.manifest import Manifest, survey
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.dataset.reader import Dataset
@@ -47,6 +48,7 @@ __all__ = [
     "Split",
     "WINDOW",
     "generate",
+    "kind_of_version",
     "make_item",
     "make_shard",
     "open",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -9,10 +10,11 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.arms import Arm, Base, SpatialArm
+from gcm_learn.arms import Arm, Base, Chain, SpatialArm
 from gcm_learn.motion import Movement, fastest_hand
 from gcm_learn.scene import pack
-from gcm_learn.situation import Frame, Situation, SpatialFrame
+from gcm_learn.situation import Frame, Situation, SpatialFrame, arm_to_json
+from gcm_learn.storage import content_hash
 
 Types = Mapping[str, pa.DataType]
 WORD, NUMBER, BITS, COUNT = pa.string(), pa.float64(), pa.binary(), pa.int32()
@@ -26,6 +28,13 @@ _ANSWER = {
 }
 HAND_PLAN = pa.struct(_ANSWER | {"hand": pa.list_(NUMBER)})
 JOINT_PLAN = pa.struct(_ANSWER | {"joints": pa.list_(NUMBER), "rates": pa.list_(NUMBER)})
+CHAIN_PLAN = pa.struct(
+    [
+        *JOINT_PLAN,
+        pa.field("caught_bodies", pa.list_(WORD)),
+        pa.field("caught_times", pa.list_(NUMBER)),
+    ]
+)
 BASE: Types = {"origin": pa.list_(NUMBER), "rotation": pa.list_(NUMBER)}
 
 
@@ -49,7 +58,7 @@ def hand_path(arm: Arm, cells: Mapping[str, Any]) -> Movement:
     return Movement.of_hand(arm, time, hand.reshape(-1, 2))
 
 
-def joint_path(arm: SpatialArm, cells: Mapping[str, Any]) -> Movement:
+def joint_path(arm: SpatialArm | Chain, cells: Mapping[str, Any]) -> Movement:
     """Return the joint movement in the cells of a plan."""
     time, joints = (np.asarray(cells[name], dtype=float) for name in ("time", "joints"))
     rates, dof = cells["rates"], len(arm.joints)
@@ -89,6 +98,16 @@ def spatial_word(situation: Situation[SpatialArm]) -> str:
     return f"space{hand}{'' if arm.max_joint_acceleration is None else '+acceleration'}"
 
 
+def chain_word(situation: Situation[Chain]) -> str:
+    """Return the word for the arm in a situation's structure, which says which arm it is."""
+    arm = situation.arm
+    model = content_hash(json.dumps(arm_to_json(arm.model), sort_keys=True))[:8]
+    hand = "" if arm.max_hand_speed is None else "+hand"
+    limits = "" if arm.max_joint_acceleration is None else "+acceleration"
+    several = "" if situation.catch == "any" else f"+{situation.catch}"
+    return f"chain-{model}{hand}{limits}{several}"
+
+
 def planar_numbers(arm: Arm, horizon: float) -> list[float]:
     """Return the parameters of an arm."""
     joints = arm.max_joint_speed or ()
@@ -109,6 +128,18 @@ def spatial_numbers(arm: SpatialArm, horizon: float) -> list[float]:
     return bones + [unit * turn for turn in turns]
 
 
+def chain_numbers(arm: Chain, horizon: float) -> list[float]:
+    """Return the parameters of an arm; angles count as way of a hand at full reach."""
+    units = [1.0 if joint.type == "prismatic" else arm.reach for joint in arm.model.joints]
+    rows = [arm.joints]
+    if arm.max_joint_acceleration is not None:
+        rows.append(tuple(0.5 * limit * horizon**2 for limit in arm.max_joint_acceleration))
+        rows.append(tuple(rate * horizon for rate in arm.joint_rates or ()))
+    hand = [] if arm.max_hand_speed is None else [arm.max_hand_speed * horizon]
+    turns = [unit * turn for row in rows for unit, turn in zip(units, row, strict=True)]
+    return [*hand, arm.grasp, arm.reach * horizon, *turns]
+
+
 def planar_forearm(arm: Arm) -> float:
     """Return the length of the forearm: the unit of planar situations."""
     return 1.0
@@ -119,6 +150,11 @@ def spatial_forearm(arm: SpatialArm) -> float:
     return math.hypot(*arm.forearm)
 
 
+def chain_reach(arm: Chain) -> float:
+    """Return the bound of the hand's distance, the unit of lengths of chains."""
+    return arm.reach
+
+
 def planar_sizes(situation: Situation) -> tuple[float, float]:
     """Return the length of the upper arm and the top speed of the hand."""
     return situation.arm.upper_arm, situation.arm.max_hand_speed
@@ -127,3 +163,8 @@ def planar_sizes(situation: Situation) -> tuple[float, float]:
 def spatial_sizes(situation: Situation[SpatialArm]) -> tuple[float, float]:
     """Return the length of the upper arm and the top speed of the hand."""
     return math.hypot(*situation.arm.upper_arm), float(fastest_hand(pack(situation)))
+
+
+def chain_sizes(situation: Situation[Chain]) -> tuple[float, float]:
+    """Return the reach, which is the unit, and the top speed of the hand."""
+    return situation.arm.reach, float(fastest_hand(pack(situation)))

@@ -6,10 +6,11 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from gcm_learn.arms import Arm
 from gcm_learn.maps import CognitiveMap, build_map
+from gcm_learn.motion import Failure
 from gcm_learn.planners import (
     Bounds,
     FrontPlanner,
@@ -25,6 +26,7 @@ from gcm_learn.planners import (
     layered,
     marching,
     posture_layered,
+    solve,
     straight_plan,
     stratum,
     without_waits,
@@ -76,6 +78,8 @@ class Case(ABC):
     """A situation and the answers of planners to it, each asked at most once, cheap ones first."""
 
     problem: Any
+    persistent: ClassVar[str] = "layered"
+    """Planner whose catches are those by waiting."""
 
     def __init__(self, situation: AnySituation, spec: DatasetSpec) -> None:
         self.situation: Any = situation
@@ -133,7 +137,7 @@ class Case(ABC):
             return stratum(self.situation, self.bounds())
         if wanted == "W":
             return "other"
-        if self.plan("layered").caught:
+        if self.plan(self.persistent).caught:
             return "Q"
         if wanted not in (None, "U"):
             return "U"
@@ -238,8 +242,8 @@ class SpatialCase(Case):
         return self._early is None and any_straight(self.problem, INSTANTS).caught
 
     def _caught_without_waiting(self) -> bool:
-        """Return whether `layered` needs no rest for its catch."""
-        plan = self.plan("layered")
+        """Return whether the persistent planner needs no rest for its catch."""
+        plan = self.plan(self.persistent)
         if plan.trajectory is None or not plan.trajectory.rests:
             return plan.caught
         return without_waits(self.problem, plan) is not None
@@ -251,3 +255,34 @@ class SpatialCase(Case):
 
     def _bounded(self) -> Yardstick:
         return yardstick(self.situation, 0.0, earliest=False)
+
+
+class ChainCase(SpatialCase):
+    """A situation of a chain, of which several targets may have to be caught."""
+
+    persistent = "search"
+
+    @property
+    def _several(self) -> bool:
+        return self.situation.catch != "any" and len(self.situation.targets) > 1
+
+    def _begin(self) -> Plan | None:
+        early = super()._begin()
+        untaken = early is not None and early.failure is Failure.SEVERAL_UNTAKEN
+        return None if untaken else early
+
+    def _caught_straight(self) -> bool:
+        """Return whether straight lines catch; of several targets those that the planner finds."""
+        if self._several:
+            return self.plan("straight").caught
+        return super()._caught_straight()
+
+    def _caught_without_waiting(self) -> bool:
+        """Return whether the persistent planner needs no rest for its catches."""
+        if not self._several:
+            return super()._caught_without_waiting()
+        moves = self.plan(self.persistent).trajectory
+        return moves is not None and not moves.rests
+
+    def _asked(self, name: str) -> Plan:
+        return solve(self.situation, name)

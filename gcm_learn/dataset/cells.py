@@ -94,7 +94,7 @@ def _bits(packed: bytes, n: int) -> np.ndarray:
 
 def plan_cell(kind: Kind, plan: Plan) -> dict[str, Any]:
     """Return the cell of a plan for a kind of arm."""
-    clearance, path = plan.clearance, plan.trajectory
+    clearance, path, known = plan.clearance, plan.trajectory, RECORDS.of(kind)
     return {
         "status": plan.exchanged,
         "message": plan.message,
@@ -102,8 +102,23 @@ def plan_cell(kind: Kind, plan: Plan) -> dict[str, Any]:
         "catch_body": plan.catch_body,
         # without obstacles it has no value
         "clearance": None if clearance is None or math.isinf(clearance) else clearance,
-        **({} if path is None else RECORDS.of(kind).path_cells(path)),
+        **({} if path is None else known.path_cells(path)),
+        **(_catches(plan) if known.several else {}),
     }
+
+
+def _catches(plan: Plan) -> dict[str, Any]:
+    """Return the cells of all catches, in order of time."""
+    columns = {"caught_bodies": "body", "caught_times": "time"}
+    return {name: [one[key] for one in plan.catches] for name, key in columns.items()}
+
+
+def _on_the_way(cells: Mapping[str, Any]) -> tuple[tuple[str, float], ...]:
+    """Return the catches before the last one."""
+    if cells.get("caught_bodies") is None:
+        return ()
+    pairs = zip(cells["caught_bodies"], cells["caught_times"], strict=True)
+    return tuple((str(body), float(time)) for body, time in pairs)[:-1]
 
 
 def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> Plan:
@@ -123,4 +138,5 @@ def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> 
         catch_body=cells["catch_body"],
         clearance=clearance,
         trajectory=path,
+        on_the_way=_on_the_way(cells),
     )

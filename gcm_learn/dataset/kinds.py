@@ -8,10 +8,10 @@ from typing import Any
 
 import pyarrow as pa
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Kind
 from gcm_learn.dataset import arm_columns as columns
 from gcm_learn.dataset.arm_columns import Types
-from gcm_learn.dataset.cases import Case, PlanarCase, SpatialCase
+from gcm_learn.dataset.cases import Case, ChainCase, PlanarCase, SpatialCase
 from gcm_learn.situation import Frame, SpatialFrame
 
 
@@ -45,6 +45,10 @@ class RecordKind:
     """True if records may have maps."""
     efforts: bool
     """True if the effort of a search may be limited."""
+    oracle: bool = True
+    """True if there is an oracle that labels."""
+    several: bool = False
+    """True if a plan may have several catches."""
 
 
 RECORDS = ByKind(
@@ -79,7 +83,29 @@ RECORDS = ByKind(
             maps=False,
             efforts=True,
         ),
+        CHAIN: RecordKind(
+            version="gcm-learn/record@3",
+            plan=columns.CHAIN_PLAN,
+            base=columns.BASE,
+            path_cells=columns.joint_cells,
+            path=columns.joint_path,
+            frame=columns.spatial_frame,
+            word=columns.chain_word,
+            numbers=columns.chain_numbers,
+            forearm=columns.chain_reach,
+            sizes=columns.chain_sizes,
+            case=ChainCase,
+            maps=False,
+            efforts=False,
+            oracle=False,
+            several=True,
+        ),
     },
     who="dataset",
 )
 VERSIONS = tuple(kind.version for kind in RECORDS.entries())
+
+
+def kind_of_version(version: str) -> Kind:
+    """Return the kind of arm whose records have a format."""
+    return next(kind for kind in RECORDS if RECORDS.of(kind).version == version)

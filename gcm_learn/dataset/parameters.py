@@ -13,15 +13,16 @@ import math
 import numpy as np
 
 from gcm_learn.arms import rotation_of
-from gcm_learn.checks import quote
 from gcm_learn.dataset.kinds import RECORDS
-from gcm_learn.errors import SituationError
 from gcm_learn.scene import entry_of
 from gcm_learn.situation import (
     AnySituation,
     Body,
+    Motion,
     Pendulum,
+    Piecewise,
     PlanarQuadratic,
+    Sampled,
     SolidQuadratic,
     numbers_of,
 )
@@ -65,16 +66,13 @@ def _in_order(situation: AnySituation) -> list[Body]:
 
 
 def _place(body: Body) -> tuple[float, ...]:
+    """Return the pivot of a swing, or the place of a body at t = 0."""
     motion = body.motion
-    return motion.pivot if isinstance(motion, Pendulum) else _quadratic(body).position
-
-
-def _quadratic(body: Body) -> PlanarQuadratic | SolidQuadratic:
-    """Return the motion of a body that has one quadratic law."""
-    if isinstance(body.motion, PlanarQuadratic | SolidQuadratic):
-        return body.motion
-    reason = f"{quote(body.motion.kind)} is not for data sets"
-    raise SituationError(f"{body.name}.motion.kind", reason)
+    if isinstance(motion, Pendulum):
+        return motion.pivot
+    if isinstance(motion, Sampled):
+        return motion.positions[0]
+    return motion.pieces[0].motion.position if isinstance(motion, Piecewise) else motion.position
 
 
 def _distance(body: Body) -> float:
@@ -84,20 +82,56 @@ def _distance(body: Body) -> float:
 def _kind(body: Body) -> str:
     shape = body.shape
     corners = len(entry_of(shape).vertices(shape)) or ""
-    swing = "~" if isinstance(body.motion, Pendulum) else ""
-    return f"{shape.kind}{corners}{swing}"
+    approach = "" if body.approach is None else "<"
+    return f"{shape.kind}{corners}{_law(body.motion)}{approach}"
+
+
+def _law(motion: Motion) -> str:
+    """Return the sign of a law of motion, which says how many numbers it has."""
+    if isinstance(motion, Pendulum):
+        return "~"
+    if isinstance(motion, Piecewise):
+        return f"^{len(motion.pieces)}"
+    if isinstance(motion, Sampled):
+        return f"*{len(motion.times)}{'' if motion.orientations is None else 'o'}"
+    return ""
 
 
 def _motion_numbers(body: Body, horizon: float) -> list[float]:
-    """Return place, ways and turns of a body."""
+    """Return place, ways and turns of a body, and how it is approached."""
     motion, radius = body.motion, body.shape.bounding_radius
+    numbers: list[float] = []
     if isinstance(motion, Pendulum):
-        swing = [motion.angle, motion.rate * horizon, motion.damping * horizon]
-        fall = 0.5 * motion.gravity * horizon**2
-        lengths = [motion.length, motion.hang_distance, fall]
-        turns = [motion.length * s for s in swing]
-        return [*motion.pivot, *motion.axis, *motion.down, *lengths, *turns]
-    motion = _quadratic(body)
+        numbers = _swing_numbers(motion, horizon)
+    elif isinstance(motion, Sampled):
+        numbers = [horizon * t for t in motion.times]
+        numbers += [x for place in motion.positions for x in place]
+        for turn in () if entry_of(body.shape).is_ball else motion.orientations or ():
+            numbers += (radius * _seen(body, turn)).tolist()
+    elif isinstance(motion, Piecewise):
+        for start, piece in motion.pieces:
+            numbers += [horizon * start, *_flight_numbers(body, piece, horizon)]
+    else:
+        numbers = _flight_numbers(body, motion, horizon)
+    if body.approach is not None:
+        numbers += [radius * x for x in (*body.approach.axis, body.approach.within)]
+    return numbers
+
+
+def _swing_numbers(motion: Pendulum, horizon: float) -> list[float]:
+    """Return the numbers of a swing."""
+    swing = [motion.angle, motion.rate * horizon, motion.damping * horizon]
+    fall = 0.5 * motion.gravity * horizon**2
+    lengths = [motion.length, motion.hang_distance, fall]
+    turns = [motion.length * s for s in swing]
+    return [*motion.pivot, *motion.axis, *motion.down, *lengths, *turns]
+
+
+def _flight_numbers(
+    body: Body, motion: PlanarQuadratic | SolidQuadratic, horizon: float
+) -> list[float]:
+    """Return the numbers of one quadratic law of a body."""
+    radius = body.shape.bounding_radius
     numbers = [*motion.position, *(v * horizon for v in motion.velocity)]
     numbers += [0.5 * a * horizon**2 for a in motion.acceleration]
     if entry_of(body.shape).is_ball:
@@ -105,10 +139,15 @@ def _motion_numbers(body: Body, horizon: float) -> list[float]:
     if isinstance(motion, PlanarQuadratic):
         c, s = math.cos(motion.angle), math.sin(motion.angle)
         return [*numbers, radius * c, radius * s, radius * motion.spin * horizon]
-    axes = rotation_of(motion.orientation)
-    seen = axes[:, 2] if entry_of(body.shape).is_round else axes[:, ::2].ravel()
     turn = (radius * s * horizon for s in motion.spin)
-    return [*numbers, *(radius * seen).tolist(), *turn]
+    return [*numbers, *(radius * _seen(body, motion.orientation)).tolist(), *turn]
+
+
+def _seen(body: Body, orientation: tuple[float, ...]) -> np.ndarray:
+    """Return the axes of a body that show how it is turned."""
+    axes = rotation_of(orientation)
+    seen: np.ndarray = axes[:, 2] if entry_of(body.shape).is_round else axes[:, ::2].ravel()
+    return seen
 
 
 def quantities_of(situation: AnySituation, top_speed: float) -> dict[str, float]:

@@ -141,7 +141,7 @@ def _plan_words(spec: DatasetSpec) -> list[str]:
 def _encodings(spec: DatasetSpec) -> dict[str, str]:
     """Numbers of paths are stored byte by byte: the high bytes of neighbours are alike."""
     plan = RECORDS.of(spec.kind).plan
-    lists = [part.name for part in plan if pa.types.is_list(part.type)]
+    lists = [part.name for part in plan if part.type == pa.list_(pa.float64())]
     columns = [f"{plan_column(name)}.{part}" for name in spec.planners for part in lists]
     return {f"{column}.list.element": "BYTE_STREAM_SPLIT" for column in columns}
 

@@ -135,6 +135,9 @@ class DatasetSpec:
             raise SpecError("effort", f"is for {' and '.join(others)}")
         if self.map != "none" and not known.maps:
             raise SpecError("map", f"must be 'none' for {self.kind.plural} (got {self.map!r})")
+        for name, asks in (("label", self.label == "oracle"), ("audit", self.audit > 0.0)):
+            if asks and not known.oracle:
+                raise SpecError(name, f"the oracle does not take {self.kind.plural}")
         for k, name in enumerate(self.planners):
             if not takes(get_planner(name), self.kind):
                 raise SpecError(f"planners[{k}]", f"{name!r} does not take {self.kind.plural}")

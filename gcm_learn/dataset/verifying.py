@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
+import numpy as np
+
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import crew_for
 from gcm_learn.dataset.item import make_item, warmed
@@ -17,7 +19,7 @@ from gcm_learn.dataset.shards import code_version, info_of, shard_name
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of
 from gcm_learn.errors import DatasetError, GcmError
-from gcm_learn.motion import rules_of, verify
+from gcm_learn.motion import Movement, rules_of, verify
 from gcm_learn.processes import cores
 from gcm_learn.scene import pack
 
@@ -133,13 +135,27 @@ def _broken_plans(record: Record) -> Iterator[str]:
         if plan.trajectory is None or plan.catch_body not in names:
             yield f"the plan of {name} is not whole"
             continue
-        verdict = verify(scene, rules, plan.trajectory, names.index(plan.catch_body))
-        if not verdict.good:
-            yield f"the plan of {name} does not hold: {verdict.reason}"
-        elif plan.catch_time != plan.trajectory.duration:
+        catches = [(body, _until(plan.trajectory, time)) for body, time in plan.on_the_way]
+        for body, moves in (*catches, (plan.catch_body, plan.trajectory)):
+            if body not in names or moves is None:
+                yield f"the plan of {name} does not stop at its catch of {body!r}"
+                continue
+            verdict = verify(scene, rules, moves, names.index(body))
+            if not verdict.good:
+                yield f"the plan of {name} does not hold: {verdict.reason}"
+        if plan.catch_time != plan.trajectory.duration:
             yield f"the plan of {name} does not end at its catch time"
     if record.stratum == "U" and any(plan.caught for plan in record.plans.values()):
         yield "the stratum is U, but there is a catch"
+
+
+def _until(moves: Movement, time: float) -> Movement | None:
+    """The part of a movement up to a sample's time [s], or None for another time."""
+    count = int(np.searchsorted(moves.time, time, side="right"))
+    if count == 0 or moves.time[count - 1] != time:
+        return None
+    rates = None if moves.rates is None else moves.rates[:count]
+    return Movement(moves.arm, moves.time[:count], moves.joints[:count], rates)
 
 
 def _remade(spec: DatasetSpec, shard: int, records: Dataset, name: str) -> Report:

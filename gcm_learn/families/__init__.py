@@ -12,6 +12,7 @@ from gcm_learn.families.layout import WayRanges
 from gcm_learn.families.paper import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, fig3
 from gcm_learn.families.piece_family import Sizes
 from gcm_learn.families.pieces import SpaceRanges
+from gcm_learn.families.presets import PRESETS
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.families.registry import (
@@ -21,6 +22,7 @@ from gcm_learn.families.registry import (
     family_to_dict,
     get_family,
     item_name,
+    preset_families,
     read_family,
 )
 from gcm_learn.families.space.family import SpatialFamily
@@ -33,6 +35,7 @@ __all__ = [
     "Family",
     "KAPPA",
     "PAPER_SCENES",
+    "PRESETS",
     "SPATIAL_SCENES",
     "Sizes",
     "SpaceRanges",
@@ -47,6 +50,7 @@ __all__ = [
     "get_family",
     "item_name",
     "paper_scene",
+    "preset_families",
     "random_planar",
     "random_solid",
     "read_family",

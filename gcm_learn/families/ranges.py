@@ -47,6 +47,11 @@ def options(*default: float) -> Any:
     return dataclasses.field(default=default, metadata={"check": _options})
 
 
+def positives(*default: float) -> Any:
+    """A field for a list of numbers above zero, which may be empty."""
+    return dataclasses.field(default=default, metadata={"check": _positives})
+
+
 @dataclass(frozen=True)
 class Ranges:
     """Base of all records of ranges: checks every field when it is made."""
@@ -138,3 +143,9 @@ def _options(value: object, field: str) -> tuple[float, ...]:
     if not isinstance(value, tuple | list) or not value:
         raise FamilyError(field, f"must be a list of numbers (got {show(value)})")
     return tuple(_number(v, field, 0.0, LARGEST) for v in value)
+
+
+def _positives(value: object, field: str) -> tuple[float, ...]:
+    if not isinstance(value, tuple | list):
+        raise FamilyError(field, f"must be a list of numbers (got {show(value)})")
+    return tuple(_number(v, f"{field}[{k}]", 1e-9, 1e9) for k, v in enumerate(value))

@@ -12,6 +12,12 @@ from gcm_learn import seeding
 from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError, not_known
 from gcm_learn.families.behind_mover import BehindMover, BehindMoverSolid
+from gcm_learn.families.chain.belts import ConveyorChain, TurntableChain
+from gcm_learn.families.chain.boxes import DrawerChain, ShelfChain
+from gcm_learn.families.chain.company import HandoverChain, OtherArmChain
+from gcm_learn.families.chain.flights import FallingChain, SwarmChain, ThrowChain
+from gcm_learn.families.chain.pendulum import PendulumChain
+from gcm_learn.families.chain.walls import GateChain, WindowChain
 from gcm_learn.families.crossing_swarm import CrossingSwarm, CrossingSwarmSolid
 from gcm_learn.families.falling import Falling, FallingSolid
 from gcm_learn.families.family import Family
@@ -19,6 +25,7 @@ from gcm_learn.families.gate import Gate, GateSolid
 from gcm_learn.families.late_target import LateTarget, LateTargetSolid
 from gcm_learn.families.moving_point import MovingPoint, MovingPointSolid
 from gcm_learn.families.pendulum import PendulumFamily
+from gcm_learn.families.presets import PRESETS
 from gcm_learn.families.random_planar import RandomPlanar
 from gcm_learn.families.random_solid import RandomSolid
 from gcm_learn.families.ranges import Ranges
@@ -47,12 +54,14 @@ _FAMILIES: dict[str, type[Family]] = {
         RandomSolid,
         StaticClutterSpace, CrossingSwarmSpace, BehindPostSpace, WindowSpace, DoorSpace, CrateSpace,
         TraySpace, OverShelfSpace, FallingSpace, LateTargetSpace, PendulumSpace, BenchSpace,
+        ThrowChain, ConveyorChain, WindowChain, PendulumChain, SwarmChain, ShelfChain,
+        TurntableChain, OtherArmChain, DrawerChain, FallingChain, GateChain, HandoverChain,
     )
 }  # fmt: skip
 
 
 def family_names(kind: str | None = None) -> list[str]:
-    """Names of the registered families, or of those for a "planar" or a "spatial" arm."""
+    """Names of the registered families, or of those for "planar", "spatial" or "chain" arms."""
     return [name for name, family in _FAMILIES.items() if kind in (None, family.kind)]
 
 
@@ -68,14 +77,15 @@ def draw(family: str | Family, seed: int, index: int) -> AnySituation:
     Parameters
     ----------
     family : str or Family
-        A registered name, for the default ranges, or a configuration.
+        A registered name, for the default ranges, a preset's name, or a configuration.
     seed, index : int
         Non-negative.
 
     Returns
     -------
     Situation
-        Named after family and index, e.g. ``gate-0000042``.
+        Named after family and index, e.g. ``gate-0000042``; a preset's items are also named after
+        their families, e.g. ``panda-easy-0000042-throw-chain``.
 
     Examples
     --------
@@ -83,8 +93,21 @@ def draw(family: str | Family, seed: int, index: int) -> AnySituation:
     >>> families.draw("gate", 0, 42).name
     'gate-0000042'
     """
+    source = seeding.rng(seed, index)
+    if isinstance(family, str) and family in PRESETS:
+        members = preset_families(family)
+        member = members[index % len(members)]
+        return member.draw(source, f"{family}-{index:07d}-{member.name}")
     config = get_family(family) if isinstance(family, str) else family
-    return config.draw(seeding.rng(seed, index), item_name(config, index))
+    return config.draw(source, item_name(config, index))
+
+
+@functools.cache
+def preset_families(name: str) -> tuple[Family, ...]:
+    """Families of a preset with their ranges; raises UnknownNameError with the known names."""
+    if name not in PRESETS:
+        raise UnknownNameError.among("preset", name, list(PRESETS))
+    return tuple(map(family_from_dict, PRESETS[name].families))
 
 
 def item_name(family: Family, index: int) -> str:

@@ -47,9 +47,10 @@ def of_arm(name, **shares):
     return replace(family, arm=replace(family.arm, **{"human": 0.0, "nao": 0.0, **shares}))
 
 
-def test_there_are_families_for_both_kinds_of_arm():
+def test_there_are_families_for_every_kind_of_arm():
     assert len(NAMES) >= 10 and len(family_names("planar")) == 19
-    assert sorted(family_names()) == sorted(NAMES + family_names("planar"))
+    others = family_names("planar") + family_names("chain")
+    assert sorted(family_names()) == sorted(NAMES + others)
     assert all(name.endswith("-space") for name in NAMES)
 
 

@@ -48,6 +48,7 @@ def test_gallery_writes_readable_pictures(frames, tmp_path, monkeypatch):
         "catch.gif",
         "waiting.png",
         "families.png",
+        "families-chain.png",
         "space-situation.png",
         "space-hand-space.png",
         "space-wave.png",

@@ -23,6 +23,7 @@ from gcm_learn.plots.figures.workspace import (
     draw_workspace,
 )
 from gcm_learn.plots.reports.solid_documents import write_solid_gallery
+from gcm_learn.plots.reports.stages import write_chains
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation, planar
 
@@ -38,7 +39,7 @@ KEY = ("arm", "obstacle", "target", "path of the hand")
 
 
 def write_gallery(folder: Path) -> list[Path]:
-    """Draw the README's pictures and that of the families.
+    """Draw the README's pictures and two of the families.
 
     The first five show one situation, pictures of a spatial arm show another.
 
@@ -71,6 +72,8 @@ def write_gallery(folder: Path) -> list[Path]:
     sheets_figure(gate, mapped(gate, solve(gate, "layered"))).savefig(out[-1], dpi=DPI)
     out.append(folder / "families.png")
     families_figure().savefig(out[-1], dpi=DPI_FAMILIES)
+    out.append(folder / "families-chain.png")
+    write_chains(out[-1])
     return out + write_solid_gallery(folder)
 
 

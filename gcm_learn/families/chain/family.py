@@ -1,0 +1,195 @@
+"""Base of families for chains: a story about one way of the arm, and bodies aimed at it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import Chain
+from gcm_learn.families.chain.arms import ChainArmRanges
+from gcm_learn.families.chain.stage import Stage, Way, stage_of
+from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.layout import TRIES
+from gcm_learn.families.ranges import Counts, Range, counts, number, pick, pick_count, span
+from gcm_learn.families.space.solids import axes_along, solid, triple, unit_vector
+from gcm_learn.scene import pose
+from gcm_learn.situation import Approach, Body, Situation, Sphere
+
+Maker = Callable[[np.random.Generator, Stage, Way, int], Body]
+STORIES = 30  # that are drawn at most until both ends of the way are free
+INNER = 0.6  # share of a limb's points, carried least by a way, at which no body is aimed
+EARLY, LATE = 0.25, 0.95  # places on the way at which bodies are aimed, as shares of it
+
+
+class Story(NamedTuple):
+    """Events of a situation, and one way to catch."""
+
+    way: Way
+    bodies: tuple[Body, ...]
+    """Targets and obstacles, without the floor [the arm's unit]."""
+    catch: str = "any"
+    """Targets to be caught: any, all or most."""
+
+
+@dataclass(frozen=True)
+class ChainFamily(Family):
+    """Base of families for chains.
+
+    A random posture is the start, another one meets the target. Both are free when the arm is
+    there. Nothing is rejected for being easy.
+    """
+
+    kind: ClassVar[str] = "chain"
+
+    arm: ChainArmRanges = field(default_factory=ChainArmRanges)
+    takes: Range = span(0.15, 0.6, most=0.9)
+    """Duration of the straight way of the joints at full speed [horizons]."""
+    when: Range = span(0.55, 0.95, 0.05, 0.97)
+    """Time of the meeting [horizons]; later if the straight way takes longer."""
+    target: Range = span(0.007, 0.02, TINY)
+    """Radius of targets [reaches]."""
+    directed: float = number(0.0)
+    """Share of situations whose targets prescribe an approach: the hand's direction on its way."""
+    within: Range = span(0.436, 0.436, most=3.14)
+    """Angle that the hand may be off the approach [rad]."""
+    strays: Counts = counts(0, 1)
+    """Number of balls that fly across the way."""
+    stray: Range = span(0.045, 0.085, TINY)
+    """Radius of these balls [reaches]."""
+    speed: Range = span(0.2, 0.8)
+    """Their speed [reaches/s]."""
+
+    def sketch(self, rng: np.random.Generator, name: str) -> Situation[Chain]:
+        """Draw once."""
+        arm, horizon = self.arm.arm(rng), pick(rng, self.arm.horizon)
+        floor = None
+        if rng.random() < self.arm.floor:
+            floor = pick(rng, self.arm.floor_height) * arm.reach
+        stage = stage_of(rng, arm, horizon, self.arm.gravity, floor)
+        directed = rng.random() < self.directed
+        for _ in range(STORIES):
+            story = self.story(rng, stage)
+            if stage.fits(story.way, story.bodies):
+                break
+        else:
+            story = story._replace(bodies=_kept(stage, story))
+        way = story.way
+        strays = aimed(rng, stage, way, self._stray, pick_count(rng, self.strays))
+        bodies = (*story.bodies, *strays, *stage.floor)
+        start: Any = tuple(way.start.tolist())
+        arm = replace(stage.arm, joints=start, joint_rates=self.arm.rates(rng, stage.arm))
+        situation = Situation(name, horizon, arm, bodies, catch=story.catch)
+        return self._directed(rng, situation, way) if directed else situation
+
+    @abstractmethod
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """Draw one story."""
+
+    def way(
+        self,
+        rng: np.random.Generator,
+        stage: Stage,
+        may_end: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+    ) -> Way:
+        """Draw a way.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator
+        stage : Stage
+        may_end : callable, optional
+            Of hands (k, 3) and their axes (k, 3): the postures that may be the end (k,).
+        """
+        ends = None if may_end is None else may_end(*stage.hands())
+        return stage.way(rng, self.takes, self.when, ends)
+
+    def ball(
+        self,
+        rng: np.random.Generator,
+        stage: Stage,
+        place: np.ndarray,
+        when: float,
+        velocity: Any = (0.0, 0.0, 0.0),
+        pull: Any = (0.0, 0.0, 0.0),
+    ) -> Body:
+        """The target: a ball that is at a place (3,) at a time, with a velocity at t = 0."""
+        shape = Sphere(stage.size(rng, self.target))
+        return solid("target", shape, place, when=when, velocity=velocity, pull=pull)
+
+    def _stray(self, rng: np.random.Generator, stage: Stage, way: Way, k: int) -> Body:
+        """A ball that flies through a place on the way when the arm is there."""
+        place, when = on_the_way(rng, stage, way)
+        course = stage.size(rng, self.speed) * unit_vector(rng.normal(size=3))
+        shape = Sphere(stage.size(rng, self.stray))
+        return solid(f"ball {k + 1}", shape, place, when=when, velocity=course)
+
+    def _directed(
+        self, rng: np.random.Generator, situation: Situation[Chain], way: Way
+    ) -> Situation[Chain]:
+        """The situation with the hand's direction at the way's end as approach of all targets."""
+        within, bodies = pick(rng, self.within), []
+        for k, body in enumerate(situation.bodies):
+            if body.role == "target":
+                _, turn = pose(situation, k, way.when)
+                approach = Approach(triple(turn.T @ way.axis), within)
+                body = replace(body, approach=approach)
+            bodies.append(body)
+        return replace(situation, bodies=tuple(bodies))
+
+
+def on_the_way(rng: np.random.Generator, stage: Stage, way: Way) -> tuple[np.ndarray, float]:
+    """Draw a point (3,) on a link along a way, and the time at which the link is there [s].
+
+    Points that the way carries far are preferred: others cannot be elsewhere at that time.
+    """
+    share = pick(rng, (EARLY, LATE))
+    first, there, last = stage.points(np.stack([way.start, way.at(share), way.end]))
+    carried = np.minimum(
+        np.linalg.norm(there - first, axis=1), np.linalg.norm(last - first, axis=1)
+    )
+    far = np.flatnonzero(carried >= np.quantile(carried, INNER))
+    return there[int(rng.choice(far))], share * way.when
+
+
+def aimed(rng: np.random.Generator, stage: Stage, way: Way, make: Maker, count: int) -> list[Body]:
+    """Draw bodies, each until it fits the way; those that do not in ten draws are left out.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    stage : Stage
+    way : Way
+    make : callable
+        ``make(rng, stage, way, k)`` draws body k.
+    count : int
+        Number of bodies that are tried.
+    """
+    found = []
+    for k in range(count):
+        for _ in range(TRIES):
+            body = make(rng, stage, way, k)
+            if stage.fits(way, (body,)):
+                found.append(body)
+                break
+    return found
+
+
+def level(v: np.ndarray) -> np.ndarray:
+    """The unit vector (3,) of the horizontal part of a vector."""
+    return unit_vector(v * (1.0, 1.0, 0.0))
+
+
+def facing(way: Way) -> np.ndarray:
+    """Axes (3, 3), as columns: the hand's way in, sideways, and as near to up as can be."""
+    frame = axes_along(way.axis)
+    return np.column_stack([frame[:, 2], -frame[:, 1], frame[:, 0]])
+
+
+def _kept(stage: Stage, story: Story) -> tuple[Body, ...]:
+    """The bodies of a story but those that block an end of its way."""
+    bodies: Sequence[Body] = story.bodies
+    return tuple(b for b in bodies if b.role == "target" or stage.fits(story.way, (b,)))
