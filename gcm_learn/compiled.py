@@ -19,9 +19,10 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from numba.core import config, types
+from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
+from numba.core.types.misc import unliteral
 
 from gcm_learn import storage
 from gcm_learn.parts import PartCompiler, WholeCompiler, loading
@@ -94,7 +95,7 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]
 
         Numba has a type for every number in a source, for which it would compile a part once more.
         """
-        plain = tuple(types.unliteral(given) for given in args)
+        plain = tuple(unliteral(given) for given in args)
         return self._part.get_call_template(plain, kws)
 
     def get_overload(self, sig: Any) -> Any:

@@ -128,9 +128,8 @@ def _travel(joints, axes, reaches, last, i, turns, rates, half):
     their distance to its axis, which is where `place` left it.  Each joint before it finds them
     displaced by what the others did.
 
-    Or all joints at once: points go on with their velocity at s.  They stray by what rates change,
-    and by half the square of the width times their acceleration, in which each joint turns the
-    velocity that those beyond it give.
+    Or all joints move at once, and points go on with their velocity at s.  They stray by what rates
+    change, and by their acceleration: each joint turns the velocity that joints beyond it give.
 
     Parameters
     ----------
@@ -238,7 +237,7 @@ def ignores(limb, i, b):
 def self_gap(limb, place, slack, enough):
     """Distance of the nearest pair of links that must not overlap, and the same less slack.
 
-    Pairs whose balls are farther apart than is asked for are left out.
+    Pairs are left out where the balls about them are farther apart than `enough`.
     """
     return _nearest_pair(limb.pairs, limb.radii, limb.reaches, limb.balls, limb.ways, enough)
 
@@ -472,7 +471,7 @@ def _axes_along_z(model: ChainModel) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _balls(ends: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """Return room for the centres of balls about links (m, 4), and last their radii."""
+    """Return balls about links (m, 4): centres, not yet known, and radii."""
     balls = np.zeros((len(ends), 4))
     # rounded up, as a link must not stick out
     balls[:, 3] = (0.5 * np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1) + radii) * (1.0 + 1e-9)

@@ -166,7 +166,7 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
 
 @njit(_nrt=False, forceinline=True)
 def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
-    """Ask only the links whose balls are near to the body's.  Mostly there is none."""
+    """Ask only the links whose balls are near to the body's, which are mostly none."""
     turned = centre_at(bodies, b, t, poses)
     far = enough + off + bodies.rows[b, REACH]
     x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
@@ -213,9 +213,7 @@ def _gap_to_bones(limb, where, slack, bodies, b, t, off, enough, poses):
     return body_distance(bodies, b, t, where, slack[0] + off, slack[1] + off, enough, poses)
 
 
-gap_to = by_type(
-    {None: _gap_to_links, SpatialLimb: _gap_to_bones, ChainLimb: _gap_to_capsules}
-)
+gap_to = by_type({None: _gap_to_links, SpatialLimb: _gap_to_bones, ChainLimb: _gap_to_capsules})
 """Distance of body b at t [s] to a limb at a place, and the same less slack.
 
 Parameters

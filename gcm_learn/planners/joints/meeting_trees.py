@@ -15,41 +15,31 @@ import numpy as np
 
 from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
-from gcm_learn.planners.joints.goals import reach
 from gcm_learn.planners.joints.moves import Study, turning_time
-from gcm_learn.planners.joints.pull import box, pulled
-from gcm_learn.planners.joints.ramps import (
-    END_FREE,
-    GIVEN,
-    START_FREE,
-    Ramp,
-    least_ramp,
-    may_ramp,
-    new_ramp,
-    ramp_box,
-    reach_ramped,
+from gcm_learn.planners.joints.pull import pulled
+from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE, Ramp, new_ramp
+from gcm_learn.planners.joints.tree_moves import (
+    FROM_CATCH,
+    FROM_START,
+    LINES,
+    Lines,
+    box_by,
+    halve_by,
+    keep_by,
+    may_by,
+    move_by,
+    rates_by,
+    time_by,
 )
 from gcm_learn.planners.joints.ways import MOST, write, write_rates
 from gcm_learn.scene.bodies import HAND, PART
 
-FROM_START, FROM_CATCH = 0, 1
 TRIES = 3  # nearest nodes of the other tree to which a new node is connected
 NEAR_START = 0.5  # share of goals that are drawn near to what the start is pulled to
 NEAR_GOAL = 0.3  # share of goals that are drawn near to one that is there
 NEARBY = 0.3  # how near: share of a joint's range, and of the horizon
 NEARER = 3  # moves to a drawn state that are tried, each half as long as the one before
 NEARER_GOAL = 4  # likewise from one to a posture that catches, which is often in a narrow place
-RESTS = 0.5  # share of nodes at which the limb comes to rest, under limits of acceleration
-
-
-class Lines(NamedTuple):
-    """Straight moves of joints that have their rates at once."""
-
-    none: float
-
-
-LINES = Lines(0.0)
 
 
 class Trees(NamedTuple):
@@ -115,123 +105,13 @@ def _add(trees, tree, q, rates, time, free, via, body):
         return -1
     for j in range(q.size):
         trees.joints[tree, k, j], trees.rates[tree, k, j] = q[j], rates[j]
-    trees.time[tree, k], trees.begin[tree, k], trees.end[tree, k] = time, trees.ends[0], trees.ends[1]
+    trees.begin[tree, k], trees.end[tree, k] = trees.ends
+    trees.time[tree, k] = time
     trees.via[tree, k], trees.free[tree, k] = via, free
     if tree == FROM_CATCH:
         trees.body[k] = body
     trees.size[tree] = k + 1
     return k
-
-
-@njit(_nrt=False, forceinline=True)
-def _line_box(moves, study, t):
-    box(study, study.scene.limb.start, t)
-
-
-@njit(_nrt=False)
-def _ramp_box(moves, study, t):
-    ramp_box(study, study.scene.limb.start, study.scene.limb.rates, t)
-
-
-box_by = by_type({None: _line_box, Ramp: _ramp_box})
-"""Write the joints that are within reach of the start in a time [s] into ``study``."""
-
-
-@njit(_nrt=False, forceinline=True)
-def _line_time(moves, limits, q, p):
-    return turning_time(limits.joint_speed, q, p)
-
-
-@njit(_nrt=False)
-def _ramp_time(moves, limits, q, p):
-    return least_ramp(limits, q, p, END_FREE)
-
-
-time_by = by_type({None: _line_time, Ramp: _ramp_time})
-"""Least time of a move from joints q at rest to p (n,) [s]."""
-
-
-@njit(_nrt=False, forceinline=True)
-def _any_line(moves, limits, q, r, p, span, backward):
-    return True
-
-
-@njit(_nrt=False)
-def _any_ramp(moves, limits, q, r, p, span, backward):
-    return may_ramp(limits, q, r, p, span, backward)
-
-
-may_by = by_type({None: _any_line, Ramp: _any_ramp})
-"""Return whether there may be a move from q with rates r to p (n,), or to q with these rates."""
-
-
-@njit(_nrt=False, forceinline=True)
-def _no_rates(moves, trees, tree):
-    return GIVEN
-
-
-@njit(_nrt=False)
-def _draw_rates(moves, trees, tree):
-    for j in range(trees.drawn_rates.size):
-        trees.drawn_rates[j] = 0.0
-    if uniform(trees) < RESTS:
-        return GIVEN
-    return END_FREE if tree == FROM_START else START_FREE
-
-
-rates_by = by_type({None: _no_rates, Ramp: _draw_rates})
-"""Draw whether the limb rests at a new node of a tree: which rates are free; see `ramp`."""
-
-
-@njit(_nrt=False, forceinline=True)
-def _line_between(moves, study, q, r, since, p, v, t, free):
-    return reach(study, q, since, t, p, t)
-
-
-@njit(_nrt=False)
-def _ramp_between(moves, study, q, r, since, p, v, t, free):
-    return reach_ramped(study, q, r, since, p, v, t, free, moves)
-
-
-move_by = by_type({None: _line_between, Ramp: _ramp_between})
-"""Free move from joints q with rates r at a time to p with rates v at t [s]; see `reach_ramped`."""
-
-
-@njit(_nrt=False, forceinline=True)
-def _halve_line(moves, q, there, rates, span):
-    for j in range(q.size):
-        q[j] = 0.5 * (q[j] + there[j])
-
-
-@njit(_nrt=False)
-def _halve_ramp(moves, q, there, rates, span):
-    for j in range(q.size):
-        q[j] = there[j] + 0.25 * (q[j] - there[j]) + 0.25 * rates[j] * span
-
-
-halve_by = by_type({None: _halve_line, Ramp: _halve_ramp})
-"""Draw joints q (n,) nearer to where a move began: to where it is after half of its time.
-
-Under limits of acceleration that is where constant accelerations lead by then.
-"""
-
-
-@njit(_nrt=False, forceinline=True)
-def _keep_none(moves, tree, free, rates):
-    pass
-
-
-@njit(_nrt=False)
-def _keep_free(moves, tree, free, rates):
-    for j in range(rates.size):
-        if tree == FROM_START and free & END_FREE:
-            rates[j] = moves.rates[3, j]
-        elif tree == FROM_CATCH and free & START_FREE:
-            rates[j] = moves.rates[0, j]
-
-
-keep_by = by_type({None: _keep_none, Ramp: _keep_free})
-"""Write the rates (n,) that were free, as the last move has them."""
 
 
 @njit(_nrt=False)
@@ -358,7 +238,7 @@ def _grown(study, trees, horizon):
     """
     tree, q, rates = FROM_START, trees.drawn, trees.drawn_rates
     t = _draw_state(study, trees, horizon)
-    free = rates_by(trees.moves, trees, tree)
+    free = rates_by(trees.moves, tree, rates, uniform(trees))
     k, _ = _nearest(study, trees, tree, q, t, -1.0)
     if k < 0:
         return -1
@@ -382,7 +262,7 @@ def _grown_backward(study, trees):
     tree, q, rates = FROM_CATCH, trees.drawn, trees.drawn_rates
     for j in range(q.size):
         q[j] = limb.low[j] + uniform(trees) * (limb.high[j] - limb.low[j])
-    free = rates_by(trees.moves, trees, tree)
+    free = rates_by(trees.moves, tree, rates, uniform(trees))
     k, best = -1, 1e300
     for m in range(trees.size[tree]):
         took = turning_time(limits.joint_speed, q, trees.joints[tree, m])

@@ -28,7 +28,7 @@ HALVINGS = 10  # of the time by which a catch may become earlier
 def _leap(study, way, k, since, m, moves):
     """Go from posture k of a way, left at `since`, to posture m: when it is reached [s].
 
-    What comes then remains as it was.  -1 if that is not free.
+    The way from there on remains as it was.  -1 if the move is not free.
     """
     limits, q, r = study.scene.limits, way.joints[k], way.rates[k]
     p, v, before = way.joints[m], way.rates[m], way.reached[m]

@@ -30,17 +30,17 @@ class Ramp(NamedTuple):
 
 
 def new_ramp(dof: int) -> Ramp:
-    """Return room for a move."""
+    """Return arrays for a move."""
     return Ramp(np.zeros((4, dof)), np.zeros((4, dof)), np.zeros(4))
 
 
 @njit(_nrt=False)
 def still_at(rates):
     """Return whether joints with these rates (n,) rest."""
+    most = 0.0
     for j in range(rates.size):
-        if rates[j] != 0.0:
-            return False
-    return True
+        most = max(most, abs(rates[j]))
+    return most == 0.0
 
 
 @njit(_nrt=False)
@@ -170,7 +170,7 @@ def ramp_box(study, q, r, span):
 
 @njit(_nrt=False)
 def _farthest(limits, j, rate, span):
-    """How far joint j gets upwards from a rate in a time."""
+    """Farthest turn upwards of joint j, from a rate, in a time."""
     most, force = limits.joint_speed[j], limits.joint_acceleration[j]
     if rate + force * span <= most:
         return (rate + 0.5 * force * span) * span * (1.0 - 2.0 * EASE)

@@ -1,0 +1,147 @@
+"""Moves by which trees grow: straight lines, or ramps under limits of acceleration."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
+from gcm_learn.planners.joints.goals import reach
+from gcm_learn.planners.joints.moves import turning_time
+from gcm_learn.planners.joints.pull import box
+from gcm_learn.planners.joints.ramps import (
+    END_FREE,
+    GIVEN,
+    START_FREE,
+    Ramp,
+    least_ramp,
+    may_ramp,
+    ramp_box,
+    reach_ramped,
+)
+
+FROM_START, FROM_CATCH = 0, 1  # the trees
+RESTS = 0.5  # share of nodes at which the limb comes to rest
+
+
+class Lines(NamedTuple):
+    """Straight moves of joints that have their rates at once."""
+
+    none: float
+
+
+LINES = Lines(0.0)
+
+
+@njit(_nrt=False, forceinline=True)
+def _line_box(moves, study, t):
+    box(study, study.scene.limb.start, t)
+
+
+@njit(_nrt=False)
+def _ramp_box(moves, study, t):
+    ramp_box(study, study.scene.limb.start, study.scene.limb.rates, t)
+
+
+box_by = by_type({None: _line_box, Ramp: _ramp_box})
+"""Write the joints that are within reach of the start in a time [s] into ``study``."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _line_time(moves, limits, q, p):
+    return turning_time(limits.joint_speed, q, p)
+
+
+@njit(_nrt=False)
+def _ramp_time(moves, limits, q, p):
+    return least_ramp(limits, q, p, END_FREE)
+
+
+time_by = by_type({None: _line_time, Ramp: _ramp_time})
+"""Least time of a move from joints q at rest to p (n,) [s]."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _any_line(moves, limits, q, r, p, span, backward):
+    return True
+
+
+@njit(_nrt=False)
+def _any_ramp(moves, limits, q, r, p, span, backward):
+    return may_ramp(limits, q, r, p, span, backward)
+
+
+may_by = by_type({None: _any_line, Ramp: _any_ramp})
+"""Return whether there may be a move from q with rates r to p (n,), or to q with these rates."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _no_rates(moves, tree, rates, drawn):
+    return GIVEN
+
+
+@njit(_nrt=False)
+def _draw_rates(moves, tree, rates, drawn):
+    for j in range(rates.size):
+        rates[j] = 0.0
+    if drawn < RESTS:
+        return GIVEN
+    return END_FREE if tree == FROM_START else START_FREE
+
+
+rates_by = by_type({None: _no_rates, Ramp: _draw_rates})
+"""Return which rates of the move to a new node are free, by a number in [0, 1); see `ramp`.
+
+The rates (n,) at the node are those of rest until they are known.
+"""
+
+
+@njit(_nrt=False, forceinline=True)
+def _line_between(moves, study, q, r, since, p, v, t, free):
+    return reach(study, q, since, t, p, t)
+
+
+@njit(_nrt=False)
+def _ramp_between(moves, study, q, r, since, p, v, t, free):
+    return reach_ramped(study, q, r, since, p, v, t, free, moves)
+
+
+move_by = by_type({None: _line_between, Ramp: _ramp_between})
+"""Free move from joints q with rates r at a time to p with rates v at t [s]; see `reach_ramped`."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _halve_line(moves, q, there, rates, span):
+    for j in range(q.size):
+        q[j] = 0.5 * (q[j] + there[j])
+
+
+@njit(_nrt=False)
+def _halve_ramp(moves, q, there, rates, span):
+    for j in range(q.size):
+        q[j] = there[j] + 0.25 * (q[j] - there[j]) + 0.25 * rates[j] * span
+
+
+halve_by = by_type({None: _halve_line, Ramp: _halve_ramp})
+"""Draw joints q (n,) nearer to where a move began: to where it is after half of its time.
+
+Under limits of acceleration that is where constant accelerations lead by then.
+"""
+
+
+@njit(_nrt=False, forceinline=True)
+def _keep_none(moves, tree, free, rates):
+    pass
+
+
+@njit(_nrt=False)
+def _keep_free(moves, tree, free, rates):
+    for j in range(rates.size):
+        if tree == FROM_START and free & END_FREE:
+            rates[j] = moves.rates[3, j]
+        elif tree == FROM_CATCH and free & START_FREE:
+            rates[j] = moves.rates[0, j]
+
+
+keep_by = by_type({None: _keep_none, Ramp: _keep_free})
+"""Write the rates (n,) that were free, as the last move has them."""
