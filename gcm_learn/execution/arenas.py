@@ -7,15 +7,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from gcm_learn.arms import Kind
+from gcm_learn.arms import CHAIN, Kind
 from gcm_learn.errors import ArenaError, UnknownNameError
 from gcm_learn.execution.arena.batch import Batch, KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
-from gcm_learn.execution.arena.settings import ArenaSettings, Settings, SpatialSettings
+from gcm_learn.execution.arena.settings import (
+    ArenaSettings,
+    ChainSettings,
+    Settings,
+    SpatialSettings,
+)
 from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
 from gcm_learn.execution.body.bodies import pool_with_bodies
 from gcm_learn.execution.sources import Source, found_in, named
-from gcm_learn.families import SpatialFamily
+from gcm_learn.families import Family, SpatialFamily
 from gcm_learn.motion import start_clearance
 from gcm_learn.registration import NAMESPACE
 from gcm_learn.scene import pack
@@ -37,8 +42,8 @@ class Arena:
     """Class of the arms."""
     packed: Callable[[Sequence[AnySituation], Kind, AnyBody], Pool]
     """Pool of situations: (situations, kind, body)."""
-    eligible: Callable[[Source], Source] = lambda source: source
-    """Restriction of a source to arms that can take part."""
+    eligible: Callable[[Source, Any], Source] = lambda source, settings: source
+    """Restriction of a source to arms that can take part: (source, settings)."""
     begins: Callable[[AnySituation, float], bool] = lambda situation, dt: True
     """Return whether an episode with steps of `dt` [s] can begin with a free limb."""
     followed: bool = True
@@ -60,7 +65,7 @@ def _with_bodies(situations: Sequence[Any], kind: Kind, body: AnyBody) -> Pool:
     return pool_with_bodies(situations, body)
 
 
-def _of_arms_with_bodies(source: Source) -> Source:
+def _of_arms_with_bodies(source: Source, settings: ArenaSettings) -> Source:
     """Restrict a family to arms for which there is a body."""
     family = named(source)
     if not isinstance(family, SpatialFamily):
@@ -72,6 +77,14 @@ def _of_arms_with_bodies(source: Source) -> Source:
     return replace(family, arm=replace(family.arm, human=share, nao=1.0 - share))
 
 
+def _with_arm(source: Source, settings: ChainSettings) -> Source:
+    """Give the arm of the settings to a family that is named; others keep theirs."""
+    family: Any = named(source)
+    if not isinstance(source, str) or not isinstance(family, Family) or family.kind != CHAIN.name:
+        return source
+    return replace(family, arm=replace(family.arm, model=settings.arm))
+
+
 ARENAS = {
     arena.name: arena
     for arena in (
@@ -79,6 +92,10 @@ ARENAS = {
         Arena(
             "CatchArm3D-v0", SpatialSettings, "static-clutter-space", KinematicPlant,
             _without_bodies, begins=stops,
+        ),
+        Arena(
+            "CatchChain-v0", ChainSettings, "throw-chain", KinematicPlant, _without_bodies,
+            eligible=_with_arm, begins=stops,
         ),
         Arena(
             "CatchArmPhysics-v0", PhysicalSettings, "static-clutter-space", PhysicalArms,
@@ -146,7 +163,7 @@ def situations_of(
     ArmKindError
         If an arm is of another kind than the settings'.
     """
-    found = found_in(arena_of(settings).eligible(source), count, seed)
+    found = found_in(arena_of(settings).eligible(source, settings), count, seed)
     of_one_kind(found, settings.kind)
     return found
 
