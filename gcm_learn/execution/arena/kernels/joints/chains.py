@@ -235,19 +235,19 @@ def point_velocity_on(limb, place, i, joints, rates, x, y, z):
     return vx, vy, vz
 
 
-@njit
-def brakes_slowly(limb, scene, speed, end, rates, span):
+@njit(_nrt=False)
+def brakes_slowly(limb, scene, speed, end, rates, span, work):
     """As the table says: the steps in which all joints brake are looked at."""
-    n = dof(limb)
-    posture, none, curve = np.empty((1, 2 * n)), np.zeros((1, n)), np.zeros((n, 4))
-    after, there, work, longest = np.empty(n), np.empty(n), np.empty(n), 0.0
+    posture, curve, n, longest = work.posture, work.curve, dof(limb), 0.0
+    after, there, joints = work.rows[1], work.rows[2], work.rows[3]
     for j in range(n):
+        work.rows[0, j] = 0.0
         posture[0, j], posture[0, n + j] = end[j], rates[j]
         longest = max(longest, abs(rates[j]) / scene.limits.joint_acceleration[j])
     for _ in range(int(longest / span) + 2):
-        wish(scene, posture, 0, none, span, after)
+        wish(scene, posture, 0, work.rows, span, after)
         lay(scene, posture, 0, after, span, there, curve)
-        if hand_too_fast(limb, curve, speed * span, work):
+        if hand_too_fast(limb, curve, speed * span, joints):
             return False
         for j in range(n):
             posture[0, j], posture[0, n + j] = there[j], after[j]

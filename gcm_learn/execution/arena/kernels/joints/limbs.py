@@ -70,7 +70,8 @@ point_velocity_on = by_type(
 brakes_slowly = by_type({SpatialLimb: spatial.brakes_slowly, ChainLimb: chains.brakes_slowly})
 """Return whether the hand keeps its speed while the joints brake after a step.
 
-Takes (limb, scene, speed, end, rates, span), joints and rates (dof,) being those after the step.
+Takes (limb, scene, speed, end, rates, span, work). Joints and rates (dof,) are those after the
+step; `work` holds buffers, see `scene.Brakes`.
 """
 
 tell_fan = by_type({SpatialLimb: spatial.tell_fan, ChainLimb: chains.tell_fan})

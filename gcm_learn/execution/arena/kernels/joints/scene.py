@@ -17,6 +17,14 @@ from gcm_learn.scene import Scene
 HORIZON = -1  # column of a world's limits, the fields of `JointLimits` one after the other
 
 
+class Brakes(NamedTuple):
+    """Buffers for the steps in which an arm brakes."""
+
+    posture: np.ndarray  # (1, 2 dof)
+    rows: np.ndarray  # (4, dof)
+    curve: np.ndarray  # (dof, 4)
+
+
 class View(NamedTuple):
     """A situation, and buffers for one arm in it."""
 
@@ -30,6 +38,7 @@ class View(NamedTuple):
     jacobian: np.ndarray  # (3, dof)
     gaps: np.ndarray  # (n,): distances of bodies
     ahead: Any  # two limbs, which can be placed where the limb will be
+    brakes: Brakes
 
 
 @njit
@@ -49,8 +58,9 @@ def views_for(world, state, first, last):
     )  # fmt: skip
     n = dof(limb)
     joints, rates, jacobian = np.zeros((2, n)), np.zeros((4, n)), np.zeros((3, n))
-    ahead = (spare(limb), spare(limb))
-    return View(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, np.empty(most), ahead)
+    ahead, gaps = (spare(limb), spare(limb)), np.empty(most)
+    brakes = Brakes(np.zeros((1, 2 * n)), np.zeros((4, n)), np.zeros((n, 4)))
+    return View(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, gaps, ahead, brakes)
 
 
 @njit
@@ -63,5 +73,5 @@ def view_in(world, s, room):
     ahead = (beside(limb, room.ahead[0]), beside(limb, room.ahead[1]))
     return View(
         scene, rules_in(world, s), reach_of(limb), world.pace[s], desk, room.joints, room.rates,
-        room.jacobian, room.gaps, ahead,
+        room.jacobian, room.gaps, ahead, room.brakes,
     )  # fmt: skip

@@ -109,7 +109,7 @@ def point_velocity_on(limb, place, i, joints, rates, x, y, z):
 
 
 @njit(_nrt=False)
-def brakes_slowly(limb, scene, speed, end, rates, span):
+def brakes_slowly(limb, scene, speed, end, rates, span, work):
     """As the table says: braking all at once, rates only fall, and the hand gets little farther."""
     _, _, _, x, y, z = limb_at(limb, end)
     bend = 0.0

@@ -30,22 +30,22 @@ _SLOWER = 1e-4  # share of the hand's speed that is not used, so that its check 
 
 
 @njit(_nrt=False)
-def stays_slow(scene, speed, end, rates, span, curve, work):
+def stays_slow(scene, speed, end, rates, span, room):
     """Return whether the hand keeps its speed on a step, and while the joints brake after it.
 
     Parameters
     ----------
     end, rates : (dof,) ndarray
         After the step.
-    work : (dof,) ndarray
-        Overwritten.
+    room : View
+        Its desk has the curve of the step.
     """
     limb, limits = scene.limb, scene.limits
-    if hand_too_fast(limb, curve, speed * span, work):
+    if hand_too_fast(limb, room.desk.curve, speed * span, room.desk.joints):
         return False
     if limits.joint_acceleration[0] == np.inf:
         return True
-    return brakes_slowly(limb, scene, speed, end, rates, span)
+    return brakes_slowly(limb, scene, speed, end, rates, span, room.brakes)
 
 
 @njit(_nrt=False)
@@ -80,13 +80,13 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
     rates, wanted, rest, curve = room.rates[0], room.rates[1], room.rates[2], room.desk.curve
     wish(scene, posture, e, command, span, rates)
     lay(scene, posture, e, rates, span, end, curve)
-    if speed == np.inf or stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+    if speed == np.inf or stays_slow(scene, speed, end, rates, span, room):
         return
     free = scene.limits.joint_acceleration[0] == np.inf
     if free:
         _slowed(scene, speed, span, rates, curve, room.desk.joints)
         lay(scene, posture, e, rates, span, end, curve)
-        if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+        if stays_slow(scene, speed, end, rates, span, room):
             return
     n = dof(scene.limb)
     for j in range(n):
@@ -100,7 +100,7 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
         for j in range(n):
             rates[j] = rest[j] + share * (wanted[j] - rest[j])
         lay(scene, posture, e, rates, span, end, curve)
-        if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+        if stays_slow(scene, speed, end, rates, span, room):
             low = share
         else:
             high = share
