@@ -7,11 +7,13 @@ joints and links; shorter lists of pairs and of ignored bodies are filled up.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from gcm_learn.arms.chain_limb import PRISMATIC, ChainLimb
 from gcm_learn.arms.limbs import axis_of, dof, ignores, link, link_count, self_gap, still
+from gcm_learn.collision.postures import gap_to
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.nearness import nearest_on_bone
 from gcm_learn.execution.arena.kernels.joints.rates import lay, wish
@@ -131,25 +133,46 @@ def limits_in(limb, world, s):
     return AimedLimits(row[0:n], row[n : 2 * n], row[2 * n], row[2 * n + 1], row[2 * n + 2])
 
 
-@njit
-def beside(limb, old):
-    """Limb that writes its places into the arrays of `old`."""
-    return ChainLimb(
-        limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, limb.pairs,
-        limb.ignored, limb.tails, limb.reach, limb.thickness, limb.length, limb.start, limb.rates,
-        old.frames, old.axes, old.reaches, old.ways, old.turns,
-    )  # fmt: skip
+class Buffers(NamedTuple):
+    """Arrays for two other places of a limb, and for steps in which it brakes."""
+
+    frames: np.ndarray  # (2, n + 1, 12)
+    axes: np.ndarray  # (2, n, 6)
+    reaches: np.ndarray  # (2, m + 1, 6)
+    ways: np.ndarray  # (m,)
+    turns: np.ndarray  # (n,)
+    posture: np.ndarray  # (1, 2 n)
+    rows: np.ndarray  # (4, n)
+    curve: np.ndarray  # (n, 4)
 
 
 @njit
-def spare(limb):
-    """Limb with arrays of its own for its places."""
+def buffers(limb):
+    """Return buffers for limbs of the same sizes."""
     n, m = limb.low.size, limb.radii.size
+    frames = np.zeros((2, n + 1, 12))
+    frames[0], frames[1] = _first_frame(n), _first_frame(n)
+    return Buffers(
+        frames, np.zeros((2, n, 6)), np.zeros((2, m + 1, 6)), np.zeros(m), np.zeros(n),
+        np.zeros((1, 2 * n)), np.zeros((4, n)), np.zeros((n, 4)),
+    )  # fmt: skip
+
+
+@njit(_nrt=False)
+def beside(limb, own, k):
+    """Return a limb that writes its places into the buffers."""
     return ChainLimb(
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, limb.pairs,
         limb.ignored, limb.tails, limb.reach, limb.thickness, limb.length, limb.start, limb.rates,
-        _first_frame(n), np.zeros((n, 6)), np.zeros((m + 1, 6)), np.zeros(m), np.zeros(n),
+        own.frames[k], own.axes[k], own.reaches[k], own.ways, own.turns,
     )  # fmt: skip
+
+
+@njit(_nrt=False)
+def gap_of(limb, place, bodies, b, t, enough, poses):
+    """As the table says."""
+    found, _ = gap_to(limb, place, still(limb), bodies, b, t, 0.0, enough, poses)
+    return found
 
 
 @njit(_nrt=False, forceinline=True)
@@ -236,16 +259,16 @@ def point_velocity_on(limb, place, i, joints, rates, x, y, z):
 
 
 @njit(_nrt=False)
-def brakes_slowly(limb, scene, speed, end, rates, span, work):
+def brakes_slowly(limb, scene, speed, end, rates, span, own):
     """As the table says: the steps in which all joints brake are looked at."""
-    posture, curve, n, longest = work.posture, work.curve, dof(limb), 0.0
-    after, there, joints = work.rows[1], work.rows[2], work.rows[3]
+    posture, curve, n, longest = own.posture, own.curve, dof(limb), 0.0
+    after, there, joints = own.rows[1], own.rows[2], own.rows[3]
     for j in range(n):
-        work.rows[0, j] = 0.0
+        own.rows[0, j] = 0.0
         posture[0, j], posture[0, n + j] = end[j], rates[j]
         longest = max(longest, abs(rates[j]) / scene.limits.joint_acceleration[j])
     for _ in range(int(longest / span) + 2):
-        wish(scene, posture, 0, work.rows, span, after)
+        wish(scene, posture, 0, own.rows, span, after)
         lay(scene, posture, 0, after, span, there, curve)
         if hand_too_fast(limb, curve, speed * span, joints):
             return False

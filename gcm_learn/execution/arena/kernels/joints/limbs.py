@@ -21,11 +21,17 @@ limb_in = by_type({SpatialLimb: spatial.limb_in, ChainLimb: chains.limb_in})
 limits_in = by_type({SpatialLimb: spatial.limits_in, ChainLimb: chains.limits_in})
 """Limits of situation s: (limb, world, s)."""
 
-beside = by_type({SpatialLimb: spatial.beside, ChainLimb: chains.beside})
-"""Limb that can be placed without moving another one: (limb, old), with the arrays of `old`."""
+buffers = by_type({SpatialLimb: spatial.buffers, ChainLimb: chains.buffers})
+"""Buffers that only limbs of the type need: (limb,)."""
 
-spare = by_type({SpatialLimb: spatial.spare, ChainLimb: chains.spare})
-"""Limb for `beside` with arrays of its own: (limb,)."""
+beside = by_type({SpatialLimb: spatial.beside, ChainLimb: chains.beside})
+"""Limb that can be placed without moving the first one: (limb, buffers, k), k being 0 or 1."""
+
+gap_of = by_type({SpatialLimb: spatial.gap_of, ChainLimb: chains.gap_of})
+"""Distance of body b at t [s] to a limb at a place: (limb, place, bodies, b, t, enough, poses).
+
+Above `enough` it may be that of the ball that holds the body.
+"""
 
 shape_numbers = by_type({SpatialLimb: spatial.shape_numbers, ChainLimb: chains.shape_numbers})
 """Count of the numbers that `tell_shape` writes: (limb,)."""
@@ -70,8 +76,8 @@ point_velocity_on = by_type(
 brakes_slowly = by_type({SpatialLimb: spatial.brakes_slowly, ChainLimb: chains.brakes_slowly})
 """Return whether the hand keeps its speed while the joints brake after a step.
 
-Takes (limb, scene, speed, end, rates, span, work). Joints and rates (dof,) are those after the
-step; `work` holds buffers, see `scene.Brakes`.
+Takes (limb, scene, speed, end, rates, span, buffers). Joints and rates (dof,) are those after the
+step.
 """
 
 tell_fan = by_type({SpatialLimb: spatial.tell_fan, ChainLimb: chains.tell_fan})

@@ -1,4 +1,4 @@
-"""Meetings of a hand with targets, and the joint rates that lead straight there.
+"""Meetings of a hand with targets, and the rates of the joints that lead straight there.
 
 Approximate: the hand is as fast as the joints can move it now in the target's direction. Balls
 stand for bodies.

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.limbs import dof, hand_of, place, still
-from gcm_learn.collision.postures import gap_to
+from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.limbs import (
     approach_numbers,
+    beside,
+    gap_of,
     nearest_point,
     point_velocity_on,
     shape_numbers,
@@ -77,7 +78,7 @@ def observe(view, time, posture, e, options, row):
     where = place(limb, view.joints[0])
     _tell_arm(view, time, posture, e, where, options.dt, row)
     target = _tell_target(view, time, posture, e, where, row)
-    ahead = _ahead(view, view.ahead[0], AHEAD[0]), _ahead(view, view.ahead[1], AHEAD[1])
+    ahead = _ahead(view, 0), _ahead(view, 1)
     first = arm_numbers(limb)
     if options.fan:
         at = first + target_numbers(limb) + options.slots * OBSTACLE
@@ -150,13 +151,13 @@ def _tell_target(view, time, posture, e, where, row):
 
 
 @njit(_nrt=False)
-def _ahead(view, limb, after):
-    """Place of a limb that follows its aim for some units of time."""
-    limits, unit = view.scene.limits, view.reach / view.pace
+def _ahead(view, k):
+    """Place of a limb that follows its aim until moment k ahead."""
+    limb, limits, unit = view.scene.limb, view.scene.limits, view.reach / view.pace
     for j in range(dof(limb)):
-        turn = view.rates[AIM_ROW, j] * limits.joint_speed[j] * after * unit
+        turn = view.rates[AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit
         view.joints[1, j] = min(max(view.joints[0, j] + turn, limb.low[j]), limb.high[j])
-    return place(limb, view.joints[1])
+    return place(beside(limb, view.own, k), view.joints[1])
 
 
 @njit(_nrt=False)
@@ -164,8 +165,9 @@ def _tell_obstacles(view, time, posture, e, where, ahead, slots, row):
     """Write the `slots` obstacles that are nearest to the limb now."""
     limb, which, gaps = view.scene.limb, view.desk.obstacles, view.gaps
     at, n = arm_numbers(limb) + target_numbers(limb), dof(limb)
+    enough = _EXACTLY * view.reach
     for k in range(which.size):
-        gaps[k] = _distance(view, limb, where, which[k], time)
+        gaps[k] = gap_of(limb, where, view.scene.bodies, which[k], time, enough, view.desk.poses)
     for j in range(n):
         view.rates[0, j] = posture[e, n + j]
     for _ in range(slots):
@@ -200,25 +202,15 @@ def _tell_obstacle(view, b, time, where, ahead, row, at):
     put_vector(row, at + 11, cx - hx, cy - hy, cz - hz, reach)
     put(row, at + 14, bodies.rows[b, REACH] / reach)
     put(row, at + 15, inner_radius(bodies, b) / reach)
-    horizon = view.scene.limits.horizon
-    soon = min(time + AHEAD[0] * reach / view.pace, horizon)
-    later = min(time + AHEAD[1] * reach / view.pace, horizon)
-    row[at + 16] = _room(view, limb, where, b, soon)
-    row[at + 17] = _room(view, limb, where, b, later)
-    row[at + 18] = _room(view, view.ahead[0], ahead[0], b, soon)
-    row[at + 19] = _room(view, view.ahead[1], ahead[1], b, later)
+    for k in range(2):
+        later = min(time + AHEAD[k] * reach / view.pace, view.scene.limits.horizon)
+        row[at + 16 + k] = _room(view, limb, b, later, where)
+        row[at + 18 + k] = _room(view, beside(limb, view.own, k), b, later, ahead[k])
 
 
-@njit(_nrt=False)
-def _distance(view, limb, where, b, time):
-    """Distance of body b at a time [s] to a limb at a place; beyond a bound that of its ball."""
-    bodies, enough, poses = view.scene.bodies, _EXACTLY * view.reach, view.desk.poses
-    found, _ = gap_to(limb, where, still(limb), bodies, b, time, 0.0, enough, poses)
-    return found
-
-
-@njit(_nrt=False)
-def _room(view, limb, where, b, time):
+@njit(_nrt=False, forceinline=True)
+def _room(view, limb, b, time, where):
     """Return how far a limb at a place is from touching body b at a time [s] [reaches]."""
-    room = _distance(view, limb, where, b, time) - view.rules.touch
-    return min(room / view.reach, EXTREME)
+    enough = _EXACTLY * view.reach
+    room = gap_of(limb, where, view.scene.bodies, b, time, enough, view.desk.poses)
+    return min((room - view.rules.touch) / view.reach, EXTREME)

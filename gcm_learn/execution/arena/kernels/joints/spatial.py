@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at
+from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints import fan
 from gcm_learn.execution.arena.kernels.joints.nearness import limb_velocity, nearest_on_bone
@@ -44,15 +45,22 @@ def limits_in(limb, world, s):
 
 
 @njit(forceinline=True)
-def beside(limb, old):
+def buffers(limb):
+    """Return a mere number, which costs nothing to hand on."""
+    return 0
+
+
+@njit(_nrt=False, forceinline=True)
+def beside(limb, own, k):
     """Return the same limb: places are numbers."""
     return limb
 
 
-@njit(forceinline=True)
-def spare(limb):
-    """Return the same limb."""
-    return limb
+@njit(_nrt=False, forceinline=True)
+def gap_of(limb, place, bodies, b, t, enough, poses):
+    """As the table says."""
+    found, _ = body_distance(bodies, b, t, place, 0.0, 0.0, enough, poses)
+    return found
 
 
 @njit(_nrt=False, forceinline=True)
@@ -109,7 +117,7 @@ def point_velocity_on(limb, place, i, joints, rates, x, y, z):
 
 
 @njit(_nrt=False)
-def brakes_slowly(limb, scene, speed, end, rates, span, work):
+def brakes_slowly(limb, scene, speed, end, rates, span, own):
     """As the table says: braking all at once, rates only fall, and the hand gets little farther."""
     _, _, _, x, y, z = limb_at(limb, end)
     bend = 0.0

@@ -45,7 +45,7 @@ def stays_slow(scene, speed, end, rates, span, room):
         return False
     if limits.joint_acceleration[0] == np.inf:
         return True
-    return brakes_slowly(limb, scene, speed, end, rates, span, room.brakes)
+    return brakes_slowly(limb, scene, speed, end, rates, span, room.own)
 
 
 @njit(_nrt=False)
