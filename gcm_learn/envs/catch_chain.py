@@ -9,9 +9,9 @@ from gcm_learn.execution import ARENAS
 class CatchChain(OneArm):
     """A serial arm of n joints that catches a moving target among moving obstacles.
 
-    An episode is one situation (`gcm_learn.Situation`) with a chain, its bodies moving by their
-    laws whatever the arm does. ``gymnasium.make("gcm_learn:CatchChain-v0", arm="ur5")`` makes it;
-    arguments of the constructor go to `make`. Importing `gcm_learn` registers it.
+    An episode is one situation (`gcm_learn.Situation`) with a chain. Its bodies move by their laws
+    whatever the arm does. ``gymnasium.make("gcm_learn:CatchChain-v0", arm="ur5")`` makes it.
+    Arguments of the constructor go to `make`. Importing `gcm_learn` registers it.
 
     **Action**, ``Box(-1, 1, (n,))``: rates of the joints for the next `dt` seconds, 1 being the
     joint's greatest speed. Ranges, the limit of the hand's speed and limits of acceleration are
@@ -20,10 +20,10 @@ class CatchChain(OneArm):
     **Observation**, ``Box(-10, 10, (7 n + 4 m + 41 + 20 slots,))`` for n joints and m links. A
     Panda has 7 joints and 9 links, so 206 numbers by default. Vectors are in the frame of the arm's
     base, its first frame at the origin. Unit of lengths: `Chain.reach`, a bound of the hand's
-    distance. Unit of velocities: the limit of the hand's speed, or the root of the sum of squares
-    of what each joint alone gives the hand at most, if that is less. Unit of times: that in which
-    such a hand makes a reach. Joints are in rad, or in lengths if they are prismatic. Numbers are
-    cut at 10.
+    distance. Unit of velocities: the limit of the hand's speed, or a typical greatest speed if that
+    is less. It is the root of the sum of squares of what each joint alone gives the hand at most.
+    In the unit of times such a hand makes a reach. Joints are in rad, or in lengths if they are
+    prismatic. Numbers are cut at 10.
 
     ======== =========================================================== ============== =======
     from     the arm                                                     range          unit
@@ -54,7 +54,7 @@ class CatchChain(OneArm):
              limb's nearest point is on the axis of a link
     ======== =========================================================== ============== =======
 
-    Links that are not checked against an obstacle do not count for it. Everything is a function of
+    Links that ignore an obstacle do not count for it. Everything is a function of
     situation, time, joints and rates (`execution.arena.kernels.joints.observation`).
 
     **End.** A catch or a touch terminates the episode, the horizon truncates it. Links that overlap

@@ -12,7 +12,7 @@ from gcm_learn.envs.window import Window
 from gcm_learn.motion import Movement
 from gcm_learn.rendering import ARM, INK, PATH, Spectator, body_colour
 from gcm_learn.scene import outline
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import Situation
 
 SIZE_INCHES, DPI = 4.8, 100
 PIXELS = round(SIZE_INCHES * DPI)  # of a side
@@ -117,7 +117,7 @@ class _SpaceArtist:
     def __init__(self) -> None:
         self._seen: tuple[Any, Any] = (None, None)
 
-    def picture(self, situation: AnySituation, way: Movement) -> np.ndarray:
+    def picture(self, situation: Any, way: Movement) -> np.ndarray:
         """As `Artist` says."""
         seen, spectator = self._seen
         if seen is not situation:

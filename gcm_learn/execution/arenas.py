@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from gcm_learn.arms import CHAIN, Kind
+from gcm_learn.arms import Kind
 from gcm_learn.errors import ArenaError, UnknownNameError
 from gcm_learn.execution.arena.batch import Batch, KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
@@ -20,7 +20,7 @@ from gcm_learn.execution.arena.settings import (
 from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
 from gcm_learn.execution.body.bodies import pool_with_bodies
 from gcm_learn.execution.sources import Source, found_in, named
-from gcm_learn.families import Family, SpatialFamily
+from gcm_learn.families import SpatialFamily
 from gcm_learn.motion import start_clearance
 from gcm_learn.registration import NAMESPACE
 from gcm_learn.scene import pack
@@ -78,11 +78,17 @@ def _of_arms_with_bodies(source: Source, settings: ArenaSettings) -> Source:
 
 
 def _with_arm(source: Source, settings: ChainSettings) -> Source:
-    """Give the arm of the settings to a family that is named; others keep theirs."""
+    """Give the arm of the settings to a family of chains that is named; others keep theirs."""
     family: Any = named(source)
-    if not isinstance(source, str) or not isinstance(family, Family) or family.kind != CHAIN.name:
+    arm: Any = getattr(family, "arm", None)
+    if not isinstance(source, str) or not hasattr(arm, "model"):
         return source
-    return replace(family, arm=replace(family.arm, model=settings.arm))
+    return replace(family, arm=replace(arm, model=settings.arm))
+
+
+def _ends_with_a_catch(situation: AnySituation, dt: float) -> bool:
+    """Return whether one catch is enough, and the arm can stop in steps of `dt` [s]."""
+    return situation.catch == "any" and stops(situation, dt)
 
 
 ARENAS = {
@@ -95,7 +101,7 @@ ARENAS = {
         ),
         Arena(
             "CatchChain-v0", ChainSettings, "throw-chain", KinematicPlant, _without_bodies,
-            eligible=_with_arm, begins=stops,
+            eligible=_with_arm, begins=_ends_with_a_catch,
         ),
         Arena(
             "CatchArmPhysics-v0", PhysicalSettings, "static-clutter-space", PhysicalArms,

@@ -106,7 +106,7 @@ class ArenaSettings:
 
     @property
     def model(self) -> ChainModel | None:
-        """Model of the arms, where those of a kind differ in their numbers."""
+        """Model of the arms, for kinds whose arms differ in their numbers."""
         return None
 
     @property

@@ -90,7 +90,7 @@ def tell_sizes(limb, place, touch, reach, row, at):
 
 @njit(_nrt=False, forceinline=True)
 def approach_numbers(limb):
-    """No approach is told."""
+    """No numbers of an approach."""
     return 0
 
 
