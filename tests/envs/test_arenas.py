@@ -20,6 +20,7 @@ from gcm_learn.execution import (
     pool_for,
     pool_of,
 )
+from gcm_learn.situation import shipped_arm
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn import envs  # noqa: E402
@@ -141,6 +142,18 @@ def test_gymnasium_and_stable_baselines_accept_it(name, pool, settings):
     check_env(one(name, pool, render_mode="rgb_array", settings=settings))
     check = pytest.importorskip("stable_baselines3.common.env_checker")
     check.check_env(one(name, pool, settings=settings))
+
+
+@pytest.mark.parametrize("arm", ["ur5", "planar-2"])
+def test_families_are_drawn_with_the_arm(arm):
+    """By name; situations that one catch does not end are left out."""
+    for family in ("throw-chain", "conveyor-chain"):
+        env = gymnasium.make("gcm_learn:CatchChain-v0", arm=arm, situations=family, pool=6)
+        env.reset(seed=0)
+        situations = env.unwrapped.pool.situations
+        assert {s.arm.model.name for s in situations} == {shipped_arm(arm).name}
+        assert {s.catch for s in situations} == {"any"}
+    assert len(envs.CatchChain("panda-easy", pool=3).pool) <= 3
 
 
 @pytest.mark.parametrize("prefix", ["gcm_learn:", "gcm_learn/", "gcm_learn:gcm_learn/"])

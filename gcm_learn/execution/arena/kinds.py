@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -99,7 +98,6 @@ _SPATIAL_LAYOUT = Layout(
 )  # fmt: skip
 
 
-@lru_cache(maxsize=64)
 def _chain_layout(model: ChainModel) -> Layout:
     """Layout of chains of a model, which have no fan; counted by the kernels."""
     limb = chain_limb_of(Chain(model, tuple(joint.range[0] for joint in model.joints), 0.0))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cache, lru_cache
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -104,12 +104,12 @@ class ArenaSettings:
         """Return whether actions are torques."""
         return False
 
-    @property
+    @cached_property
     def model(self) -> ChainModel | None:
         """Model of the arms, for kinds whose arms differ in their numbers."""
         return None
 
-    @property
+    @cached_property
     def layout(self) -> Layout:
         """Counts of the numbers of actions and observations."""
         return KERNELS.of(self.kind).layout(self.model)
@@ -223,12 +223,15 @@ class ChainSettings(SpatialSettings):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "arm", str(self.arm))
-        _model_of(self.arm)
+        assert self.model
 
-    @property
+    @cached_property
     def model(self) -> ChainModel:
         """Model of the arms, whose joints and links decide how many numbers are observed."""
-        return _model_of(self.arm)
+        try:
+            return read_arm(self.arm) if self.arm.endswith(".json") else shipped_arm(self.arm)
+        except GcmError as error:
+            raise ArenaError(f"arm: {str(error).removeprefix(': ')}") from None
 
     def prepared(self, pool: Pool) -> Pool:
         """Refuse arms of other sizes than the model's, and arms that cannot stop."""
@@ -238,15 +241,6 @@ class ChainSettings(SpatialSettings):
             reason = f"has {wanted}, that of situation {pool.situations[0].name!r} {found}"
             raise ArenaError(f"arm: {self.arm!r} {reason}")
         return super().prepared(pool)
-
-
-@lru_cache(maxsize=64)
-def _model_of(arm: str) -> ChainModel:
-    """Return the model of a name or file; a file is read once."""
-    try:
-        return read_arm(arm) if arm.endswith(".json") else shipped_arm(arm)
-    except GcmError as error:
-        raise ArenaError(f"arm: {str(error).removeprefix(': ')}") from None
 
 
 Chosen = TypeVar("Chosen", bound=ArenaSettings)
