@@ -27,8 +27,8 @@ class Evaluate:
 
     suite: Annotated[str, arg(metavar="NAME")] = "demo"
     """frozen situations: demo, natural, L, W, Q, U (of a stratum, as families in turn yield
-    them), families, faster, long-arm, space and space-demo (spatial arms), or a family's name;
-    several with commas"""
+    them), families, faster, long-arm, space and space-demo (spatial arms), chains, or a family's
+    name; several with commas"""
 
     out: Annotated[Path, arg(metavar="DIR")] = Path("comparison")
     """folder for report.html, results.parquet and figures"""

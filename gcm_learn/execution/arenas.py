@@ -189,8 +189,15 @@ def pool_of(
         As `situations_of` has them.
     body : ArmBody, str or Path, optional
         As `body_for` has it.
+
+    Raises
+    ------
+    ArenaError
+        If there is none.
     """
     found, begins = situations_of(source, count, seed, settings), arena_of(settings).begins
     if not isinstance(source, Situation):
         found = [s for s in found if start_clearance(pack(s)) > 0.0 and begins(s, settings.dt)]
+        if not found:
+            raise ArenaError("situations: in none of them an episode can begin")
     return pool_for(settings, found, body)

@@ -144,16 +144,24 @@ def test_gymnasium_and_stable_baselines_accept_it(name, pool, settings):
     check.check_env(one(name, pool, settings=settings))
 
 
-@pytest.mark.parametrize("arm", ["ur5", "planar-2"])
-def test_families_are_drawn_with_the_arm(arm):
+CHAINS = [("ur5", "throw-chain"), ("planar-2", "throw-chain"), ("ur5", "conveyor-chain")]
+
+
+@pytest.mark.parametrize(("arm", "family"), CHAINS)
+def test_families_are_drawn_with_the_arm(arm, family):
     """By name; situations that one catch does not end are left out."""
-    for family in ("throw-chain", "conveyor-chain"):
-        env = gymnasium.make("gcm_learn:CatchChain-v0", arm=arm, situations=family, pool=6)
-        env.reset(seed=0)
-        situations = env.unwrapped.pool.situations
-        assert {s.arm.model.name for s in situations} == {shipped_arm(arm).name}
-        assert {s.catch for s in situations} == {"any"}
-    assert len(envs.CatchChain("panda-easy", pool=3).pool) <= 3
+    env = gymnasium.make("gcm_learn:CatchChain-v0", arm=arm, situations=family, pool=6)
+    env.reset(seed=0)
+    situations = env.unwrapped.pool.situations
+    assert {s.arm.model.name for s in situations} == {shipped_arm(arm).name}
+    assert {s.catch for s in situations} == {"any"}
+
+
+def test_presets_are_drawn():
+    drawn = envs.CatchChain("panda-easy", pool=3).pool.situations
+    assert {s.name[:18] for s in drawn} <= {f"panda-easy-000000{k}" for k in range(3)}
+    with pytest.raises(ArenaError, match="situations: in none of them an episode can begin"):
+        envs.CatchChain("conveyor-chain", arm="planar-2", pool=2)
 
 
 @pytest.mark.parametrize("prefix", ["gcm_learn:", "gcm_learn/", "gcm_learn:gcm_learn/"])

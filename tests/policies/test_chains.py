@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gcm_learn.arms import CHAIN, kind_of
 from gcm_learn.errors import ArenaError
-from gcm_learn.evaluation import ActorMethod, compare, get_method
+from gcm_learn.evaluation import ActorMethod, compare, draw_suite, get_method
 from gcm_learn.evaluation.suites import Entry
 from gcm_learn.execution import ChainSettings
 from gcm_learn.policies import ActorPlanner
@@ -52,6 +53,15 @@ def test_policies_and_planners_are_compared(situations):
     for name in ("Straight", "straight"):
         outcomes = set(results.of_method(name)["outcome"])
         assert "caught" in outcomes and not outcomes & {"error", "broken"}
+
+
+def test_suites_of_chains_are_drawn(tmp_path):
+    """Strata are judged by planners that take chains; a policy answers every situation."""
+    entries = draw_suite("throw-chain", 4, tmp_path, 1)
+    assert len(entries) == 4 and {e.stratum for e in entries} <= set("LWQU")
+    assert {kind_of(e.situation) for e in entries} == {CHAIN}
+    results = compare([Straight(), "search"], entries, charge=0, workers=1)
+    assert not set(results.of_method("Straight")["outcome"]) & {"error", "broken"}
 
 
 def test_an_arm_of_another_size_is_refused_in_one_line(situations):
