@@ -149,7 +149,7 @@ class Evaluate:
 
 
 def _save(results: Results, path: Path) -> None:
-    """Write a table, or say why there is none; the report does without."""
+    """Write a table, or print why it is missing; the report does without."""
     try:
         with staged(path) as place:
             results.save(place)
