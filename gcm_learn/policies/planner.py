@@ -53,7 +53,7 @@ def all_actor_names() -> list[str]:
 def tried_out(name: str) -> ActorPlanner | None:
     """Return the planner ``clone@20``, an actor that is tried out so often; ``clone`` is once.
 
-    None if the name is not an actor's.
+    Returns None for other names.
 
     Raises
     ------

@@ -205,6 +205,21 @@ def test_plans_can_be_followed(chains):
     assert len(kept) > 3 and (episodes.outcomes == CAUGHT).mean() > 0.8
 
 
+def test_models_with_shorter_lists_stand_side_by_side(chains):
+    """Pairs, bodies and ignored bodies may be fewer; every arm is observed as if alone."""
+    model = chains[1].arm.model
+    fewer = replace(model, self_collision=model.self_collision[:2])
+    lone = replace(chains[2], bodies=chains[2].targets, arm=replace(chains[2].arm, ignore=()))
+    some = [chains[0], replace(chains[1], arm=replace(chains[1].arm, model=fewer)), lone]
+    told = []
+    for situations in (some, *([one] for one in some)):
+        plant = KinematicPlant(Pool.of(situations), len(situations), ChainSettings())
+        plant.put(np.arange(plant.count), np.arange(plant.count))
+        plant.move(np.full((plant.count, 7), 0.3))
+        told.append(plant.observations.copy())
+    np.testing.assert_array_equal(told[0], np.concatenate(told[1:]))
+
+
 def test_arms_of_other_sizes_are_refused_in_one_line(chains):
     flat = situation_from_json(drawn("planar-2", 0))
     several = replace(chains[0], catch="all")
