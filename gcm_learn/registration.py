@@ -19,6 +19,9 @@ ENTRIES = {
     "CatchArm3D-v0": (
         "gcm_learn.envs.catch_arm_3d:CatchArm3D", "gcm_learn.envs.vector:CatchArms3D",
     ),
+    "CatchChain-v0": (
+        "gcm_learn.envs.catch_chain:CatchChain", "gcm_learn.envs.vector:CatchChains",
+    ),
     "CatchArmPhysics-v0": (
         "gcm_learn.envs.catch_arm_physics:CatchArmPhysics",
         "gcm_learn.envs.vector:CatchArmsPhysics",

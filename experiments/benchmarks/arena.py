@@ -2,11 +2,11 @@
 
     python -m experiments benchmarks/arena [--rounds 12]      the end of `make bench`
 
-Random actions, three bodies (a target and two obstacles drawn anywhere); in space the bodies of
-`crossing-swarm-space`. The time of one core is
-what its thread was busy, so it is good on a shared machine too; of all cores it is the clock's,
-which is not. Rounds take turns, so that what the machine does meanwhile meets all alike; medians
-are told, first those that have a target.
+Actions are random. Planar situations have three bodies: a target and two obstacles drawn anywhere.
+Others are of `crossing-swarm-space` and `throw-chain`. The time of one core is that for which its
+thread was busy, so it is good on a shared machine too. The time of all cores is the clock's, which
+other programs disturb. Rounds take turns, so that disturbances meet all alike. The medians are
+printed, first those that have a target.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ import gymnasium
 import numpy as np
 
 from gcm_learn import families, rng
-from gcm_learn.envs import CatchArms, CatchArms3D, CatchArmsPhysics, Pool
+from gcm_learn.envs import CatchArms, CatchArms3D, CatchArmsPhysics, CatchChains, Pool
 from gcm_learn.envs.vector import ManyArms
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import Situation
 
 BODIES, SITUATIONS = 3, 256
-FAMILY = "crossing-swarm-space"
+FAMILY, CHAINS = "crossing-swarm-space", "throw-chain"
 CORES = os.cpu_count() or 1
 ARMS, STEPS = 512, 64  # of a core in a round of the batch
 SINGLE = 4000  # steps of a round of a single environment
@@ -82,6 +82,7 @@ def main() -> None:
     fan = CatchArms(ARMS, pool, fan=True)
     many = CatchArms3D(ARMS, FAMILY, pool=SITUATIONS)
     space = CatchArms3D(CORES * ARMS, many.pool, threads=CORES)
+    chains = CatchChains(ARMS, CHAINS, pool=SITUATIONS)
     made = gymnasium.make("gcm_learn:CatchArm-v0", situations=pool)
     made_3d = gymnasium.make("gcm_learn:CatchArm3D-v0", situations=many.pool)
     physical = CatchArmsPhysics(16, FAMILY, pool=SITUATIONS)
@@ -92,12 +93,13 @@ def main() -> None:
         "batch with the fan, a core": lambda: batch(fan, time.thread_time),
         "batch in space, a core": lambda: batch(many, time.thread_time),
         "batch in space, all cores": lambda: batch(space, time.perf_counter),
+        "batch of Pandas, a core": lambda: batch(chains, time.thread_time),
         "16 arms with mass, a core": lambda: batch(physical, time.thread_time),
         "one CatchArm-v0": lambda: single(made),
         "one CatchArm3D-v0": lambda: single(made_3d),
         "one Pendulum-v1": lambda: single(pendulum),
     }
-    for arms in (one, crew, fan, many, space, physical):
+    for arms in (one, crew, fan, many, space, chains, physical):
         arms.reset(seed=0)
     seen: dict[str, list[float]] = {name: [] for name in rows}
     for k in range(rounds + 1):

@@ -27,8 +27,8 @@ class Evaluate:
 
     suite: Annotated[str, arg(metavar="NAME")] = "demo"
     """frozen situations: demo, natural, L, W, Q, U (of a stratum, as families in turn yield
-    them), families, faster, long-arm, space and space-demo (spatial arms), or a family's name;
-    several with commas"""
+    them), families, faster, long-arm, space and space-demo (spatial arms), chains, or a family's
+    name; several with commas"""
 
     out: Annotated[Path, arg(metavar="DIR")] = Path("comparison")
     """folder for report.html, results.parquet and figures"""
@@ -149,7 +149,7 @@ class Evaluate:
 
 
 def _save(results: Results, path: Path) -> None:
-    """Write a table, or say why there is none; the report does without."""
+    """Write a table, or print why it is missing; the report does without."""
     try:
         with staged(path) as place:
             results.save(place)

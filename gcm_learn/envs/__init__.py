@@ -13,10 +13,18 @@ if TYPE_CHECKING:
     from gcm_learn.envs.catch_arm import CatchArm
     from gcm_learn.envs.catch_arm_3d import CatchArm3D
     from gcm_learn.envs.catch_arm_physics import CatchArmPhysics
+    from gcm_learn.envs.catch_chain import CatchChain
     from gcm_learn.envs.one_arm import box, commands, finite
-    from gcm_learn.envs.vector import CatchArms, CatchArms3D, CatchArmsPhysics
+    from gcm_learn.envs.vector import CatchArms, CatchArms3D, CatchArmsPhysics, CatchChains
     from gcm_learn.envs.views import WithMap, map_image
-    from gcm_learn.execution import PhysicalSettings, Pool, Settings, SpatialSettings, Weights
+    from gcm_learn.execution import (
+        ChainSettings,
+        PhysicalSettings,
+        Pool,
+        Settings,
+        SpatialSettings,
+        Weights,
+    )
 
 __all__ = [
     "CatchArm",
@@ -25,6 +33,9 @@ __all__ = [
     "CatchArms",
     "CatchArms3D",
     "CatchArmsPhysics",
+    "CatchChain",
+    "CatchChains",
+    "ChainSettings",
     "PhysicalSettings",
     "Pool",
     "Settings",
@@ -44,6 +55,9 @@ _HOMES = {
     "CatchArms": "envs.vector",
     "CatchArms3D": "envs.vector",
     "CatchArmsPhysics": "envs.vector",
+    "CatchChain": "envs.catch_chain",
+    "CatchChains": "envs.vector",
+    "ChainSettings": "execution",
     "PhysicalSettings": "execution",
     "Pool": "execution",
     "Settings": "execution",

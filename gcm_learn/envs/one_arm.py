@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, rotation_of
+from gcm_learn.arms import PLANAR, ByKind, rotation_of
 from gcm_learn.envs.viewer import Viewer
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
@@ -67,7 +68,7 @@ def _based(situation: Any, frame: Any) -> Placing:
     return _Based(rotation_of(base.rotation), np.asarray(base.origin))
 
 
-_PLACINGS: ByKind[Callable[[Any, Any], Placing]] = ByKind({PLANAR: _turned, SPATIAL: _based})
+_PLACINGS: ByKind[Callable[[Any, Any], Placing]] = ByKind({PLANAR: _turned}, default=_based)
 
 
 def placing_of(situation: AnySituation, frame: Any) -> Placing:
@@ -158,7 +159,8 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         Fields of the arena's settings, and of `Weights` under "weights".
     control : str, optional
     fan, embedding : bool, optional
-        These three settings for short, in arenas that have them.
+    arm : str or Path, optional
+        These four settings for short, in arenas that have them.
     """
 
     arena: ClassVar[Arena]
@@ -176,11 +178,12 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         control: str | None = None,
         fan: bool | None = None,
         embedding: bool | None = None,
+        arm: str | Path | None = None,
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")
         chosen = settings_of(
-            self.arena.settings, settings, control=control, fan=fan, embedding=embedding
+            self.arena.settings, settings, control=control, fan=fan, embedding=embedding, arm=arm
         )
         self.plant: Any = plant_for(
             self.arena, 1, situations, chosen, pool=pool, pool_seed=pool_seed, body=body

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -36,7 +37,7 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         Number of arms.
     threads : int
         Threads that share the arms among them.
-    situations, pool, pool_seed, body, settings, control, fan, embedding
+    situations, pool, pool_seed, body, settings, control, fan, embedding, arm
         As `OneArm` has them.
     render_mode : None
         Many arms are not drawn.
@@ -57,6 +58,7 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         control: str | None = None,
         fan: bool | None = None,
         embedding: bool | None = None,
+        arm: str | Path | None = None,
         threads: int = 1,
         render_mode: str | None = None,
     ) -> None:
@@ -66,7 +68,7 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if render_mode is not None:
             raise ArenaError("render_mode: many arms are not drawn; make one of them")
         chosen = settings_of(
-            self.arena.settings, settings, control=control, fan=fan, embedding=embedding
+            self.arena.settings, settings, control=control, fan=fan, embedding=embedding, arm=arm
         )
         plant: Any = plant_for(
             self.arena, num_envs, situations, chosen,
@@ -151,6 +153,16 @@ class CatchArms3D(ManyArms):
     """
 
     arena = ARENAS["CatchArm3D-v0"]
+
+
+class CatchChains(ManyArms):
+    """Many `CatchChain`s in compiled code, as `CatchArms` are of `CatchArm`.
+
+    ``gymnasium.make_vec("gcm_learn:CatchChain-v0", num_envs=64,
+    vectorization_mode="vector_entry_point")`` makes it.
+    """
+
+    arena = ARENAS["CatchChain-v0"]
 
 
 class CatchArmsPhysics(ManyArms):

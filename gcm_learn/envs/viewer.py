@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm, elbow_position
+from gcm_learn.arms import PLANAR, ByKind, Kind, elbow_position
 from gcm_learn.envs.window import Window
 from gcm_learn.motion import Movement
 from gcm_learn.rendering import ARM, INK, PATH, Spectator, body_colour
@@ -117,7 +117,7 @@ class _SpaceArtist:
     def __init__(self) -> None:
         self._seen: tuple[Any, Any] = (None, None)
 
-    def picture(self, situation: Situation[SpatialArm], way: Movement) -> np.ndarray:
+    def picture(self, situation: Any, way: Movement) -> np.ndarray:
         """As `Artist` says."""
         seen, spectator = self._seen
         if seen is not situation:
@@ -127,4 +127,4 @@ class _SpaceArtist:
         return picture
 
 
-_ARTISTS: ByKind[Callable[[], Artist]] = ByKind({PLANAR: _PlaneArtist, SPATIAL: _SpaceArtist})
+_ARTISTS: ByKind[Callable[[], Artist]] = ByKind({PLANAR: _PlaneArtist}, default=_SpaceArtist)

@@ -34,6 +34,7 @@ FASTER = {"speed": [1.2, 2.4]}  # of bodies that are drawn anywhere [hand speeds
 LONG_ARM = {"arm": {"upper_arm": [1.3, 1.5]}}
 _ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in turns.FAMILIES}
 _SPACE: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names("spatial")}
+_CHAINS: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names("chain")}
 _ANYWHERE: Mapping[str, Mapping[str, Any]] = {"random-planar": {}}
 
 FROZEN: Mapping[str, Mapping[int, str]] = {
@@ -79,8 +80,10 @@ class Suite:
     """By name, with the ranges that differ from their own; drawn equally often."""
     strata: Mapping[str, float] | None = None
     label: Literal["oracle", "fast"] = "oracle"
-    """Judge of the strata: in space straight and layered, since a yardstick takes seconds.
-    These get better, so such suites are drawn anew and not frozen."""
+    """Judge of the strata: for other arms than planar ones two planners, since a yardstick takes
+    seconds. These get better, so such suites are drawn anew and not frozen."""
+    persistent: str = "layered"
+    """The second of these planners, after `straight`."""
 
     def spec(self, name: str, count: int) -> DatasetSpec:
         """The dataset that holds the first `count` of them."""
@@ -94,7 +97,7 @@ class Suite:
 
     @property
     def _planners(self) -> tuple[str, ...]:
-        return ("straight",) if self.label == "oracle" else ("straight", "layered")
+        return ("straight",) if self.label == "oracle" else ("straight", self.persistent)
 
 
 SUITES: dict[str, Suite] = {
@@ -120,8 +123,15 @@ SUITES: dict[str, Suite] = {
         {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0},
         label="fast",
     ),
+    "chains": Suite(
+        "all families of chains, as drawn", 9112, _CHAINS, label="fast", persistent="search"
+    ),
 } | {name: Suite(f"the family {name}", 9200, {name: {}}) for name in turns.FAMILIES}
 SUITES |= {name: Suite(f"the family {name}", 9200, {name: {}}, label="fast") for name in _SPACE}
+SUITES |= {
+    name: Suite(f"the family {name}", 9200, {name: {}}, label="fast", persistent="search")
+    for name in _CHAINS
+}
 
 
 @dataclass(frozen=True)
@@ -134,7 +144,7 @@ class Entry:
     """In its canonical form."""
     family: str
     stratum: str
-    """By the oracle; in space by `straight` and `layered`."""
+    """By the oracle; of other arms than planar ones by two planners, see `Suite.label`."""
     earliest: float
     """Catch time of the oracle's plan, or of the first of these [s]; infinite without a catch."""
 

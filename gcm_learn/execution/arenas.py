@@ -11,7 +11,12 @@ from gcm_learn.arms import Kind
 from gcm_learn.errors import ArenaError, UnknownNameError
 from gcm_learn.execution.arena.batch import Batch, KinematicPlant
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
-from gcm_learn.execution.arena.settings import ArenaSettings, Settings, SpatialSettings
+from gcm_learn.execution.arena.settings import (
+    ArenaSettings,
+    ChainSettings,
+    Settings,
+    SpatialSettings,
+)
 from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
 from gcm_learn.execution.body.bodies import pool_with_bodies
 from gcm_learn.execution.sources import Source, found_in, named
@@ -37,8 +42,8 @@ class Arena:
     """Class of the arms."""
     packed: Callable[[Sequence[AnySituation], Kind, AnyBody], Pool]
     """Pool of situations: (situations, kind, body)."""
-    eligible: Callable[[Source], Source] = lambda source: source
-    """Restriction of a source to arms that can take part."""
+    eligible: Callable[[Source, Any], Source] = lambda source, settings: source
+    """Restriction of a source to arms that can take part: (source, settings)."""
     begins: Callable[[AnySituation, float], bool] = lambda situation, dt: True
     """Return whether an episode with steps of `dt` [s] can begin with a free limb."""
     followed: bool = True
@@ -60,7 +65,7 @@ def _with_bodies(situations: Sequence[Any], kind: Kind, body: AnyBody) -> Pool:
     return pool_with_bodies(situations, body)
 
 
-def _of_arms_with_bodies(source: Source) -> Source:
+def _of_arms_with_bodies(source: Source, settings: ArenaSettings) -> Source:
     """Restrict a family to arms for which there is a body."""
     family = named(source)
     if not isinstance(family, SpatialFamily):
@@ -72,6 +77,20 @@ def _of_arms_with_bodies(source: Source) -> Source:
     return replace(family, arm=replace(family.arm, human=share, nao=1.0 - share))
 
 
+def _with_arm(source: Source, settings: ChainSettings) -> Source:
+    """Give the arm of the settings to a family of chains that is named; others keep theirs."""
+    family: Any = named(source)
+    arm: Any = getattr(family, "arm", None)
+    if not isinstance(source, str) or not hasattr(arm, "model"):
+        return source
+    return replace(family, arm=replace(arm, model=settings.arm))
+
+
+def _ends_with_a_catch(situation: AnySituation, dt: float) -> bool:
+    """Return whether one catch is enough, and the arm can stop in steps of `dt` [s]."""
+    return situation.catch == "any" and stops(situation, dt)
+
+
 ARENAS = {
     arena.name: arena
     for arena in (
@@ -79,6 +98,10 @@ ARENAS = {
         Arena(
             "CatchArm3D-v0", SpatialSettings, "static-clutter-space", KinematicPlant,
             _without_bodies, begins=stops,
+        ),
+        Arena(
+            "CatchChain-v0", ChainSettings, "throw-chain", KinematicPlant, _without_bodies,
+            eligible=_with_arm, begins=_ends_with_a_catch,
         ),
         Arena(
             "CatchArmPhysics-v0", PhysicalSettings, "static-clutter-space", PhysicalArms,
@@ -146,7 +169,7 @@ def situations_of(
     ArmKindError
         If an arm is of another kind than the settings'.
     """
-    found = found_in(arena_of(settings).eligible(source), count, seed)
+    found = found_in(arena_of(settings).eligible(source, settings), count, seed)
     of_one_kind(found, settings.kind)
     return found
 
@@ -166,8 +189,15 @@ def pool_of(
         As `situations_of` has them.
     body : ArmBody, str or Path, optional
         As `body_for` has it.
+
+    Raises
+    ------
+    ArenaError
+        If there is none.
     """
     found, begins = situations_of(source, count, seed, settings), arena_of(settings).begins
     if not isinstance(source, Situation):
         found = [s for s in found if start_clearance(pack(s)) > 0.0 and begins(s, settings.dt)]
+        if not found:
+            raise ArenaError("situations: in none of them an episode can begin")
     return pool_for(settings, found, body)

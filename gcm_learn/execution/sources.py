@@ -8,7 +8,7 @@ from typing import Any
 
 from gcm_learn import seeding
 from gcm_learn.errors import ArenaError
-from gcm_learn.families import Family, draw, family_names, get_family
+from gcm_learn.families import PRESETS, Family, draw, family_names, get_family
 from gcm_learn.situation import AnySituation, Situation, read_situations
 
 Source = str | Path | Family | AnySituation | Sequence[Any]
@@ -21,9 +21,9 @@ def found_in(source: Source, count: int, seed: int) -> Sequence[AnySituation]:
     Parameters
     ----------
     source : str, Path, Family, Situation or sequence of Situation
-        A family's name or configuration, from which `count` are drawn; a file of situations
-        (``.json``, ``.jsonl``) or the folder of a dataset, of which the first `count` training
-        records are taken; or situations.
+        A family's name or configuration, or a preset's name, from which `count` are drawn; a file
+        of situations (``.json``, ``.jsonl``) or the folder of a dataset, of which the first
+        `count` training records are taken; or situations.
     count : int
     seed : int
         Of the draws.
@@ -36,7 +36,7 @@ def found_in(source: Source, count: int, seed: int) -> Sequence[AnySituation]:
     if isinstance(source, Situation):
         return [source]
     source = named(source)
-    if isinstance(source, Family):
+    if isinstance(source, Family) or (isinstance(source, str) and source in PRESETS):
         root = int(seeding.rng(seed, SALT).integers(2**62))
         return [draw(source, root, k) for k in range(count)]
     if isinstance(source, str | Path):

@@ -31,6 +31,7 @@ FILE = "actor.npz"
 FILES = {
     "CatchArm-v0": FILE,
     "CatchArm3D-v0": "actor3d.npz",
+    "CatchChain-v0": "actor-chain.npz",
     "CatchArmPhysics-v0": "actor-physics.npz",
 }
 """By the arena in which a policy acts."""

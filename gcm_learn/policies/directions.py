@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.execution import AIM, COMMANDS, MEETING, RAYS, ArenaSettings, commands_of
 
 REST = RAYS - 1
@@ -106,7 +106,7 @@ class _Hands:
 
 
 class _Joints:
-    """Commands of spatial arms; the methods are the functions above."""
+    """Commands of joints; the methods are the functions above."""
 
     bounded = False  # PPO, which begins as a clone, has no tanh
 
@@ -147,7 +147,7 @@ class _Joints:
         return np.clip(aimed, -1.0, 1.0)
 
 
-LANGUAGES: ByKind[_Hands | _Joints] = ByKind({PLANAR: _Hands(), SPATIAL: _Joints()}, who="a policy")
+LANGUAGES: ByKind[_Hands | _Joints] = ByKind({PLANAR: _Hands()}, default=_Joints())
 """By kind of arm."""
 
 

@@ -128,9 +128,10 @@ def _of_environment(policy: Any) -> Any:
 def _candidates(space: tuple[int, ...] | None) -> list[ArenaSettings]:
     """Return settings of all arenas: the default ones, with a fan, with other numbers of slots."""
     plain = [arena.settings() for arena in _arenas()]
-    fans = [arena.settings(fan=True) for arena in _arenas()]
-    slots = [arena.settings(fan=f, slots=n) for arena in _arenas() for f in (False, True)
-             for n in range(65)]  # fmt: skip
+    fans = [arena.settings(fan=True) for arena in _arenas() if arena.settings.has_fan]
+    kinds = [(arena, fan) for arena in _arenas() for fan in (False, True)]
+    slots = [arena.settings(fan=fan, slots=n) for arena, fan in kinds
+             if arena.settings.has_fan or not fan for n in range(65)]  # fmt: skip
     return [*plain, *fans, *slots]
 
 

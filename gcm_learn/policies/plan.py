@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind
+from gcm_learn.arms import PLANAR, ByKind, Kind
 from gcm_learn.errors import (
     FileFormatError,
     GcmError,
@@ -67,7 +67,7 @@ def hyperparameters(name: str) -> set[str]:
 
 
 _DEFAULTS: ByKind[tuple[dict[str, Any], str]] = ByKind(
-    {PLANAR: ({"fan": True}, "choice"), SPATIAL: ({}, "velocity")}
+    {PLANAR: ({"fan": True}, "choice")}, default=({}, "velocity")
 )
 """Settings and actions of a plan that says nothing of them."""
 

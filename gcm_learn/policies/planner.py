@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import artifacts, seeding
-from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, Kind
+from gcm_learn.arms import PLANAR, Arm, ByKind, Kind
 from gcm_learn.errors import PolicyError, UnknownNameError
 from gcm_learn.execution import ARENAS, CAUGHT, Pool, pool_for, way_of
 from gcm_learn.motion import Failure, Movement, refine
@@ -53,7 +53,7 @@ def all_actor_names() -> list[str]:
 def tried_out(name: str) -> ActorPlanner | None:
     """Return the planner ``clone@20``, an actor that is tried out so often; ``clone`` is once.
 
-    None if there is no such actor.
+    Returns None for other names.
 
     Raises
     ------
@@ -138,10 +138,8 @@ class _Kind:
 
 
 _KINDS = ByKind(
-    {
-        PLANAR: _Kind(Problem, {}, _refined_way),
-        SPATIAL: _Kind(SpatialProblem, {"keeps_acceleration": True}, way_of),
-    }
+    {PLANAR: _Kind(Problem, {}, _refined_way)},
+    default=_Kind(SpatialProblem, {"keeps_acceleration": True}, way_of),
 )
 
 

@@ -17,7 +17,7 @@ from stable_baselines3.common.save_util import load_from_zip_file
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import RUNNING, ArenaSettings, Pool, Steps
 from gcm_learn.policies.actor import CLIP, Actor
@@ -35,7 +35,7 @@ _COUNTS = ("num_timesteps", "_n_updates", "_episode_num")
 _SEEN = 1e12  # observations, after which new ones hardly move the statistics
 _EPSILON = 1e-8  # of VecNormalize
 _NETWORK = "256,256"
-_LEAN = ByKind({PLANAR: 0.0, SPATIAL: 2.0})
+_LEAN = ByKind({PLANAR: 0.0}, default=2.0)
 """Logit by which a learner first prefers the choice that goes straight."""
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import (
     ArenaSettings,
@@ -133,6 +133,6 @@ def _path(plan: Plan | None) -> Any:
 
 
 _READERS: ByKind[Callable[[Share, bool, ArenaSettings], Lot]] = ByKind(
-    {PLANAR: _records, SPATIAL: _drawn}
+    {PLANAR: _records}, default=_drawn
 )
 """Readers of datasets' folders: plans of records count only for planar arms."""

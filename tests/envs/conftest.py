@@ -1,3 +1,3 @@
 """The tests of environments act in the situations of those of execution."""
 
-from tests.execution.conftest import arms, rng, scenes  # noqa: F401
+from tests.execution.conftest import arms, chains, rng, scenes  # noqa: F401

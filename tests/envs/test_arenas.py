@@ -10,17 +10,31 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
-from gcm_learn.arms import PLANAR, SPATIAL
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL
 from gcm_learn.errors import ArenaError, ArmKindError, MissingExtraError, PhysicsError
-from gcm_learn.execution import PhysicalSettings, Settings, SpatialSettings, pool_for, pool_of
+from gcm_learn.execution import (
+    ChainSettings,
+    PhysicalSettings,
+    Settings,
+    SpatialSettings,
+    pool_for,
+    pool_of,
+)
+from gcm_learn.situation import shipped_arm
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn import envs  # noqa: E402
 
-NAMES = ("CatchArm", "CatchArm3D", "CatchArmPhysics")
-MANY = {"CatchArm": "CatchArms", "CatchArm3D": "CatchArms3D", "CatchArmPhysics": "CatchArmsPhysics"}
-SETTINGS = dict(zip(NAMES, (Settings, SpatialSettings, PhysicalSettings), strict=True))
-WIDTH = {"CatchArm": 107, "CatchArm3D": 145, "CatchArmPhysics": 145}
+NAMES = ("CatchArm", "CatchArm3D", "CatchChain", "CatchArmPhysics")
+MANY = {
+    "CatchArm": "CatchArms", "CatchArm3D": "CatchArms3D", "CatchChain": "CatchChains",
+    "CatchArmPhysics": "CatchArmsPhysics",
+}  # fmt: skip
+CLASSES = (Settings, SpatialSettings, ChainSettings, PhysicalSettings)
+SETTINGS = dict(zip(NAMES, CLASSES, strict=True))
+WIDTH = {"CatchArm": 107, "CatchArm3D": 145, "CatchChain": 206, "CatchArmPhysics": 145}
+ACTION = np.array([0.3, -0.4, 0.2, 0.1, -0.2, 0.3, 0.1])
+FAST = np.array([1.0, 0.5, -0.5, 1.0, 0.5, -0.5, 1.0])
 TORQUE = {"control": "torque"}
 GUIDE = {"weights": {"guide": 2.0}, "discount": 0.97}
 
@@ -32,11 +46,12 @@ def with_bodies():
 
 
 @pytest.fixture(scope="module")
-def pools(scenes, arms, with_bodies):
+def pools(scenes, arms, chains, with_bodies):
     """Return a pool for each arena."""
     return {
         "CatchArm": pool_for(Settings(), scenes),
         "CatchArm3D": pool_for(SpatialSettings(), arms),
+        "CatchChain": pool_for(ChainSettings(), chains),
         "CatchArmPhysics": with_bodies,
     }
 
@@ -129,6 +144,26 @@ def test_gymnasium_and_stable_baselines_accept_it(name, pool, settings):
     check.check_env(one(name, pool, settings=settings))
 
 
+CHAINS = [("ur5", "throw-chain"), ("planar-2", "throw-chain"), ("ur5", "conveyor-chain")]
+
+
+@pytest.mark.parametrize(("arm", "family"), CHAINS)
+def test_families_are_drawn_with_the_arm(arm, family):
+    """By name; situations that one catch does not end are left out."""
+    env = gymnasium.make("gcm_learn:CatchChain-v0", arm=arm, situations=family, pool=6)
+    env.reset(seed=0)
+    situations = env.unwrapped.pool.situations
+    assert {s.arm.model.name for s in situations} == {shipped_arm(arm).name}
+    assert {s.catch for s in situations} == {"any"}
+
+
+def test_presets_are_drawn():
+    drawn = envs.CatchChain("panda-easy", pool=3).pool.situations
+    assert {s.name[:18] for s in drawn} <= {f"panda-easy-000000{k}" for k in range(3)}
+    with pytest.raises(ArenaError, match="situations: in none of them an episode can begin"):
+        envs.CatchChain("conveyor-chain", arm="planar-2", pool=2)
+
+
 @pytest.mark.parametrize("prefix", ["gcm_learn:", "gcm_learn/", "gcm_learn:gcm_learn/"])
 def test_make_knows_it(name, pool, prefix):
     made = gymnasium.make(f"{prefix}{name}-v0", situations=pool)
@@ -178,7 +213,7 @@ def test_batches_are_single_ones(name, pool, settings, count):
 def test_seeds_and_pickles_give_the_same_episode(name, pool):
     env = one(name, pool)
     copy = pickle.loads(pickle.dumps(env))
-    action = np.array([0.3, -0.4, 0.2, 0.1])[: env.settings.commands]
+    action = ACTION[: env.settings.commands]
     np.testing.assert_array_equal(env.reset(seed=3)[0], copy.reset(seed=3)[0])
     np.testing.assert_array_equal(env.step(action)[0], copy.step(action)[0])
     halfway = pickle.loads(pickle.dumps(env))
@@ -192,7 +227,7 @@ def test_pictures_show_the_moment(name, pool):
     env.reset(seed=0)
     first = env.render()
     for _ in range(4):
-        env.step(np.array([1.0, 0.5, -0.5, 1.0])[: env.settings.commands])
+        env.step(FAST[: env.settings.commands])
     second = env.render()
     assert first.shape == (480, 480, 3) and first.dtype == np.uint8
     assert 100 < (first != second).any(axis=2).sum() < 150_000
@@ -256,7 +291,7 @@ def pygame():
 def test_a_window_shows_what_arrays_do(name, pool, pygame, monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     env, arrays = (one(name, pool, render_mode=mode) for mode in ("human", "rgb_array"))
-    action = np.array([1.0, 0.5, -0.5, 1.0])[: env.settings.commands]
+    action = FAST[: env.settings.commands]
     for arm in (env, arrays):
         arm.reset(seed=0)
         arm.step(action)
@@ -316,6 +351,10 @@ REFUSALS = [
     ("CatchArm3D", {"control": "hand"}, "settings: 'control' is not a known field"),
     ("CatchArm3D", {"settings": 3}, "settings: must be SpatialSettings (got int)"),
     ("CatchArm3D", {"body": "human"}, "body: arms of this arena have no mass"),
+    ("CatchChain", {"fan": True}, "fan: chains have none"),
+    ("CatchChain", {"arm": "pandy"}, 'arm: "pandy" is not the name of an arm'),
+    ("CatchChain", {"body": "human"}, "body: arms of this arena have no mass"),
+    ("CatchArm3D", {"arm": "panda"}, "settings: 'arm' is not a known field"),
     ("CatchArmPhysics", {"control": "hand"}, "control: 'hand' is not one of joint, torque"),
     ("CatchArmPhysics", {"settings": {"dt": 0.005}}, "dt: must be whole steps of physics"),
     *((name, arguments, message) for name in NAMES for arguments, message in (
@@ -360,7 +399,7 @@ def test_arms_with_mass_have_one_thread(with_bodies):
 
 def test_arms_of_the_other_kind_are_refused_in_one_line(name, pool, pools):
     kind = SETTINGS[name].kind
-    other = {PLANAR: "CatchArm3D", SPATIAL: "CatchArm"}[kind]
+    other = {PLANAR: "CatchArm3D", SPATIAL: "CatchArm", CHAIN: "CatchArm3D"}[kind]
     family, situation = SETTINGS[other].kind.name, pools[other].situations[0]
     source = {"planar": "random-planar", "spatial": "static-clutter-space"}[family]
     for refused in (

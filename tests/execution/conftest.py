@@ -10,6 +10,8 @@ from gcm_learn import families, read_situations, seeding
 from gcm_learn.execution.arena.pool import stops
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
+from gcm_learn.situation import situation_from_json
+from tests.chains import COUNT, drawn
 from tests.spatial import EXAMPLES
 
 NAMES = ("random-planar", "gate", "moving-point", "pendulum", "falling-solid", "spinning")
@@ -35,7 +37,7 @@ def rng():
 def limited(situation):
     """Return the situation with limits of acceleration, the arm moving a little at first."""
     arm = situation.arm
-    joints = range(4)
+    joints = range(len(arm.joints))
     rates = tuple((-0.2) ** (j + 1) * arm.max_joint_speed[j] for j in joints)
     most = tuple(arm.max_joint_speed[j] / RAMP for j in joints)
     return replace(situation, arm=replace(arm, max_joint_acceleration=most, joint_rates=rates))
@@ -56,3 +58,11 @@ def arms():
     one = quick[0]
     other = replace(quick[1].targets[0], name="another")
     return (*quick, *slow, replace(one, bodies=(*one.bodies, other)))
+
+
+@pytest.fixture(scope="session")
+def chains():
+    """Return situations of a Panda, with and without limits and approaches."""
+    made = [situation_from_json(drawn("panda", k)) for k in range(COUNT)]
+    slow = [limited(s) for s in made[::3]]
+    return tuple(s for s in [*made, *slow] if good(s))

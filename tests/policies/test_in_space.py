@@ -181,6 +181,7 @@ def test_an_actor_is_kept_and_acts(tmp_path):
     assert (drawn[0] != drawn[2]).any()
 
 
+CHAINS = "throw-chain"
 LEARNERS = [
     ("ppo", "CatchArm3D-v0", {}),
     ("ppo", "CatchArm3D-v0", {"fan": True}),
@@ -188,6 +189,7 @@ LEARNERS = [
     ("ppo", "CatchArmPhysics-v0", {"fan": True}),
     ("sac", "CatchArm3D-v0", {}),
     ("ppo", "CatchArmPhysics-v0", {}),
+    ("ppo", "CatchChain-v0", {"arm": "planar-2"}),
     ("sac", "CatchArmPhysics-v0", {"control": "torque"}),
 ]
 
@@ -206,11 +208,13 @@ def test_learners_run_and_go_on(tmp_path, monkeypatch, algo, environment, settin
         for name in ("n_steps", "log_std_init"):
             given.pop(name)
         given |= {"algo": "sac", "learning_starts": 50, "buffer_size": 1000}
+    if "arm" in settings:
+        given |= {key: [{"source": CHAINS, "count": 4}] for key in ("situations", "validation")}
     plan = plan_of(given, environment)
     scores = train(plan, tmp_path / "made", lambda text: None)
     assert 0.0 <= scores["caught"] <= 1.0
     actor = Actor.load(tmp_path / "made")
-    assert actor.kind is SPATIAL and actor.settings.weights.guide == 0.0
+    assert actor.kind is plan.kind and actor.settings.weights.guide == 0.0
     assert type(actor.settings) is type(plan.settings)
     assert file_of(actor.settings) in (tmp_path / "made" / "card.md").read_text("utf-8")
     more = plan_of(given | {"n_timesteps": 384}, environment)

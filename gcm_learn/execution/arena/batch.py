@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, SpatialArm
+from gcm_learn.arms import PLANAR, Arm, ByKind
 from gcm_learn.execution.arena.kernels.world import EXTREME, TERMS, Told
 from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.pool import Pool
@@ -46,7 +46,7 @@ class Batch(ABC):
         """Of the arms (count, width) float32."""
         self.terms = told.terms
         """Of the rewards of the last step (count, 4)."""
-        self.state = self._kernels.state(count)
+        self.state = self._kernels.state(count, settings.commands)
         # Plain tuples: of named ones, finding the types takes as long as a step.
         self._arms, self._options = tuple(self.state), settings.options
         self._told, self._world = tuple(told), tuple(pool.world)
@@ -72,7 +72,7 @@ class Batch(ABC):
     @property
     def commands(self) -> int:
         """Numbers that command an arm."""
-        return self._kernels.commands
+        return self.settings.commands
 
     @property
     def time(self) -> np.ndarray:
@@ -86,7 +86,7 @@ class Batch(ABC):
 
     @property
     def posture(self) -> np.ndarray:
-        """Samples of trajectories (count, k): hands; of spatial arms joints, then their rates."""
+        """Samples of trajectories (count, k): hands; of other arms joints, then their rates."""
         return self.state.posture
 
     @property
@@ -158,7 +158,7 @@ def _way_of_hand(arm: Arm, time: np.ndarray, posture: np.ndarray) -> Movement:
     return Movement.of_hand(arm, time, posture)
 
 
-def _way_of_joints(arm: SpatialArm, time: np.ndarray, posture: np.ndarray) -> Movement:
+def _way_of_joints(arm: Any, time: np.ndarray, posture: np.ndarray) -> Movement:
     new = np.append(True, np.diff(time) > 0.0)  # a catch at t = 0 takes no time
     dof = len(arm.joints)
     joints, rates = posture[new, :dof], posture[new, dof:]
@@ -167,7 +167,7 @@ def _way_of_joints(arm: SpatialArm, time: np.ndarray, posture: np.ndarray) -> Mo
 
 
 _WAYS: ByKind[Callable[[Any, np.ndarray, np.ndarray], Any]] = ByKind(
-    {PLANAR: _way_of_hand, SPATIAL: _way_of_joints}, who="the arena"
+    {PLANAR: _way_of_hand}, default=_way_of_joints, who="the arena"
 )
 
 

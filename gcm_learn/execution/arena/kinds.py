@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Chain, ChainModel, chain_limb_of
+from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.hands import fan as hand_fan
 from gcm_learn.execution.arena.kernels.hands import observation as hand_observation
 from gcm_learn.execution.arena.kernels.hands import playing as hand_playing
 from gcm_learn.execution.arena.kernels.hands import scene as hand_scene
+from gcm_learn.execution.arena.kernels.joints import chains
 from gcm_learn.execution.arena.kernels.joints import fan as joint_fan
 from gcm_learn.execution.arena.kernels.joints import observation as joint_observation
 from gcm_learn.execution.arena.kernels.joints import playing as joint_playing
 from gcm_learn.execution.arena.kernels.joints import scene as joint_scene
-from gcm_learn.execution.arena.kernels.world import State
+from gcm_learn.execution.arena.kernels.joints.spatial import START
+from gcm_learn.execution.arena.kernels.world import State, World, fields_in_rows
 from gcm_learn.motion import HOLE_MARGIN, fastest_hand
 from gcm_learn.scene import Scene
 from gcm_learn.situation import AnySituation, canonical
@@ -26,8 +29,10 @@ HUB = 0.015  # distance that hands keep from the shoulder, where joints jump [fo
 
 
 class Layout(NamedTuple):
-    """Numbers of an observation."""
+    """Counts of the numbers of actions and observations."""
 
+    commands: int
+    """Of an action."""
     arm: int
     target: int
     obstacle: int
@@ -49,15 +54,18 @@ class AsDrawn:
 class Kernels:
     """Kernels and layout that a kinematic plant needs of a kind of arm."""
 
-    commands: int
-    """Numbers of a command."""
-    layout: Layout
-    start: slice
-    """Columns of a world's limbs with the posture at t = 0."""
+    layout: Callable[[Any], Layout]
+    """Layout of arms of a model; None where all arms of the kind are alike."""
+    rows: Callable[[Sequence[Scene]], np.ndarray]
+    """Rows of a world's limbs."""
+    starts: Callable[[World], np.ndarray]
+    """Postures at t = 0 (s, k) of a world."""
     horizon: int
     """Column of a world's limits."""
-    state: Callable[[int], State]
-    """State of so many arms, all zero."""
+    state: Callable[[int, int], State]
+    """State of so many arms, all zero: (count, commands)."""
+    check: Callable[[Sequence[AnySituation]], None]
+    """Refuse situations that cannot stand side by side, or not at all."""
     placed: Callable[[Any], tuple[AnySituation, Any]]
     """Situation in the form of the arena, and the frame in which it was drawn."""
     bounded: Callable[[Scene], Scene]
@@ -70,14 +78,57 @@ class Kernels:
     """Make a step: (world, state, actions, options, results, first, last)."""
 
 
-def _hands(count: int) -> State:
+def _hands(count: int, commands: int) -> State:
     hand = np.zeros((count, 2))
     return State(np.zeros(count, np.int64), hand, hand, np.zeros(count))
 
 
-def _joints(count: int) -> State:
-    posture, hand = np.zeros((count, 2 * joint_fan.COMMAND)), np.zeros((count, 3))
+def _joints(count: int, commands: int) -> State:
+    posture, hand = np.zeros((count, 2 * commands)), np.zeros((count, 3))
     return State(np.zeros(count, np.int64), posture, hand, np.zeros(count))
+
+
+_PLANAR_LAYOUT = Layout(
+    2, hand_observation.ARM, hand_observation.TARGET, hand_observation.OBSTACLE,
+    hand_fan.RAYS * hand_fan.RAY, hand_observation.MEETING,
+)  # fmt: skip
+_SPATIAL_LAYOUT = Layout(
+    joint_fan.COMMAND, joint_observation.ARM, joint_observation.TARGET, joint_observation.OBSTACLE,
+    joint_fan.FRAME + joint_fan.COMMANDS * joint_fan.RAY, joint_observation.AIM,
+)  # fmt: skip
+
+
+def _chain_layout(model: ChainModel) -> Layout:
+    """Layout of chains of a model, which have no fan; counted by the kernels."""
+    limb = chain_limb_of(Chain(model, tuple(joint.range[0] for joint in model.joints), 0.0))
+    arm, target = joint_observation.arm_numbers(limb), joint_observation.target_numbers(limb)
+    straight = arm + joint_observation.UNTIL_AIM
+    return Layout(model.dof, arm, target, joint_observation.OBSTACLE, 0, straight)
+
+
+def _alike(situations: Sequence[AnySituation]) -> None:
+    """Refuse chains of other sizes than the first one's, and what one catch does not end."""
+    first: Any = situations[0].arm
+    for situation in situations:
+        model = situation.arm.model  # type: ignore[union-attr]
+        found, wanted = sizes_of(model), sizes_of(first.model)
+        if found != wanted:
+            reason = f"its arm has {found}, that of {situations[0].name!r} {wanted}"
+            raise ArenaError(f"situation {situation.name!r}: {reason}")
+        if situation.catch != "any":
+            reason = f"catch: must be 'any' in the arena (got {situation.catch!r})"
+            raise ArenaError(f"situation {situation.name!r}: {reason}")
+
+
+def sizes_of(model: ChainModel) -> str:
+    """Return the counts of a chain that decide on its observations."""
+    return f"{model.dof} joints and {len(model.links)} links"
+
+
+def _pace_of_chain(scene: Scene) -> float:
+    """Unit of speeds: the hand's limit, or the root of the sum of squares of each joint's part."""
+    parts = scene.limits.joint_speed * scene.limb.tails
+    return min(float(np.linalg.norm(parts)), scene.limits.speed)
 
 
 def _outside_hole(scene: Scene) -> Scene:
@@ -86,39 +137,46 @@ def _outside_hole(scene: Scene) -> Scene:
     return scene._replace(limb=scene.limb._replace(near=near))
 
 
+_SPATIAL = Kernels(
+    layout=lambda model: _SPATIAL_LAYOUT,
+    rows=fields_in_rows,
+    starts=lambda world: world.limbs[:, START],
+    horizon=joint_scene.HORIZON,
+    state=_joints,
+    check=lambda situations: None,
+    placed=lambda situation: (situation, AsDrawn()),
+    bounded=lambda scene: scene,
+    pace=fastest_hand,
+    observe=joint_playing.observe_all,
+    play=joint_playing.play,
+)
 KERNELS = ByKind(
     {
         PLANAR: Kernels(
-            commands=2,
-            layout=Layout(
-                hand_observation.ARM, hand_observation.TARGET, hand_observation.OBSTACLE,
-                hand_fan.RAYS * hand_fan.RAY, hand_observation.MEETING,
-            ),
-            start=hand_scene.START,
+            layout=lambda model: _PLANAR_LAYOUT,
+            rows=fields_in_rows,
+            starts=lambda world: world.limbs[:, hand_scene.START],
             horizon=hand_scene.HORIZON,
             state=_hands,
+            check=lambda situations: None,
             placed=canonical,
             bounded=_outside_hole,
             pace=lambda scene: scene.limits.speed,
             observe=hand_playing.observe_all,
             play=hand_playing.play,
         ),
-        SPATIAL: Kernels(
-            commands=joint_fan.COMMAND,
-            layout=Layout(
-                joint_observation.ARM, joint_observation.TARGET, joint_observation.OBSTACLE,
-                joint_fan.FRAME + joint_fan.COMMANDS * joint_fan.RAY, joint_observation.AIM,
-            ),
-            start=joint_scene.START,
-            horizon=joint_scene.HORIZON,
-            state=_joints,
-            placed=lambda situation: (situation, AsDrawn()),
-            bounded=lambda scene: scene,
-            pace=fastest_hand,
-            observe=joint_playing.observe_all,
-            play=joint_playing.play,
+        SPATIAL: _SPATIAL,
+        CHAIN: replace(
+            _SPATIAL,
+            layout=_chain_layout,
+            rows=chains.rows_of,
+            starts=chains.starts_of,
+            check=_alike,
+            pace=_pace_of_chain,
+            observe=joint_playing.observe_chains,
+            play=joint_playing.play_chains,
         ),
     },
     who="the arena",
-)  # fmt: skip
+)
 """By kind of arm."""

@@ -24,7 +24,7 @@ class Pool:
 
     situations: tuple[Any, ...]
     """Planar arms in their canonical form: the hand on the positive x axis, the elbow on the
-    right; spatial arms as they were given."""
+    right; other arms as they were given."""
     frames: tuple[Any, ...]
     """Frames in which they were drawn; their method `original` leads there."""
     world: World
@@ -54,7 +54,7 @@ class Pool:
     @property
     def starts(self) -> np.ndarray:
         """Postures of the arms at t = 0 (s, k), see `State`."""
-        return self.world.limbs[:, KERNELS.of(self.kind).start]
+        return KERNELS.of(self.kind).starts(self.world)
 
     @classmethod
     def of(cls, situations: Sequence[AnySituation], kind: Kind | None = None) -> Pool:
@@ -77,11 +77,12 @@ class Pool:
             raise ArenaError("situations: there is none")
         kernels = KERNELS.of(kind or situations[0])
         of_one_kind(situations, kind or kind_of(situations[0]))
+        kernels.check(situations)
         turned, frames = zip(*map(kernels.placed, situations), strict=True)
         scenes = [pack(situation) for situation in turned]
         rules = [_rules_of(scene, s.name) for scene, s in zip(scenes, turned, strict=True)]
         pace = [kernels.pace(scene) for scene in scenes]
-        world = world_of([kernels.bounded(scene) for scene in scenes], rules, pace)
+        world = world_of([kernels.bounded(scene) for scene in scenes], rules, pace, kernels.rows)
         return cls(turned, frames, world, np.zeros((len(turned), 0), np.float32))
 
     def guided(self, fields: np.ndarray) -> Pool:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
 from gcm_learn import artifacts
-from gcm_learn.arms import PLANAR, SPATIAL, Kind
-from gcm_learn.errors import ArenaError, EncoderError, not_known
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ChainModel, Kind
+from gcm_learn.errors import ArenaError, EncoderError, GcmError, not_known
 from gcm_learn.execution.arena.kernels.world import HAND_VELOCITY, JOINT_VELOCITY, Options
-from gcm_learn.execution.arena.kinds import KERNELS
+from gcm_learn.execution.arena.kinds import KERNELS, Layout, sizes_of
 from gcm_learn.execution.arena.pool import Pool, of_one_kind, stops
-from gcm_learn.situation import Situation
+from gcm_learn.situation import Situation, read_arm, shipped_arm
 
 if TYPE_CHECKING:
     from gcm_learn.recall import Encoder
@@ -74,12 +74,14 @@ class ArenaSettings:
 
     kind: ClassVar[Kind]
     """Kind of the arms."""
+    has_fan: ClassVar[bool] = True
+    """True if observations may end with a fan."""
 
     dt: float = 0.02
     """Length of a step [s]; the last one of an episode may be shorter."""
     slots: int = 4
     """Obstacles in an observation: for planar arms those that come nearest on the straight way,
-    for spatial arms those that are nearest to the limb."""
+    for other arms those that are nearest to the limb."""
     discount: float = 0.99
     """Of the learner, for the shaping."""
     weights: Weights = field(default_factory=Weights)
@@ -94,16 +96,28 @@ class ArenaSettings:
             raise ArenaError(f"slots: must be a whole number from 0 to 64 (got {self.slots!r})")
         if not 0.0 < self.discount <= 1.0:
             raise ArenaError(f"discount: must be above 0 and at most 1 (got {self.discount!r})")
+        if self.fan and not self.has_fan:
+            raise ArenaError(f"fan: {self.kind.plural} have none")
 
     @property
     def pushed(self) -> bool:
         """Return whether actions are torques."""
         return False
 
+    @cached_property
+    def model(self) -> ChainModel | None:
+        """Model of the arms, for kinds whose arms differ in their numbers."""
+        return None
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Counts of the numbers of actions and observations."""
+        return KERNELS.of(self.kind).layout(self.model)
+
     @property
     def commands(self) -> int:
         """Numbers that command an arm."""
-        return KERNELS.of(self.kind).commands
+        return self.layout.commands
 
     @property
     def weighted(self) -> np.ndarray:
@@ -113,18 +127,18 @@ class ArenaSettings:
     @property
     def fan_at(self) -> int:
         """Index in an observation at which the fan begins."""
-        layout = KERNELS.of(self.kind).layout
+        layout = self.layout
         return layout.arm + layout.target + self.slots * layout.obstacle
 
     @property
     def width(self) -> int:
         """Length of an observation without an embedding."""
-        return self.fan_at + (KERNELS.of(self.kind).layout.fan if self.fan else 0)
+        return self.fan_at + (self.layout.fan if self.fan else 0)
 
     @property
     def straight(self) -> int:
         """Index of the direction, or of the command, that leads straight to the target."""
-        return KERNELS.of(self.kind).layout.straight
+        return self.layout.straight
 
     @property
     def options(self) -> tuple[Any, ...]:
@@ -194,6 +208,39 @@ class SpatialSettings(ArenaSettings):
                 name, dt = situation.name, self.dt
                 raise ArenaError(f"situation {name!r}: the arm cannot stop in steps of {dt} s")
         return pool
+
+
+@dataclass(frozen=True)
+class ChainSettings(SpatialSettings):
+    """Settings of chains, with the defaults of ``CatchChain-v0``."""
+
+    kind: ClassVar[Kind] = CHAIN
+    has_fan: ClassVar[bool] = False
+
+    arm: str = "panda"
+    """Name of an arm that ships, or the path of an arm file, which ends in ``.json``."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "arm", str(self.arm))
+        assert self.model
+
+    @cached_property
+    def model(self) -> ChainModel:
+        """Model of the arms, whose joints and links decide how many numbers are observed."""
+        try:
+            return read_arm(self.arm) if self.arm.endswith(".json") else shipped_arm(self.arm)
+        except GcmError as error:
+            raise ArenaError(f"arm: {str(error).removeprefix(': ')}") from None
+
+    def prepared(self, pool: Pool) -> Pool:
+        """Refuse arms of other sizes than the model's, and arms that cannot stop."""
+        of_one_kind(pool.situations[:1], self.kind)
+        found, wanted = sizes_of(pool.situations[0].arm.model), sizes_of(self.model)
+        if found != wanted:
+            reason = f"has {wanted}, that of situation {pool.situations[0].name!r} {found}"
+            raise ArenaError(f"arm: {self.arm!r} {reason}")
+        return super().prepared(pool)
 
 
 Chosen = TypeVar("Chosen", bound=ArenaSettings)

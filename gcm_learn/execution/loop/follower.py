@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.execution.arena.pool import Pool
 from gcm_learn.execution.loop.episode import Agent, Moment, into_frame
 from gcm_learn.motion import Movement
@@ -60,7 +60,7 @@ class HandFollower:
 
 
 class JointFollower:
-    """Agent that follows trajectories of spatial arms step by step.
+    """Agent that follows trajectories in the joints step by step.
 
     Parameters
     ----------
@@ -104,10 +104,8 @@ class JointFollower:
 
 
 _FOLLOWERS: ByKind[Callable[[Any, Pool, float], Agent]] = ByKind(
-    {
-        PLANAR: lambda plans, pool, dt: HandFollower(plans, pool.speed, dt),
-        SPATIAL: lambda plans, pool, dt: JointFollower(plans, dt),
-    },
+    {PLANAR: lambda plans, pool, dt: HandFollower(plans, pool.speed, dt)},
+    default=lambda plans, pool, dt: JointFollower(plans, dt),
     who="the arena",
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,7 +32,7 @@ class World(NamedTuple):
     first: np.ndarray  # (s + 1,) int64: rows of situation k are first[k]:first[k + 1]
     obstacles: np.ndarray  # (o,) int64: rows of their situation that the limb must not touch
     begin: np.ndarray  # (s + 1,) int64: those of situation k are begin[k]:begin[k + 1]
-    limbs: np.ndarray  # (s, k): fields of the limb, one after the other
+    limbs: np.ndarray  # (s, k): rows of the limbs
     limits: np.ndarray  # (s, k): fields of the limits likewise
     rules: np.ndarray  # (s, 4): fields of `Rules`
     pace: np.ndarray  # (s,): fastest that a hand can be [lengths/s]
@@ -43,7 +43,7 @@ class State(NamedTuple):
     """State of many arms, each in a situation of the world."""
 
     place: np.ndarray  # (e,) int64: situation
-    posture: np.ndarray  # (e, k): the hand itself; of spatial arms joints [rad], rates [rad/s]
+    posture: np.ndarray  # (e, k): the hand itself; of other arms joints, then their rates
     hand: np.ndarray  # (e, 2 or 3), in the frame of t = 0 or of the base [lengths]
     time: np.ndarray  # (e,) [s]
 
@@ -82,7 +82,17 @@ def rules_in(world, s):
     return Rules(a[s, 0], a[s, 1], a[s, 2], a[s, 3])
 
 
-def world_of(scenes: Sequence[Scene], rules: Sequence[Rules], pace: Sequence[float]) -> World:
+def fields_in_rows(scenes: Sequence[Scene]) -> np.ndarray:
+    """Return the limbs of scenes as rows (s, k), their fields one after the other."""
+    return np.array([np.hstack(scene.limb) for scene in scenes], dtype=float)
+
+
+def world_of(
+    scenes: Sequence[Scene],
+    rules: Sequence[Rules],
+    pace: Sequence[float],
+    rows: Callable[[Sequence[Scene]], np.ndarray] = fields_in_rows,
+) -> World:
     """Pack scenes of one kind of arm side by side.
 
     Parameters
@@ -91,13 +101,15 @@ def world_of(scenes: Sequence[Scene], rules: Sequence[Rules], pace: Sequence[flo
     rules : sequence of Rules
     pace : sequence of float
         Fastest that each hand can be [lengths/s].
+    rows : callable
+        Rows (s, k) of the limbs, from the scenes.
     """
     which = [np.flatnonzero(scene.bodies.rows[:, PART] == LIMB) for scene in scenes]
     return World(
         **_side_by_side([scene.bodies for scene in scenes]),
         obstacles=np.concatenate(which).astype(np.int64),
         begin=np.cumsum([0, *map(len, which)]),
-        limbs=np.array([np.hstack(scene.limb) for scene in scenes], dtype=float),
+        limbs=rows(scenes),
         limits=np.array([np.hstack(scene.limits) for scene in scenes], dtype=float),
         rules=np.array(rules, dtype=float),
         pace=np.array(pace, dtype=float),

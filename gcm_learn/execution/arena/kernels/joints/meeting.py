@@ -1,4 +1,4 @@
-"""Meetings of a spatial arm's hand with targets, and the joint rates that lead straight there.
+"""Meetings of a hand with targets, and the rates of the joints that lead straight there.
 
 Approximate: the hand is as fast as the joints can move it now in the target's direction. Balls
 stand for bodies.
@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at
+from gcm_learn.arms.limbs import dof, hand_of, jacobian, place
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
 
@@ -65,25 +64,25 @@ def aim_along(view, posture, e, x, y, z):
     float
         Speed of the hand in that direction [lengths/s].
     """
-    scene, jacobian, aim = view.scene, view.jacobian, view.rates[AIM_ROW]
+    scene, matrix, aim = view.scene, view.jacobian, view.rates[AIM_ROW]
     limb, limits = scene.limb, scene.limits
     for j in range(dof(limb)):
         view.rates[0, j] = posture[e, j]
-    hand_jacobian(limb, view.rates[0], jacobian)
+    jacobian(limb, view.rates[0], matrix)
     for j in range(dof(limb)):
         for i in range(3):
-            jacobian[i, j] *= limits.joint_speed[j]
+            matrix[i, j] *= limits.joint_speed[j]
     for _ in range(dof(limb)):
-        u, v, w = _solve(limb, jacobian, _DAMPING * view.pace, x, y, z)
+        u, v, w = _solve(limb, matrix, _DAMPING * view.pace, x, y, z)
         stuck = False
         for j in range(dof(limb)):
-            aim[j] = jacobian[0, j] * u + jacobian[1, j] * v + jacobian[2, j] * w
+            aim[j] = matrix[0, j] * u + matrix[1, j] * v + matrix[2, j] * w
             up = posture[e, j] >= limb.high[j] - _AT_END and aim[j] > 0.0
             down = posture[e, j] <= limb.low[j] + _AT_END and aim[j] < 0.0
             if up or down:
                 stuck, aim[j] = True, 0.0
                 for i in range(3):
-                    jacobian[i, j] = 0.0
+                    matrix[i, j] = 0.0
         if not stuck:
             break
     top = abs(aim[0])
@@ -93,7 +92,7 @@ def aim_along(view, posture, e, x, y, z):
     for j in range(dof(limb)):
         aim[j] /= max(top, 1e-12)
         hx, hy, hz = (
-            hx + jacobian[0, j] * aim[j], hy + jacobian[1, j] * aim[j], hz + jacobian[2, j] * aim[j]
+            hx + matrix[0, j] * aim[j], hy + matrix[1, j] * aim[j], hz + matrix[2, j] * aim[j]
         )  # fmt: skip
     speed = np.sqrt(hx * hx + hy * hy + hz * hz)
     if speed > limits.speed:
@@ -123,7 +122,7 @@ def _meeting_with(view, since, posture, e, b):
     end, poses = view.scene.limits.horizon, view.desk.poses
     for j in range(dof(view.scene.limb)):
         view.rates[0, j] = posture[e, j]
-    _, _, _, hx, hy, hz = limb_at(view.scene.limb, view.rates[0])
+    hx, hy, hz = hand_of(view.scene.limb, place(view.scene.limb, view.rates[0]))
     hand = (hx, hy, hz)
     centre_at(view.scene.bodies, b, since, poses)
     dx, dy, dz = poses[b, 0] - hx, poses[b, 1] - hy, poses[b, 2] - hz
@@ -172,6 +171,6 @@ def way_to_go(view, since, posture, e):
     first = first_meeting_in_view(view, since, posture, e)
     for j in range(dof(view.scene.limb)):
         view.rates[0, j] = posture[e, j]
-    _, _, _, x, y, z = limb_at(view.scene.limb, view.rates[0])
+    x, y, z = hand_of(view.scene.limb, place(view.scene.limb, view.rates[0]))
     way = np.sqrt((first.x - x) ** 2 + (first.y - y) ** 2 + (first.z - z) ** 2)
     return min(0.5 * way / view.reach, 1.0)

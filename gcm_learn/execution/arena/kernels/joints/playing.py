@@ -1,38 +1,52 @@
-"""Steps and observations of many spatial arms."""
+"""Steps and observations of many arms that move in their joints."""
 
 from __future__ import annotations
 
-from gcm_learn.arms.spatial_limb import limb_at
+from typing import Any
+
+from gcm_learn.arms.limbs import hand_of, place
 from gcm_learn.compiled import njit
+from gcm_learn.execution.arena.kernels.joints.chains import ChainWorld
 from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
 from gcm_learn.execution.arena.kernels.joints.observation import observe
-from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in, views_for
+from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import step
 from gcm_learn.execution.arena.kernels.world import GUIDE, RUNNING, Options, State, Told, World, pay
 
 
-@njit(nogil=True)
-def observe_all(world, state, chosen, options, out):
-    """Write the observations of the arms `chosen` (k,) into their rows of `out`, and the hands."""
-    worlds, states, how = World(*world), State(*state), Options(*options)
-    room = views_for(worlds, states, 0, states.place.size)
-    for k in range(chosen.size):
-        e = chosen[k]
-        view = view_in(worlds, states.place[e], room)
-        observe(view, states.time[e], states.posture, e, how, out[e])
-        _, _, _, x, y, z = limb_at(view.scene.limb, view.joints[0])
-        states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = x, y, z
+def kernels_in(world_type: type[World]) -> tuple[Any, Any]:
+    """Return the kernels that observe and play many arms in a type of world.
+
+    Worlds come as plain tuples, so that a call is quick; the type chooses the kernels of limbs.
+    """
+
+    @njit(nogil=True)
+    def observe_all(world, state, chosen, options, out):
+        """Write the observations of the arms `chosen` (k,) into their rows of `out`."""
+        worlds, states, how = world_type(*world), State(*state), Options(*options)
+        room = views_for(worlds, states, 0, states.place.size)
+        for k in range(chosen.size):
+            e = chosen[k]
+            view = view_in(worlds, states.place[e], room)
+            observe(view, states.time[e], states.posture, e, how, out[e])
+            hand = hand_of(view.scene.limb, place(view.scene.limb, view.joints[0]))
+            states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = hand
+
+    @njit(nogil=True)
+    def play(world, state, actions, options, told, first, last):
+        """Make a step of arms first to last - 1, and observe."""
+        worlds, states, how, out = world_type(*world), State(*state), Options(*options), Told(*told)
+        room = views_for(worlds, states, first, last)
+        for e in range(first, last):
+            view = step(worlds, states, e, actions, how, out, room)
+            row = out.observations[e]
+            observe(view, states.time[e], states.posture, e, how, row)
+
+    return observe_all, play
 
 
-@njit(nogil=True)
-def play(world, state, actions, options, told, first, last):
-    """Make a step of arms first to last - 1, and observe."""
-    worlds, states, how, out = World(*world), State(*state), Options(*options), Told(*told)
-    room = views_for(worlds, states, first, last)
-    for e in range(first, last):
-        view = step(worlds, states, e, actions, how, out, room)
-        row = out.observations[e]
-        observe(view, states.time[e], states.posture, e, how, row)
+observe_all, play = kernels_in(World)
+observe_chains, play_chains = kernels_in(ChainWorld)
 
 
 @njit(nogil=True)
@@ -55,9 +69,9 @@ def settle(world, state, options, told, since, before):
         view, outcome, after = view_in(worlds, s, room), out.outcomes[e], 0.0
         if how.weights[GUIDE] != 0.0 and outcome == RUNNING:
             after = way_to_go(view, time, states.posture, e)
-        share = (time - since[e]) / worlds.limits[s, HORIZON]
+        share = (time - since[e]) / view.scene.limits.horizon
         pay(out, e, outcome, share, how.weights, before[e] - how.discount * after)
         row = out.observations[e]
         observe(view, time, states.posture, e, how, row)
-        _, _, _, x, y, z = limb_at(view.scene.limb, view.joints[0])
-        states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = x, y, z
+        hand = hand_of(view.scene.limb, place(view.scene.limb, view.joints[0]))
+        states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = hand

@@ -1,4 +1,4 @@
-"""One step of a spatial arm: end of the joints, catch or collision on the way, reward.
+"""One step of an arm in its joints: end of the joints, catch or collision on the way, reward.
 
 The functions that verify plans (`first_meeting`, `least_on`) find catches and collisions within a
 step, on the same curve. It is a straight line in the joints, or the cubic from rates to rates under
@@ -10,19 +10,18 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.curves import hermite, line, on_curve
-from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import hand_rate, limb_at
+from gcm_learn.arms.limbs import dof, hand_of, hand_rate, place
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
+from gcm_learn.execution.arena.kernels.joints.limbs import brakes_slowly
 from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
-from gcm_learn.execution.arena.kernels.joints.scene import HORIZON, view_in
+from gcm_learn.execution.arena.kernels.joints.rates import SOFTER, lay, wish
+from gcm_learn.execution.arena.kernels.joints.scene import view_in
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GUIDE, LATE, RUNNING, pay
 from gcm_learn.motion.joint_interception import first_meeting
 from gcm_learn.motion.joint_verification import NOTHING, hand_too_fast, piece_fault
 from gcm_learn.scene import Scene
 
-_HAIR = 2e-9  # share of the joints' speeds that is not used, against rounding
-_SOFTER = 1e-6  # the same of accelerations, which short pieces tell with few digits
 _TRIES = 12  # halvings of how much of a wish the hand's speed allows
 _SHORTEST = 1e-3  # share of a step that is no step of its own before the horizon
 _ANY = 1e300  # resolution of distance: whether the limb touches is exact whatever it is
@@ -30,90 +29,23 @@ _CURVATURE = 0.2  # how far a parabola rises above three of its points, and a ha
 _SLOWER = 1e-4  # share of the hand's speed that is not used, so that its check is quick
 
 
-@njit(_nrt=False, forceinline=True)
-def braking(rate, most):
-    """Way in steps' time until a joint rests that brakes by at most `most` in each step.
-
-    Rates change evenly within steps, so the last one, which takes what is left, counts in full.
-    """
-    whole = int(abs(rate) / most)
-    rest = abs(rate) - whole * most
-    return 0.5 * rest + whole * rest + 0.5 * whole * whole * most
-
-
-@njit(_nrt=False, forceinline=True)
-def _fastest_towards(room, most):
-    """Greatest rate after a step of which the joint can rest `room` steps' rate farther on.
-
-    `room` has what the rate before the step takes of it off; the inverse of half a rate and its
-    `braking`.
-    """
-    if room <= 0.0:
-        return room
-    whole = int(0.5 * (np.sqrt(1.0 + 8.0 * room / most) - 1.0))
-    return whole * most + (room - 0.5 * most * whole * (whole + 1.0)) / (whole + 1.0)
-
-
 @njit(_nrt=False)
-def wish(scene, posture, e, command, span, out):
-    """Write into `out` (dof,) the rates nearest to a command (dof,) that keep the joints' limits.
-
-    Under limits of acceleration these are the rates after the step, and leave the joint the way to
-    stop before its range ends. Otherwise rates hold during the step and end at the range.
-    """
-    limb, limits, n = scene.limb, scene.limits, dof(scene.limb)
-    for j in range(n):
-        q, v = posture[e, j], posture[e, n + j]
-        top = limits.joint_speed[j] * (1.0 - _HAIR)
-        rate = min(max(command[e, j], -1.0), 1.0) * top
-        most = limits.joint_acceleration[j] * span * (1.0 - _SOFTER)
-        if most < np.inf:
-            rate = min(rate, _fastest_towards((limb.high[j] - q) / span - 0.5 * v, most))
-            rate = max(rate, -_fastest_towards((q - limb.low[j]) / span + 0.5 * v, most))
-            out[j] = min(max(rate, v - most), v + most)
-        else:
-            out[j] = (min(max(q + rate * span, limb.low[j]), limb.high[j]) - q) / span
-
-
-@njit(_nrt=False)
-def lay(scene, posture, e, rates, span, end, curve):
-    """Write a step that ends with `rates` (dof,): its end (dof,) and its curve (dof, 4)."""
-    limb, n = scene.limb, dof(scene.limb)
-    q, v = posture[e, :n], posture[e, n:]
-    free = scene.limits.joint_acceleration[0] == np.inf
-    for j in range(n):
-        mean = rates[j] if free else 0.5 * (v[j] + rates[j])
-        end[j] = min(max(q[j] + mean * span, limb.low[j]), limb.high[j])
-    if free:
-        line(q, end, curve)
-    else:
-        hermite(q, v, end, rates, span, curve)
-
-
-@njit(_nrt=False)
-def stays_slow(scene, speed, end, rates, span, curve, work):
+def stays_slow(scene, speed, end, rates, span, room):
     """Return whether the hand keeps its speed on a step, and while the joints brake after it.
 
     Parameters
     ----------
     end, rates : (dof,) ndarray
         After the step.
-    work : (dof,) ndarray
-        Overwritten.
+    room : View
+        Its desk has the curve of the step.
     """
     limb, limits = scene.limb, scene.limits
-    if hand_too_fast(limb, curve, speed * span, work):
+    if hand_too_fast(limb, room.desk.curve, speed * span, room.desk.joints):
         return False
     if limits.joint_acceleration[0] == np.inf:
         return True
-    # Braking all at once, rates only fall, and the hand gets no farther out than this.
-    _, _, _, x, y, z = limb_at(limb, end)
-    bend = 0.0
-    for j in range(2, 4):
-        bend += span * braking(rates[j], limits.joint_acceleration[j] * span * (1.0 - _SOFTER))
-    far = min(np.sqrt(x * x + y * y + z * z) + bend * limb.length, limb.rho + limb.length)
-    turning = np.hypot(rates[0], rates[1]) * far + np.hypot(rates[2], rates[3]) * limb.length
-    return turning <= speed
+    return brakes_slowly(limb, scene, speed, end, rates, span, room.own)
 
 
 @njit(_nrt=False)
@@ -148,18 +80,18 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
     rates, wanted, rest, curve = room.rates[0], room.rates[1], room.rates[2], room.desk.curve
     wish(scene, posture, e, command, span, rates)
     lay(scene, posture, e, rates, span, end, curve)
-    if speed == np.inf or stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+    if speed == np.inf or stays_slow(scene, speed, end, rates, span, room):
         return
     free = scene.limits.joint_acceleration[0] == np.inf
     if free:
         _slowed(scene, speed, span, rates, curve, room.desk.joints)
         lay(scene, posture, e, rates, span, end, curve)
-        if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+        if stays_slow(scene, speed, end, rates, span, room):
             return
     n = dof(scene.limb)
     for j in range(n):
         wanted[j] = rates[j]
-        most = scene.limits.joint_acceleration[j] * span * (1.0 - _SOFTER)
+        most = scene.limits.joint_acceleration[j] * span * (1.0 - SOFTER)
         v = posture[e, n + j]
         rest[j] = 0.0 if free else min(max(0.0, v - most), v + most)
     low, high = 0.0, 1.0
@@ -168,7 +100,7 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
         for j in range(n):
             rates[j] = rest[j] + share * (wanted[j] - rest[j])
         lay(scene, posture, e, rates, span, end, curve)
-        if stays_slow(scene, speed, end, rates, span, curve, room.desk.joints):
+        if stays_slow(scene, speed, end, rates, span, room):
             low = share
         else:
             high = share
@@ -221,7 +153,8 @@ def advance(view, state, e, command, dt):
     for j in range(n):
         state.posture[e, j], state.posture[e, n + j] = end[j], rates[j]
     state.time[e] = until
-    _, _, _, state.hand[e, 0], state.hand[e, 1], state.hand[e, 2] = limb_at(scene.limb, end)
+    hand = hand_of(scene.limb, place(scene.limb, end))
+    state.hand[e, 0], state.hand[e, 1], state.hand[e, 2] = hand
     return outcome
 
 
@@ -268,7 +201,7 @@ def step(world, state, e, commands, options, told, room):
     after = 0.0
     if guided and outcome == RUNNING:
         after = way_to_go(view, state.time[e], state.posture, e)
-    share = (state.time[e] - since) / world.limits[s, HORIZON]
+    share = (state.time[e] - since) / view.scene.limits.horizon
     pay(told, e, outcome, share, options.weights, before - options.discount * after)
     return view
 
