@@ -38,7 +38,9 @@ class Solve:
     """who plans: a name, an actor as clone@20, or your own: module:name, path.py:name, model.zip;
     an unknown name lists all"""
 
-    memory: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: its own)")] = None
+    memory: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: its own)")] = (
+        None
+    )
     """folder of a memory, see gcm-learn remember, for a planner that recalls"""
 
     deadline: Annotated[

@@ -1,8 +1,8 @@
 """An index by likeness and by the change that an adaptation takes, for arms in joints.
 
-A change has two ends. At the start the joints differ. At the end the target is elsewhere than it
-was, at the share of the horizon at which the memory catches, and so is its approach. All are squared
-distances, each by its mean over pairs of situations, so that one inner product holds their sum.
+A change has two ends. At the start the joints differ. At the end the target and its approach
+differ, at the share of the horizon at which the memory catches. All are squared distances, each by
+its mean over pairs of situations, so that one inner product holds their sum.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ class ChangeIndex(Numbers):
         near = np.maximum(0.0, 1.0 - np.abs(np.arange(INSTANTS) - max(share, 0.0)))
         parts = (
             nearest_rows(self.scale(raw_features(situation, scene)[None]))[0],
-            nearest_rows((waypoints.knots[:1, :TIME] / speeds))[0],
+            nearest_rows(waypoints.knots[:1, :TIME] / speeds)[0],
             [-self.parts[2] * float(goal @ goal)],
             np.outer(near, goal).ravel(),
             np.outer(near, axis).ravel(),

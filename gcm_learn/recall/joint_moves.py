@@ -1,8 +1,8 @@
 """Kernels of remembered joint movements: load, move, time and check them.
 
-A remembered movement is `KNOTS` rows (joints of a left arm, or of a chain turned to the target,
-then time, earliest).  Its start is moved to the joints at t = 0, its end to a posture that catches the target just in time.  In between
-it is moved by as much of each as is left of it.
+A remembered movement is `KNOTS` rows: joints of a left arm, or of a chain turned to the target,
+then time and earliest time.  Its start is moved to the joints at t = 0, its end to a posture that
+catches the target just in time.  In between it is moved by as much of each as is left of it.
 """
 
 from __future__ import annotations

@@ -85,7 +85,7 @@ def _joints_and_times(arm: Any) -> int:
 
 
 def _no_features(*given: Any) -> Any:
-    raise RecallError("memory: clearance features of chains are not known; take an index by raw ones")
+    raise RecallError("memory: an encoder knows no chains; take the index change or raw")
 
 
 MEMORIES = ByKind(

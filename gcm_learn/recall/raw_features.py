@@ -321,13 +321,9 @@ def _axis_by_chain(view, bodies, b, _horizon, poses, out, at):
         out[at + r] = abs(along) / view.unit
 
 
-_away2 = by_type(
-    {HandView: _away2_of_hand, JointView: _away2_in_space, ChainView: _away2_of_chain}
-)
+_away2 = by_type({HandView: _away2_of_hand, JointView: _away2_in_space, ChainView: _away2_of_chain})
 _gap = by_type({HandView: _gap_by_ball, JointView: _gap_in_space, ChainView: _gap_to_chain})
-_place = by_type(
-    {HandView: _place_by_hand, JointView: _place_in_space, ChainView: _place_by_chain}
-)
+_place = by_type({HandView: _place_by_hand, JointView: _place_in_space, ChainView: _place_by_chain})
 _axis = by_type({HandView: _axis_by_hand, JointView: _axis_in_space, ChainView: _axis_by_chain})
 
 

@@ -136,7 +136,7 @@ class Memory:
 
     @property
     def knots(self) -> np.ndarray:
-        """(n, KNOTS, 4) float32: knots of `Waypoints`; in space (n, KNOTS, joints + 2) of theirs."""
+        """(n, KNOTS, 4) float32: knots of `Waypoints`; of joints (n, KNOTS, joints + 2)."""
         return self._columns["traces"][: self._size]
 
     @property

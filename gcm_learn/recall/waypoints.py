@@ -40,13 +40,13 @@ class Waypoints(NamedTuple):
     the same to arms of other proportions.
 
     Knots of a spatial arm are joints of a left arm [rad]. Its goal is the target's centre, and the
-    hand from there, in the frame of the left arm's base [reaches]. A chain is turned about its first
-    joint until the target is ahead; see `recall.headings`.
+    hand from there, in the frame of the left arm's base [reaches]. A chain is turned about its
+    first joint until the target is ahead; see `recall.headings`.
     """
 
     knots: np.ndarray
-    """(24, 4) or (12, joints + 2) float32: place, time [s], and earliest time [s]: after a wait that time,
-    else 0."""
+    """(24, 4) or (12, joints + 2) float32: place, time [s], and earliest time [s]: after a wait
+    that time, else 0."""
     goal: np.ndarray
     """(2,) or (6,) float32: place of the target's centre when it is caught."""
 
