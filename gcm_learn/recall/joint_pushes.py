@@ -22,6 +22,7 @@ MARGIN = 0.004  # by which a changed movement has to look free [forearms]
 INSTANTS = 6  # at most at which a push is tried
 PROGRESS = 0.85  # share of what touches that a change may leave, or no other is made
 END = 0.9  # share of a movement from which a touch is one at its end
+CARRYING = 4  # first joints that are pushed alone: later ones hardly move but the hand
 DIAGONAL = 0.8  # of each joint in pushes of the first two together
 PROBE = 1e-3  # finite difference for the direction away from obstacles [rad]
 
@@ -32,7 +33,7 @@ class JointTouch(NamedTuple):
     share: np.ndarray  # (n,): of the movement that lies behind it
     time: np.ndarray  # (n,) [s]
     joints: np.ndarray  # (n, dof) [rad]
-    sides: np.ndarray  # (2 dof + 5, dof): directions of pushes, first away from the obstacle
+    sides: np.ndarray  # (13, dof): directions of pushes, first that away from the obstacle
     knots: np.ndarray  # (2,) int64: the last one before it touches, and the one after the start
     times: np.ndarray  # (2,): of these [s]
 
@@ -124,15 +125,16 @@ def touch_of(query, work, _count, first, last):
 def sides_of(study, q, t):
     """Directions of pushes for a limb that is about to touch, with joints q (dof,) at t [s].
 
-    After that away from the obstacle each joint alone, then the first two together.
+    After that away from the obstacle each of the first joints alone, then two of them together.
     """
     n = q.size
-    sides = np.zeros((2 * n + (5 if n > 1 else 1), n))
-    for j in range(n):
-        sides[1 + j, j], sides[1 + n + j, j] = 1.0, -1.0
-    for d in range(2 * n + 1, sides.shape[0]):
-        sides[d, 0] = DIAGONAL if d >= 2 * n + 3 else -DIAGONAL
-        sides[d, 1] = DIAGONAL if (d - 2 * n) % 2 == 0 else -DIAGONAL
+    m = min(n, CARRYING)
+    sides = np.zeros((2 * m + (5 if m > 1 else 1), n))
+    for j in range(m):
+        sides[1 + j, j], sides[1 + m + j, j] = 1.0, -1.0
+    for d in range(2 * m + 1, sides.shape[0]):
+        sides[d, 0] = DIAGONAL if d >= 2 * m + 3 else -DIAGONAL
+        sides[d, 1] = DIAGONAL if (d - 2 * m) % 2 == 0 else -DIAGONAL
     _uphill(study, q, t, sides[0])
     return sides
 
