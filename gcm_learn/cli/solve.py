@@ -87,7 +87,7 @@ class Solve:
         return 1 if written is not None and written.refused else 0
 
     def _planner(self) -> Planner:
-        """Return the planner, with the memory that is asked for."""
+        """Return the planner, with the given memory."""
         from gcm_learn.planners import get_planner
 
         if self.memory is None:

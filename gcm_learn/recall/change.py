@@ -14,18 +14,13 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from gcm_learn.arms import PLANAR, kind_of
-from gcm_learn.arms.limbs import axis_of, place
-from gcm_learn.compiled import njit
 from gcm_learn.errors import RecallError
-from gcm_learn.motion.joint_interception import approach_axis, has_approach
-from gcm_learn.recall.headings import heading_of, nearest_target, signs_of
+from gcm_learn.recall.headings import axis_at, heading_of, signs_of, track_of
 from gcm_learn.recall.index import Numbers, nearest_query, nearest_rows
 from gcm_learn.recall.kinds import raw_features
 from gcm_learn.recall.raw_features import Scale
 from gcm_learn.recall.waypoints import TIME, Waypoints
-from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import pose_at
-from gcm_learn.scene.packing import pack
+from gcm_learn.scene import Scene, pack
 
 INSTANTS = 12  # at which the target is looked at, evenly over the horizon
 FAR = 2.0  # distance from the origin at which targets are cut [reaches]
@@ -43,32 +38,11 @@ class Ends(NamedTuple):
     """(INSTANTS, 3): its approach, 0 without one."""
 
 
-@njit
-def _track(scene):
-    """Places and approaches (INSTANTS, 3) of the target, in the frame of the base."""
-    places, axes = np.zeros((INSTANTS, 3)), np.zeros((INSTANTS, 3))
-    poses = np.zeros((scene.bodies.rows.shape[0], 12))
-    target = nearest_target(scene, poses)
-    for k in range(INSTANTS):
-        t = scene.limits.horizon * (k + 1) / INSTANTS
-        pose_at(scene.bodies, target, t, poses)
-        places[k] = poses[target, :3]
-        if has_approach(scene, target):
-            axes[k, 0], axes[k, 1], axes[k, 2] = approach_axis(scene, target, t, poses)
-    return places, axes
-
-
-@njit
-def _axis(limb, q):
-    """Axis (3,) of the hand at joints q (n,)."""
-    return np.array(axis_of(limb, place(limb, q)))
-
-
 def ends_of(situation: Any, scene: Scene | None = None) -> Ends:
     """Return the ends of changes that a situation in any frame asks for."""
     scene = pack(situation) if scene is None else scene
     heading, signs = heading_of(scene.limb, scene), signs_of(situation)
-    places, axes = _track(scene)
+    places, axes = track_of(scene, INSTANTS)
     mirror = np.array([1.0, signs.min(), 1.0])
     places = heading.points(places) * mirror / situation.arm.reach
     far = np.linalg.norm(places, axis=1, keepdims=True)
@@ -154,7 +128,7 @@ class ChangeIndex(Numbers):
         heading = heading_of(scene.limb, scene)
         end = waypoints.knots[-1, :TIME].astype(float)
         mirror = np.array([1.0, signs.min(), 1.0])
-        axis = heading.rows @ _axis(scene.limb, end * signs + heading.shift) * mirror
+        axis = heading.rows @ axis_at(scene.limb, end * signs + heading.shift) * mirror
         goal = waypoints.goal[:3].astype(float)
         goal *= min(1.0, FAR / max(float(np.linalg.norm(goal)), 1e-12))
         speeds = np.array(situation.arm.max_joint_speed) * situation.horizon

@@ -1,7 +1,4 @@
-"""Headings: a chain turned about its first joint until the target is ahead.
-
-Turned so, situations that differ by a turn about that axis are one.  Only the range of the first
-joint tells them apart.  A spatial arm has no heading; its symmetry is a mirror, see
+"""Headings: a chain turned about its X  A spatial arm has no heading; its symmetry is a mirror, see
 `situation.spatial_frame`.
 """
 
@@ -13,11 +10,12 @@ import numpy as np
 
 from gcm_learn.arms import SPATIAL, ByKind
 from gcm_learn.arms.chain_limb import PRISMATIC, ChainLimb, place
-from gcm_learn.arms.limbs import hand_of
+from gcm_learn.arms.limbs import axis_of, hand_of
 from gcm_learn.arms.limbs import place as place_of
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
+from gcm_learn.motion.joint_interception import approach_axis, has_approach
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.situation import AnySituation, spatial_frame_of
 
@@ -50,6 +48,30 @@ def nearest_target(scene, poses):
             if away < nearest:
                 target, nearest = b, away
     return target
+
+
+@njit
+def track_of(scene, instants):
+    """Places and approaches (instants, 3) of the target, evenly over the horizon.
+
+    Both are in the frame of the base; without an approach its numbers are 0.
+    """
+    places, axes = np.zeros((instants, 3)), np.zeros((instants, 3))
+    poses = np.zeros((scene.bodies.rows.shape[0], 12))
+    target = nearest_target(scene, poses)
+    for k in range(instants):
+        t = scene.limits.horizon * (k + 1) / instants
+        pose_at(scene.bodies, target, t, poses)
+        places[k] = poses[target, :3]
+        if has_approach(scene, target):
+            axes[k, 0], axes[k, 1], axes[k, 2] = approach_axis(scene, target, t, poses)
+    return places, axes
+
+
+@njit
+def axis_at(limb, q):
+    """Axis (3,) of the hand at joints q (n,)."""
+    return np.array(axis_of(limb, place_of(limb, q)))
 
 
 @njit
@@ -106,6 +128,6 @@ _SIGNS = ByKind({SPATIAL: _mirrors}, default=_ones)
 
 
 def signs_of(situation: AnySituation) -> np.ndarray:
-    """Signs (n,) that make joints of a canonical arm those of a situation's arm."""
+    """Return the signs (n,) of a situation's joints, by those of its canonical form."""
     signs: np.ndarray = _SIGNS.of(situation)(situation)
     return signs

@@ -55,7 +55,7 @@ class MemoryKind:
     features: Callable[..., Features]
     """Clearance features of a situation, with its scene if that is at hand."""
     context: int
-    """Numbers of their context."""
+    """Numbers of their context, 0 if an encoder knows no such arms."""
     cells: int
     """Numbers of an obstacle."""
     path_features: Callable[[np.ndarray, np.ndarray], np.ndarray]
