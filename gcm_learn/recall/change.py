@@ -13,11 +13,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, kind_of
 from gcm_learn.errors import RecallError
 from gcm_learn.recall.headings import axis_at, heading_of, signs_of, track_of
 from gcm_learn.recall.index import Numbers, nearest_query, nearest_rows
-from gcm_learn.recall.kinds import raw_features
+from gcm_learn.recall.kinds import MEMORIES, raw_features
 from gcm_learn.recall.raw_features import Scale
 from gcm_learn.recall.waypoints import TIME, Waypoints
 from gcm_learn.scene import Scene, pack
@@ -67,9 +66,9 @@ class ChangeIndex(Numbers):
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> ChangeIndex:
         """Learn the scales of the parameters and the mean sizes of the changes."""
-        if any(kind_of(situation) == PLANAR for situation in situations):
+        if any(MEMORIES.of(situation).maps for situation in situations):
             raise RecallError("index 'change': knows arms in joints only")
-        features, ends = np.array([raw_features(s) for s in situations]), []
+        features = np.array([raw_features(s) for s in situations])
         ends = [ends_of(s) for s in situations]
         scale = Scale.of(features)
         seen = [
