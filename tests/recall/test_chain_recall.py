@@ -153,3 +153,15 @@ def test_recall_and_hybrid_catch_in_situations_that_are_new():
                 caught[name] += 1
                 assert complaints(situation, plan) == []
     assert caught["hybrid"] >= caught["recall"] >= 3
+
+
+@pytest.mark.slow
+def test_a_memory_without_limits_serves_chains_with_limits_of_acceleration():
+    planner, caught = RecallPlanner(memory()), 0
+    for k in range(24):
+        situation = families.draw("panda-crowded-accelerated", 9, k)
+        plan = planner.plan(situation)
+        if plan.caught:
+            caught += 1
+            assert plan.trajectory.rates is not None and complaints(situation, plan) == []
+    assert caught >= 3
