@@ -26,7 +26,7 @@ class Remember:
     """folder for the memory; one that is there is replaced once the new one is complete"""
 
     index: Annotated[str, arg(metavar="NAME")] = "raw"
-    """how memories are found again: raw, pca or random, or the folder of a trained encoder"""
+    """how memories are found again: raw, change, pca or random, or the folder of an encoder"""
 
     planner: Annotated[
         str | None, arg(metavar="NAME", help_behavior_hint="(default: the earliest of all)")

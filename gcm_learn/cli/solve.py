@@ -38,6 +38,11 @@ class Solve:
     """who plans: a name, an actor as clone@20, or your own: module:name, path.py:name, model.zip;
     an unknown name lists all"""
 
+    memory: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: its own)")] = (
+        None
+    )
+    """folder of a memory, see gcm-learn remember, for a planner that recalls"""
+
     deadline: Annotated[
         float | None, arg(metavar="MS", help_behavior_hint="(default: the first catch)")
     ] = None
@@ -67,9 +72,7 @@ class Solve:
 
     def run(self) -> int:
         """Solve the file; see `gcm_learn.cli.main` for the exit codes."""
-        from gcm_learn.planners import get_planner
-
-        planner = get_planner(self.planner)
+        planner = self._planner()
         if self.deadline is not None:
             _check_deadline(self.deadline, planner)
         situations = read(self.file, planner)
@@ -82,6 +85,16 @@ class Solve:
         with output(self.out) as stream:
             _solve_all(self, situations, planner, stream, draws)
         return 1 if written is not None and written.refused else 0
+
+    def _planner(self) -> Planner:
+        """Return the planner, with the given memory."""
+        from gcm_learn.planners import get_planner
+
+        if self.memory is None:
+            return get_planner(self.planner)
+        from gcm_learn.recall import Memory, with_memory
+
+        return with_memory(self.planner, Memory.load(self.memory))
 
 
 def read(file: str, planner: Planner) -> list[AnySituation]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from gcm_learn.late import late_names
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
+from gcm_learn.recall.change import ChangeIndex
 from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
 from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.files import MANIFEST, is_memory
@@ -24,9 +25,9 @@ from gcm_learn.recall.index import (
     PcaIndex,
     RandomIndex,
     RawIndex,
-    index_class,
     nearest_rows,
 )
+from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, waypoints_of
 from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
@@ -38,6 +39,7 @@ from gcm_learn.recall.planners import (
     has_memory,
     shipped_memory,
     unverified,
+    with_memory,
 )
 from gcm_learn.recall.raw_features import Scale
 from gcm_learn.recall.store import Entry, Memory
@@ -60,6 +62,7 @@ __all__ = [
     "Adaptation",
     "Best",
     "CONFIG",
+    "ChangeIndex",
     "Coverage",
     "Effort",
     "Encoder",
@@ -103,5 +106,6 @@ __all__ = [
     "transfer",
     "unverified",
     "waypoints_of",
+    "with_memory",
     "write_model",
 ]

@@ -26,12 +26,13 @@ from gcm_learn.planners import (
 )
 from gcm_learn.recall import trials
 from gcm_learn.recall.hand_paths import HandQuery, HandWork, hand_work
+from gcm_learn.recall.headings import heading_of, signs_of
 from gcm_learn.recall.joint_moves import JointQuery, JointWork, joint_work
 from gcm_learn.recall.styles import CARTESIAN, HURRY, KEEP, POLAR, Style
 from gcm_learn.recall.timed_moves import TimedQuery
 from gcm_learn.recall.trials import Budget, Offer
 from gcm_learn.recall.waypoints import Waypoints, ring_share
-from gcm_learn.situation import Situation, spatial_frame_of
+from gcm_learn.situation import Situation
 
 INSTANTS = 129  # of a quick check of a hand path
 MOST_BENDS = 3  # changes at most of a joint movement, however many are allowed
@@ -171,7 +172,7 @@ class HandTries(Tries):
 
 
 class JointTries(Tries):
-    """Joint movements tried on a situation of a spatial arm.
+    """Joint movements tried on a situation of a spatial arm or a chain.
 
     They have one tempo only; under limits of acceleration several times of the end are tried.
     """
@@ -179,10 +180,10 @@ class JointTries(Tries):
     @cached_property
     def query(self) -> JointQuery | TimedQuery:
         """The situation, as adaptations of joint movements need it."""
-        frame = spatial_frame_of(self.problem.situation)
-        study = self.problem.study
+        study, situation = self.problem.study, self.problem.situation
         made = TimedQuery if self.problem.accelerates else JointQuery
-        return made(study, frame.canonical_joints(np.ones(study.goal.size)))
+        shift = heading_of(study.scene.limb, study.scene).shift
+        return made(study, signs_of(situation), shift)
 
     @property
     def styles(self) -> np.ndarray:

@@ -69,7 +69,7 @@ class EncoderConfig:
                 raise EncoderError(f"{name}: must be an integer of at least {low} (got {value!r})")
         if self.memory not in SOURCES:
             raise EncoderError(f"memory: must be one of {', '.join(SOURCES)} (got {self.memory!r})")
-        known = [kind.name for kind in MEMORIES]
+        known = [kind.name for kind in MEMORIES if MEMORIES.of(kind).context > 0]
         if self.arm not in known:
             raise EncoderError(f"arm: must be one of {', '.join(known)} (got {self.arm!r})")
         if self.uses_maps and not MEMORIES.of(self.kind).maps:

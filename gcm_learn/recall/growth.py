@@ -24,7 +24,8 @@ from gcm_learn.planners import Plan, Planner, get_planner
 from gcm_learn.processes import crew_of
 from gcm_learn.recall.adaptation import Adaptation
 from gcm_learn.recall.book import WORKS
-from gcm_learn.recall.index import Index, index_class
+from gcm_learn.recall.index import Index
+from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, waypoints_of
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol, Self
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
+from gcm_learn.errors import EncoderError, RecallError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
 from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.kinds import MEMORIES, raw_features
@@ -71,7 +71,7 @@ class Index(Protocol):
         """One for memories of situations like these, if it takes no training of its own."""
 
 
-class _Numbers:
+class Numbers:
     """Key and file of indexes that are a few arrays of numbers."""
 
     name: ClassVar[str]
@@ -120,7 +120,7 @@ def nearest_rows(places: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class RawIndex(_Numbers):
+class RawIndex(Numbers):
     """Neighbours in the space of raw canonical parameters, each on its own scale."""
 
     scale: Scale
@@ -159,7 +159,7 @@ class RawIndex(_Numbers):
 
 
 @dataclass(frozen=True)
-class RandomIndex(_Numbers):
+class RandomIndex(Numbers):
     """Any memories: places at random, for the control that asks what verification does alone.
 
     A situation always gets the same ones, however it is turned.
@@ -258,7 +258,7 @@ class LearnedIndex:
 
 
 @dataclass(frozen=True)
-class PcaIndex(_Numbers):
+class PcaIndex(Numbers):
     """Neighbours by principal components of maps: a control without a network.
 
     A memory is filed under the components of its situation's map. A query must not know its own
@@ -350,15 +350,3 @@ def _components(pictures: np.ndarray, most: int, rng: np.random.Generator) -> np
         basis = np.linalg.qr(pictures.T @ (pictures @ basis))[0]
     _, _, turn = np.linalg.svd(pictures @ basis, full_matrices=False)
     return (turn[:count] @ basis.T).astype(np.float32)
-
-
-_CLASSES: dict[str, type[Index]] = {
-    made.name: made for made in (RawIndex, RandomIndex, PcaIndex, LearnedIndex)
-}
-
-
-def index_class(name: str) -> type[Index]:
-    """The class of a registered index; raises UnknownNameError with the known names."""
-    if name not in _CLASSES:
-        raise UnknownNameError.among("index", name, _CLASSES)
-    return _CLASSES[name]

@@ -1,8 +1,8 @@
 """Kernels of remembered joint movements: load, move, time and check them.
 
-A remembered movement is `KNOTS` rows (joints of a left arm, time, earliest).  Its start is
-moved to the joints at t = 0, its end to a posture that catches the target just in time.  In between
-it is moved by as much of each as is left of it.
+A remembered movement is `KNOTS` rows: joints of a left arm, or of a chain turned to the target,
+then time and earliest time.  Its start is moved to the joints at t = 0, its end to a posture that
+catches the target just in time.  In between it is moved by as much of each as is left of it.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.arms.limbs import dof, hand_of, place, reach_of
+from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.postures import move_is_free
 from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
 from gcm_learn.motion.joint_interception import fastest_hand, target_room
 from gcm_learn.planners.joints.moves import PIECES, Study, time_of, turning_time
 from gcm_learn.planners.joints.pull import pulled
@@ -23,8 +24,7 @@ from gcm_learn.recall.styles import HURRY, Chase
 from gcm_learn.scene.bodies import TOP_SPEED, pose_at
 
 KNOTS = 12  # of a remembered movement, see `gcm_learn.recall.space.waypoints`
-TIME, EARLIEST = 4, 5  # columns of a knot, after its joints
-COLUMNS = 6
+TIME, EARLIEST = -2, -1  # columns of a knot, after its joints
 STEPS = 24  # of a movement that is followed, of equal length
 MOST = KNOTS * (PIECES + 2)  # samples of a movement
 
@@ -39,6 +39,7 @@ class JointQuery(NamedTuple):
 
     study: Study
     turns: np.ndarray  # (dof,): signs that make joints of a left arm those of this one
+    shift: np.ndarray  # (dof,): added to them, see `recall.headings`
 
 
 class Track(NamedTuple):
@@ -99,7 +100,7 @@ def load(query, paths, m, style, work):
     Parameters
     ----------
     query : JointQuery
-    paths : ((n, KNOTS, COLUMNS), (n, 6)) ndarrays of float32
+    paths : ((n, KNOTS, dof + 2), (n, 6)) ndarrays of float32
         Knots and goals of all memories.
     m : int
     style : Style
@@ -111,7 +112,7 @@ def load(query, paths, m, style, work):
     share[0] = 0.0
     for k in range(KNOTS):
         for j in range(dof(limb)):
-            base[k, j] = query.turns[j] * np.float64(knots[m, k, j])
+            base[k, j] = query.turns[j] * np.float64(knots[m, k, j]) + query.shift[j]
         work.wanted[k] = knots[m, k, EARLIEST if style.tempo == HURRY else TIME]
         if k > 0:
             share[k] = share[k - 1] + turning_time(rate, base[k - 1], base[k])
@@ -163,13 +164,27 @@ def _paced(study, work):
     return work.time[KNOTS - 1]
 
 
+@njit(_nrt=False, forceinline=True)
+def _bones_and_catch(limb, catch):
+    return catch + limb.rho + limb.length
+
+
+@njit(_nrt=False, forceinline=True)
+def _reach_and_catch(limb, catch):
+    return catch + reach_of(limb)
+
+
+_farthest = by_type({SpatialLimb: _bones_and_catch, None: _reach_and_catch})
+"""Distance from the origin beyond which nothing is caught."""
+
+
 @njit(_nrt=False)
 def _away(study, b, fast, t):
     """Return for how long target b stays out of reach of arm and straight hand [s]."""
     limb, top, poses = study.scene.limb, study.scene.bodies.rows[b, TOP_SPEED], study.desk.poses
-    _, _, _, x, y, z = limb_at(limb, limb.start)
+    x, y, z = hand_of(limb, place(limb, limb.start))
     ring = target_room(study.scene, b, 0.0, 0.0, 0.0, t, poses)
-    ring -= study.catch + limb.rho + limb.length
+    ring -= _farthest(limb, study.catch)
     way = target_room(study.scene, b, x, y, z, t, poses) - study.catch - fast * t
     wait = way / (fast + top)
     if ring > 0.0:

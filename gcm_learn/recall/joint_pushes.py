@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import motion_bounds
+from gcm_learn.arms.limbs import dof, hand_travel
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.moves import between
@@ -23,17 +22,9 @@ MARGIN = 0.004  # by which a changed movement has to look free [forearms]
 INSTANTS = 6  # at most at which a push is tried
 PROGRESS = 0.85  # share of what touches that a change may leave, or no other is made
 END = 0.9  # share of a movement from which a touch is one at its end
+CARRYING = 4  # first joints that are pushed alone: later ones hardly move but the hand
+DIAGONAL = 0.8  # of each joint in pushes of the first two together
 PROBE = 1e-3  # finite difference for the direction away from obstacles [rad]
-
-
-def _directions() -> np.ndarray:
-    """Pushes that are tried besides that away from the obstacle (12, dof)."""
-    single = np.vstack([np.eye(4), -np.eye(4)])
-    pairs = np.array([[a, b, 0.0, 0.0] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
-    return np.vstack([single, 0.8 * pairs])
-
-
-_SIDES = _directions()
 
 
 class JointTouch(NamedTuple):
@@ -92,7 +83,7 @@ def sweep(query, work, _count):
     for k in range(KNOTS - 1):
         span = way.reached[k + 1] - way.left[k]
         if span > 0.0:
-            way_of_hand = motion_bounds(scene.limb, way.joints[k], way.joints[k + 1])[1]
+            way_of_hand = hand_travel(scene.limb, way.joints[k], way.joints[k + 1])
             nearer = max(nearer, way_of_hand / span)
     for b in range(scene.bodies.rows.shape[0]):
         top = max(top, scene.bodies.rows[b, TOP_SPEED])
@@ -132,9 +123,18 @@ def touch_of(query, work, _count, first, last):
 
 @njit
 def sides_of(study, q, t):
-    """Directions of pushes for a limb that is about to touch, with joints q (dof,) at t [s]."""
-    sides = np.empty((_SIDES.shape[0] + 1, _SIDES.shape[1]))
-    sides[1:] = _SIDES
+    """Directions of pushes for a limb that is about to touch, with joints q (dof,) at t [s].
+
+    After that away from the obstacle each of the first joints alone, then two of them together.
+    """
+    n = q.size
+    m = min(n, CARRYING)
+    sides = np.zeros((2 * m + (5 if m > 1 else 1), n))
+    for j in range(m):
+        sides[1 + j, j], sides[1 + m + j, j] = 1.0, -1.0
+    for d in range(2 * m + 1, sides.shape[0]):
+        sides[d, 0] = DIAGONAL if d >= 2 * m + 3 else -DIAGONAL
+        sides[d, 1] = DIAGONAL if (d - 2 * m) % 2 == 0 else -DIAGONAL
     _uphill(study, q, t, sides[0])
     return sides
 

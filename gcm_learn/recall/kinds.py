@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, kind_of
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Kind, kind_of
 from gcm_learn.errors import ArmKindError, RecallError
 from gcm_learn.planners import (
     Plan,
@@ -27,7 +27,11 @@ from gcm_learn.recall.adaptation import (
 )
 from gcm_learn.recall.features import Features
 from gcm_learn.recall.path_features import hand_path_features, joint_path_features
-from gcm_learn.recall.raw_features import hand_raw_features, joint_raw_features
+from gcm_learn.recall.raw_features import (
+    chain_raw_features,
+    hand_raw_features,
+    joint_raw_features,
+)
 from gcm_learn.recall.waypoints import GOAL, Waypoints, hand_waypoints, joint_waypoints
 from gcm_learn.situation import AnySituation
 
@@ -39,7 +43,9 @@ class MemoryKind:
     format: str
     """Format of a memory's folder."""
     knots: tuple[int, int]
-    """Shape of a path's knots."""
+    """Shape of a path's knots; no columns where they differ from arm to arm."""
+    columns: Callable[[Any], int]
+    """Numbers of a knot, for an arm."""
     goal: int
     """Numbers of its goal."""
     waypoints_of: Callable[..., Waypoints]
@@ -49,7 +55,7 @@ class MemoryKind:
     features: Callable[..., Features]
     """Clearance features of a situation, with its scene if that is at hand."""
     context: int
-    """Numbers of their context."""
+    """Numbers of their context, 0 if an encoder knows no such arms."""
     cells: int
     """Numbers of an obstacle."""
     path_features: Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -70,6 +76,16 @@ class MemoryKind:
     """Loss of a memory by the failure of one in the same direction [log-odds]."""
     shipped: str
     """Name of the memory that is shipped."""
+    fallback: str = "layered"
+    """Planner that plans where recall fails."""
+
+
+def _joints_and_times(arm: Any) -> int:
+    return len(arm.joints) + 2
+
+
+def _no_features(*given: Any) -> Any:
+    raise RecallError("memory: an encoder knows no chains; take the index change or raw")
 
 
 MEMORIES = ByKind(
@@ -77,6 +93,7 @@ MEMORIES = ByKind(
         PLANAR: MemoryKind(
             format="gcm-learn/memory@1",
             knots=(hand_paths.KNOTS, 4),
+            columns=lambda arm: 4,
             goal=2,
             waypoints_of=hand_waypoints,
             raw_features=hand_raw_features,
@@ -95,7 +112,8 @@ MEMORIES = ByKind(
         ),
         SPATIAL: MemoryKind(
             format="gcm-learn/memory@2",
-            knots=(joint_moves.KNOTS, joint_moves.COLUMNS),
+            knots=(joint_moves.KNOTS, 6),
+            columns=_joints_and_times,
             goal=GOAL,
             waypoints_of=joint_waypoints,
             raw_features=joint_raw_features,
@@ -112,19 +130,55 @@ MEMORIES = ByKind(
             penalty=1.0,
             shipped="recall-space",
         ),
+        CHAIN: MemoryKind(
+            format="gcm-learn/memory@3",
+            knots=(joint_moves.KNOTS, 0),
+            columns=_joints_and_times,
+            goal=GOAL,
+            waypoints_of=joint_waypoints,
+            raw_features=chain_raw_features,
+            features=_no_features,
+            context=0,
+            cells=0,
+            path_features=_no_features,
+            maps=False,
+            problem=SpatialProblem,
+            straight=earliest_straight,
+            early_answer=early_answer_in_space,
+            tries=JointTries,
+            pool=4,
+            penalty=1.0,
+            shipped="recall-chain",
+            fallback="search",
+        ),
     },
     who="memory",
 )
 FORMATS = {MEMORIES.of(kind).format: kind for kind in MEMORIES}
 
 
-def same_kind(kind: Kind, situation: AnySituation) -> None:
-    """Refuse a situation with another kind of arm."""
+def same_kind(kind: Kind, situation: AnySituation, columns: int = 0) -> None:
+    """Refuse a situation with another kind of arm, or with another number of joints.
+
+    Parameters
+    ----------
+    kind : Kind
+        Of the arms that a memory holds catches of.
+    situation : Situation
+    columns : int
+        Numbers of a knot in the memory, 0 while it is empty.
+    """
     found = kind_of(situation)
     if found != kind:
         raise ArmKindError(
             f"memory: holds catches of {kind.plural}, "
             f"asked with a {found.name} one ({situation.name!r})"
+        )
+    own = MEMORIES.of(kind).columns(situation.arm)
+    if columns not in (0, own):
+        raise ArmKindError(
+            f"memory: holds catches of {columns - 2} joints, "
+            f"asked with an arm of {own - 2} ({situation.name!r})"
         )
 
 

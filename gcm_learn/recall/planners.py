@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gcm_learn import artifacts, seeding
-from gcm_learn.arms import PLANAR, SPATIAL, Kind, kind_of
+from gcm_learn.arms import PLANAR, Kind, kind_of
 from gcm_learn.errors import RecallError
 from gcm_learn.motion import Failure
 from gcm_learn.planners import (
@@ -29,7 +29,7 @@ from gcm_learn.planners import (
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, HandTries, Tries, adapt, query_of
 from gcm_learn.recall.files import MANIFEST
 from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
-from gcm_learn.recall.index import index_class
+from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, same_kind
 from gcm_learn.recall.store import Memory
 from gcm_learn.recall.trials import Budget, Offer
@@ -75,13 +75,12 @@ class RecallPlanner:
     """Weight of a failure for memories that lie near, where scores are odds, as those of
     the learned index are; 0 keeps the order of recall. By default that of the kind of arm."""
 
-    other: Callable[[], RecallPlanner] | None = None
-    """Maker of the planner for the other kind of arm."""
+    other: Callable[[Kind], RecallPlanner] | None = None
+    """Maker of the planner for another kind of arm."""
 
     def takes(self, kind: Any) -> bool:
         """Return whether there is a memory for arms of a kind."""
-        known = [PLANAR, SPATIAL] if self.other is not None else [self.memory.kind]
-        return kind in known
+        return MEMORIES.takes(kind) if self.other is not None else kind == self.memory.kind
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
@@ -91,8 +90,8 @@ class RecallPlanner:
         """Answer a situation and say which memory the answer came from."""
         memory = self.memory
         if kind_of(situation) != memory.kind and self.other is not None:
-            return self.other().recollect(situation)
-        same_kind(memory.kind, situation)
+            return self.other(kind_of(situation)).recollect(situation)
+        same_kind(memory.kind, situation, memory.columns)
         kind = MEMORIES.of(memory.kind)
         problem = kind.problem(situation, self.name)
         answer = kind.early_answer(problem)
@@ -216,7 +215,8 @@ class HybridPlanner:
     """Recall first, plan when recall fails; with a deadline, also while there is time left."""
 
     recall: RecallPlanner
-    fallback: Planner = field(default_factory=lambda: get_planner("layered"))
+    fallback: Planner | None = None
+    """Plans where nothing is recalled; by default the usual one of the kind of arm."""
     name: str = "hybrid"
 
     def takes(self, kind: Any) -> bool:
@@ -248,7 +248,8 @@ class HybridPlanner:
             return replace(first, planner=self.name)
         caught = first.catch_time is not None and first.catch_time <= most
         bounded: dict[str, Any] = {}
-        if getattr(self.fallback, "anytime", False):
+        fallback = self.fallback or _planner(MEMORIES.of(situation).fallback)
+        if getattr(fallback, "anytime", False):
             asked = {"bound": bound, "deadline": limit}
             bounded = {name: value for name, value in asked.items() if value is not None}
         if caught:
@@ -256,7 +257,7 @@ class HybridPlanner:
             if "deadline" not in bounded or end <= 0.0 or bounded["deadline"].over:
                 return replace(first, planner=self.name)
             bounded |= {"bound": end}
-        second = self.fallback.plan(situation, **bounded)
+        second = fallback.plan(situation, **bounded)
         best = first if caught and not second.caught else second
         elapsed = first.planning_ms + second.planning_ms
         return replace(best, planner=self.name, planning_ms=elapsed, nodes=second.nodes)
@@ -315,20 +316,20 @@ def shipped_memory(name: str, kind: Kind = PLANAR) -> Memory:
         raise RecallError(f"{folder}: a memory of {memory.kind.name} arms, not of {kind.name} ones")
     if folder.name == own or name not in _REFILED:
         return memory
-    index = index_class(_REFILED[name])
-    return memory.refiled(index.fit(memory.situations(), 0))
+    return _refiled(memory, name)
 
 
 _memory = lru_cache(maxsize=8)(shipped_memory)
+_planner = lru_cache(maxsize=8)(get_planner)
 
 
 def _by_arm(planner: RecallPlanner, name: str) -> RecallPlanner:
-    """The planner, with the memory of a name in space for spatial arms."""
-    return replace(planner, other=partial(_in_space, planner, name))
+    """The planner, with the memory of a name for each other kind of arm."""
+    return replace(planner, other=partial(_of_kind, planner, name))
 
 
-def _in_space(planner: RecallPlanner, name: str) -> RecallPlanner:
-    return replace(planner, memory=_memory(name, SPATIAL))
+def _of_kind(planner: RecallPlanner, name: str, kind: Kind) -> RecallPlanner:
+    return replace(planner, memory=_memory(name, kind))
 
 
 def first_choice() -> RecallPlanner:
@@ -339,6 +340,31 @@ def first_choice() -> RecallPlanner:
 def hybrid() -> HybridPlanner:
     """Make the planner that recalls and then searches."""
     return HybridPlanner(_by_arm(RecallPlanner(_memory("recall"), name="hybrid"), "recall"))
+
+
+def with_memory(name: str, memory: Memory) -> RecallPlanner | HybridPlanner:
+    """Return the planner of a name, with a memory in place of its own.
+
+    Raises
+    ------
+    RecallError
+        If the planner of that name does not recall.
+    """
+    if name == "hybrid":
+        return HybridPlanner(RecallPlanner(memory, name=name))
+    if name == "recall":
+        return RecallPlanner(memory)
+    if name == "recall-1":
+        return RecallPlanner(memory, 1, name, novelty=0.0)
+    if name in _REFILED:
+        return RecallPlanner(_refiled(memory, name), name=name)
+    known = ", ".join(["hybrid", "recall", "recall-1", *_REFILED])
+    raise RecallError(f"planner {name!r}: takes no memory (planners that do: {known})")
+
+
+def _refiled(memory: Memory, name: str) -> Memory:
+    """Return the memory under the index of a control."""
+    return memory.refiled(index_class(_REFILED[name]).fit(memory.situations(), 0))
 
 
 def _recalling(name: str) -> RecallPlanner:

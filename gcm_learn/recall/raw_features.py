@@ -2,7 +2,8 @@
 
 Everything is known at t = 0: shapes, poses, and by the laws of motion the bodies' later places. All
 numbers are lengths. A planar arm has its hand on the x axis and its elbow on the right. A spatial
-one is a left arm in the frame of its base, and lengths are in reaches. A motion is given by three
+one is a left arm in the frame of its base, and lengths are in reaches. A chain is turned about its
+first joint until the target is ahead. A motion is given by three
 places, at t = 0 and at half and all of the horizon. For constant acceleration that is position,
 velocity and acceleration, and it serves pendulums too.
 """
@@ -14,27 +15,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import Chain, SpatialArm
+from gcm_learn.arms.chain_limb import ChainLimb
+from gcm_learn.arms.limbs import hand_of, link, link_count, place
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
+from gcm_learn.motion.joint_interception import approach_axis, has_approach
+from gcm_learn.recall.headings import AHEAD, Heading, heading_of, nearest_target
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     HAND,
     PART,
     REACH,
     SPIN,
+    WITHIN,
     pose_at,
 )
 from gcm_learn.scene.packing import pack
+from gcm_learn.scene.shapes.ball import off_bone
 from gcm_learn.scene.shapes.choice import long_axis
 from gcm_learn.situation import Situation, spatial_frame_of
 
 SLOTS = 4  # obstacles that are included, the nearest to hand, arm and path first
 HAND_ARM, JOINT_ARM = 7, 20  # numbers of the arm
 TARGET, OBSTACLE = 10, 14  # numbers of a target, of an obstacle
+CHAIN_ARM = 8  # numbers of a chain besides two for each joint
 HAND_COUNT = HAND_ARM + TARGET + SLOTS * OBSTACLE
 JOINT_COUNT = JOINT_ARM + TARGET + SLOTS * OBSTACLE
 INSTANTS = 9  # at which nearness is measured
@@ -58,6 +66,15 @@ class JointView(NamedTuple):
 
     limb: tuple[float, float, float, float, float, float]  # elbow and hand
     side: float  # -1 for a right arm
+    unit: float  # length of 1
+    arm: int  # numbers of the arm
+
+
+class ChainView(NamedTuple):
+    """Frame of a chain."""
+
+    limb: ChainLimb
+    heading: Heading
     unit: float  # length of 1
     arm: int  # numbers of the arm
 
@@ -98,6 +115,26 @@ def joint_raw_features(situation: Situation[SpatialArm], scene: Scene | None = N
     out[16] = 1.0 / (1.0 + speed)
     out[17:20] = scene.limb.rho / arm.reach, arm.thickness / arm.reach, arm.grasp / arm.reach
     _fill_by_joints(scene, -1.0 if frame.mirrored else 1.0, arm.reach, out)
+    return out
+
+
+def chain_raw_features(situation: Situation[Chain], scene: Scene | None = None) -> np.ndarray:
+    """Return the raw parameters (CHAIN_ARM + 2 n + TARGET + SLOTS * OBSTACLE,) float32 of a chain.
+
+    Slots without an obstacle are 0.
+    """
+    arm, n = situation.arm, len(situation.arm.joints)
+    scene = pack(situation) if scene is None else scene
+    head = 2 * n + CHAIN_ARM
+    out = np.zeros(head + TARGET + SLOTS * OBSTACLE, dtype=np.float32)
+    heading = heading_of(scene.limb, scene)
+    out[:n] = scene.limb.start - heading.shift
+    # slow joints count, fast ones are as good as no limit
+    out[n : 2 * n] = 1.0 / (1.0 + np.array(arm.max_joint_speed) * situation.horizon)
+    out[2 * n : 2 * n + 2] = np.array(arm.joint_range[0]) - heading.shift[0]
+    speed = scene.limits.speed * situation.horizon / arm.reach
+    out[2 * n + 2 : 2 * n + 4] = 1.0 / (1.0 + speed), arm.grasp / arm.reach
+    _fill_by_chain(ChainView(scene.limb, heading, arm.reach, head), scene, out)
     return out
 
 
@@ -153,6 +190,20 @@ def _fill_by_joints(scene, side, reach, out):
 
 
 @njit
+def _fill_by_chain(view, scene, out):
+    """Fill in the bodies for a chain, and the target's approach."""
+    poses = np.zeros((scene.bodies.rows.shape[0], 12))
+    target = nearest_target(scene, poses)
+    if has_approach(scene, target):
+        axis = approach_axis(scene, target, AHEAD * scene.limits.horizon, poses)
+        for r in range(3):
+            for j in range(3):
+                out[view.arm - 4 + r] += view.heading.rows[r, j] * axis[j]
+        out[view.arm - 1] = np.cos(scene.bodies.rows[target, WITHIN])
+    _fill(view, scene.bodies, scene.limits.horizon, out)
+
+
+@njit
 def _away2_of_hand(view, poses, b):
     """Return the squared distance of body b from the hand, in the plane."""
     return (poses[b, 0] - view.x) ** 2 + (poses[b, 1] - view.y) ** 2
@@ -165,6 +216,13 @@ def _away2_in_space(view, poses, b):
     for j in range(3):
         away += (poses[b, j] - view.limb[3 + j]) ** 2
     return away
+
+
+@njit
+def _away2_of_chain(view, poses, b):
+    """Return the squared distance of body b from the hand of a chain."""
+    x, y, z = hand_of(view.limb, place(view.limb, view.limb.start))
+    return (poses[b, 0] - x) ** 2 + (poses[b, 1] - y) ** 2 + (poses[b, 2] - z) ** 2
 
 
 @njit
@@ -188,6 +246,20 @@ def _gap_in_space(view, bodies, b, t, goal, poses):
 
 
 @njit
+def _gap_to_chain(view, bodies, b, t, goal, poses):
+    """Return the distance of a ball about body b from the links and the hand's way to the goal."""
+    pose_at(bodies, b, t, poses)
+    limb, x, y, z = view.limb, poses[b, 0], poses[b, 1], poses[b, 2]
+    where = place(limb, limb.start)
+    hx, hy, hz = hand_of(limb, where)
+    gap = off_bone(x - hx, y - hy, z - hz, goal[0] - hx, goal[1] - hy, goal[2] - hz)
+    for i in range(link_count(limb)):
+        ax, ay, az, bx, by, bz, radius = link(limb, where, i)
+        gap = min(gap, off_bone(x - ax, y - ay, z - az, bx - ax, by - ay, bz - az) - radius)
+    return gap - bodies.rows[b, REACH]
+
+
+@njit
 def _place_by_hand(view, poses, b, out, at):
     """Write the centre of body b (3)."""
     px, py = poses[b, 0], poses[b, 1]
@@ -202,6 +274,17 @@ def _place_in_space(view, poses, b, out, at):
     for j in range(3):
         place = poses[b, j] / view.unit * (view.side if j == 1 else 1.0)
         out[at + j] = min(max(place, -FAR), FAR)
+
+
+@njit
+def _place_by_chain(view, poses, b, out, at):
+    """Write the centre of body b (3)."""
+    rows, origin = view.heading.rows, view.heading.origin
+    for r in range(3):
+        there = 0.0
+        for j in range(3):
+            there += rows[r, j] * (poses[b, j] - origin[j])
+        out[at + r] = min(max(there / view.unit, -FAR), FAR)
 
 
 @njit
@@ -225,10 +308,23 @@ def _axis_in_space(view, bodies, b, _horizon, poses, out, at):
         out[at + j] = abs(along) / view.unit
 
 
-_away2 = by_type({HandView: _away2_of_hand, JointView: _away2_in_space})
-_gap = by_type({HandView: _gap_by_ball, JointView: _gap_in_space})
-_place = by_type({HandView: _place_by_hand, JointView: _place_in_space})
-_axis = by_type({HandView: _axis_by_hand, JointView: _axis_in_space})
+@njit
+def _axis_by_chain(view, bodies, b, _horizon, poses, out, at):
+    """Write the axis of body b (3), which has no head."""
+    x, y, z = long_axis(bodies, b)
+    rows = view.heading.rows
+    for r in range(3):
+        along = 0.0
+        for j in range(3):
+            part = poses[b, 3 + 3 * j] * x + poses[b, 4 + 3 * j] * y + poses[b, 5 + 3 * j] * z
+            along += rows[r, j] * part
+        out[at + r] = abs(along) / view.unit
+
+
+_away2 = by_type({HandView: _away2_of_hand, JointView: _away2_in_space, ChainView: _away2_of_chain})
+_gap = by_type({HandView: _gap_by_ball, JointView: _gap_in_space, ChainView: _gap_to_chain})
+_place = by_type({HandView: _place_by_hand, JointView: _place_in_space, ChainView: _place_by_chain})
+_axis = by_type({HandView: _axis_by_hand, JointView: _axis_in_space, ChainView: _axis_by_chain})
 
 
 @njit

@@ -15,7 +15,8 @@ from gcm_learn.arms import PLANAR, Kind
 from gcm_learn.errors import RecallError
 from gcm_learn.recall.book import Book
 from gcm_learn.recall.files import packed, read_arrays, read_manifest, unpacked, write_memory
-from gcm_learn.recall.index import Index, index_class
+from gcm_learn.recall.index import Index
+from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, kind_of_format, same_kind
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.waypoints import Waypoints
@@ -51,7 +52,7 @@ class Memory:
         "auto" takes cells where a learned index files many, else faiss from 100,000 entries on if
         it is installed.
     kind : Kind
-        Of the arms that it holds catches of: `PLANAR` or `SPATIAL`.
+        Of the arms that it holds catches of.
 
     Examples
     --------
@@ -135,8 +136,13 @@ class Memory:
 
     @property
     def knots(self) -> np.ndarray:
-        """(n, KNOTS, 4) float32: knots of `Waypoints`; in space (n, KNOTS, 6) of theirs."""
+        """(n, KNOTS, 4) float32: knots of `Waypoints`; of joints (n, KNOTS, joints + 2)."""
         return self._columns["traces"][: self._size]
+
+    @property
+    def columns(self) -> int:
+        """Numbers of a knot, 0 while nothing is remembered."""
+        return int(self.knots.shape[2]) if self._size else 0
 
     @property
     def goals(self) -> np.ndarray:
@@ -183,7 +189,7 @@ class Memory:
         if count == 0:
             return
         for situation in situations:
-            same_kind(self.kind, situation)
+            same_kind(self.kind, situation, self.columns)
         turned = [canonical(s)[0] for s in situations]
         words = (families or [""] * count, strata or [""] * count)
         texts = [packed(s) for s in turned]
@@ -337,8 +343,9 @@ class Memory:
             old = self._columns[name]
             if size > len(old) or not old.flags.writeable:
                 rows = max(int(SPARE * size), 64)
-                grown = np.zeros((rows, *old.shape[1:]), old.dtype)
-                grown[: self._size] = old[: self._size]
+                grown = np.zeros((rows, *fresh[name].shape[1:]), old.dtype)
+                if self._size:
+                    grown[: self._size] = old[: self._size]
                 self._columns[name] = grown
             self._columns[name][self._size : size] = fresh[name]
         self._texts += texts

@@ -14,11 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms.curves import hermite
-from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
-from gcm_learn.motion.joint_interception import target_room
+from gcm_learn.motion.joint_interception import ANGLE, approach_excess, target_room
 from gcm_learn.motion.joint_verification import NOTHING, piece_fault
 from gcm_learn.planners.joints.moves import Study, time_of
 from gcm_learn.planners.joints.pull import pulled
@@ -50,6 +49,7 @@ class TimedQuery(NamedTuple):
 
     study: Study
     turns: np.ndarray  # (dof,): signs that make joints of a left arm those of this one
+    shift: np.ndarray  # (dof,): added to them, see `recall.headings`
 
 
 @njit(_nrt=False)
@@ -141,8 +141,11 @@ def _adapted(study, b, until, work):
         return False
     _sampled(work)
     _follow(study, track)
-    _, _, _, x, y, z = limb_at(scene.limb, track.joints[STEPS])
+    where = place(scene.limb, track.joints[STEPS])
+    x, y, z = hand_of(scene.limb, where)
     if target_room(scene, b, x, y, z, track.time[STEPS], desk.poses) > study.catch:
+        return False
+    if approach_excess(scene.limits, scene, where, b, track.time[STEPS], desk.poses) > ANGLE:
         return False
     for k in range(STEPS):
         span = _piece(track, k, desk.curve)

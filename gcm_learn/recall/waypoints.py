@@ -7,13 +7,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import Arm, SpatialArm
+from gcm_learn.arms import Arm
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Movement, opening
 from gcm_learn.motion.timing import segment_times
 from gcm_learn.planners import Plan, study_of
 from gcm_learn.recall.hand_paths import ANGLE, RING
 from gcm_learn.recall.hand_paths import KNOTS as HAND_KNOTS
+from gcm_learn.recall.headings import heading_of
 from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS
 from gcm_learn.recall.joint_moves import centre_of, least_times
 from gcm_learn.scene import pack
@@ -39,12 +40,13 @@ class Waypoints(NamedTuple):
     the same to arms of other proportions.
 
     Knots of a spatial arm are joints of a left arm [rad]. Its goal is the target's centre, and the
-    hand from there, in the frame of the left arm's base [reaches].
+    hand from there, in the frame of the left arm's base [reaches]. A chain is turned about its
+    first joint until the target is ahead; see `recall.headings`.
     """
 
     knots: np.ndarray
-    """(24, 4) or (12, 6) float32: place, time [s], and earliest time [s]: after a wait that time,
-    else 0."""
+    """(24, 4) or (12, joints + 2) float32: place, time [s], and earliest time [s]: after a wait
+    that time, else 0."""
     goal: np.ndarray
     """(2,) or (6,) float32: place of the target's centre when it is caught."""
 
@@ -158,8 +160,8 @@ def waypoints_of_path(situation: Situation, trajectory: Movement, goal: np.ndarr
     return Waypoints(knots, np.array([turn, share], dtype=np.float32))
 
 
-def joint_waypoints(situation: Situation[SpatialArm], plan: Plan) -> Waypoints:
-    """Return the catch of a spatial arm as memory keeps it; see `waypoints_of`."""
+def joint_waypoints(situation: Situation[Any], plan: Plan) -> Waypoints:
+    """Return the catch of a spatial arm or a chain as memory keeps it; see `waypoints_of`."""
     path, body = _caught(situation, plan)
     turned, frame = canonical(situation)
     seen = path.time if path.rates is None else np.linspace(0.0, path.duration, INSTANTS)
@@ -167,8 +169,10 @@ def joint_waypoints(situation: Situation[SpatialArm], plan: Plan) -> Waypoints:
     time = knot_times(seen, joints, JOINT_KNOTS, CLOSE_JOINTS)
     at, scene = frame.canonical_joints(path.joints_at(time)), pack(turned)
     least = least_times(study_of(scene, opening(scene).rules), at)
-    knots = _knots(at, time, (SLOW if path.rates is None else RESTS) * least)
-    hand, centre = frame.canonical(path.hand[-1]), centre_of(scene.bodies, body, path.duration)
+    heading = heading_of(scene.limb, scene)
+    knots = _knots(at - heading.shift, time, (SLOW if path.rates is None else RESTS) * least)
+    hand = heading.points(frame.canonical(path.hand[-1]))
+    centre = heading.points(centre_of(scene.bodies, body, path.duration))
     goal = np.concatenate([centre, hand - centre]) / situation.arm.reach
     return Waypoints(knots, goal.astype(np.float32))
 

@@ -84,7 +84,7 @@ def test_a_cluster_makes_the_same_memory(folder, scheduler, tmp_path, monkeypatc
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["--index", "best"], "index: 'best' is not one of raw, random, pca, learned"),
+        (["--index", "best"], "index: 'best' is not one of raw, change, random, pca, learned"),
         (["--most", "0"], "--most 0: must be at least 1"),
         (["--seed", "-1"], "--seed -1: must not be negative"),
         (["--planner", "gmc"], "planner: 'gmc' has no plans"),

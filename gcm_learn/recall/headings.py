@@ -1,0 +1,133 @@
+"""Headings: a chain turned about its X  A spatial arm has no heading; its symmetry is a mirror, see
+`situation.spatial_frame`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import SPATIAL, ByKind
+from gcm_learn.arms.chain_limb import PRISMATIC, ChainLimb, place
+from gcm_learn.arms.limbs import axis_of, hand_of
+from gcm_learn.arms.limbs import place as place_of
+from gcm_learn.arms.spatial_limb import SpatialLimb
+from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
+from gcm_learn.motion.joint_interception import approach_axis, has_approach
+from gcm_learn.scene.bodies import HAND, PART, pose_at
+from gcm_learn.situation import AnySituation, spatial_frame_of
+
+AHEAD = 0.7  # instant at which the target is ahead [horizons]
+NOTHING = 1e-9  # distance from the axis below which a target has no direction [reaches]
+
+
+class Heading(NamedTuple):
+    """Frame in which the target is ahead: x to it, z along the first joint's axis."""
+
+    rows: np.ndarray  # (3, 3): its axes in the frame of the base
+    origin: np.ndarray  # (3,): a point on the first joint's axis
+    shift: np.ndarray  # (n,): joints that are 0 in it [rad]
+
+    def points(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of the base's frame in this one."""
+        turned: np.ndarray = (points - self.origin) @ self.rows.T
+        return turned
+
+
+@njit(_nrt=False)
+def nearest_target(scene, poses):
+    """The target that is nearest to the hand at t = 0; -1 without targets."""
+    x, y, z = hand_of(scene.limb, place_of(scene.limb, scene.limb.start))
+    target, nearest = -1, 1e300
+    for b in range(scene.bodies.rows.shape[0]):
+        if scene.bodies.rows[b, PART] == HAND:
+            pose_at(scene.bodies, b, 0.0, poses)
+            away = (poses[b, 0] - x) ** 2 + (poses[b, 1] - y) ** 2 + (poses[b, 2] - z) ** 2
+            if away < nearest:
+                target, nearest = b, away
+    return target
+
+
+@njit
+def track_of(scene, instants):
+    """Places and approaches (instants, 3) of the target, evenly over the horizon.
+
+    Both are in the frame of the base; without an approach its numbers are 0.
+    """
+    places, axes = np.zeros((instants, 3)), np.zeros((instants, 3))
+    poses = np.zeros((scene.bodies.rows.shape[0], 12))
+    target = nearest_target(scene, poses)
+    for k in range(instants):
+        t = scene.limits.horizon * (k + 1) / instants
+        pose_at(scene.bodies, target, t, poses)
+        places[k] = poses[target, :3]
+        if has_approach(scene, target):
+            axes[k, 0], axes[k, 1], axes[k, 2] = approach_axis(scene, target, t, poses)
+    return places, axes
+
+
+@njit
+def axis_at(limb, q):
+    """Axis (3,) of the hand at joints q (n,)."""
+    return np.array(axis_of(limb, place_of(limb, q)))
+
+
+@njit
+def _straight(limb, scene):
+    return Heading(np.eye(3), np.zeros(3), np.zeros(limb.start.size))
+
+
+@njit
+def _turned(limb, scene):
+    out = Heading(np.eye(3), np.zeros(3), np.zeros(limb.start.size))
+    poses = np.zeros((scene.bodies.rows.shape[0], 12))
+    target = nearest_target(scene, poses)
+    if limb.joints[0, 0] == PRISMATIC or target < 0:
+        return out
+    place(limb, limb.start)
+    axis = limb.axes[0, 3:6].copy()
+    pose_at(scene.bodies, target, AHEAD * scene.limits.horizon, poses)
+    off = poses[target, :3] - limb.axes[0, :3]
+    off -= np.sum(off * axis) * axis
+    size = np.sqrt(np.sum(off * off))
+    if size <= NOTHING * limb.reach:
+        return out
+    first = np.zeros(3)
+    first[np.argmin(np.abs(axis))] = 1.0
+    first -= np.sum(first * axis) * axis
+    first /= np.sqrt(np.sum(first * first))
+    side = np.cross(axis, off) / size
+    angle = np.arctan2(-np.sum(side * first), np.sum(off * first) / size)
+    out.origin[:] = limb.axes[0, :3]
+    out.rows[0], out.rows[1], out.rows[2] = off / size, side, axis
+    turn = limb.start[0] - angle
+    out.shift[0] = angle + 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
+    return out
+
+
+heading_of = by_type({SpatialLimb: _straight, ChainLimb: _turned})
+"""Heading of a limb in a scene: that of the nearest target, late in the horizon.
+
+The first joint is within half a turn of 0 in it at t = 0.
+"""
+
+
+def _mirrors(situation: AnySituation) -> np.ndarray:
+    arm: Any = situation.arm
+    return spatial_frame_of(situation).canonical_joints(np.ones(len(arm.joints)))  # type: ignore[arg-type]
+
+
+def _ones(situation: AnySituation) -> np.ndarray:
+    arm: Any = situation.arm
+    return np.ones(len(arm.joints))
+
+
+_SIGNS = ByKind({SPATIAL: _mirrors}, default=_ones)
+
+
+def signs_of(situation: AnySituation) -> np.ndarray:
+    """Return the signs (n,) of a situation's joints, by those of its canonical form."""
+    signs: np.ndarray = _SIGNS.of(situation)(situation)
+    return signs
