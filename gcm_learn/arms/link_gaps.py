@@ -1,6 +1,8 @@
-"""Distances of two links of one limb, whose ends are rows of an array."""
+"""Links of one limb, whose ends are rows of an array: distances, and which are near a point."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from gcm_learn.compiled import njit
 
@@ -28,3 +30,38 @@ def segments_gap2(r, i, j):
             s = min(max((b * t - c) / a, 0.0), 1.0)
     x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
     return x * x + y * y + z * z
+
+
+@njit(_nrt=False)
+def nearest_pair(pairs, radii, r, balls, ways, enough):
+    """Distance of the nearest of some pairs of links, and the same less slack; see `self_gap`."""
+    best, room = 1e300, 1e300
+    for k in range(pairs.shape[0]):
+        i, j = pairs[k, 0], pairs[k, 1]
+        slip = ways[i] + ways[j]
+        far = enough + slip + balls[i, 3] + balls[j, 3]
+        x, y, z = balls[i, 0] - balls[j, 0], balls[i, 1] - balls[j, 1], balls[i, 2] - balls[j, 2]
+        if far < 0.0 or x * x + y * y + z * z > far * far:
+            continue
+        gap = np.sqrt(max(segments_gap2(r, i, j), 0.0)) - radii[i] - radii[j]
+        best, room = min(best, gap), min(room, gap - slip)
+    return best, room
+
+
+@njit(_nrt=False)
+def near_links(balls, ways, x, y, z, far, near):
+    """Write the links whose balls are within `far` of a point, less their slack, into `near`.
+
+    Returns
+    -------
+    int
+        Number of these links.
+    """
+    count = 0
+    for i in range(ways.size):
+        u, v, w = x - balls[i, 0], y - balls[i, 1], z - balls[i, 2]
+        most = far + balls[i, 3] + ways[i]
+        near[count] = i
+        if most >= 0.0 and u * u + v * v + w * w <= most * most:
+            count += 1
+    return count

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.chain_limb import ChainLimb, near_links
+from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.limbs import (
     dof,
@@ -26,6 +26,7 @@ from gcm_learn.arms.limbs import (
     still,
     swept,
 )
+from gcm_learn.arms.link_gaps import near_links
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.solids import bone_distance, point_distance
 from gcm_learn.compiled import njit
@@ -173,17 +174,14 @@ def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
     count = near_links(limb.balls, limb.ways, x, y, z, far, limb.near)
     if count == 0:
         return 1e300, 1e300
-    return _gap_to_near(
-        limb.near, count, limb.reaches, limb.balls, limb.radii, limb.ways, limb.ignored, bodies, b,
-        t, turned, off, enough, poses,
-    )  # fmt: skip
+    links = (limb.near, limb.reaches, limb.balls, limb.radii, limb.ways, limb.ignored)
+    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, poses)
 
 
 @njit(_nrt=False)
-def _gap_to_near(
-    near, count, links, balls, radii, ways, ignored, bodies, b, t, turned, off, enough, poses
-):
+def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, poses):
     """Ask some links.  The ball about a link settles most, the distance of its axis the others."""
+    near, links, balls, radii, ways, ignored = arrays
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     best, room = 1e300, 1e300
     for k in range(count):

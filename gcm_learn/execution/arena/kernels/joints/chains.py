@@ -57,8 +57,8 @@ def _row_of(limb: ChainLimb, pairs: int, bodies: int) -> np.ndarray:
     counts = [len(limb.radii), len(limb.pairs), pairs, bodies]
     parts = (
         counts, limb.start, limb.rates, limb.joints, limb.low, limb.high, limb.carriers, limb.ends,
-        limb.radii, limb.tails, [limb.reach, limb.thickness, limb.length], limb.pairs, more,
-        ignored,
+        limb.radii, limb.balls, limb.tails, [limb.reach, limb.thickness, limb.length], limb.pairs,
+        more, ignored,
     )  # fmt: skip
     return np.concatenate([np.ravel(part).astype(float) for part in parts])
 
@@ -69,10 +69,11 @@ def blank(world):
     n, row = (world.limits.shape[1] - 3) // 2, world.limbs[0]
     m, pairs, bodies = int(row[LINKS]), int(row[MOST_PAIRS]), int(row[MOST_BODIES])
     return ChainLimb(
-        np.zeros((n, 16)), np.zeros(n), np.zeros(n), np.zeros(m + 1, np.int64),
+        np.zeros((n, 13)), np.zeros(n), np.zeros(n), np.zeros(m + 1, np.int64),
         np.zeros((m + 1, 6)), np.zeros(m), np.zeros((pairs, 2), np.int64),
         np.zeros((m, bodies), np.bool_), np.zeros(n), 1.0, 0.0, 1.0, np.zeros(n), np.zeros(n),
-        _first_frame(n), np.zeros((n, 6)), np.zeros((m + 1, 6)), np.zeros(m), np.zeros(n),
+        _first_frame(n), np.zeros((n, 6)), np.zeros((m + 1, 6)), np.zeros((m, 4)),
+        np.zeros(m, np.int64), np.zeros(m), np.zeros(n), np.zeros(n),
     )  # fmt: skip
 
 
@@ -109,7 +110,7 @@ def limb_in(limb, world, s):
     at = _read(row, _read(row, FIRST, limb.start), limb.rates)
     at = _read(row, _read(row, _read_table(row, at, limb.joints), limb.low), limb.high)
     at = _read_table(row, _read(row, at, limb.carriers), limb.ends)
-    at = _read(row, _read(row, at, limb.radii), limb.tails)
+    at = _read(row, _read_table(row, _read(row, at, limb.radii), limb.balls), limb.tails)
     reach, thickness, length = row[at], row[at + 1], row[at + 2]
     most = int(row[MOST_PAIRS])
     pairs = limb.pairs[: int(row[PAIRS])]
@@ -122,7 +123,7 @@ def limb_in(limb, world, s):
     return ChainLimb(
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, pairs,
         limb.ignored, limb.tails, reach, thickness, length, limb.start, limb.rates, limb.frames,
-        limb.axes, limb.reaches, limb.ways, limb.turns,
+        limb.axes, limb.reaches, limb.balls, limb.near, limb.ways, limb.turns, limb.paces,
     )  # fmt: skip
 
 
@@ -139,8 +140,11 @@ class Buffers(NamedTuple):
     frames: np.ndarray  # (2, n + 1, 12)
     axes: np.ndarray  # (2, n, 6)
     reaches: np.ndarray  # (2, m + 1, 6)
+    balls: np.ndarray  # (2, m, 4)
+    near: np.ndarray  # (m,)
     ways: np.ndarray  # (m,)
     turns: np.ndarray  # (n,)
+    paces: np.ndarray  # (n,)
     posture: np.ndarray  # (1, 2 n)
     rows: np.ndarray  # (4, n)
     curve: np.ndarray  # (n, 4)
@@ -153,18 +157,21 @@ def buffers(limb):
     frames = np.zeros((2, n + 1, 12))
     frames[0], frames[1] = _first_frame(n), _first_frame(n)
     return Buffers(
-        frames, np.zeros((2, n, 6)), np.zeros((2, m + 1, 6)), np.zeros(m), np.zeros(n),
-        np.zeros((1, 2 * n)), np.zeros((4, n)), np.zeros((n, 4)),
+        frames, np.zeros((2, n, 6)), np.zeros((2, m + 1, 6)), np.zeros((2, m, 4)),
+        np.zeros(m, np.int64), np.zeros(m), np.zeros(n), np.zeros(n), np.zeros((1, 2 * n)),
+        np.zeros((4, n)), np.zeros((n, 4)),
     )  # fmt: skip
 
 
 @njit(_nrt=False)
 def beside(limb, own, k):
     """Return a limb that writes its places into the buffers."""
+    own.balls[k, :, 3] = limb.balls[:, 3]
     return ChainLimb(
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, limb.pairs,
         limb.ignored, limb.tails, limb.reach, limb.thickness, limb.length, limb.start, limb.rates,
-        own.frames[k], own.axes[k], own.reaches[k], own.ways, own.turns,
+        own.frames[k], own.axes[k], own.reaches[k], own.balls[k], own.near, own.ways, own.turns,
+        own.paces,
     )  # fmt: skip
 
 

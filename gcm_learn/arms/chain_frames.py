@@ -1,0 +1,130 @@
+"""Frames and links of a chain in plain arrays, and bounds of their motion.
+
+Calls hand over every array of a tuple, number by number, which takes as long as the work of a small
+function.  So these kernels take the arrays that they need.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.arms.curves import rate_of, turn_of
+from gcm_learn.compiled import njit
+
+REVOLUTE, PRISMATIC = 0.0, 1.0
+
+
+@njit(_nrt=False)
+def place_links(carriers, ends, frames, out, balls):
+    """Write ends and balls of links, and last the hand's point and axis, by the frames."""
+    for m in range(carriers.size):
+        k = carriers[m]
+        a, b, c, x = frames[k, 0], frames[k, 1], frames[k, 2], frames[k, 9]
+        d, e, f, y = frames[k, 3], frames[k, 4], frames[k, 5], frames[k, 10]
+        g, h, i, z = frames[k, 6], frames[k, 7], frames[k, 8], frames[k, 11]
+        u, v, w = ends[m, 0], ends[m, 1], ends[m, 2]
+        r, s, t = ends[m, 3], ends[m, 4], ends[m, 5]
+        px, py, pz = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        qx, qy, qz = a * r + b * s + c * t, d * r + e * s + f * t, g * r + h * s + i * t
+        out[m, 0], out[m, 1], out[m, 2] = px + x, py + y, pz + z
+        if m + 1 < carriers.size:  # the hand's axis is no point
+            qx, qy, qz = qx + x, qy + y, qz + z
+            balls[m, 0], balls[m, 1] = 0.5 * (px + qx + x), 0.5 * (py + qy + y)
+            balls[m, 2] = 0.5 * (pz + qz + z)
+        out[m, 3], out[m, 4], out[m, 5] = qx, qy, qz
+
+
+@njit(_nrt=False)
+def place_frames(rows, q, frames, axes):
+    """Write frames and axes.  The frame at hand is kept in numbers: arrays may overlap."""
+    a, b, c, d, e, f, g, h, i = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(q.size):
+        u, v, w = rows[k, 1], rows[k, 2], rows[k, 3]
+        x, y, z = (
+            x + a * u + b * v + c * w, y + d * u + e * v + f * w, z + g * u + h * v + i * w
+        )  # fmt: skip
+        u, v, w = rows[k, 4], rows[k, 7], rows[k, 10]
+        ax, ay, az = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        u, v, w = rows[k, 5], rows[k, 8], rows[k, 11]
+        bx, by, bz = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        u, v, w = rows[k, 6], rows[k, 9], rows[k, 12]
+        c, f, i = a * u + b * v + c * w, d * u + e * v + f * w, g * u + h * v + i * w
+        axes[k, 0], axes[k, 1], axes[k, 2] = x, y, z
+        axes[k, 3], axes[k, 4], axes[k, 5] = c, f, i
+        if rows[k, 0] == REVOLUTE:
+            u, v = np.cos(q[k]), np.sin(q[k])
+            a, d, g = u * ax + v * bx, u * ay + v * by, u * az + v * bz
+            b, e, h = u * bx - v * ax, u * by - v * ay, u * bz - v * az
+        else:
+            a, d, g, b, e, h = ax, ay, az, bx, by, bz
+            x, y, z = x + c * q[k], y + f * q[k], z + i * q[k]
+        frames[k + 1, 0], frames[k + 1, 1], frames[k + 1, 2] = a, b, c
+        frames[k + 1, 3], frames[k + 1, 4], frames[k + 1, 5] = d, e, f
+        frames[k + 1, 6], frames[k + 1, 7], frames[k + 1, 8] = g, h, i
+        frames[k + 1, 9], frames[k + 1, 10], frames[k + 1, 11] = x, y, z
+
+
+@njit(_nrt=False, forceinline=True)
+def _turned_by(axes, k, x, y, z):
+    """Velocity (3) of a point that joint k turns at a unit of rate."""
+    px, py, pz = x - axes[k, 0], y - axes[k, 1], z - axes[k, 2]
+    ax, ay, az = axes[k, 3], axes[k, 4], axes[k, 5]
+    return ay * pz - az * py, az * px - ax * pz, ax * py - ay * px
+
+
+@njit(_nrt=False, forceinline=True)
+def travel_of(joints, axes, reaches, last, i, turns, rates, half):
+    """Bound how far points of link i travel from share s of a move to s +- half.
+
+    There are two bounds; on a link the farther end bounds all points.
+
+    Joint by joint, the outermost moves first: it carries points no farther than its turn times
+    their distance to its axis, which is where `place` left it.  Each joint before it finds them
+    displaced by what the others did.
+
+    Or all joints move at once, and points go on with their velocity at s.  They stray by what rates
+    change, and by their acceleration: each joint turns the velocity that joints beyond it give.
+
+    Parameters
+    ----------
+    last : int
+        Joints before this one carry the link.
+    turns : (n,) ndarray
+        Bound how far each joint turns.
+    rates : (n,) ndarray
+        Of the joints at s, per share.
+    """
+    way, stray, before = 0.0, 0.0, 0.0
+    x, y, z = reaches[i, 0], reaches[i, 1], reaches[i, 2]
+    u, v, w = reaches[i, 3], reaches[i, 4], reaches[i, 5]
+    ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(last):
+        before += turns[k] if joints[k, 0] == REVOLUTE else 0.0
+    for k in range(last - 1, -1, -1):
+        if turns[k] > 0.0:
+            if joints[k, 0] == PRISMATIC:
+                px, py, pz = axes[k, 3], axes[k, 4], axes[k, 5]
+                qx, qy, qz, gain, turn = px, py, pz, turns[k], 0.0
+                changed = turns[k] - half * abs(rates[k])
+            else:
+                px, py, pz = _turned_by(axes, k, x, y, z)
+                qx, qy, qz = _turned_by(axes, k, u, v, w)
+                off = max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
+                off, turn = np.sqrt(off) + way, turns[k]
+                gain, changed = turn * off, (turn - half * abs(rates[k])) * off
+            way += gain
+            before -= turn
+            stray += changed + gain * (before + 0.5 * turn)
+            ax, ay, az = ax + rates[k] * px, ay + rates[k] * py, az + rates[k] * pz
+            bx, by, bz = bx + rates[k] * qx, by + rates[k] * qy, bz + rates[k] * qz
+    fast = np.sqrt(max(ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz))
+    return min(way, half * fast + stray)
+
+
+@njit(_nrt=False)
+def sweep_links(joints, axes, reaches, carriers, curve, s, half, turns, rates, ways):
+    for k in range(turns.size):
+        turns[k], rates[k] = turn_of(curve, k, s, half), rate_of(curve, k, s)
+    for i in range(ways.size):
+        ways[i] = travel_of(joints, axes, reaches, carriers[i], i, turns, rates, half)
