@@ -166,7 +166,8 @@ def buffers(limb):
 @njit(_nrt=False)
 def beside(limb, own, k):
     """Return a limb that writes its places into the buffers."""
-    own.balls[k, :, 3] = limb.balls[:, 3]
+    for i in range(limb.radii.size):
+        own.balls[k, i, 3] = limb.balls[i, 3]
     return ChainLimb(
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, limb.pairs,
         limb.ignored, limb.tails, limb.reach, limb.thickness, limb.length, limb.start, limb.rates,
@@ -177,9 +178,17 @@ def beside(limb, own, k):
 
 @njit(_nrt=False)
 def gap_of(limb, place, bodies, b, t, enough, poses):
-    """As the table says."""
+    """As the table says.  Balls about links and body bound what is farther than `enough`."""
     found, _ = gap_to(limb, place, still(limb), bodies, b, t, 0.0, enough, poses)
-    return found
+    if found < 1e300:
+        return found
+    for i in range(limb.radii.size):
+        x, y, z = (
+            poses[b, 0] - limb.balls[i, 0], poses[b, 1] - limb.balls[i, 1],
+            poses[b, 2] - limb.balls[i, 2],
+        )  # fmt: skip
+        found = min(found, np.sqrt(x * x + y * y + z * z) - limb.balls[i, 3])
+    return found - bodies.rows[b, REACH]
 
 
 @njit(_nrt=False, forceinline=True)
