@@ -124,6 +124,7 @@ def travel_of(joints, axes, reaches, last, i, turns, rates, half):
 
 @njit(_nrt=False)
 def sweep_links(joints, axes, reaches, carriers, curve, s, half, turns, rates, ways):
+    """Write how far points of each link travel into `ways` (m,); see `swept`."""
     for k in range(turns.size):
         turns[k], rates[k] = turn_of(curve, k, s, half), rate_of(curve, k, s)
     for i in range(ways.size):

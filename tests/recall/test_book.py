@@ -128,6 +128,7 @@ def test_a_memory_that_was_saved_grows_on_as_if_nothing_had_been(lived, tmp_path
     assert same(second, whole)
 
 
+@pytest.mark.slow
 def test_in_space_a_memory_forgets_what_others_cover_and_grows_on(tmp_path):
     names = ("window-space", "late-target-space", "pendulum-space")
     situations = [families.draw(names[k % 3], 172, k) for k in range(36)]

@@ -178,17 +178,8 @@ def beside(limb, own, k):
 
 @njit(_nrt=False)
 def gap_of(limb, place, bodies, b, t, enough, poses):
-    """As the table says.  Balls about links and body bound what is farther than `enough`."""
-    found, _ = gap_to(limb, place, still(limb), bodies, b, t, 0.0, enough, poses)
-    if found < 1e300:
-        return found
-    for i in range(limb.radii.size):
-        x, y, z = (
-            poses[b, 0] - limb.balls[i, 0], poses[b, 1] - limb.balls[i, 1],
-            poses[b, 2] - limb.balls[i, 2],
-        )  # fmt: skip
-        found = min(found, np.sqrt(x * x + y * y + z * z) - limb.balls[i, 3])
-    return found - bodies.rows[b, REACH]
+    """As the table says, and exact."""
+    return gap_to(limb, place, still(limb), bodies, b, t, 0.0, 1e300, poses)[0]
 
 
 @njit(_nrt=False, forceinline=True)
