@@ -13,7 +13,7 @@ from gcm_learn.cli import main
 def test_families_are_listed_one_a_line(capsys):
     assert main(["families"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == families.family_names()
+    assert [line.split()[0] for line in lines] == [*families.family_names(), *families.PRESETS]
     assert all(len(line.split()) > 4 for line in lines)
 
 
