@@ -35,7 +35,7 @@ from space_pictures import write_figure, write_films
 from experiments.common.tables import line, table
 from gcm_learn import dataset, seeding
 from gcm_learn.arms import SPATIAL
-from gcm_learn.planners import posture_layered
+from gcm_learn.planners import search_in_space
 from gcm_learn.recall import (
     MEMORIES,
     Adaptation,
@@ -51,7 +51,7 @@ MANY = (4, 6, 8)  # kinds that are tried
 REPEATS = 4  # bootstrap samples whose clusterings are compared
 LEAST = 60  # members of a cluster of HDBSCAN
 LIFTED = 1000  # situations of the plane that are put into space
-EFFORT = 0.5  # of `layered` there, as in the records
+EFFORT = 0.5  # of the search, as in the records
 STARTS = 3  # of k-means where many are asked for
 SHUFFLES = 4
 ASKED = 400  # situations that need more than a straight line, on which memories are tried
@@ -177,7 +177,7 @@ def in_space(plane: Catches) -> list[dict[str, Any]]:
     rows = [json.loads(line) for line in lines]
     solid = [k for k, name in enumerate(plane.family.tolist()) if name.endswith("-solid")]
     hard = [k for k in solid if plane.stratum[k] in "WQ"][:LIFTED]
-    planner = posture_layered(EFFORT)
+    planner = search_in_space(effort=EFFORT)
     with file.open("a", encoding="utf-8") as stream:
         for k in hard[len(rows) :]:
             record = plane.records[k]

@@ -1,6 +1,6 @@
 """Which share of kinematic catches is left under limits of acceleration?
 
-Situations of all families in space are planned by `layered` without limits of acceleration, and
+Situations of all families in space are planned by `search` without limits of acceleration, and
 then with limits under which a joint comes to its full speed in a given time.  Every catch is judged
 by the referee of the tests.
 
@@ -43,7 +43,7 @@ def answer(family: str, index: int, ramp: float) -> dict[str, Any]:
     """One plan: whether it catches, when, how, after how long, and whether it holds."""
     situation = limited(draw(family, SEED, index), ramp)
     since = clock.process_time()
-    plan = get_planner("layered").plan(situation)
+    plan = get_planner("search").plan(situation)
     took = 1e3 * (clock.process_time() - since)
     broken = False
     if plan.caught:
@@ -68,7 +68,7 @@ def main() -> None:
         [json.loads(line) for line in ANSWERS.read_text().splitlines()] if ANSWERS.exists() else []
     )
     done = {(row["family"], row["index"], row["ramp"]) for row in rows}
-    get_planner("layered").plan(limited(draw("late-target-space", 0, 0), 0.1))  # compiled now
+    get_planner("search").plan(limited(draw("late-target-space", 0, 0), 0.1))  # compiled now
     with ANSWERS.open("a") as stream:
         for index in range(EACH):
             for family in family_names("spatial"):

@@ -3,7 +3,7 @@
 python -m experiments 13_space/charts              5 situations of each family
 python -m experiments 13_space/charts --minutes 5  what can be done in five minutes
 
-The situations are the first that run.py asks. Its table has more sizes of the joints' lattice.
+The situations are the first that run.py asks.
 Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
 
@@ -16,40 +16,29 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from run import drawn, families, timed
+from run import THOUGHT, drawn, families, timed
 
-from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
+from gcm_learn.planners import get_planner
 from gcm_learn.planners.joints.marching import posture_marching
 from gcm_learn.storage import write_whole
 
 HERE = Path(__file__).resolve().parent
 COUNT = 5  # situations of each family
 POSTURES = (1, 4, 8)
-SIZES = (16, 24)  # of the joints' lattice for the earliest catch, beside the default of 10^4 nodes
-STRAIGHT = "straight moves only"
+STRAIGHT, TREES = "straight moves with waits", "joints and time, trees"
+LONGER = f"{TREES}, {1e3 * THOUGHT:.0f} ms"
 
 Rows = list[dict[str, Any]]
 
 
-def joints(size: int = 10, weight: float = 1.0, earliest: bool = False) -> LayeredInSpace:
-    """Search over the joints; a weight of 0 is the order of the catch's time alone."""
-    coarse, fine = (e._replace(nodes=size**4, weight=weight) for e in (COARSE, FINE))
-    return LayeredInSpace(coarse=coarse, fine=fine, earliest=earliest)
-
-
 def methods() -> dict[str, Any]:
     """What is compared."""
-    none = (e._replace(tries=()) for e in (COARSE, FINE))
-    out: dict[str, Any] = {STRAIGHT: LayeredInSpace("layered", 32, 12, *none)}
+    out: dict[str, Any] = {STRAIGHT: get_planner("straight-wait")}
     for wait in (False, True):
         for k in POSTURES:
             name = f"hand 40^3, K = {k}, {'sheets' if wait else 'first arrivals'}"
             out[name] = posture_marching((k,), wait=wait)
-    out["joints 10^4, motion left breaks ties"] = joints()
-    out["joints 10^4, time of the catch alone"] = joints(weight=0.0)
-    out["joints 10^4, earliest under its bound"] = joints(earliest=True)
-    for size in SIZES:
-        out[f"joints {size}^4, earliest under its bound"] = joints(size, earliest=True)
+    out[TREES] = out[LONGER] = get_planner("search")
     return out
 
 
@@ -102,7 +91,10 @@ def main() -> None:
             if (family, index) in done or process_time() - started > 60.0 * arguments.minutes:
                 continue
             situation = drawn(family, index)
-            answers = {name: timed(situation, planner) for name, planner in asked.items()}
+            answers = {
+                name: timed(situation, planner, **({"deadline": THOUGHT} if name == LONGER else {}))
+                for name, planner in asked.items()
+            }
             rows.append({"family": family, "index": index, **answers})
             stream.write(json.dumps(rows[-1]) + "\n")
             stream.flush()

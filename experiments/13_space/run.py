@@ -33,7 +33,6 @@ from gcm_learn.planners import (
     takes,
     yardstick,
 )
-from gcm_learn.planners.joints.layered import LayeredInSpace
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
 from gcm_learn.storage import write_whole
 
@@ -41,10 +40,10 @@ HERE = Path(__file__).resolve().parent
 SEED = 1300
 COUNT = 13  # situations of each family
 TREES = "st-rrt-star"
-PASSED_OVER = ("oracle", "search", TREES)  # `search` is `layered` here
+PASSED_OVER = ("oracle", "layered", TREES)  # `layered` is `search` here
+THOUGHT = 0.1  # deadline of the search that looks for an earlier catch [s]
 BUDGETS_MS = (100.0, 1000.0)  # of ST-RRT*
 TREES_MS = 10_000.0  # of the yardstick's
-LATTICES = (6, 10, 16, 24)  # nodes along a joint, on average
 BYSTANDERS = (0, 8, 32)  # bodies that are added
 COSTLY = 3  # of the situations of each family, the first for which cost is measured
 
@@ -57,7 +56,7 @@ def families() -> list[str]:
 
 
 def drawn(family: str, index: int) -> Spatial:
-    """A situation without limits of acceleration, which only `layered` and `marching` keep."""
+    """A situation without limits of acceleration, which only `search` and `marching` keep."""
     situation: Any = draw(family, SEED, index)
     return replace(
         situation,
@@ -98,10 +97,10 @@ def judged(situation: Spatial, plan: Any, ms: float) -> list[Any]:
     return [plan.catch_time, ms, complaints_in_space(situation, plan)]
 
 
-def timed(situation: Spatial, planner: Any) -> list[Any]:
+def timed(situation: Spatial, planner: Any, **limits: float) -> list[Any]:
     """The same for a planner, by processor time."""
     before = process_time()
-    plan = planner.plan(situation)
+    plan = planner.plan(situation, **limits)
     return judged(situation, plan, 1e3 * (process_time() - before))
 
 
@@ -110,10 +109,12 @@ def answered(situation: Spatial, before: dict[str, list[Any]]) -> dict[str, list
     out = dict(before)
     taking = [get_planner(name) for name in planner_names() if name not in PASSED_OVER]
     asked = {p.name: p for p in taking if takes(p, SPATIAL)}
-    asked["layered, earliest"] = LayeredInSpace(earliest=True)
     for name, planner in asked.items():
         if name not in out:
             out[name] = timed(situation, planner)
+    longer = f"search, {1e3 * THOUGHT:.0f} ms"
+    if longer not in out:
+        out[longer] = timed(situation, get_planner("search"), deadline=THOUGHT)
     names = [f"{TREES} {budget:.0f} ms" for budget in BUDGETS_MS]
     if names[0] not in out:
         plans = STRRTStarPlanner().plan_anytime(situation, BUDGETS_MS)
@@ -123,14 +124,9 @@ def answered(situation: Spatial, before: dict[str, list[Any]]) -> dict[str, list
 
 
 def costs(situation: Spatial) -> dict[str, list[Any]]:
-    """Return the answers of `layered` on lattices of other sizes, and among more bodies."""
-    layered = LayeredInSpace()
-    sizes = {}
-    for n in LATTICES:
-        coarse, fine = (e._replace(nodes=n**4) for e in (layered.coarse, layered.fine))
-        sizes[f"lattice {n:02d}^4"] = timed(situation, LayeredInSpace(coarse=coarse, fine=fine))
-    crowds = {f"bystanders +{k:02d}": timed(crowded(situation, k), layered) for k in BYSTANDERS}
-    return sizes | crowds
+    """Return the answers of `search` among more bodies."""
+    search = get_planner("search")
+    return {f"bystanders +{k:02d}": timed(crowded(situation, k), search) for k in BYSTANDERS}
 
 
 def measured(family: str, index: int) -> dict[str, Any]:

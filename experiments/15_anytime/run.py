@@ -30,10 +30,11 @@ from gcm_learn.planners import (
     GAIN,
     SpatialProblem,
     STRRTStarPlanner,
+    TreeSearch,
     any_straight,
     get_planner,
+    search_in_space,
 )
-from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
 from gcm_learn.recall import HybridPlanner, RecallPlanner
 from gcm_learn.scene import later
 from gcm_learn.storage import write_whole
@@ -66,7 +67,7 @@ class Case(NamedTuple):
 
 
 def drawn(kind: str, seed: int, strata: str = "WQ") -> Iterator[Case]:
-    """Situations as the specification draws them, sorted by `layered`, without end."""
+    """Situations as the specification draws them, sorted by `search`, without end."""
     spec = read_spec(REPOSITORY / "data" / "specs" / f"{SPECS[kind]}.toml")
     spec = replace(spec, seed=seed, audit=0.0, count=10**6)
     for k in range(spec.count):
@@ -87,32 +88,13 @@ def _straight(kind: str, situation: Any) -> bool:
 @cache
 def configurations() -> dict[str, Any]:
     """All that plan without memory."""
-
-    def lattice(side: int) -> dict[str, Any]:
-        return {
-            "coarse": COARSE._replace(nodes=side**4),
-            "fine": FINE._replace(nodes=side**4),
-        }
-
-    few = {"instants": 16, "swivels": 6}
-    found = {
-        "layered": LayeredInSpace(),
-        "layered, 6^4": LayeredInSpace(**lattice(6)),
-        "layered, 16^4": LayeredInSpace(**lattice(16)),
-        "layered, few goals": LayeredInSpace(**few),
-        "layered, few goals, 6^4": LayeredInSpace(**few, **lattice(6)),
-        "layered, a quarter of tries": LayeredInSpace(coarse=COARSE.times(0.25)),
-        "layered, half the weight": LayeredInSpace(
-            coarse=COARSE._replace(weight=0.5), fine=FINE._replace(weight=0.5)
-        ),
-        "layered, in order of time": LayeredInSpace(
-            coarse=COARSE._replace(weight=0.0), fine=FINE._replace(weight=0.0)
-        ),
-        "layered, to the earliest": LayeredInSpace(earliest=True),
+    return {
+        "search": get_planner("search"),
+        "search, first catch": TreeSearch(),
+        "search, less patient": search_in_space(effort=0.25),
         "marching": get_planner("marching"),
         "straight-wait": get_planner("straight-wait"),
     }
-    return found
 
 
 def trees(situation: Any) -> float:
@@ -136,7 +118,7 @@ def choose(kind: str, minutes: float) -> None:
             mine = {
                 name: first(planner, case.situation)
                 for name, planner in configurations().items()
-                if kind == "free" or name.startswith("layered")  # keep limits of acceleration
+                if kind == "free" or name.startswith("search")  # keep limits of acceleration
             }
             if kind == "free":
                 mine["st-rrt-star"] = trees(case.situation)
@@ -254,7 +236,7 @@ def answered(kind: str, case: Case, arms: Arms, more: bool) -> dict[str, Any]:
     row["charged"] = {name: charged(case, mine, budget) for name, budget in budgets.items()}
     if more:
         row["curve"] = {f"{ms:g}": charged(case, mine, 1e-3 * ms) for ms in CURVE}
-    best = configurations()["layered, to the earliest"].plan(situation).catch_time
+    best = get_planner("search").plan(situation, deadline=LIMIT).catch_time
     row["reference"] = best
     enough = -np.inf if best is None else best + ENOUGH * situation.horizon
     row["improved"] = {

@@ -11,8 +11,7 @@ from fronts import BUDGET_MS
 
 from experiments.common.questions import Question
 from gcm_learn.dataset import make_item, read_spec
-from gcm_learn.planners import Planner, STRRTStarPlanner, get_planner
-from gcm_learn.planners.joints.layered import COARSE, FINE, LayeredInSpace
+from gcm_learn.planners import Planner, STRRTStarPlanner, TreeSearch, get_planner
 from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.storage import write_whole
 
@@ -20,13 +19,12 @@ SPEC = Path(__file__).resolve().parents[2] / "data" / "specs" / "space.toml"
 AS_TRAINED = ("train", "validation", "test")  # splits: whatever this seed draws, no memory has seen
 CHUNK = 50  # draws of a file
 FRONTS = {"learned": "recall", "raw": "recall-raw", "random": "recall-random"}
-SMALL = 6**4  # nodes of the lattice that was chosen as the fastest without memory
 
 
 def suite(seed: int, folder: Path, most: int) -> list[Question]:
     """The first `most` of W and of Q that the specification draws under a seed.
 
-    `layered` with half its moves sorts them, as it sorted the records.
+    `search` with half its postures sorts them, as it sorted the records.
     """
     spec = replace(read_spec(SPEC), seed=seed, audit=0.0, count=10**6)
     found: dict[str, list[Question]] = {"W": [], "Q": []}
@@ -56,11 +54,10 @@ def _chunk(spec: Any, first: int, folder: Path) -> list[Question]:
 
 
 def fallbacks() -> dict[str, Planner]:
-    """Planners behind a front that has no catch; the second was chosen in 15_anytime."""
-    coarse, fine = (COARSE._replace(nodes=SMALL), FINE._replace(nodes=SMALL))
+    """Planners behind a front that has no catch; the second stops at its first catch."""
     return {
-        "layered": get_planner("layered"),
-        "layered, small": LayeredInSpace(coarse=coarse, fine=fine, instants=16, swivels=6),
+        "search": get_planner("search"),
+        "search, first catch": TreeSearch(),
         "straight-wait": get_planner("straight-wait"),
         "marching": get_planner("marching"),
         "ST-RRT*": STRRTStarPlanner(budget_ms=BUDGET_MS),

@@ -16,7 +16,7 @@ import time
 import numpy as np
 
 from gcm_learn import families
-from gcm_learn.planners.joints.layered import LayeredInSpace
+from gcm_learn.planners import TreeSearch, search_in_space
 
 CELLS = 80
 REPEATS = 5
@@ -38,7 +38,7 @@ def marching_ms() -> float:
     return float(np.median(spent))
 
 
-def plans(planner: LayeredInSpace, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def plans(planner: TreeSearch, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Return whether each situation is caught, and the time that it takes [ms]."""
     names = families.family_names("spatial")
     drawn = [families.draw(name, seed, k) for k in range(count) for name in names]
@@ -70,8 +70,8 @@ def main() -> None:
     print(f"scikit-fmm, order 2, {CELLS}^3: {peer:.0f} ms")
     print(f"{'[ms]':24s}    n    median       90%       max   the same, in its times")
     for name, planner in (
-        ("first catch", LayeredInSpace()),
-        ("earliest catch", LayeredInSpace(earliest=True)),
+        ("first catch", TreeSearch()),
+        ("default", search_in_space()),
     ):
         caught, spent = plans(planner, asked.count, asked.seed)
         print(line(name, spent[caught], peer))

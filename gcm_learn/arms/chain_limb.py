@@ -232,6 +232,12 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
 
 
 @njit(_nrt=False)
+def inverts(limb):
+    """Return False: postures have to be pulled to where the hand should be."""
+    return False
+
+
+@njit(_nrt=False)
 def jacobian(limb, q, out):
     """Write the derivative of the hand by the joints (n,), after `place`, into `out` (3, n)."""
     hand, last = limb.radii.size, limb.carriers[limb.radii.size]

@@ -163,6 +163,11 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
     """
 
 
+@by_limb
+def inverts(limb):
+    """Return whether `postures_at` puts the hand at the point; else its postures are a start."""
+
+
 register_limb(
     SpatialLimb,
     spatial_limb,

@@ -136,6 +136,12 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
 
 
 @njit(_nrt=False)
+def inverts(limb):
+    """Return True: the inverse has a closed form."""
+    return True
+
+
+@njit(_nrt=False)
 def _fits(limb, q1, q2, q3, q4, near, out):
     """Return whether angles, some turns away or not, are in their ranges; `out` (4,) gets them."""
     fits, out[0] = in_range(q1, limb.low[0], limb.high[0], near[0])

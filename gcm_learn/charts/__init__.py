@@ -3,7 +3,6 @@
 from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.charts.clearances import cell_clearances
 from gcm_learn.charts.extended import extended_obstacle, occupied_cells, upper_arm_image
-from gcm_learn.charts.joint_lattice import JointLattice, joint_lattice
 from gcm_learn.charts.kinds import chart_of, lattice_of
 from gcm_learn.charts.lattice import (
     LARGEST_LATTICE,
@@ -23,7 +22,6 @@ from gcm_learn.charts.posture_lattice import (
 __all__ = [
     "Chart",
     "LARGEST_POSTURE_LATTICE",
-    "JointLattice",
     "LARGEST_LATTICE",
     "Lattice",
     "MOST_POSTURES",
@@ -34,7 +32,6 @@ __all__ = [
     "chart_of",
     "extended_obstacle",
     "hand_space",
-    "joint_lattice",
     "lattice_of",
     "occupied_cells",
     "ring_leap",

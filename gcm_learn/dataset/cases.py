@@ -25,7 +25,7 @@ from gcm_learn.planners import (
     get_planner,
     layered,
     marching,
-    posture_layered,
+    search_in_space,
     solve,
     straight_plan,
     stratum,
@@ -249,8 +249,8 @@ class SpatialCase(Case):
         return without_waits(self.problem, plan) is not None
 
     def _asked(self, name: str) -> Plan:
-        effort = self.spec.effort if name == "layered" else None
-        known: Any = get_planner(name) if effort is None else posture_layered(effort)
+        effort = self.spec.effort if name == self.persistent else None
+        known: Any = get_planner(name) if effort is None else search_in_space(name, effort)
         return known.plan(self.situation)
 
     def _bounded(self) -> Yardstick:

@@ -17,7 +17,7 @@ WHO = {
     "straight": "goes straight to where the target can be met first",
     "straight-wait": "goes straight, but may wait before it starts",
     "potential": "is pulled to the target and pushed away from obstacles",
-    "search": "plans as layered does; for chains straight moves, then trees from both ends",
+    "search": "plans as layered does; for arms in joints straight moves, then trees from both ends",
     "gcm": "cognitive map by the wave of the paper, and the descent along its arrival times",
     "marching": "the same map by causal marching instead of a wave",
     "layered": "maps with several arrivals at a place, so that the hand may wait",

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     )
     from gcm_learn.planners.feedback import Exploration, Feedback
     from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
-    from gcm_learn.planners.joints.layered import posture_layered
     from gcm_learn.planners.joints.moves import study_of
     from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_straight
+    from gcm_learn.planners.joints.tree_search import TreeSearch, search_in_space
     from gcm_learn.planners.layered_front import layered
     from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
     from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
@@ -60,9 +60,9 @@ __getattr__ = late_names(__name__, {
     ),
     "feedback": ("Exploration", "Feedback"),
     "fronts": ("Explore", "FrontPlanner", "Params", "gcm", "marching"),
-    "joints.layered": ("posture_layered",),
     "joints.moves": ("study_of",),
     "joints.straight": ("any_straight", "at_once", "earliest_straight"),
+    "joints.tree_search": ("TreeSearch", "search_in_space"),
     "layered_front": ("layered",),
     "oracle.bounds": ("Bounds", "bounds", "stratum"),
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
@@ -99,6 +99,7 @@ __all__ = [
     "SpatialProblem",
     "StraightPlanner",
     "Task",
+    "TreeSearch",
     "Tube",
     "Yardstick",
     "absolute",
@@ -119,13 +120,13 @@ __all__ = [
     "instance",
     "is_registered",
     "layered",
-    "posture_layered",
     "marching",
     "name_of",
     "plan_to_json",
     "plan_with",
     "planner_names",
     "retime",
+    "search_in_space",
     "solve",
     "straight_plan",
     "study_of",

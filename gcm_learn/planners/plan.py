@@ -84,7 +84,7 @@ class Plan:
     on_the_way: tuple[tuple[str, float], ...] = ()
     """Targets that are caught before `catch_body`, in order: names and times [s]."""
     nodes: int = 0
-    """Labels, or moves of a spatial arm, that a search over a lattice has expanded."""
+    """Labels that a search over cells has expanded, or nodes that were added to trees."""
 
     @property
     def caught(self) -> bool:

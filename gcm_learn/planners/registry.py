@@ -17,13 +17,15 @@ from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, str | ByKind[str]] = {
     "gcm": ByKind({PLANAR: "fronts:gcm", SPATIAL: "joints.marching:gcm_in_space"}),
-    "layered": ByKind({PLANAR: "layered_front:layered", SPATIAL: "joints.layered:LayeredInSpace"}),
+    "layered": ByKind(
+        {PLANAR: "layered_front:layered", SPATIAL: "joints.tree_search:layered_in_space"}
+    ),
     "layered-wave": "layered_wave:layered_wave",
     "marching": ByKind({PLANAR: "fronts:marching", SPATIAL: "joints.marching:posture_marching"}),
     "oracle": "oracle.bounds:OraclePlanner",
     "potential": "baselines.potential:PotentialPlanner",
     "search": ByKind(
-        {PLANAR: "layered_front:search", SPATIAL: "joints.layered:search"},
+        {PLANAR: "layered_front:search", SPATIAL: "joints.tree_search:search_in_space"},
         default="joints.tree_search:TreeSearch",
     ),
     "st-rrt-star": "baselines.st_rrt_star:STRRTStarPlanner",

@@ -17,7 +17,7 @@ from gcm_learn.scene.bodies import (
     pose_at,
     poses_at,
 )
-from gcm_learn.scene.later import bodies_later, later, reverse_pieces
+from gcm_learn.scene.later import bodies_later, later
 from gcm_learn.scene.laws import integrate_swing
 from gcm_learn.scene.outlines import outline
 from gcm_learn.scene.packing import pack, pack_bodies, pose
@@ -54,5 +54,4 @@ __all__ = [
     "pose",
     "pose_at",
     "poses_at",
-    "reverse_pieces",
 ]

@@ -206,6 +206,11 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
     return 1
 
 
+@njit(_nrt=False)
+def inverts(limb):
+    return True
+
+
 register_limb(CraneLimb, sys.modules[__name__])
 
 CRANE = Kind("crane", "cranes", Crane, CraneLimb, crane_limb_of, formats=("gcm-learn/situation@3",))

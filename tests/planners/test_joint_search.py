@@ -1,4 +1,4 @@
-"""The planner of first choice for spatial arms: what it claims holds, and what it must find."""
+"""The search for spatial arms: what it claims holds, and what it must find."""
 
 from __future__ import annotations
 
@@ -10,17 +10,12 @@ import pytest
 
 from gcm_learn import families, get_planner, seeding, solve
 from gcm_learn.arms import forward_in_space
-from gcm_learn.charts import joint_lattice
-from gcm_learn.charts.joint_lattice import nearest, neighbour, posture_of
-from gcm_learn.planners.joints.backward import reversed_scene
-from gcm_learn.planners.joints.layered import LayeredInSpace
-from gcm_learn.scene import pack, poses_at
+from gcm_learn.planners import GAIN, TreeSearch, search_in_space
 from gcm_learn.situation import (
     Body,
     Box,
     Capsule,
     Cylinder,
-    Pendulum,
     Situation,
     SolidQuadratic,
     Sphere,
@@ -61,7 +56,7 @@ def test_the_referee_has_no_complaints():
     caught = 0
     for k in range(40):
         situation = scene_of(seeding.rng(7, k), walls=k % 4)
-        plan = solve(situation, "layered")
+        plan = solve(situation)
         caught += plan.caught
         assert not plan.caught or judge(situation, plan).complaints == []
     assert caught >= 20
@@ -69,7 +64,7 @@ def test_the_referee_has_no_complaints():
 
 def test_examples_are_caught():
     situations = [s for s in read_situations(EXAMPLES) if s.arm.max_joint_acceleration is None]
-    plans = [solve(situation, "layered") for situation in situations]
+    plans = [solve(situation) for situation in situations]
     assert sum(plan.caught for plan in plans) >= 0.9 * len(plans)
     for situation, plan in zip(situations, plans, strict=True):
         assert not plan.caught or judge(situation, plan).complaints == []
@@ -86,7 +81,7 @@ def behind(cover):
 
 def test_it_waits_until_a_cover_has_gone():
     situation = behind(SolidQuadratic(NOTHING, NOTHING, (0.0, 0.0, 2.0)))
-    plan = solve(situation, "layered")
+    plan = solve(situation)
     assert plan.caught and judge(situation, plan).complaints == []
     assert plan.catch_time > math.sqrt(2.0 * 0.05 / 2.0)
 
@@ -97,82 +92,46 @@ def test_a_target_that_can_only_be_grazed_is_caught(family, index):
     situation = families.draw(family, 1300, index)
     arm = replace(situation.arm, max_joint_acceleration=None, joint_rates=None)
     situation = replace(situation, arm=arm)
-    plan = LayeredInSpace().plan(situation)
+    plan = search_in_space().plan(situation)
     assert plan.caught
     assert judge(situation, plan).complaints == []
 
 
 def test_what_is_shut_in_is_given_up_soon():
-    plan = solve(behind(still(NOTHING)), "layered")
+    plan = solve(behind(still(NOTHING)))
     assert not plan.caught
     assert plan.failure is not None
 
 
-def test_the_earliest_catch_is_no_later_and_a_bound_is_kept():
-    for k in range(6):
+def test_patience_is_no_later_and_a_bound_is_kept():
+    earlier = 0
+    for k in range(12):
         situation = scene_of(seeding.rng(8, k))
-        first = LayeredInSpace().plan(situation)
-        earliest = LayeredInSpace(earliest=True).plan(situation)
-        assert first.caught == earliest.caught
+        first, patient = TreeSearch().plan(situation), search_in_space().plan(situation)
+        assert first.caught <= patient.caught
         if not first.caught or first.catch_time == 0.0:
             continue
-        assert earliest.catch_time <= first.catch_time
-        bounded = get_planner("layered").plan(situation, bound=first.catch_time)
+        assert patient.catch_time <= first.catch_time + GAIN * situation.horizon
+        earlier += patient.catch_time < first.catch_time
+        bounded = get_planner("search").plan(situation, bound=first.catch_time)
         assert not bounded.caught or bounded.catch_time <= first.catch_time
+    assert earlier >= 3
+
+
+def test_nothing_is_looked_for_behind_a_free_straight_line():
+    situation = Situation("alone", 0.8, SPATIAL.arm, scene_of(seeding.rng(7, 0), walls=0).bodies)
+    plan = solve(situation)
+    assert plan.caught and plan.nodes == 0
+    assert plan.catch_time == solve(situation, "straight").catch_time
+
+
+def test_layered_is_another_name_of_the_search():
+    situation = scene_of(seeding.rng(7, 3))
+    plans = [solve(situation, name) for name in ("layered", "search")]
+    assert [plan.planner for plan in plans] == ["layered", "search"]
+    assert plans[0].catch_time == plans[1].catch_time
 
 
 def test_a_bound_is_a_time():
     with pytest.raises(ValueError, match="bound: must be positive"):
-        LayeredInSpace().plan(SPATIAL, bound=0.0)
-
-
-def test_time_runs_backwards():
-    down = (0.0, 0.0, -1.0)
-    cord = Pendulum((0.1, 0.0, 0.5), (0.0, 1.0, 0.0), down, 0.3, 9.81, 0.8, -1.0)
-    thrown = SolidQuadratic(
-        (0.1, 0.2, 0.3), (0.3, -0.1, 1.0), (0.0, 0.0, -9.81), spin=(1.0, -2.0, 3.0)
-    )
-    bodies = [
-        Body("target", "ball", Sphere(0.02), thrown),
-        Body("obstacle", "box", Box((0.1, 0.2, 0.3)), thrown),
-        Body("obstacle", "cord", Capsule(0.01, 0.2), cord),
-    ]
-    scene = pack(Situation("all", 0.9, SPATIAL.arm, tuple(bodies)))
-    back = reversed_scene(scene)
-    ahead, there = np.zeros((2, 3, 12))
-    for t in (0.0, 0.05, 0.31, 0.899, 0.9):
-        poses_at(scene.bodies, t, ahead)
-        poses_at(back.bodies, 0.9 - t, there)
-        np.testing.assert_allclose(there, ahead, atol=1e-9)
-
-
-@pytest.mark.parametrize("nodes", [16**4, 500, 1])
-def test_a_lattice_holds_the_start_and_the_ends(nodes):
-    scene = pack(SPATIAL)
-    lattice = joint_lattice(scene, nodes)
-    q = np.zeros(4)
-    posture_of(lattice, lattice.start, q)
-    np.testing.assert_array_equal(q, scene.limb.start)
-    for j in range(4):
-        values = lattice.values[j, : lattice.counts[j]]
-        assert (np.diff(values) > 0.0).all()
-        assert scene.limb.low[j] <= values[0] and values[-1] <= scene.limb.high[j]
-        node = lattice.start
-        while neighbour(lattice, node, j, 1) >= 0:
-            node = neighbour(lattice, node, j, 1)
-        posture_of(lattice, node, q)
-        assert q[j] == values[-1]
-
-
-def test_nodes_about_a_posture_are_the_corners_of_its_cell(rng):
-    scene = pack(SPATIAL)
-    lattice, q = joint_lattice(scene, 2000), np.zeros(4)
-    ends = lattice.values[:, 0], lattice.values[range(4), lattice.counts - 1]
-    for _ in range(20):
-        posture = rng.uniform(*ends)
-        corners = [nearest(lattice, posture, corner) for corner in range(16)]
-        assert len(set(corners)) == 16 and min(corners) >= 0
-        for corner, node in enumerate(corners):
-            posture_of(lattice, node, q)
-            above = np.array([corner >> j & 1 for j in range(4)], dtype=bool)
-            assert ((q >= posture) == above).all()
+        TreeSearch().plan(SPATIAL, bound=0.0)

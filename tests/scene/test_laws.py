@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from gcm_learn.arms import SpatialArm, rotation_of
 from gcm_learn.scene import bodies as k
-from gcm_learn.scene import later, pack_bodies, reverse_pieces
+from gcm_learn.scene import later, pack_bodies
 from gcm_learn.scene.packing import pose
 from gcm_learn.situation import (
     Body,
@@ -149,22 +149,6 @@ def test_the_canonical_form_moves_alike(law, data, base, t):
 
 def _rest():
     return ARM.joints, ARM.joint_range, ARM.max_joint_speed, ARM.grasp
-
-
-@pytest.mark.parametrize("law", TIMED)
-@settings(max_examples=40)
-@given(data=st.data(), t=st.floats(0.0, 2.0))
-def test_reversed_pieces_run_backwards(law, data, t):
-    end = 2.0
-    swing = data.draw(strategies.pendulums())
-    bodies = pack_bodies(scene(data.draw(law), swing, data.draw(law)))
-    rows = bodies.rows.copy()
-    back = bodies._replace(rows=rows, angles=bodies.angles.copy())
-    reverse_pieces(bodies, rows, back.angles, end)
-    for b in (0, 2):
-        np.testing.assert_allclose(
-            corners_at(back, b, t), corners_at(bodies, b, end - t), atol=1e-6
-        )
 
 
 def test_balls_are_not_turned():

@@ -1,4 +1,4 @@
-"""Postures that catch a target, and straight moves to them."""
+"""Postures that catch a target, and straight moves between postures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from gcm_learn.arms.limbs import (
     reach_of,
 )
 from gcm_learn.collision.postures import free_at
-from gcm_learn.collision.rests import free_until
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import (
     target_room,
@@ -25,14 +24,12 @@ from gcm_learn.planners.joints.moves import (
     turning_time,
 )
 from gcm_learn.planners.joints.pull import box, met_from, pulled, slope_at
-from gcm_learn.scene.bodies import HAND, PART
 
 ALIKE = 0.12  # postures no farther apart than this are one goal [rad]
 HALVINGS = 10  # of the time by which a catch may become earlier
 CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
 PLACES = 3
 RIM = 1e-6  # share of the reach that is not used
-GOLDEN = 1.1673039782614187  # root of x^5 = x + 1: its powers spread points evenly in four numbers
 
 
 class Goals(NamedTuple):
@@ -130,34 +127,6 @@ def add_goals(study, goals, b, t, swivels, turn, which):
                 _keep(study, goals, b, t, study.branches[i])
 
 
-@njit
-def add_spread(study, goals, times, count):
-    """Add goals from postures all over what joints reach in time, each pulled to the target.
-
-    A hand that may only graze its target from one side has no goal at that target's centre, nor
-    where it is nearest to hand or shoulder.
-
-    Parameters
-    ----------
-    times : (n,) ndarray
-        Increasing [s].
-    count : int
-        Of postures, for each target and time.
-    """
-    bodies, start = study.scene.bodies.rows, study.scene.limb.start
-    for n in range(times.size):
-        for b in range(bodies.shape[0]):
-            if bodies[b, PART] != HAND:
-                continue
-            box(study, start, times[n])
-            for k in range(count):
-                for j in range(start.size):
-                    share = (0.5 + (k + 1) * GOLDEN ** -(j + 1.0)) % 1.0
-                    study.goal[j] = study.low[j] + share * (study.high[j] - study.low[j])
-                if pulled(study, b, times[n], study.goal):
-                    _keep(study, goals, b, times[n], study.goal)
-
-
 @njit(_nrt=False)
 def reach(study, q, since, until, p, t):
     """A straight move from joints q to p (dof,), free and over at t [s].
@@ -186,65 +155,6 @@ def reach(study, q, since, until, p, t):
         if rest_is_free(study, p, since + took, t):
             return since, since + took
     return -1.0, -1.0
-
-
-@njit
-def straight(study, goals, times, swivels, ends):
-    """First straight move from the start that catches, by goals that are added on the way.
-
-    Parameters
-    ----------
-    times : (n,) ndarray
-        When interceptions are tried, increasing [s].
-    ends : (2,) ndarray
-        Gets when the move begins and ends [s].
-
-    Returns
-    -------
-    int
-        Index of the goal, -1 if there is none.
-    """
-    scene = study.scene
-    start = scene.limb.start
-    until = free_until(
-        scene, start, 0.0, scene.limits.horizon, study.touch, study.instant, study.desk
-    )
-    for n in range(times.size):
-        k = goals.size[0]
-        for b in range(scene.bodies.rows.shape[0]):
-            if scene.bodies.rows[b, PART] == HAND:
-                add_goals(study, goals, b, times[n], swivels, 0.5 * (n % 2), CENTRE)
-        while k < goals.size[0]:
-            ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], times[n])
-            if ends[0] >= 0.0:
-                return k
-            k += 1
-    return -1
-
-
-@njit
-def add_more(study, goals, times, swivels):
-    """Add goals for all places of all targets at some times (n,), increasing [s]."""
-    bodies = study.scene.bodies.rows
-    for n in range(times.size):
-        for b in range(bodies.shape[0]):
-            if bodies[b, PART] == HAND:
-                for which in range(PLACES):
-                    turn = (2 * (n % 2) + 1.0) / 4.0 + which / 6.0
-                    add_goals(study, goals, b, times[n], swivels, turn, which)
-
-
-@njit
-def straight_to(study, goals, first, last, ends):
-    """First of goals `first` to `last` - 1 to which a straight move is free; see `straight`."""
-    scene, start = study.scene, study.scene.limb.start
-    end = scene.limits.horizon
-    until = free_until(scene, start, 0.0, end, study.touch, study.instant, study.desk)
-    for k in range(first, min(last, goals.size[0])):
-        ends[0], ends[1] = reach(study, start, 0.0, until, goals.joints[k], goals.time[k])
-        if ends[0] >= 0.0:
-            return k
-    return -1
 
 
 @njit(_nrt=False)

@@ -9,166 +9,32 @@ Under limits of acceleration nodes have rates, too: half of them rest, half move
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
-from gcm_learn.planners.joints.moves import Study, turning_time
-from gcm_learn.planners.joints.pull import pulled
-from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE, Ramp, new_ramp
+from gcm_learn.planners.joints.moves import turning_time
+from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE
+from gcm_learn.planners.joints.tree_goals import draw_goal
 from gcm_learn.planners.joints.tree_moves import (
     FROM_CATCH,
     FROM_START,
-    LINES,
-    Lines,
-    box_by,
     halve_by,
     keep_by,
     may_by,
     move_by,
     rates_by,
+    soon_by,
     time_by,
 )
+from gcm_learn.planners.joints.trees import add_node, uniform
 from gcm_learn.planners.joints.ways import MOST, write, write_rates
-from gcm_learn.scene.bodies import HAND, PART
 
 TRIES = 3  # nearest nodes of the other tree to which a new node is connected
-NEAR_START = 0.5  # share of goals that are drawn near to what the start is pulled to
-NEAR_GOAL = 0.3  # share of goals that are drawn near to one that is there
-NEARBY = 0.3  # how near: share of a joint's range, and of the horizon
 NEARER = 3  # moves to a drawn state that are tried, each half as long as the one before
 NEARER_GOAL = 4  # likewise from one to a posture that catches, which is often in a narrow place
-
-
-class Trees(NamedTuple):
-    """Both trees of a search, and its random numbers."""
-
-    moves: Lines | Ramp  # their kind, and room for one
-    joints: np.ndarray  # (2, size, n)
-    rates: np.ndarray  # (2, size, n): when a node is left, or reached in the second tree [rad/s]
-    time: np.ndarray  # (2, size): when the limb is there [s]
-    begin: np.ndarray  # (2, size): of the move that joins a node to `via` [s]
-    end: np.ndarray  # (2, size) [s]
-    free: np.ndarray  # (2, size): which rates of that move were free; see `ramp`
-    via: np.ndarray  # (2, size): the node nearer to the root; -1 of a root
-    body: np.ndarray  # (size,): caught at a root of the second tree, which all its nodes inherit
-    size: np.ndarray  # (2,): nodes of each
-    drawn: np.ndarray  # (n,): a posture
-    drawn_rates: np.ndarray  # (n,)
-    ends: np.ndarray  # (2,): when a move begins and ends [s]
-    state: np.ndarray  # (1,) uint64: of the random numbers
-
-
-def new_trees(study: Study, size: int, seed: int, accelerates: bool) -> Trees:
-    """Return trees with the start alone."""
-    n = study.goal.size
-    trees = Trees(
-        new_ramp(n) if accelerates else LINES,
-        np.zeros((2, size, n)),
-        np.zeros((2, size, n)),
-        np.zeros((2, size)),
-        np.zeros((2, size)),
-        np.zeros((2, size)),
-        np.zeros((2, size), np.int64),
-        np.full((2, size), -1, np.int64),
-        np.zeros(size, np.int64),
-        np.zeros(2, np.int64),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(2),
-        np.array([seed], np.uint64),
-    )
-    trees.joints[FROM_START, 0] = study.scene.limb.start
-    trees.rates[FROM_START, 0] = study.scene.limb.rates
-    trees.size[FROM_START] = 1
-    return trees
-
-
-@njit(_nrt=False)
-def uniform(trees):
-    """Draw a number in [0, 1): splitmix64 (Steele, Lea and Flood 2014)."""
-    trees.state[0] += np.uint64(0x9E3779B97F4A7C15)
-    z = trees.state[0]
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    z = z ^ (z >> np.uint64(31))
-    return float(z >> np.uint64(11)) * (1.0 / 9007199254740992.0)
-
-
-@njit(_nrt=False)
-def _add(trees, tree, q, rates, time, free, via, body):
-    """Add a node to a tree, by the move of ``trees.ends``: its number, -1 if the tree is full."""
-    k = trees.size[tree]
-    if k == trees.time.shape[1]:
-        return -1
-    for j in range(q.size):
-        trees.joints[tree, k, j], trees.rates[tree, k, j] = q[j], rates[j]
-    trees.begin[tree, k], trees.end[tree, k] = trees.ends
-    trees.time[tree, k] = time
-    trees.via[tree, k], trees.free[tree, k] = via, free
-    if tree == FROM_CATCH:
-        trees.body[k] = body
-    trees.size[tree] = k + 1
-    return k
-
-
-@njit(_nrt=False)
-def _draw_near_start(study, trees, horizon):
-    """Draw a posture between the start and what is within reach: a target and a time [s]."""
-    q, rows, start = trees.drawn, study.scene.bodies.rows, study.scene.limb.start
-    targets = 0
-    for b in range(rows.shape[0]):
-        targets += rows[b, PART] == HAND
-    left, b = int(uniform(trees) * targets), -1
-    while left >= 0:
-        b += 1
-        left -= rows[b, PART] == HAND
-    t = horizon * np.sqrt(1.0 - uniform(trees))
-    box_by(trees.moves, study, t)
-    near = 1.0 if uniform(trees) >= NEAR_START else uniform(trees)
-    for j in range(q.size):
-        share = study.low[j] + uniform(trees) * (study.high[j] - study.low[j])
-        q[j] = start[j] + near * (share - start[j])
-    return b, t
-
-
-@njit(_nrt=False)
-def _draw_near_goal(study, trees, horizon):
-    """Draw a posture near one that catches: its target and a time [s]."""
-    q, limb = trees.drawn, study.scene.limb
-    k = int(uniform(trees) * trees.size[FROM_CATCH])
-    while trees.via[FROM_CATCH, k] >= 0:
-        k = trees.via[FROM_CATCH, k]
-    wide = NEARBY * uniform(trees)
-    t = trees.time[FROM_CATCH, k] + wide * horizon * (2.0 * uniform(trees) - 1.0)
-    t = min(max(t, 0.01 * horizon), horizon)
-    box_by(trees.moves, study, t)
-    for j in range(q.size):
-        far = wide * (limb.high[j] - limb.low[j]) * (2.0 * uniform(trees) - 1.0)
-        q[j] = min(max(trees.joints[FROM_CATCH, k, j] + far, study.low[j]), study.high[j])
-    return trees.body[k], t
-
-
-@njit(_nrt=False)
-def draw_goal(study, trees, horizon):
-    """Draw a posture that catches a target at some time, and is free then, as a root.
-
-    Returns
-    -------
-    int
-        Number of the root, -1 if the draw failed.
-    """
-    scene, q = study.scene, trees.drawn
-    if trees.size[FROM_CATCH] > 0 and uniform(trees) < NEAR_GOAL:
-        b, t = _draw_near_goal(study, trees, horizon)
-    else:
-        b, t = _draw_near_start(study, trees, horizon)
-    if not pulled(study, b, t, q) or not free_at(scene, q, t, study.touch, study.desk):
-        return -1
-    trees.ends[0] = trees.ends[1] = t
-    return _add(trees, FROM_CATCH, q, trees.drawn_rates, t, GIVEN, -1, b)
+HASTY = 0.25  # share of moves that are as fast as they may be
+RARE = 3  # draws that may fail in place of one, while there is no goal
 
 
 @njit(_nrt=False)
@@ -243,10 +109,12 @@ def _grown(study, trees, horizon):
     if k < 0:
         return -1
     there, when = trees.joints[tree, k], trees.time[tree, k]
+    if uniform(trees) < HASTY:
+        t = min(t, when + soon_by(trees.moves, study, there, q))
     for _ in range(NEARER):
         if free_at(study.scene, q, t, study.touch, study.desk):
             if _join(study, trees, tree, k, q, rates, t, free):
-                return _add(trees, tree, q, rates, trees.ends[1], free, k, 0)
+                return add_node(trees, tree, q, rates, trees.ends[1], free, k, 0)
         halve_by(trees.moves, q, there, trees.rates[tree, k], t - when)
         t = 0.5 * (t + when)
     return -1
@@ -273,7 +141,7 @@ def _grown_backward(study, trees):
         free += END_FREE
         for j in range(q.size):
             turning[j] = 0.0
-    share = uniform(trees)
+    share = max(uniform(trees) - HASTY, 0.0) / (1.0 - HASTY)
     for _ in range(NEARER_GOAL):
         took = time_by(trees.moves, limits, q, there)
         spare = when - took - time_by(trees.moves, limits, limb.start, q)
@@ -281,7 +149,7 @@ def _grown_backward(study, trees):
         if spare > 0.0 and free_at(study.scene, q, when - took, study.touch, study.desk):
             if _join(study, trees, tree, k, q, rates, when - took, free & START_FREE):
                 time = trees.ends[0]
-                return _add(trees, tree, q, rates, time, free, k, trees.body[k])
+                return add_node(trees, tree, q, rates, time, free, k, trees.body[k])
         halve_by(trees.moves, q, there, turning, -took)
     return -1
 
@@ -309,7 +177,8 @@ def search_trees(study, trees, rounds, horizon, way):
     Parameters
     ----------
     rounds : int
-        Goals that are drawn; each is followed by growing both trees.
+        Goals that are drawn; each is followed by growing both trees.  While there is none, `RARE`
+        times as many draws may fail.
     horizon : float
         Catches after this do not count [s].
     way : Way
@@ -319,14 +188,19 @@ def search_trees(study, trees, rounds, horizon, way):
     -------
     bool
     """
-    for _ in range(rounds):
+    vain = RARE * rounds if trees.size[FROM_CATCH] == 0 else 0
+    while rounds > 0:
         root = draw_goal(study, trees, horizon)
+        if root < 0 and trees.size[FROM_CATCH] == 0 and vain > 0:
+            vain -= 1
+            continue
+        rounds -= 1
         if root >= 0:
             m = _connected(study, trees, FROM_CATCH, root)
             if m >= 0:
                 return _trace(trees, m, root, way)
         elif trees.size[FROM_CATCH] == 0:
-            continue
+            return False
         for tree in range(2):
             if tree == FROM_START:
                 k = _grown(study, trees, horizon)

@@ -30,7 +30,6 @@ class Study(NamedTuple):
     touch: float  # distance at which an obstacle counts as touching the limb
     catch: float  # signed distance to a target at which the hand surely catches
     instant: float  # resolution in time [s]
-    backward: bool  # whether time runs from the goals to the start
     desk: Desk
     pace: np.ndarray  # (PIECES,): when the pieces of the move timed last end, from its begin [s]
     near: np.ndarray  # (n,): joints
@@ -49,7 +48,7 @@ def study_of(scene, rules):
     """Get ready to plan for a `Scene` by its `Rules`."""
     n = dof(scene.limb)
     return Study(
-        scene, rules.touch, rules.catch, rules.instant, False,
+        scene, rules.touch, rules.catch, rules.instant,
         desk_of(scene), np.zeros(PIECES), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros(n), np.zeros(n), np.zeros((3, n)), np.zeros((3, n)), np.zeros((4, n)),
     )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.planners.joints.goals import reach
-from gcm_learn.planners.joints.moves import turning_time
+from gcm_learn.planners.joints.moves import time_of, turning_time
 from gcm_learn.planners.joints.pull import box
 from gcm_learn.planners.joints.ramps import (
     END_FREE,
@@ -21,6 +21,7 @@ from gcm_learn.planners.joints.ramps import (
 )
 
 FROM_START, FROM_CATCH = 0, 1  # the trees
+SPARE = 1.1  # of the least time of a ramp, since limbs rarely begin at rest
 RESTS = 0.5  # share of nodes at which the limb comes to rest
 
 
@@ -58,7 +59,21 @@ def _ramp_time(moves, limits, q, p):
 
 
 time_by = by_type({None: _line_time, Ramp: _ramp_time})
-"""Least time of a move from joints q at rest to p (n,) [s]."""
+"""Least time of a move from joints q at rest to p (n,), apart from the hand's speed [s]."""
+
+
+@njit(_nrt=False)
+def _line_soon(moves, study, q, p):
+    return time_of(study, q, p)[0]
+
+
+@njit(_nrt=False)
+def _ramp_soon(moves, study, q, p):
+    return SPARE * least_ramp(study.scene.limits, q, p, END_FREE)
+
+
+soon_by = by_type({None: _line_soon, Ramp: _ramp_soon})
+"""Time of a fast move from joints q to p (n,) that keeps the hand's speed [s]."""
 
 
 @njit(_nrt=False, forceinline=True)

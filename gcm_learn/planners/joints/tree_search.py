@@ -5,18 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+import numpy as np
+
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
-from gcm_learn.planners.joints.layered import finished
-from gcm_learn.planners.joints.meeting_trees import new_trees, search_trees
+from gcm_learn.planners.joints.meeting_trees import search_trees
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
-from gcm_learn.planners.joints.straight import at_once
-from gcm_learn.planners.joints.ways import Way, new_way, shorten
+from gcm_learn.planners.joints.straight import at_once, earliest_straight
+from gcm_learn.planners.joints.trees import new_trees
+from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of, in_joints
 from gcm_learn.situation import AnySituation
 
 SLICE = 100
 """Postures that catch to draw between two readings of the clock."""
+ROUNDS = 6000
+PATIENCE = 40
+VAIN = 10
+"""Pairs of trees in a row that find nothing earlier, before no more are grown."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +34,11 @@ class TreeSearch:
     """
 
     name: str = "search"
-    rounds: int = 4000
+    rounds: int = ROUNDS
     """Postures that catch to draw; the limit of work."""
+    patience: int = 0
+    """Postures to draw in vain for an earlier catch.  If positive, the straight line to the first
+    interception comes before all: if it is free, hardly anything is earlier."""
     seed: int = 1
 
     takes = staticmethod(in_joints)
@@ -59,37 +68,64 @@ class TreeSearch:
         if early is not None:
             return early
         end = situation.horizon if bound is None else min(situation.horizon, bound)
-        plan, seed = self._before(problem, end, self.seed), self.seed
-        while plan.catch_time is not None and problem.deadline is not None and not problem.over:
+        if self.patience and not problem.accelerates:
+            line = earliest_straight(problem)
+            if line.catch_time is not None and line.catch_time <= end:
+                return line
+        plan = self._before(problem, end, self.seed, self.rounds)
+        if plan.caught:
+            plan = self._sooner(problem, plan)
+        return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
+
+    def _sooner(self, problem: SpatialProblem, plan: Plan) -> Plan:
+        """Look for earlier catches than a plan's, until the deadline or in patience."""
+        rounds, tries = (self.patience, 1) if problem.deadline is None else (self.rounds, VAIN)
+        seed, vain = self.seed, 0
+        while plan.catch_time is not None and vain < tries and rounds and not problem.over:
             end, seed = plan.catch_time - problem.gain, seed + 1
-            sooner = self._before(problem, end, seed) if end > 0.0 else plan
-            plan = sooner if sooner.caught else plan
             if end <= 0.0 or problem.budget[0] < 0:
                 break
-        return replace(plan, planning_ms=problem.elapsed_ms)
+            sooner = self._before(problem, end, seed, rounds)
+            plan, vain = (sooner, 0) if sooner.caught else (plan, vain + 1)
+        return plan
 
-    def _before(self, problem: SpatialProblem, end: float, seed: int) -> Plan:
+    def _before(self, problem: SpatialProblem, end: float, seed: int, rounds: int) -> Plan:
         """A catch until `end` [s], by trees that are grown from new."""
         study = problem.study
-        trees = new_trees(study, self.rounds + 2, seed, problem.accelerates)
-        way, left = new_way(study.goal.size), self.rounds
-        while left > 0 and not problem.over:
-            size = problem.slices(SLICE, left)
-            if search_trees(study, trees, size, end, way):
-                return _finished(problem, trees.moves, way)
-            left -= size
+        trees = new_trees(study, rounds + 2, seed, problem.accelerates)
+        way, met = new_way(study.goal.size), False
+        while rounds > 0 and not met and not problem.over:
+            size = problem.slices(SLICE, rounds)
+            met = search_trees(study, trees, size, end, way)
+            rounds -= size
+        problem.nodes += int(trees.size.sum()) - 1  # the start was there
+        if met:
+            return _finished(problem, trees.moves, way)
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
+
+
+def search_in_space(name: str = "search", effort: float = 1.0) -> TreeSearch:
+    """Return the search for spatial arms, with a share of the postures that it draws."""
+    return TreeSearch(name, max(round(effort * ROUNDS), 1), max(round(effort * PATIENCE), 1))
+
+
+def layered_in_space() -> TreeSearch:
+    """Return the same search by the name of planar arms' default."""
+    return search_in_space("layered")
 
 
 def _finished(problem: SpatialProblem, moves: Any, way: Way) -> Plan:
     """The way as a plan: without postures that are not needed, its catch made earlier, verified."""
     study, short = problem.study, new_way(problem.study.goal.size)
-    if not problem.accelerates:
+    samples: tuple[np.ndarray, ...]
+    if problem.accelerates:
+        shorten_ramped(study, way, moves, short)
+        hasten_ramped(study, short, moves)
+        *samples, body = ramped_samples(study, short, moves)
+    else:
         shorten(study, way, short)
-        return finished(problem, study, short)
-    shorten_ramped(study, way, moves, short)
-    hasten_ramped(study, short, moves)
-    *samples, body = ramped_samples(study, short, moves)
+        hasten(study, short)
+        *samples, body = samples_of(study, short)
     path = Movement(problem.situation.arm, *samples)
     plan, reason = checked(problem, Attempt(path, int(body)))
     return problem.answer(reason or Failure.NO_INTERCEPTION) if plan is None else plan

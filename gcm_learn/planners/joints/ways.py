@@ -64,25 +64,6 @@ def write_rates(way, k, rates, free):
 
 
 @njit(_nrt=False)
-def trace(study, goals, tree, state, goal, ends, way):
-    """Write the way that leads through a state to a goal; return whether it fits."""
-    places, states = tree.places, tree.states
-    k, s = 1, state
-    while states.via[s] >= 0:
-        k, s = k + 1, states.via[s]
-    if k + 1 > MOST:
-        return False
-    last, left, s = k, ends[0], state
-    while s >= 0:
-        k -= 1
-        write(way, k, places.joints[states.place[s]], states.time[s], left)
-        left, s = states.left[s], states.via[s]
-    write(way, last, goals.joints[goal], ends[1], goals.time[goal])
-    way.body[0] = goals.body[goal]
-    return True
-
-
-@njit(_nrt=False)
 def _leap(study, way, k, since, m):
     """Go straight from posture k of a way, left at `since`, to posture m: when it is reached.
 

@@ -23,16 +23,16 @@ from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.completion import SpatialProblem, checked
-from gcm_learn.planners.joints.layered import LayeredInSpace
 from gcm_learn.planners.joints.marching import posture_marching
 from gcm_learn.planners.joints.moves import Study, study_of, time_of
-from gcm_learn.planners.joints.sides import Effort
 from gcm_learn.planners.joints.straight import any_straight, attempt_along
+from gcm_learn.planners.joints.tree_search import search_in_space
 from gcm_learn.planners.oracle.posture_boxes import earliest_possible
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import Situation
 
 TREES_MS = 10_000.0  # of processor time for ST-RRT*
+EFFORT = 10.0  # of the patient search
 TIGHT = 0.02  # share of a catch's time within which nothing earlier is looked for
 STILL = 1e-12  # turn of all joints between two samples that is a rest [rad]
 
@@ -141,10 +141,9 @@ def _methods(
     yield "any straight", straight
     yield "straight-wait", lambda: StraightWaitPlanner(instants=96).plan(situation)
     yield "potential", lambda: PotentialPlanner().plan(situation)
-    yield "layered", lambda: LayeredInSpace().plan(situation)
-    effort = Effort(20**4, (60_000, 100_000))
-    fine = LayeredInSpace(instants=64, swivels=16, fine=effort, earliest=earliest)
-    yield "layered, fine", lambda: fine.plan(situation)
+    yield "search", lambda: search_in_space().plan(situation)
+    patient = search_in_space(effort=EFFORT)
+    yield "search, patient", lambda: patient.plan(situation)
     many = posture_marching((1, 8, 16))
     yield "marching", lambda: many.plan(situation)
     if trees_ms <= 0.0:

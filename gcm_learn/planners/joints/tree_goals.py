@@ -1,0 +1,93 @@
+"""Postures that catch a target at some time, drawn as roots of a tree."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.arms.limbs import inverts, postures_at
+from gcm_learn.collision.postures import free_at
+from gcm_learn.compiled import njit
+from gcm_learn.planners.joints.goals import PLACES, place_on
+from gcm_learn.planners.joints.pull import pulled
+from gcm_learn.planners.joints.ramps import GIVEN
+from gcm_learn.planners.joints.tree_moves import FROM_CATCH, box_by
+from gcm_learn.planners.joints.trees import add_node, uniform
+from gcm_learn.scene.bodies import HAND, PART
+
+NEAR_START = 0.5  # share of goals that are drawn near to what the start is pulled to
+INVERSE = 0.5  # share of the other goals that begin with the hand at the target, by its inverse
+SWIVELS = 4096  # from which those are drawn
+NEAR_GOAL = 0.3  # share of goals that are drawn near to one that is there
+NEARBY = 0.3  # how near: share of a joint's range, and of the horizon
+
+
+@njit(_nrt=False)
+def _draw_near_start(study, trees, horizon):
+    """Draw a posture between the start and what is within reach: a target and a time [s]."""
+    q, rows, start = trees.drawn, study.scene.bodies.rows, study.scene.limb.start
+    targets = 0
+    for b in range(rows.shape[0]):
+        targets += rows[b, PART] == HAND
+    left, b = int(uniform(trees) * targets), -1
+    while left >= 0:
+        b += 1
+        left -= rows[b, PART] == HAND
+    t = horizon * np.sqrt(1.0 - uniform(trees))
+    box_by(trees.moves, study, t)
+    near = 1.0 if uniform(trees) >= NEAR_START else uniform(trees)
+    for j in range(q.size):
+        share = study.low[j] + uniform(trees) * (study.high[j] - study.low[j])
+        q[j] = start[j] + near * (share - start[j])
+    if inverts(study.scene.limb) and uniform(trees) < INVERSE:
+        _turn_to(study, trees, b, t)
+    return b, t
+
+
+@njit(_nrt=False)
+def _turn_to(study, trees, b, t):
+    """Turn the drawn posture so that the hand is at a place of body b at t [s], if joints can."""
+    q, branches = trees.drawn, study.branches
+    x, y, z, _ = place_on(study, b, t, int(uniform(trees) * PLACES))
+    k, low, high = int(uniform(trees) * SWIVELS), study.low, study.high
+    found = postures_at(study.scene.limb, x, y, z, k, SWIVELS, low, high, branches)
+    if found > 0:
+        row = int(uniform(trees) * found)
+        for j in range(q.size):
+            q[j] = min(max(branches[row, j], low[j]), high[j])
+
+
+@njit(_nrt=False)
+def _draw_near_goal(study, trees, horizon):
+    """Draw a posture near one that catches: its target and a time [s]."""
+    q, limb = trees.drawn, study.scene.limb
+    k = int(uniform(trees) * trees.size[FROM_CATCH])
+    while trees.via[FROM_CATCH, k] >= 0:
+        k = trees.via[FROM_CATCH, k]
+    wide = NEARBY * uniform(trees)
+    t = trees.time[FROM_CATCH, k] + wide * horizon * (2.0 * uniform(trees) - 1.0)
+    t = min(max(t, 0.01 * horizon), horizon)
+    box_by(trees.moves, study, t)
+    for j in range(q.size):
+        far = wide * (limb.high[j] - limb.low[j]) * (2.0 * uniform(trees) - 1.0)
+        q[j] = min(max(trees.joints[FROM_CATCH, k, j] + far, study.low[j]), study.high[j])
+    return trees.body[k], t
+
+
+@njit(_nrt=False)
+def draw_goal(study, trees, horizon):
+    """Draw a posture that catches a target at some time, and is free then, as a root.
+
+    Returns
+    -------
+    int
+        Number of the root, -1 if the draw failed.
+    """
+    scene, q = study.scene, trees.drawn
+    if trees.size[FROM_CATCH] > 0 and uniform(trees) < NEAR_GOAL:
+        b, t = _draw_near_goal(study, trees, horizon)
+    else:
+        b, t = _draw_near_start(study, trees, horizon)
+    if not pulled(study, b, t, q) or not free_at(scene, q, t, study.touch, study.desk):
+        return -1
+    trees.ends[0] = trees.ends[1] = t
+    return add_node(trees, FROM_CATCH, q, trees.drawn_rates, t, GIVEN, -1, b)
