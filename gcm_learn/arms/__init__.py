@@ -50,7 +50,15 @@ from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
 from gcm_learn.late import late_names
 
 if TYPE_CHECKING:
-    from gcm_learn.arms.robots import Fitted, Robot, chain_of, checked_pairs, frames_at, read_robot
+    from gcm_learn.arms.robots import (
+        Fitted,
+        Inertial,
+        Robot,
+        chain_of,
+        checked_pairs,
+        frames_at,
+        read_robot,
+    )
 
 __all__ = [
     "Arm",
@@ -65,6 +73,7 @@ __all__ = [
     "Fitted",
     "Hand",
     "IDENTITY",
+    "Inertial",
     "JOINTS",
     "JOINT_TYPES",
     "Kind",
@@ -112,5 +121,15 @@ __all__ = [
 
 __getattr__ = late_names(
     __name__,
-    {"robots": ("Fitted", "Robot", "chain_of", "checked_pairs", "frames_at", "read_robot")},
+    {
+        "robots": (
+            "Fitted",
+            "Inertial",
+            "Robot",
+            "chain_of",
+            "checked_pairs",
+            "frames_at",
+            "read_robot",
+        ),
+    },
 )

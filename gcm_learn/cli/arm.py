@@ -6,7 +6,7 @@ import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from tyro.conf import Positional, UseAppendAction, arg
 
@@ -25,7 +25,7 @@ class Arm:
     """Make an arm file of the joints between two links of a robot (URDF or MJCF).
 
     Links are covered by capsules that hold their collision geometry. Pairs for self-collision are
-    found by sampling postures.
+    found by sampling postures. With --body the masses and motors go into a file for execute.
     """
 
     robot: Annotated[Positional[Path], arg(metavar="FILE")]
@@ -59,6 +59,16 @@ class Arm:
     ] = None
     """largest accelerations of the joints [rad/s^2 or lengths/s^2], one or all"""
 
+    torque: Annotated[
+        Numbers | None, arg(metavar="T ...", help_behavior_hint="(default: the file's)")
+    ] = None
+    """with --body: largest torques of the motors [N m, or N of prismatic joints], one or all"""
+
+    armature: Annotated[
+        Numbers | None, arg(metavar="J ...", help_behavior_hint="(default: the file's; URDF: 0)")
+    ] = None
+    """with --body: inertias of the rotors as the joints feel them [kg m^2, or kg], one or all"""
+
     capsules: int = 4
     """capsules that cover a link, at most"""
 
@@ -79,6 +89,11 @@ class Arm:
     ] = None
     """where the arm goes; the file appears whole or not at all"""
 
+    body: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(default: no body)")] = (
+        None
+    )
+    """where masses and motors go, in the format gcm-learn/body@2; lengths are metres"""
+
     plot: Annotated[
         Path | None, arg(metavar="FILE", help_behavior_hint="(default: no picture)")
     ] = None
@@ -96,8 +111,13 @@ class Arm:
         robot = read_robot(self.robot, self.packages)
         try:
             fitted = self._fitted(robot)
+            body = None if self.body is None else _body(fitted)
         except RobotError as error:
             raise CommandFailure(f"{self.robot}: {error}") from None
+        if body is not None:
+            assert self.body is not None
+            with staged(self.body, option="--body") as place:
+                place.write_text(json.dumps(body, indent=1) + "\n", "utf-8")
         with output(self.out) as stream:
             stream.write(json.dumps(arm_to_json(fitted.model), indent=1) + "\n")
         if self.plot is not None:
@@ -108,6 +128,8 @@ class Arm:
     def _check(self) -> None:
         if self.plot is not None:
             require_suffix(self.plot, FORMATS, "--plot")
+        if self.body is None and (self.torque or self.armature):
+            raise CommandFailure("--torque and --armature: are for --body")
         if self.capsules < 1:
             raise CommandFailure(f"--capsules {self.capsules}: must be at least 1")
         for name, numbers in (("--point", self.point), ("--axis", self.axis)):
@@ -124,6 +146,7 @@ class Arm:
             robot, self.base, self.tip,
             point=self.point, axis=self.axis, at=dict(map(_value, self.at)),
             max_speed=self.max_speed, max_acceleration=self.max_acceleration,
+            torque=self.torque, armature=self.armature,
             capsules=self.capsules, name=self.name, source=self.source,
         )  # fmt: skip
 
@@ -169,6 +192,14 @@ def report(fitted: Fitted) -> list[str]:
             f"  {cover.link:<{width}}  on {carried}, {many}, up to {cover.overhang:.3g} wider"
         )
     return lines
+
+
+def _body(fitted: Fitted) -> dict[str, Any]:
+    """Return the JSON object of the robot's body."""
+    from gcm_learn.execution import body_of_robot
+    from gcm_learn.situation import arm_body_to_json
+
+    return arm_body_to_json(body_of_robot(fitted))
 
 
 def _value(given: str) -> tuple[str, float]:

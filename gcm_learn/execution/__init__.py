@@ -36,7 +36,12 @@ from gcm_learn.execution.arenas import (
     situations_of,
 )
 from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
-from gcm_learn.execution.body.bodies import body_for, read_body, shipped_bodies
+from gcm_learn.execution.body.bodies import (
+    body_for,
+    body_of_robot,
+    read_body,
+    shipped_bodies,
+)
 from gcm_learn.execution.body.control import Controller
 from gcm_learn.execution.body.executing import (
     Execution,
@@ -122,6 +127,7 @@ __all__ = [
     "arena_named",
     "arena_of",
     "body_for",
+    "body_of_robot",
     "commands_of",
     "encoder",
     "execute",

@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-from gcm_learn.situation.arm_body import (
-    BODY_FORMAT,
-    ArmBody,
-    BoneMass,
-    Motor,
-    arm_body_from_json,
-    read_arm_body,
-)
+from gcm_learn.situation.arm_body import ArmBody, BoneMass, Motor
 from gcm_learn.situation.arm_files import (
     ARM_FORMAT,
     arm_from_json,
@@ -19,7 +12,16 @@ from gcm_learn.situation.arm_files import (
     shipped_arm,
 )
 from gcm_learn.situation.body import Approach, Body
+from gcm_learn.situation.body_files import (
+    BODY_FORMAT,
+    CHAIN_BODY_FORMAT,
+    AnyArmBody,
+    arm_body_from_json,
+    arm_body_to_json,
+    read_arm_body,
+)
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
+from gcm_learn.situation.chain_body import ChainBody, FrameMass
 from gcm_learn.situation.formats import CATCHES, FORMATS, Format
 from gcm_learn.situation.json_format import (
     read_situations,
@@ -51,6 +53,7 @@ from gcm_learn.situation.timed_motion import Piece, Piecewise, Sampled
 
 __all__ = [
     "ARM_FORMAT",
+    "AnyArmBody",
     "AnySituation",
     "Approach",
     "ArmBody",
@@ -59,12 +62,15 @@ __all__ = [
     "BoneMass",
     "Box",
     "CATCHES",
+    "CHAIN_BODY_FORMAT",
     "Capsule",
+    "ChainBody",
     "Cylinder",
     "Disc",
     "FORMATS",
     "Format",
     "Frame",
+    "FrameMass",
     "JsonTextError",
     "Motion",
     "Motor",
@@ -87,6 +93,7 @@ __all__ = [
     "SpatialFrame",
     "Sphere",
     "arm_body_from_json",
+    "arm_body_to_json",
     "arm_frame",
     "arm_from_json",
     "arm_names",

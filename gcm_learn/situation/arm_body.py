@@ -1,19 +1,15 @@
-"""Physical properties of an arm: the exchange format ``gcm-learn/body@1``."""
+"""Physical properties of a spatial arm: the records of the format ``gcm-learn/body@1``."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-from gcm_learn.arms import JOINTS, SpatialArm
-from gcm_learn.checks import non_negative, positive, put, quote, show, text, vector
-from gcm_learn.errors import FileFormatError, SituationError
-from gcm_learn.situation.json_records import check_names, made_from, object_from, record_from
-from gcm_learn.situation.json_text import JsonTextError, line_of, parse
+from gcm_learn.arms import JOINTS, SPATIAL, Kind, kind_of
+from gcm_learn.checks import non_negative, positive, put, text, vector
+from gcm_learn.errors import SituationError
 
-BODY_FORMAT = "gcm-learn/body@1"
 BONES = 2
 FITS = 0.01
 """Tolerance of the lengths of bones, as a share of them."""
@@ -62,11 +58,11 @@ class Motor:
     Parameters
     ----------
     torque : float
-        The largest, either way; above zero [N m].
+        The largest, either way; not negative [N m; N of a prismatic joint].
     armature : float
-        Inertia of the rotor, as the joint feels it; not negative [kg m^2].
+        Inertia of the rotor, as the joint feels it; not negative [kg m^2; kg].
     damping : float
-        Torque against the motion for each rad/s; not negative [N m s].
+        Torque against the motion for each rad/s; not negative [N m s; N s/m].
     """
 
     torque: float
@@ -75,7 +71,7 @@ class Motor:
 
     def __post_init__(self) -> None:
         """Check the documented ranges."""
-        put(self, "torque", positive(self.torque, "torque"))
+        put(self, "torque", non_negative(self.torque, "torque"))
         put(self, "armature", non_negative(self.armature, "armature"))
         put(self, "damping", non_negative(self.damping, "damping"))
 
@@ -103,19 +99,21 @@ class ArmBody:
     joints: tuple[Motor, ...]
     name: str = ""
 
+    kind: ClassVar[Kind] = SPATIAL
+    """Kind of the arms that it fits."""
+
     def __post_init__(self) -> None:
         """Check the documented shapes."""
-        put(self, "metres", positive(self.metres, "metres"))
-        put(self, "gravity", vector(self.gravity, "gravity", 3))
-        put(self, "name", text(self.name, "name"))
+        check_world(self)
         for field, kind, count in (("bones", BoneMass, BONES), ("joints", Motor, JOINTS)):
-            given = getattr(self, field)
-            if len(given) != count or not all(isinstance(item, kind) for item in given):
-                raise SituationError(field, f"must be {count} of {kind.__name__}")
-            put(self, field, tuple(given))
+            put(self, field, records(getattr(self, field), field, kind, count))
+        for k, motor in enumerate(self.joints):
+            positive(motor.torque, f"joints[{k}].torque")
 
-    def misfit(self, arm: SpatialArm) -> str:
+    def misfit(self, arm: Any) -> str:
         """Say in a sentence why this is not the body of an arm; empty if it is."""
+        if kind_of(arm) is not self.kind:
+            return f"is for {self.kind.plural}, not for {kind_of(arm).plural}"
         for label, vector_, bone in zip(
             ("upper_arm", "forearm"), (arm.upper_arm, arm.forearm), self.bones, strict=True
         ):
@@ -125,47 +123,15 @@ class ArmBody:
         return ""
 
 
-def read_arm_body(path: str | Path) -> ArmBody:
-    """Read a file of one body.
-
-    Raises
-    ------
-    FileFormatError
-        One line: ``nao.json:7: joints[2].torque: must be positive (got 0)``.
-    """
-    try:
-        content = Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileFormatError(f"{path}:1: is not UTF-8 text ({error.reason})") from None
-    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
-        reason = getattr(error, "strerror", None) or error
-        raise FileFormatError(f"{path}: cannot be read ({reason})") from None
-    try:
-        return arm_body_from_json(parse(content))
-    except JsonTextError as error:
-        raise FileFormatError(f"{path}:{error.line}: not valid JSON: {error.reason}") from None
-    except SituationError as error:
-        raise FileFormatError(f"{path}:{line_of(content, error.field)}: {error}") from None
+def check_world(body: Any) -> None:
+    """Check the name of a body, its unit of lengths and its gravity."""
+    put(body, "metres", positive(body.metres, "metres"))
+    put(body, "gravity", vector(body.gravity, "gravity", 3))
+    put(body, "name", text(body.name, "name"))
 
 
-def arm_body_from_json(obj: object) -> ArmBody:
-    """The body that a parsed JSON value describes.
-
-    Raises
-    ------
-    SituationError
-        With the path of the offending field, e.g. ``"bones[1].mass"``.
-    """
-    members = object_from(obj, "")
-    given = members.get("format")
-    if given != BODY_FORMAT:
-        raise SituationError("format", f"must be {quote(BODY_FORMAT)} (got {show(given)})")
-    check_names(members, "", ArmBody, extra=("format",))
-    values: dict[str, Any] = {k: v for k, v in members.items() if k != "format"}
-    for field, kind in (("bones", BoneMass), ("joints", Motor)):
-        if not isinstance(values[field], list):
-            raise SituationError(field, f"must be a list of objects (got {show(values[field])})")
-        values[field] = tuple(
-            record_from(kind, item, f"{field}[{k}]") for k, item in enumerate(values[field])
-        )
-    return made_from(ArmBody, values, "")
+def records(given: Any, field: str, record: type[Any], count: int) -> tuple[Any, ...]:
+    """Return so many records of a type, in a tuple."""
+    if len(given) != count or not all(isinstance(item, record) for item in given):
+        raise SituationError(field, f"must be {count} of {record.__name__} (got {len(given)})")
+    return tuple(given)

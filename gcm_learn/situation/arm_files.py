@@ -19,7 +19,7 @@ from gcm_learn.situation.json_records import (
     record_from,
     records_from,
 )
-from gcm_learn.situation.json_text import JsonTextError, line_of, parse
+from gcm_learn.situation.json_text import read_value
 
 ARM_FORMAT = "gcm-learn/arm@1"
 
@@ -36,19 +36,7 @@ def read_arm(path: str | Path) -> ChainModel:
 
 
 def _read(path: Path | Traversable, name: str) -> ChainModel:
-    try:
-        content = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileFormatError(f"{name}:1: is not UTF-8 text ({error.reason})") from None
-    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
-        reason = getattr(error, "strerror", None) or error
-        raise FileFormatError(f"{name}: cannot be read ({reason})") from None
-    try:
-        return arm_from_json(parse(content))
-    except JsonTextError as error:
-        raise FileFormatError(f"{name}:{error.line}: not valid JSON: {error.reason}") from None
-    except SituationError as error:
-        raise FileFormatError(f"{name}:{line_of(content, error.field)}: {error}") from None
+    return read_value(path, name, arm_from_json)
 
 
 def arm_from_json(obj: object, path: str = "") -> ChainModel:

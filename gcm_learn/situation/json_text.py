@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from gcm_learn.errors import FileFormatError, SituationError
+
+Made = TypeVar("Made")
 
 _LONGEST_INTEGER = 400
 """Digits from which an integer is read as a float: far beyond the largest float anyway."""
@@ -108,3 +114,34 @@ def _skip(text: str, position: int) -> int:
     """Return the position of the next character that is not white space."""
     match = _BLANK.match(text, position)
     return match.end() if match else position
+
+
+def read_value(path: Path | Traversable, name: str, make: Callable[[object], Made]) -> Made:
+    """Return what a function makes of the JSON value in a file.
+
+    Parameters
+    ----------
+    path : Path or Traversable
+    name : str
+        Name of the file in messages.
+    make : callable
+        It may raise a `SituationError`, whose field is looked up in the file.
+
+    Raises
+    ------
+    FileFormatError
+        One line: ``arm.json:7: joints[2].axis: must have length 1 (got 1.1)``.
+    """
+    try:
+        content = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"{name}:1: is not UTF-8 text ({error.reason})") from None
+    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
+        reason = getattr(error, "strerror", None) or error
+        raise FileFormatError(f"{name}: cannot be read ({reason})") from None
+    try:
+        return make(parse(content))
+    except JsonTextError as error:
+        raise FileFormatError(f"{name}:{error.line}: not valid JSON: {error.reason}") from None
+    except SituationError as error:
+        raise FileFormatError(f"{name}:{line_of(content, error.field)}: {error}") from None

@@ -2,12 +2,14 @@
 
 from gcm_learn.arms.robots.chains import MOST_CAPSULES, Cover, Fitted, chain_of, read_robot
 from gcm_learn.arms.robots.pairs import checked_pairs, frames_at
-from gcm_learn.arms.robots.tree import Robot
+from gcm_learn.arms.robots.tree import Drive, Inertial, Robot
 
 __all__ = [
     "MOST_CAPSULES",
     "Cover",
+    "Drive",
     "Fitted",
+    "Inertial",
     "Robot",
     "chain_of",
     "checked_pairs",

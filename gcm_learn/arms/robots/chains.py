@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
 from gcm_learn.arms.robots.capsules import Group, covered, overhang
 from gcm_learn.arms.robots.pairs import checked_pairs
-from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint, motion
+from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, motion, together
 from gcm_learn.arms.robots.urdf import FULL_TURN, read_urdf
 from gcm_learn.errors import RobotError
 
@@ -41,6 +41,10 @@ class Fitted(NamedTuple):
     covers: tuple[Cover, ...]
     parts: tuple[tuple[Hull, ...], ...]
     """Convex parts that each link of the model holds, in the frame of its joint."""
+    masses: tuple[Inertial, ...]
+    """(n + 1) Mass that each frame carries, the base first."""
+    drives: tuple[Drive, ...]
+    """(n) Motors of the joints."""
 
 
 def read_robot(path: str | Path, packages: Sequence[str | Path] = ()) -> Robot:
@@ -79,6 +83,8 @@ def chain_of(
     at: Mapping[str, float] | None = None,
     max_speed: Sequence[float] | None = None,
     max_acceleration: Sequence[float] | None = None,
+    torque: Sequence[float] | None = None,
+    armature: Sequence[float] | None = None,
     capsules: int = MOST_CAPSULES,
     name: str | None = None,
     source: str = "",
@@ -101,6 +107,8 @@ def chain_of(
         given.
     max_speed, max_acceleration : (n,) sequence of float, optional
         Of the chain's joints [rad/s, rad/s^2 or lengths]; speeds are those of the file else.
+    torque, armature : (n,) sequence of float, optional
+        Of the chain's motors, see `Drive`; those of the file else.
     capsules : int
         That cover a link, at most.
     name, source : str, optional
@@ -130,7 +138,10 @@ def chain_of(
     model = ChainModel(name or robot.name, tuple(joints), tuple(links), hand, (), source)
     pairs = checked_pairs(model, seed)
     model = ChainModel(model.name, model.joints, model.links, hand, pairs, source)
-    return Fitted(model, tuple(covers), tuple(parts))
+    drives = _drives(
+        moving, _listed(torque, "torque", moving), _listed(armature, "armature", moving)
+    )
+    return Fitted(model, tuple(covers), tuple(parts), _masses(robot, frames, len(moving)), drives)
 
 
 def _listed(
@@ -265,6 +276,31 @@ def _links(
     if not links:
         raise RobotError("has no collision geometry")
     return links, covers, parts
+
+
+def _drives(
+    moving: Sequence[RobotJoint],
+    torques: Sequence[float | None],
+    rotors: Sequence[float | None],
+) -> tuple[Drive, ...]:
+    """Return the motors of joints, of which some numbers may be given."""
+    made = []
+    for joint, torque, rotor in zip(moving, torques, rotors, strict=True):
+        given = {"torque": torque, "armature": rotor}
+        made.append(joint.drive._replace(**{k: v for k, v in given.items() if v is not None}))
+    return tuple(made)
+
+
+def _masses(
+    robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]], count: int
+) -> tuple[Inertial, ...]:
+    """Return what each frame carries: all links that do not move in it."""
+    parts: list[list[Inertial]] = [[] for _ in range(count + 1)]
+    for name, (number, pose) in frames.items():
+        inertial = robot.links[name].inertial
+        if inertial is not None:
+            parts[number].append(inertial.moved(pose))
+    return tuple(map(together, parts))
 
 
 def _tuple(values: Any) -> Any:

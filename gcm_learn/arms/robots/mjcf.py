@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms.robots import tree
-from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint, RobotLink
+from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, RobotLink
 from gcm_learn.errors import MissingExtraError, RobotError
 
 
@@ -39,10 +39,44 @@ def read_mjcf(path: Path) -> Robot:
     for b, name in enumerate(names):
         geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == b]
         hulls = [h for g in geoms if _touches(model, g) for h in _hulls(model, g, mujoco)]
-        links[name] = RobotLink(name, tuple(hulls))
+        links[name] = RobotLink(name, tuple(hulls), _inertial(model, b))
         if b:
             _join(model, b, names, links, joints, mujoco)
     return Robot(Path(path).stem, links, joints)
+
+
+def _inertial(model: Any, b: int) -> Inertial:
+    """Return the mass of a body, which MuJoCo finds by its geometry if the file does not say."""
+    pose = _pose(model.body_ipos[b], model.body_iquat[b])
+    made = Inertial(float(model.body_mass[b]), np.zeros(3), np.diag(model.body_inertia[b]))
+    return made.moved(pose)
+
+
+def _drive(model: Any, j: int, mujoco: Any) -> Drive:
+    """Return the motor of a joint; the strongest of several."""
+    d = int(model.jnt_dofadr[j])
+    forces = [_strongest(model, a) for a in range(model.nu) if _moves(model, a, j, mujoco)]
+    if model.jnt_actfrclimited[j]:
+        forces = [float(np.abs(model.jnt_actfrcrange[j]).max())]
+    known = [force for force in forces if force is not None]
+    most = max(known) if known else None
+    return Drive(most, float(model.dof_armature[d]), float(model.dof_damping.ravel()[d]))
+
+
+def _moves(model: Any, a: int, j: int, mujoco: Any) -> bool:
+    joint = int(mujoco.mjtTrn.mjTRN_JOINT)
+    return bool(model.actuator_trntype[a] == joint and model.actuator_trnid[a, 0] == j)
+
+
+def _strongest(model: Any, a: int) -> float | None:
+    """Return the largest torque of an actuator: by its limit, or that of its command."""
+    gear = abs(float(model.actuator_gear[a, 0]))
+    if model.actuator_forcelimited[a]:
+        return gear * float(np.abs(model.actuator_forcerange[a]).max())
+    if model.actuator_ctrllimited[a] and not np.any(model.actuator_biasprm[a]):
+        gain = abs(float(model.actuator_gainprm[a, 0]))
+        return gear * gain * float(np.abs(model.actuator_ctrlrange[a]).max())
+    return None
 
 
 def _touches(model: Any, g: int) -> bool:
@@ -72,7 +106,9 @@ def _join(
         links[between] = RobotLink(between, ())
         origin = pose @ anchor @ tree.motion(kind, axis, -at)
         x, y, z = map(float, axis)
-        joints.append(RobotJoint(name, kind, parent, between, origin, (x, y, z), bounds))
+        drive = _drive(model, j, mujoco)
+        moves = RobotJoint(name, kind, parent, between, origin, (x, y, z), bounds, drive=drive)
+        joints.append(moves)
         parent, pose = between, np.linalg.inv(anchor)
     joints.append(RobotJoint(f"{names[b]} (fixed)", "fixed", parent, names[b], pose))
 

@@ -31,12 +31,61 @@ class Hull(NamedTuple):
         return Hull(self.centres @ transform[:3, :3].T + transform[:3, 3], self.radii)
 
 
+class Inertial(NamedTuple):
+    """Mass of a rigid body and how it is spread."""
+
+    mass: float
+    """[kg]"""
+    centre: np.ndarray
+    """(3,) Centre of mass."""
+    inertia: np.ndarray
+    """(3, 3) About the centre, along the axes of the frame [kg m^2]."""
+
+    def moved(self, transform: np.ndarray) -> Inertial:
+        """Return the same in another frame.
+
+        Parameters
+        ----------
+        transform : (4, 4) ndarray
+            Pose of the present frame in the other one.
+        """
+        turn = transform[:3, :3]
+        centre = turn @ self.centre + transform[:3, 3]
+        return Inertial(self.mass, centre, turn @ self.inertia @ turn.T)
+
+
+def together(parts: Sequence[Inertial]) -> Inertial:
+    """Return the mass of several bodies that are one."""
+    mass = sum(part.mass for part in parts)
+    if mass == 0.0:
+        return Inertial(0.0, np.zeros(3), sum((p.inertia for p in parts), np.zeros((3, 3))))
+    centre = np.array(sum(part.mass * part.centre for part in parts)) / mass
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        x = part.centre - centre
+        inertia += part.inertia + part.mass * (x @ x * np.eye(3) - np.outer(x, x))
+    return Inertial(mass, centre, inertia)
+
+
 class RobotLink(NamedTuple):
     """A rigid link."""
 
     name: str
     hulls: tuple[Hull, ...]
     """Collision geometry; empty where nothing can be hit."""
+    inertial: Inertial | None = None
+    """Mass in the link's frame, if the file says."""
+
+
+class Drive(NamedTuple):
+    """Motor of a joint, as far as the file says."""
+
+    torque: float | None = None
+    """The largest [N m, or N]."""
+    armature: float = 0.0
+    """Inertia of the rotor, as the joint feels it [kg m^2, or kg]."""
+    damping: float = 0.0
+    """[N m s, or N s/m]"""
 
 
 class RobotJoint(NamedTuple):
@@ -56,6 +105,7 @@ class RobotJoint(NamedTuple):
     max_speed: float | None = None
     follows: tuple[str, float, float] | None = None
     """Joint that this one follows, and the factor and offset of its value."""
+    drive: Drive = Drive()
 
 
 class Robot(NamedTuple):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.arms.robots import tree
-from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint, RobotLink
+from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, RobotLink
 from gcm_learn.errors import MissingExtraError, RobotError
 
 PACKAGE = "package://"
@@ -42,7 +42,7 @@ def read_urdf(path: Path, packages: tuple[Path, ...] = ()) -> Robot:
     links = {}
     for link in loaded.links:
         hulls = [hull for given in link.collisions for hull in _hulls(link.name, given, find)]
-        links[link.name] = RobotLink(link.name, tuple(hulls))
+        links[link.name] = RobotLink(link.name, tuple(hulls), _inertial(link))
     joints = [_joint(given) for given in loaded.joints]
     for joint in joints:
         for end in (joint.parent, joint.child):
@@ -68,6 +68,16 @@ def _parsed(path: Path) -> Any:
         raise RobotError(f"is no URDF that can be read ({reason})") from None
 
 
+def _inertial(link: Any) -> Inertial | None:
+    """Return the mass of a link."""
+    given = link.inertial
+    if given is None or given.mass is None:
+        return None
+    pose = np.eye(4) if given.origin is None else np.array(given.origin, float)
+    inertia = np.zeros((3, 3)) if given.inertia is None else np.array(given.inertia, float)
+    return Inertial(float(given.mass), np.zeros(3), inertia).moved(pose)
+
+
 def _joint(given: Any) -> RobotJoint:
     """Return a joint of yourdfpy as ours."""
     limit, bounds, speed, follows = given.limit, None, None, None
@@ -84,9 +94,12 @@ def _joint(given: Any) -> RobotJoint:
         raise RobotError(f"joint {given.name!r}: its axis has no length")
     origin = np.eye(4) if given.origin is None else np.array(given.origin, float)
     direction = tuple((axis / length).tolist()) if length else (1.0, 0.0, 0.0)
+    damping = 0.0 if given.dynamics is None else float(given.dynamics.damping or 0.0)
+    drive = Drive(None if limit is None else limit.effort or None, 0.0, damping)
     return RobotJoint(
-        given.name, given.type, given.parent, given.child, origin, direction, bounds, speed, follows
-    )
+        given.name, given.type, given.parent, given.child, origin, direction, bounds, speed,
+        follows, drive,
+    )  # fmt: skip
 
 
 def _hulls(link: str, given: Any, find: Callable[[str], Path]) -> Iterator[Hull]:

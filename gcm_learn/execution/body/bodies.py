@@ -5,15 +5,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gcm_learn import artifacts
 from gcm_learn.arms import SPATIAL, SpatialArm
-from gcm_learn.errors import BodyError, PhysicsError
+from gcm_learn.errors import BodyError, PhysicsError, RobotError, SituationError
 from gcm_learn.execution.arena.pool import Pool, of_one_kind
 from gcm_learn.execution.body.motors import with_motor_limits
-from gcm_learn.situation import ArmBody, Situation, read_arm_body
+from gcm_learn.situation import (
+    AnyArmBody,
+    ArmBody,
+    ChainBody,
+    FrameMass,
+    Motor,
+    Situation,
+    read_arm_body,
+)
+
+if TYPE_CHECKING:
+    from gcm_learn.arms import Fitted, Inertial
 
 FOLDER = "bodies"
+GRAVITY = (0.0, 0.0, -9.81)
+"""Of bodies that are made from robots' files [m/s^2]."""
+Made = TypeVar("Made")
 
 
 def shipped_bodies() -> dict[str, Path]:
@@ -22,7 +37,7 @@ def shipped_bodies() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder.glob("*.json"))}
 
 
-def read_body(name: str | Path) -> ArmBody:
+def read_body(name: str | Path) -> AnyArmBody:
     """A body by its file, or by the name of one that comes with the package.
 
     Raises
@@ -32,13 +47,13 @@ def read_body(name: str | Path) -> ArmBody:
     return read_arm_body(shipped_bodies().get(str(name), Path(name)))
 
 
-def body_for(arm: SpatialArm, given: ArmBody | str | Path | None = None) -> ArmBody:
+def body_for(arm: SpatialArm, given: AnyArmBody | str | Path | None = None) -> AnyArmBody:
     """The body of an arm.
 
     Parameters
     ----------
     arm : SpatialArm
-    given : ArmBody, str or Path, optional
+    given : ArmBody, ChainBody, str or Path, optional
         A body, its file, or the name of one that comes with the package; by default the one of
         these that fits.
 
@@ -54,15 +69,47 @@ def body_for(arm: SpatialArm, given: ArmBody | str | Path | None = None) -> ArmB
             reasons = "; ".join(f"{body.name}: {body.misfit(arm)}" for body in bodies)
             raise BodyError(f"body: none that is shipped fits the arm ({reasons})")
         return fitting[0]
-    body = given if isinstance(given, ArmBody) else read_body(given)
+    body = given if isinstance(given, ArmBody | ChainBody) else read_body(given)
     misfit = body.misfit(arm)
     if misfit:
         raise BodyError(f"body {body.name or given!s}: does not fit: {misfit}")
     return body
 
 
+def body_of_robot(fitted: Fitted) -> ChainBody:
+    """Return the body of a chain that was made from a robot's file, in metres.
+
+    Raises
+    ------
+    RobotError
+        One line that names a joint without a torque, or a field that makes no sense.
+    """
+    motors = []
+    for k, (joint, drive) in enumerate(zip(fitted.model.joints, fitted.drives, strict=True)):
+        if drive.torque is None:
+            raise RobotError(f"joint {joint.name!r}: has no largest torque; give --torque")
+        motors.append(_checked(Motor, f"joints[{k}]", *drive))
+    frames = [_frame_mass(k, carried) for k, carried in enumerate(fitted.masses)]
+    return _checked(ChainBody, "", 1.0, GRAVITY, tuple(frames), tuple(motors), fitted.model.name)
+
+
+def _frame_mass(k: int, carried: Inertial) -> FrameMass:
+    inertia = 0.5 * (carried.inertia + carried.inertia.T)
+    numbers = carried.mass, carried.centre.tolist(), inertia.tolist()
+    return _checked(FrameMass, f"frames[{k}]", *numbers)
+
+
+def _checked(record: type[Made], path: str, *values: Any) -> Made:
+    """Return a record; its errors become those of a robot's file, with the full path."""
+    try:
+        return record(*values)
+    except SituationError as error:
+        field = f"{path}.{error.field}" if path else error.field
+        raise RobotError(f"{field}: {error.reason}") from None
+
+
 def pool_with_bodies(
-    situations: Sequence[Situation[SpatialArm]], body: ArmBody | str | Path | None = None
+    situations: Sequence[Situation[SpatialArm]], body: AnyArmBody | str | Path | None = None
 ) -> Pool:
     """Pack situations of arms with mass.
 
@@ -72,7 +119,7 @@ def pool_with_bodies(
     ----------
     situations : sequence of Situation
         Each must begin with a limb that touches nothing.
-    body : ArmBody, str or Path, optional
+    body : ArmBody, ChainBody, str or Path, optional
         As `body_for` has it.
 
     Raises
@@ -86,7 +133,7 @@ def pool_with_bodies(
     return replace(Pool.of(limited, SPATIAL), bodies=bodies)
 
 
-def _body_of(situation: Situation[SpatialArm], given: ArmBody | str | Path | None) -> ArmBody:
+def _body_of(situation: Situation[SpatialArm], given: AnyArmBody | str | Path | None) -> AnyArmBody:
     try:
         return body_for(situation.arm, given)
     except PhysicsError as error:
