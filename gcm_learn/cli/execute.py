@@ -20,7 +20,7 @@ from gcm_learn.cli.solve import plan_one, read
 if TYPE_CHECKING:
     from gcm_learn.arms import Kind, SpatialArm
     from gcm_learn.execution import Execution, Mind
-    from gcm_learn.situation import ArmBody, Situation
+    from gcm_learn.situation import AnyArmBody, Situation
 
     Spatial = Situation[SpatialArm]
     Draw = Callable[[Spatial, Execution], None]
@@ -133,7 +133,7 @@ class Execute:
         except (ArmKindError, PolicyError) as error:
             raise CommandFailure(f"--planner {self.planner}: {error}") from None
 
-    def _executed(self, who: Who, situation: Spatial, body: ArmBody | None) -> Execution:
+    def _executed(self, who: Who, situation: Spatial, body: AnyArmBody | None) -> Execution:
         """Execute a situation; a failure of physics becomes a status."""
         from gcm_learn.errors import BodyError, PhysicsError
         from gcm_learn.execution import Execution, body_for, with_motor_limits
@@ -150,7 +150,7 @@ class Execute:
         most = limited.arm.max_joint_acceleration
         return replace(done, limits=most, body=chosen.name)
 
-    def _followed(self, who: Who, situation: Spatial, body: ArmBody) -> Execution:
+    def _followed(self, who: Who, situation: Spatial, body: AnyArmBody) -> Execution:
         """Execute a situation under limits of acceleration."""
         from gcm_learn.execution import Loop, Perception, execute, execute_seen
 

@@ -24,9 +24,9 @@ from gcm_learn.families import SpatialFamily
 from gcm_learn.motion import start_clearance
 from gcm_learn.registration import NAMESPACE
 from gcm_learn.scene import pack
-from gcm_learn.situation import AnySituation, ArmBody, Situation
+from gcm_learn.situation import AnyArmBody, AnySituation, Situation
 
-AnyBody = ArmBody | str | Path | None
+AnyBody = AnyArmBody | str | Path | None
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def _without_bodies(situations: Sequence[AnySituation], kind: Kind, body: AnyBod
 
 
 def _with_bodies(situations: Sequence[Any], kind: Kind, body: AnyBody) -> Pool:
-    return pool_with_bodies(situations, body)
+    return pool_with_bodies(situations, kind, body)
 
 
 def _of_arms_with_bodies(source: Source, settings: ArenaSettings) -> Source:
@@ -187,7 +187,7 @@ def pool_of(
     ----------
     source, count, seed, settings
         As `situations_of` has them.
-    body : ArmBody, str or Path, optional
+    body : ArmBody, ChainBody, str or Path, optional
         As `body_for` has it.
 
     Raises

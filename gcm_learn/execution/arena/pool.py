@@ -15,7 +15,7 @@ from gcm_learn.execution.arena.kernels.world import World, world_of
 from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.motion import Rules, opening
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import AnySituation, ArmBody
+from gcm_learn.situation import AnyArmBody, AnySituation
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Pool:
     world: World
     embeddings: np.ndarray
     """Of the situations (s, dim) float32; dim is 0 if settings have none."""
-    bodies: tuple[ArmBody, ...] = ()
+    bodies: tuple[AnyArmBody, ...] = ()
     """Of the arms, if they have mass."""
 
     def __len__(self) -> int:

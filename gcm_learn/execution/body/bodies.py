@@ -7,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+
 from gcm_learn import artifacts
-from gcm_learn.arms import SPATIAL, SpatialArm
+from gcm_learn.arms import Chain, ChainModel, Kind, kind_of, rotation_of
 from gcm_learn.errors import BodyError, PhysicsError, RobotError, SituationError
 from gcm_learn.execution.arena.pool import Pool, of_one_kind
 from gcm_learn.execution.body.motors import with_motor_limits
@@ -20,6 +22,7 @@ from gcm_learn.situation import (
     Motor,
     Situation,
     read_arm_body,
+    shipped_arm,
 )
 
 if TYPE_CHECKING:
@@ -28,6 +31,8 @@ if TYPE_CHECKING:
 FOLDER = "bodies"
 GRAVITY = (0.0, 0.0, -9.81)
 """Of bodies that are made from robots' files [m/s^2]."""
+EQUAL = 1e-6
+"""Tolerance of joints that are the same, in their origins, rotations and axes."""
 Made = TypeVar("Made")
 
 
@@ -47,15 +52,15 @@ def read_body(name: str | Path) -> AnyArmBody:
     return read_arm_body(shipped_bodies().get(str(name), Path(name)))
 
 
-def body_for(arm: SpatialArm, given: AnyArmBody | str | Path | None = None) -> AnyArmBody:
+def body_for(arm: Any, given: AnyArmBody | str | Path | None = None) -> AnyArmBody:
     """The body of an arm.
 
     Parameters
     ----------
-    arm : SpatialArm
+    arm : SpatialArm or Chain
     given : ArmBody, ChainBody, str or Path, optional
         A body, its file, or the name of one that comes with the package; by default the one of
-        these that fits.
+        these that fits. A chain gets the body of the shipped arm with the same joints.
 
     Raises
     ------
@@ -64,16 +69,36 @@ def body_for(arm: SpatialArm, given: AnyArmBody | str | Path | None = None) -> A
     """
     if given is None:
         bodies = [read_arm_body(path) for path in shipped_bodies().values()]
-        fitting = [body for body in bodies if not body.misfit(arm)]
-        if not fitting:
-            reasons = "; ".join(f"{body.name}: {body.misfit(arm)}" for body in bodies)
-            raise BodyError(f"body: none that is shipped fits the arm ({reasons})")
-        return fitting[0]
+        bodies = [body for body in bodies if body.kind is kind_of(arm)]
+        reasons = {body.name: body.misfit(arm) or _other_arm(body.name, arm) for body in bodies}
+        for body in bodies:
+            if not reasons[body.name]:
+                return body
+        why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
+        raise BodyError(f"body: none that is shipped fits the arm ({why})")
     body = given if isinstance(given, ArmBody | ChainBody) else read_body(given)
     misfit = body.misfit(arm)
     if misfit:
         raise BodyError(f"body {body.name or given!s}: does not fit: {misfit}")
     return body
+
+
+def _other_arm(name: str, arm: Any) -> str:
+    """Say that a chain is not the shipped arm of a name; arms of other kinds have no names."""
+    if not isinstance(arm, Chain) or same_joints(arm.model, shipped_arm(name)):
+        return ""
+    return "joints: are not those of the shipped arm"
+
+
+def same_joints(one: ChainModel, other: ChainModel) -> bool:
+    """Return whether joints of two models move their frames alike, whatever their limits."""
+    numbers = [
+        np.array([[*joint.origin, *rotation_of(joint.rotation).ravel(), *joint.axis]
+                  for joint in model.joints])
+        for model in (one, other)
+    ]  # fmt: skip
+    types = [[joint.type for joint in model.joints] for model in (one, other)]
+    return types[0] == types[1] and bool(np.abs(numbers[0] - numbers[1]).max() <= EQUAL)
 
 
 def body_of_robot(fitted: Fitted) -> ChainBody:
@@ -109,7 +134,7 @@ def _checked(record: type[Made], path: str, *values: Any) -> Made:
 
 
 def pool_with_bodies(
-    situations: Sequence[Situation[SpatialArm]], body: AnyArmBody | str | Path | None = None
+    situations: Sequence[Situation[Any]], kind: Kind, body: AnyArmBody | str | Path | None = None
 ) -> Pool:
     """Pack situations of arms with mass.
 
@@ -119,6 +144,8 @@ def pool_with_bodies(
     ----------
     situations : sequence of Situation
         Each must begin with a limb that touches nothing.
+    kind : Kind
+        Of all arms.
     body : ArmBody, ChainBody, str or Path, optional
         As `body_for` has it.
 
@@ -127,13 +154,13 @@ def pool_with_bodies(
     ArenaError, PhysicsError
         With the name of the first that does not, or whose arm has no body.
     """
-    of_one_kind(situations, SPATIAL)
+    of_one_kind(situations, kind)
     bodies = tuple(_body_of(situation, body) for situation in situations)
     limited = [with_motor_limits(s, b) for s, b in zip(situations, bodies, strict=True)]
-    return replace(Pool.of(limited, SPATIAL), bodies=bodies)
+    return replace(Pool.of(limited, kind), bodies=bodies)
 
 
-def _body_of(situation: Situation[SpatialArm], given: AnyArmBody | str | Path | None) -> AnyArmBody:
+def _body_of(situation: Situation[Any], given: AnyArmBody | str | Path | None) -> AnyArmBody:
     try:
         return body_for(situation.arm, given)
     except PhysicsError as error:

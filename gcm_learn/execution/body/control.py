@@ -9,15 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.body.model import rested
+from gcm_learn.execution.body.kinds import rested
 from gcm_learn.execution.body.motors import Dynamics, load_of
-from gcm_learn.situation import ArmBody
+from gcm_learn.situation import AnyArmBody
 
 Feedforward = Literal["computed-torque", "gravity"]
 
@@ -54,15 +53,15 @@ class Following:
     Parameters
     ----------
     controller : Controller
-    arm : SpatialArm
-    body : ArmBody
+    arm : SpatialArm or Chain
+    body : ArmBody or ChainBody
     """
 
-    def __init__(self, controller: Controller, arm: SpatialArm, body: ArmBody) -> None:
+    def __init__(self, controller: Controller, arm: Any, body: AnyArmBody) -> None:
         self._dynamics = Dynamics(arm, body)
         self._computed = controller.feedforward == "computed-torque"
         self.inertia = np.median(np.einsum("njj->nj", load_of(arm, body).inertia), axis=0)
-        """Inertia that each joint feels alone (dof,) [kg m^2]."""
+        """Inertia that each joint feels alone (dof,) [kg m^2; N s^2 / length]."""
         self.kp = controller.bandwidth**2 * self.inertia
         """(dof,) [N m/rad]"""
         self.kd = 2.0 * controller.bandwidth * self.inertia
@@ -83,11 +82,11 @@ class Following:
         return torques + self.kp * joints + self.kd * rates
 
 
-def following(controller: Controller, arm: SpatialArm, body: ArmBody) -> Following:
+def following(controller: Controller, arm: Any, body: AnyArmBody) -> Following:
     """A controller made for an arm, wherever that begins; kept for the next one like it."""
     return _kept(controller, *rested(arm, body))
 
 
 @lru_cache(maxsize=64)
-def _kept(controller: Controller, arm: SpatialArm, body: ArmBody) -> Following:
+def _kept(controller: Controller, arm: Any, body: AnyArmBody) -> Following:
     return Following(controller, arm, body)

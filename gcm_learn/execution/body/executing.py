@@ -8,20 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
 from gcm_learn.execution.body.bodies import body_for
 from gcm_learn.execution.body.control import Controller
 from gcm_learn.execution.body.model import STEP
-from gcm_learn.execution.body.motors import with_motor_limits
+from gcm_learn.execution.body.motors import FAINT, with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
 from gcm_learn.execution.loop.closed_loop import Loop, Mind, run_closed_loop
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.execution.loop.joint_leading import begun
 from gcm_learn.motion import Movement, braked
 from gcm_learn.planners import Plan
-from gcm_learn.situation import ArmBody, Situation
+from gcm_learn.situation import AnyArmBody, Situation
 
 FORMAT = "gcm-learn/execution@1"
 STAYS = 0.2
@@ -86,10 +85,7 @@ class Execution:
             return self.plan
         if self.plant is None:
             raise PhysicsError(f"{self.name!r}: nothing was executed ({self.status})")
-        plant = self.plant
-        steps = np.arange(_ended(plant) + 1)
-        arm = plant.situation.arm
-        return Movement(arm, steps * STEP, plant.joints_log[steps].copy())
+        return self.plant.movement_to(_ended(self.plant))
 
     @property
     def caught(self) -> bool:
@@ -99,11 +95,11 @@ class Execution:
 
 def execute(
     plan: Plan,
-    situation: Situation[SpatialArm],
-    body: ArmBody | str | Path | None = None,
+    situation: Situation[Any],
+    body: AnyArmBody | str | Path | None = None,
     controller: Controller | None = None,
     *,
-    believed: ArmBody | None = None,
+    believed: AnyArmBody | None = None,
     kinematic: bool = False,
 ) -> Execution:
     """Carry out a plan with an arm that has mass and motors.
@@ -115,10 +111,10 @@ def execute(
     plan : Plan
     situation : Situation
         The world as it is, whatever the plan was made for.
-    body : ArmBody, str or Path, optional
+    body : ArmBody, ChainBody, str or Path, optional
         See `body_for`.
     controller : Controller, optional
-    believed : ArmBody, optional
+    believed : ArmBody or ChainBody, optional
         What the controller takes the body for, if not for what it is.
     kinematic : bool
         Whether the arm does at once what it is told, and has no mass; no body is asked for then.
@@ -146,12 +142,12 @@ def execute(
 
 def execute_seen(
     mind: Mind,
-    situation: Situation[SpatialArm],
+    situation: Situation[Any],
     loop: Loop,
     seed: int,
     *,
     name: str = "",
-    body: ArmBody | str | Path | None = None,
+    body: AnyArmBody | str | Path | None = None,
     controller: Controller | None = None,
     kinematic: bool = False,
 ) -> Execution:
@@ -189,7 +185,7 @@ def execute_seen(
     return _seen(plant, name, _ended(plant))
 
 
-def _exactly(plan: Plan, situation: Situation[SpatialArm]) -> Execution:
+def _exactly(plan: Plan, situation: Situation[Any]) -> Execution:
     if plan.trajectory is None:
         return Execution(situation.name, plan.planner, "no plan", message=plan.message)
     exact = ExactPlant(situation)
@@ -207,8 +203,8 @@ def _ended(plant: PhysicalPlant) -> int:
 
 def _seen(plant: PhysicalPlant, planner: str, ended: int) -> Execution:
     """Return the measures of any movement."""
-    torque = np.array([motor.torque for motor in plant.body.joints])
-    used = np.abs(plant.torques_log[: max(ended, 1)]) / torque
+    weakest = np.maximum(plant.strongest, FAINT)
+    used = np.abs(plant.torques_log[: max(ended, 1)]) / weakest
     return Execution(
         plant.situation.name,
         planner,
@@ -241,8 +237,8 @@ def _report(plan: Plan, whole: Movement, plant: PhysicalPlant, ended: int) -> Ex
 
 
 def _errors(plan: Movement, plant: PhysicalPlant, steps: np.ndarray) -> tuple[float, float, float]:
-    there = forward_in_space(plan.arm, plant.joints_log[steps])[1]
-    wanted = forward_in_space(plan.arm, plan.states_at(steps * STEP)[0])[1]
+    there = Movement(plan.arm, steps * STEP, plant.joints_log[steps]).hand
+    wanted = Movement(plan.arm, steps * STEP, plan.states_at(steps * STEP)[0]).hand
     off = np.linalg.norm(there - wanted, axis=1) * plant.body.metres
     return float(np.median(off)), float(off.max()), float(off[-1])
 

@@ -1,38 +1,42 @@
 """The arm and a situation's bodies as a model of MuJoCo.
 
-Everything is in the frame of the arm's base, in metres, with gravity turned into that frame.  Each
-bone is a capsule of the arm's thickness; a small ball is the hand, which alone meets targets.
-Obstacles are moved from outside (`mocap` in MuJoCo's words).  Targets are free bodies, put where
-their motion law has them until something touches them.
+Everything is in the frame of the arm's base, in metres, with gravity turned into that frame.  Links
+are capsules; a small ball is the hand, which alone meets targets.  Obstacles are moved from outside
+(`mocap` in MuJoCo's words).  Targets are free bodies, put where their motion law has them until
+something touches them.  Touches are found for listed pairs only: links and the obstacles that they
+do not ignore, the hand and targets, and links of the arm that must not overlap.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from gcm_learn.arms import Base, SpatialArm, rotation_of
+from gcm_learn.arms import rotation_of
 from gcm_learn.errors import MissingExtraError, PhysicsError
-from gcm_learn.situation import ArmBody, Body, Shape, numbers_of
+from gcm_learn.execution.body.kinds import MECHANICS, Capsule, Segment, Turning, rested
+from gcm_learn.situation import AnyArmBody, Body, Motor, Shape, numbers_of
 
 STEP = 0.002
 """Of the physics [s]."""
 BALL_DENSITY = 368.0
 """Of targets: a tennis ball of 58 g and 6.7 cm, as the paper's [kg/m^3]."""
-HAND = 0.5
-"""Radius of the hand's ball, as a share of the grasp; a bone's radius at most."""
 SMALLEST = 1e-4
-"""Radius of bones and hands that have none [m]."""
+"""Radius of links and hands that have none [m]."""
 STUCK = 1e-6
-"""Turn of joints whose range is a single angle [rad]."""
+"""Way of joints whose range is a single value [rad or m]."""
+LIGHTEST = {"boundmass": 1e-12, "boundinertia": 1e-14}
+"""Mass and inertia of segments that have none [kg, kg m^2]."""
 GEOMS = ("sphere", "box", "capsule", "cylinder")  # shapes whose names and sizes MuJoCo shares
-AXES = ("0 1 0", "0 0 1", "1 0 0", "0 0 1")
-LIMB, CATCHER = 1, 2  # bits of what may touch
+TYPES = {"revolute": "hinge", "prismatic": "slide"}
+LINK, CATCHER = -1, -2  # codes of geometries that are no body's; those of bodies are their numbers
+
+
+UNLISTED = {"contype": 0, "conaffinity": 0}  # touches nothing but what it is paired with
 
 
 class Thing(NamedTuple):
@@ -57,13 +61,13 @@ def mujoco() -> Any:
     return library
 
 
-def model_xml(arm: SpatialArm, body: ArmBody, things: Sequence[Body | Thing] | None = None) -> str:
+def model_xml(arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None = None) -> str:
     """The model in MuJoCo's own format (MJCF).
 
     Parameters
     ----------
-    arm : SpatialArm
-    body : ArmBody
+    arm : SpatialArm or Chain
+    body : ArmBody or ChainBody
     things : sequence of Body or Thing, optional
         What moves about the arm. Without it the arm has neither contacts nor limits of joints, as
         inverse dynamics wants it.
@@ -73,16 +77,16 @@ def model_xml(arm: SpatialArm, body: ArmBody, things: Sequence[Body | Thing] | N
     gravity = rotation_of(arm.base.rotation).T @ np.array(body.gravity)
     option = _add(root, "option", timestep=STEP, gravity=gravity, integrator="implicitfast")
     _add(option, "flag", autoreset="disable", constraint="disable" if alone else "enable")
-    _add(root, "compiler", angle="radian", autolimits="true")
+    _add(root, "compiler", angle="radian", autolimits="true", **LIGHTEST)
     world = _add(root, "worldbody")
     _add_arm(world, arm, body, alone)
     for k, thing in enumerate(things or ()):
         _add_thing(world, thing, f"body{k}", body.metres)
+    if things is not None:
+        _add_pairs(_add(root, "contact"), arm, body, things)
     motors = _add(root, "actuator")
-    for j, motor in enumerate(body.joints):
-        force = [-motor.torque, motor.torque]
-        _add(motors, "general", name=f"motor{j}", joint=f"joint{j}", forcerange=force,
-             biastype="affine")  # fmt: skip
+    for j in range(len(body.joints)):
+        _add(motors, "general", name=f"motor{j}", joint=f"joint{j}", biastype="affine")
     return Xml.tostring(root, encoding="unicode")
 
 
@@ -101,55 +105,106 @@ def compiled(xml: str) -> Any:
         raise PhysicsError(f"MuJoCo cannot make a model of it: {reason}") from None
 
 
-def model_of(arm: SpatialArm, body: ArmBody, bodies: Sequence[Body]) -> Any:
+def model_of(arm: Any, body: AnyArmBody, bodies: Sequence[Body]) -> Any:
     """The model of an arm among bodies; kept for the next one like it, wherever that moves."""
     things = tuple(Thing(one.name, one.role, one.shape) for one in bodies)
     return _kept(*rested(arm, body), things)
 
 
 @lru_cache(maxsize=256)
-def _kept(arm: SpatialArm, body: ArmBody, things: tuple[Thing, ...]) -> Any:
+def _kept(arm: Any, body: AnyArmBody, things: tuple[Thing, ...]) -> Any:
     model = compiled(model_xml(arm, body, things))
+    most = np.array([motor.torque for motor in body.joints])
     model.actuator_gainprm[:, 0] = 1.0
+    model.actuator_forcelimited[:] = 1  # a torque of 0 is a limit, too
+    model.actuator_forcerange[:] = np.stack([-most, most], axis=1)
     return model
 
 
-def rested(arm: SpatialArm, body: ArmBody) -> tuple[SpatialArm, ArmBody]:
-    """Return arm and body in the frame of the base: at rest, gravity turned."""
-    start: Any = tuple(low for low, _ in arm.joint_range)
-    still = replace(arm, base=Base(), joints=start, joint_rates=None, max_joint_acceleration=None)
-    pull: Any = rotation_of(arm.base.rotation).T @ np.array(body.gravity)
-    return still, replace(body, gravity=tuple(pull.round(12).tolist()))
+def codes_of(model: Any, bodies: int) -> list[int]:
+    """Return the numbers of the bodies that geometries are; LINK or CATCHER for those of the arm.
+
+    Parameters
+    ----------
+    model : MjModel
+    bodies : int
+        Number of bodies about the arm.
+    """
+    codes = [LINK] * model.ngeom
+    codes[model.geom("hand").id] = CATCHER
+    for k in range(bodies):
+        codes[model.geom(f"body{k}").id] = k
+    return codes
 
 
-def _add_arm(world: Xml.Element, arm: SpatialArm, body: ArmBody, alone: bool) -> None:
-    radius = max(arm.thickness * body.metres, SMALLEST)
-    parent, place, ends = world, np.zeros(3), (arm.upper_arm, arm.forearm)
-    for i, (name, end, bone) in enumerate(
-        zip(("upper_arm", "forearm"), ends, body.bones, strict=True)
-    ):
-        parent = _add(parent, "body", name=name, pos=place)
-        _add(parent, "inertial", pos=bone.centre, mass=bone.mass, diaginertia=bone.inertia)
-        for j in (2 * i, 2 * i + 1):
-            _add_joint(parent, arm, body, j, alone)
-        place = np.array(end) * body.metres
+def _add_arm(world: Xml.Element, arm: Any, body: AnyArmBody, alone: bool) -> None:
+    mechanics = MECHANICS.of(arm)
+    carrier, point, ball = mechanics.hand(arm)
+    metric, parent, j = mechanics.metric(arm, body.metres), world, 0
+    for k, segment in enumerate(mechanics.segments(arm, body)):
+        if segment.inertia is not None:
+            parent = _add_segment(parent, segment, body.metres)
+        for joint in segment.joints:
+            limits = {} if alone else {"range": _range(arm.joint_range[j], metric[j])}
+            _add_joint(parent, f"joint{j}", joint, body.joints[j], limits)
+            j += 1
         if not alone:
-            _add(parent, "geom", name=name, type="capsule", size=radius,
-                 fromto=[0.0, 0.0, 0.0, *place], contype=LIMB, conaffinity=0)  # fmt: skip
-    if not alone:
-        ball = max(min(HAND * arm.grasp, arm.thickness) * body.metres, SMALLEST)
-        _add(parent, "geom", name="hand", type="sphere", size=ball, pos=place,
-             contype=CATCHER, conaffinity=0)  # fmt: skip
+            for link in segment.links:
+                _add_link(parent, link, body.metres)
+            if k == carrier:
+                size, place = max(ball * body.metres, SMALLEST), np.array(point) * body.metres
+                _add(parent, "geom", name="hand", type="sphere", size=size, pos=place, **UNLISTED)
 
 
-def _add_joint(parent: Xml.Element, arm: SpatialArm, body: ArmBody, j: int, alone: bool) -> None:
-    motor = body.joints[j]
-    limits: dict[str, Any] = {}
-    if not alone:
-        low, high = arm.joint_range[j]
-        limits = {"range": [low, high] if low < high else [low - STUCK, low + STUCK]}
-    _add(parent, "joint", name=f"joint{j}", type="hinge", axis=AXES[j], armature=motor.armature,
-         damping=motor.damping, **limits)  # fmt: skip
+def _add_segment(parent: Xml.Element, segment: Segment, metres: float) -> Xml.Element:
+    """Return a body that hangs from another."""
+    place, inertia = np.array(segment.place) * metres, segment.inertia
+    assert inertia is not None
+    made = _add(parent, "body", name=segment.name, pos=place, quat=segment.turn)
+    _add(made, "inertial", pos=inertia.centre, quat=inertia.turn, mass=inertia.mass,
+         diaginertia=inertia.moments)  # fmt: skip
+    return made
+
+
+def _add_joint(
+    parent: Xml.Element, name: str, joint: Turning, motor: Motor, limits: dict[str, Any]
+) -> None:
+    _add(parent, "joint", name=name, type=TYPES[joint.type], axis=joint.axis,
+         armature=motor.armature, damping=motor.damping, **limits)  # fmt: skip
+
+
+def _range(given: tuple[float, float], metric: float) -> list[float]:
+    low, high = given[0] * metric, given[1] * metric
+    return [low, high] if low < high else [low - STUCK, low + STUCK]
+
+
+def _add_link(parent: Xml.Element, link: Capsule, metres: float) -> None:
+    """Add a capsule; a sphere where both ends are equal."""
+    start, end = np.array(link.start) * metres, np.array(link.end) * metres
+    size: dict[str, Any] = {"size": max(link.radius * metres, SMALLEST)}
+    if (start == end).all():
+        size |= {"type": "sphere", "pos": start}
+    else:
+        size |= {"type": "capsule", "fromto": [*start, *end]}
+    _add(parent, "geom", name=f"link{link.number}", **size, **UNLISTED)
+
+
+def _add_pairs(
+    contact: Xml.Element, arm: Any, body: AnyArmBody, things: Sequence[Body | Thing]
+) -> None:
+    """List what may touch."""
+    mechanics = MECHANICS.of(arm)
+    links = sorted(link.number for s in mechanics.segments(arm, body) for link in s.links)
+    ignored = set(mechanics.ignored(arm))
+    for k, thing in enumerate(things):
+        if thing.role == "target":
+            _add(contact, "pair", geom1="hand", geom2=f"body{k}")
+            continue
+        for i in links:
+            if (i, thing.name) not in ignored:
+                _add(contact, "pair", geom1=f"link{i}", geom2=f"body{k}")
+    for first, second in mechanics.pairs(arm):
+        _add(contact, "pair", geom1=f"link{first}", geom2=f"link{second}")
 
 
 def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float) -> None:
@@ -160,7 +215,7 @@ def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float
         _add(held, "freejoint", name=name)
     kind, size = _solid(thing)
     _add(held, "geom", name=name, type=kind, size=np.array(size) * metres, density=BALL_DENSITY,
-         contype=0, conaffinity=CATCHER if free else LIMB)  # fmt: skip
+         **UNLISTED)  # fmt: skip
 
 
 def _solid(thing: Body | Thing) -> tuple[str, list[float]]:

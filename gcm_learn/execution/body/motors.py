@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.arms import SpatialArm
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.body.model import compiled, model_xml, mujoco, rested
-from gcm_learn.situation import ArmBody, Situation
+from gcm_learn.execution.body.kinds import MECHANICS, rested
+from gcm_learn.execution.body.model import compiled, model_xml, mujoco
+from gcm_learn.situation import AnyArmBody, Situation
 
 SAMPLES = 400
 """Postures at which motors are asked."""
@@ -20,6 +20,10 @@ SHARE = 0.8
 """Of the torque that a plan may use; the rest is for feedback."""
 QUANTILE = 0.1
 """Share of postures and rates at which the limits ask for more than that."""
+
+
+FAINT = 1e-12
+"""Torques below this are none [N m]."""
 
 
 @dataclass(frozen=True)
@@ -37,15 +41,18 @@ class Load:
 class Dynamics:
     """Inverse dynamics of an arm alone, without limits and contacts.
 
+    Joints and torques are in the arm's units: of a prismatic joint lengths and N.
+
     Parameters
     ----------
-    arm : SpatialArm
-    body : ArmBody
+    arm : SpatialArm or Chain
+    body : ArmBody or ChainBody
     """
 
-    def __init__(self, arm: SpatialArm, body: ArmBody) -> None:
+    def __init__(self, arm: Any, body: AnyArmBody) -> None:
         self._model = compiled(model_xml(arm, body))
         self._data = mujoco().MjData(self._model)
+        self._metric = MECHANICS.of(arm).metric(arm, body.metres)
 
     def torques(self, joints: np.ndarray, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Torques (n, dof) [N m] that give accelerations.
@@ -56,10 +63,11 @@ class Dynamics:
             Angles, rates and accelerations.
         """
         model, data, inverse = self._model, self._data, mujoco().mj_inverse
+        metric = self._metric
         qpos, qvel, qacc, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         out = np.empty(np.shape(joints))
         for at, moving, asked, row in zip(joints, rates, forces, out, strict=True):
-            qpos[:], qvel[:], qacc[:] = at, moving, asked
+            qpos[:], qvel[:], qacc[:] = at * metric, moving * metric, asked * metric
             inverse(model, data)
             row[:] = force
         return out
@@ -73,7 +81,7 @@ class Dynamics:
         return self.torques(here, rest, np.eye(dof)) - weight
 
 
-def load_of(arm: SpatialArm, body: ArmBody) -> Load:
+def load_of(arm: Any, body: AnyArmBody) -> Load:
     """Return the load of the motors at postures and rates spread over the arm's ranges."""
     rng = seeding.rng(0, SAMPLES)
     low, high = np.array(arm.joint_range).T
@@ -89,7 +97,7 @@ def load_of(arm: SpatialArm, body: ArmBody) -> Load:
     )
 
 
-def motor_accelerations(arm: SpatialArm, body: ArmBody) -> np.ndarray:
+def motor_accelerations(arm: Any, body: AnyArmBody) -> np.ndarray:
     """Limits of the joints' accelerations (dof,) that come from the motors [rad/s^2].
 
     Each joint gets the same share of the acceleration that its motor gives to its own inertia. It
@@ -105,14 +113,15 @@ def motor_accelerations(arm: SpatialArm, body: ArmBody) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _limits(arm: SpatialArm, body: ArmBody) -> tuple[float, ...]:
+def _limits(arm: Any, body: AnyArmBody) -> tuple[float, ...]:
     load, torque = load_of(arm, body), np.array([motor.torque for motor in body.joints])
     alone = torque / np.median(np.einsum("njj->nj", load.inertia), axis=0)
-    asked = np.abs(load.inertia) @ alone
+    asked = np.maximum(np.abs(load.inertia) @ alone, FAINT)
     share = ((SHARE * torque - np.abs(load.bias)) / asked).min(axis=1)
     least = float(np.quantile(share, QUANTILE))
-    if least <= 0.0:
-        weak = int(np.argmax((np.abs(load.gravity) / torque).max(axis=0)))
+    if least <= 0.0 or not torque.all():
+        weak = int(np.argmax((np.abs(load.gravity) / np.maximum(torque, FAINT)).max(axis=0)))
+        weak = weak if torque.all() else int(np.argmin(torque))
         need = float(np.abs(load.gravity[:, weak]).max())
         raise PhysicsError(
             f"body {body.name!r}: joints[{weak}].torque of {torque[weak]:g} N m leaves nothing to "
@@ -121,7 +130,7 @@ def _limits(arm: SpatialArm, body: ArmBody) -> tuple[float, ...]:
     return tuple((least * alone).tolist())
 
 
-def with_motor_limits(situation: Situation[SpatialArm], body: ArmBody) -> Situation[SpatialArm]:
+def with_motor_limits(situation: Situation[Any], body: AnyArmBody) -> Situation[Any]:
     """The situation under the limits of acceleration that it has, or else the motors'."""
     arm = situation.arm
     if arm.max_joint_acceleration is not None:

@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm, SpatialLimb, forward_in_space
-from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.execution.body.control import Controller, following
+from gcm_learn.execution.body.judging import first_met_in, grasped
+from gcm_learn.execution.body.kinds import MECHANICS
 from gcm_learn.execution.body.laws import laws
-from gcm_learn.execution.body.model import STEP, model_of, mujoco
+from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, model_of, mujoco
 from gcm_learn.motion import Movement
-from gcm_learn.motion.joint_interception import met_at
-from gcm_learn.scene import Bodies, Scene, pack
-from gcm_learn.scene import JointLimits as JointLimits
-from gcm_learn.situation import ArmBody, Situation
+from gcm_learn.scene import pack
+from gcm_learn.situation import AnyArmBody, Situation
 
 AFTER = 0.5
 """Time for which the world goes on after the horizon [s]."""
-HAND_GEOM, ARM_GEOMS = 2, 3  # in the order in which the model has them; bodies come next
+ITSELF = "itself"
+"""Name of what an arm touches whose own links overlap."""
 CHUNK = 15
 """Steps after which it is asked whether the episode is over."""
 BLOCK = 4 * CHUNK
@@ -37,7 +36,7 @@ class Contact:
     """The first contact of limb and obstacle."""
 
     name: str
-    """Of the obstacle."""
+    """Of the obstacle; `ITSELF` where links of the arm touch each other."""
     time: float
     """[s]"""
 
@@ -52,9 +51,9 @@ class PhysicalPlant:
     Parameters
     ----------
     situation : Situation
-    body : ArmBody
+    body : ArmBody or ChainBody
     controller : Controller
-    believed : ArmBody, optional
+    believed : ArmBody or ChainBody, optional
         What the controller takes the body for, if not for what it is.
 
     Raises
@@ -65,28 +64,34 @@ class PhysicalPlant:
 
     def __init__(
         self,
-        situation: Situation[SpatialArm],
-        body: ArmBody,
+        situation: Situation[Any],
+        body: AnyArmBody,
         controller: Controller = Controller(),  # noqa: B008 -- frozen
         *,
-        believed: ArmBody | None = None,
+        believed: AnyArmBody | None = None,
     ) -> None:
         misfit = body.misfit(situation.arm)
         if misfit:
             raise PhysicsError(f"body {body.name!r}: does not fit: {misfit}")
+        if situation.catch != "any":
+            raise PhysicsError(f"catch: must be 'any' in physics (got {situation.catch!r})")
         self.situation, self.body = situation, body
         self.fastest = np.array(situation.arm.max_joint_speed)
-        """Of the joints (dof,) [rad/s]."""
+        """Of the joints (dof,) [rad/s; lengths/s of prismatic ones, as in all logs]."""
+        self.metric = MECHANICS.of(situation).metric(situation.arm, body.metres)
+        """Metres or radians of MuJoCo per unit of each joint (dof,)."""
         self.strongest = np.array([motor.torque for motor in body.joints])
         """Torques of the motors (dof,) [N m]."""
         self.motors = following(controller, situation.arm, believed or body)
         self._model = model_of(situation.arm, body, situation.bodies)
+        self._codes = codes_of(self._model, len(situation.bodies))
         self._data = mujoco().MjData(self._model)
         count = round((situation.horizon + AFTER) / STEP) + 1
         times = np.arange(count) * STEP
         self._scene = pack(replace(situation, horizon=float(times[-1])))
         self._laws = laws(self._scene, times, body.metres)
-        self._parts = tuple(map(tuple, self._scene))  # of named ones, finding the types takes long
+        self._parts = tuple(map(tuple, self._scene))
+        self._first_met = first_met_in(type(self._scene.limb), type(self._scene.limits))
         self._poses = np.zeros((len(situation.bodies), 12))
         dof = len(self.fastest)
         self.joints_log = np.empty((count, dof))
@@ -114,10 +119,10 @@ class PhysicalPlant:
         """After it."""
         self._free = False  # whether targets go their own way
         arm, data, dof = self.situation.arm, self._data, len(self.fastest)
-        data.qpos[:dof] = arm.joints
-        data.qvel[:dof] = arm.joint_rates or (0.0,) * dof
+        rates = np.array(arm.joint_rates or (0.0,) * dof)
+        data.qpos[:dof], data.qvel[:dof] = arm.joints * self.metric, rates * self.metric
         data.qpos[dof:], data.qvel[dof:] = self._laws.targets[0], self._laws.moves[0]
-        self.joints_log[0], self.rates_log[0] = data.qpos[:dof], data.qvel[:dof]
+        self.joints_log[0], self.rates_log[0] = arm.joints, rates
         self.targets_log[0] = self._laws.targets[0]
         self._judge(0, None)
 
@@ -139,7 +144,8 @@ class PhysicalPlant:
     @property
     def hand(self) -> np.ndarray:
         """(3,) in the world, in the arm's unit."""
-        return forward_in_space(self.situation.arm, self.joints)[1]
+        hand: np.ndarray = self.movement_to(self.steps).hand[-1]
+        return hand
 
     @property
     def ended(self) -> int:
@@ -151,7 +157,11 @@ class PhysicalPlant:
     @property
     def movement(self) -> Movement:
         """Movement of the arm until it `ended`; linear between steps."""
-        steps = np.arange(self.ended + 1)
+        return self.movement_to(self.ended)
+
+    def movement_to(self, last: int) -> Movement:
+        """Return the movement of the arm until a step."""
+        steps = np.arange(last + 1)
         return Movement(self.situation.arm, steps * STEP, self.joints_log[steps].copy())
 
     def follow(self, plan: Movement, until: float) -> None:
@@ -203,13 +213,15 @@ class PhysicalPlant:
         turns = Rotation.from_quat(np.roll(rows[:, 3:], -1, axis=1)).as_matrix()
         poses[:, 3:] = turns.reshape(-1, 9)
         b = [body.name for body in self.situation.bodies].index(self.catch_body)
-        return bool(_within(self._scene, b, self.joints_log[first : last + 1], poses))
+        joints, room = self.joints_log[first : last + 1], np.zeros((b + 1, 12))
+        return bool(grasped(self._scene, b, joints, poses, room))
 
     def _steps_until(self, until: float) -> int:
         return min(round(until / STEP), len(self.joints_log) - 1)
 
     def _gains(self, kp: np.ndarray, kd: np.ndarray) -> None:
-        self._model.actuator_biasprm[:, 1], self._model.actuator_biasprm[:, 2] = -kp, -kd
+        gains = self._model.actuator_biasprm
+        gains[:, 1], gains[:, 2] = -kp / self.metric, -kd / self.metric
 
     def _advance(self, commands: np.ndarray, pushed: bool = False) -> None:
         """Steps with commands (n, dof), until the episode is over; beyond it all of them."""
@@ -233,7 +245,7 @@ class PhysicalPlant:
                 self._note_late(touched)
 
     def _run(self, commands: np.ndarray, pushed: bool) -> tuple[int, int] | None:
-        """Steps of the physics; the first obstacle that the limb touches, and at which step."""
+        """Steps of the physics; what the limb touches first, see `_contacts`, at which step."""
         model, data, step = self._model, self._data, mujoco().mj_step
         first, last = self.steps, self.steps + len(commands)
         inside, after = slice(first, last), slice(first + 1, last + 1)
@@ -248,7 +260,7 @@ class PhysicalPlant:
         rows = zip(
             commands, *law, self.torques_log[inside], self._states, self._speeds, strict=False
         )
-        top, slope = self.fastest, BRINK * self.motors.inertia / STEP
+        top, slope = self.fastest * self.metric, BRINK * self.motors.inertia / STEP / self.metric
         for k, (command, place, turn, target, move, torque, state, speed) in enumerate(rows, first):
             if pushed:
                 _spare(command, qvel, top, slope)
@@ -261,35 +273,35 @@ class PhysicalPlant:
                 limb, hand = self._contacts()
                 if hand and not self._free:
                     self._free, held = True, k
-                if found is None and limb >= 0:
+                if found is None and limb is not None:
                     found = limb, k
         self.steps, n = last, last - first
-        self.joints_log[after] = self._states[:n, :dof]
-        self.rates_log[after] = self._speeds[:n, :dof]
+        self.joints_log[after] = self._states[:n, :dof] / self.metric
+        self.rates_log[after] = self._speeds[:n, :dof] / self.metric
         self.targets_log[after] = self._states[:n, dof:]
         self.targets_log[first + 1 : held + 1] = self._laws.targets[first + 1 : held + 1]
         if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
             raise PhysicsError(f"physics: some numbers are not finite at t = {self.time:.3f} s")
         return found
 
-    def _contacts(self) -> tuple[int, bool]:
-        """The obstacle that the limb touches (-1: none), and whether the hand touches a target."""
-        limb, hand = -1, False
+    def _contacts(self) -> tuple[int | None, bool]:
+        """The obstacle that the limb touches (LINK: itself), and whether the hand has a target."""
+        limb, hand, codes = None, False, self._codes
         for first, second in self._data.contact.geom.tolist():
-            if min(first, second) == HAND_GEOM:
+            touching, touched = sorted((codes[first], codes[second]))
+            if touching == CATCHER:
                 hand = True
             else:
-                limb = max(first, second) - ARM_GEOMS
+                limb = touched
         return limb, hand
 
     def _judge(self, first: int, touched: tuple[int, int] | None) -> None:
         """See whether the episode is over, after the steps from `first` on."""
         bodies, step = self.situation.bodies, -1 if touched is None else touched[1]
         last = min(self.steps, round(self.situation.horizon / STEP))
-        k, b = _first_met(self._parts, self.joints_log, first, last, STEP, self._poses)
+        k, b = self._first_met(self._parts, self.joints_log, first, last, STEP, self._poses)
         if touched is not None and not 0 <= k < step:
-            self.outcome = COLLIDED
-            self.contact = Contact(bodies[touched[0]].name, step * STEP)
+            self.outcome, self.contact = COLLIDED, self._contact_of(touched)
             return
         if k >= 0:
             self.outcome, self.catch_time, self.catch_body = CAUGHT, k * STEP, bodies[b].name
@@ -300,7 +312,11 @@ class PhysicalPlant:
 
     def _note_late(self, touched: tuple[int, int]) -> None:
         if self.later_contact is None:
-            self.later_contact = Contact(self.situation.bodies[touched[0]].name, touched[1] * STEP)
+            self.later_contact = self._contact_of(touched)
+
+    def _contact_of(self, touched: tuple[int, int]) -> Contact:
+        what, step = touched
+        return Contact(ITSELF if what < 0 else self.situation.bodies[what].name, step * STEP)
 
 
 @njit
@@ -313,26 +329,3 @@ def _spare(torques, rates, top, slope):
 
 def _quiet(message: str) -> None:
     """Ignore a warning, which would be printed and logged."""
-
-
-@njit
-def _first_met(parts, joints, first, last, step, poses):
-    """First step from `first` to `last` with a target within grasp, and which; -1 if none."""
-    scene = Scene(Bodies(*parts[0]), SpatialLimb(*parts[1]), JointLimits(*parts[2]))
-    for k in range(first, last + 1):
-        b = met_at(scene, joints[k], k * step, scene.limits.grasp, poses)
-        if b >= 0:
-            return k, b
-    return -1, -1
-
-
-@njit
-def _within(scene, b, joints, poses):
-    """Return whether the hand grasps body b at all joints (n, dof) and poses of it (n, 12)."""
-    room = np.zeros((b + 1, 12))
-    for k in range(joints.shape[0]):
-        room[b] = poses[k]
-        _, _, _, x, y, z = limb_at(scene.limb, joints[k])
-        if point_distance(scene.bodies, room, b, x, y, z) > scene.limits.grasp:
-            return False
-    return True

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gcm_learn.arms import forward_in_space
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.body.executing import Execution
+from gcm_learn.execution.body.kinds import MECHANICS
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.planners import Tube
 
@@ -54,11 +54,11 @@ def _moments(done: Execution) -> np.ndarray:
     assert plant is not None and plan is not None
     steps = np.arange(round(done.movement.duration / STEP) + 1)
     time = steps * STEP
-    elbow, hand = forward_in_space(plan.arm, plant.joints_log[steps])
-    wanted = plan.hand_at(time)
-    off = np.maximum(
-        np.linalg.norm(hand - wanted, axis=1),
-        np.linalg.norm(elbow - plan.elbow_at(time), axis=1),
+    points = MECHANICS.of(plan.arm).points
+    there, wanted = (
+        points(plan.arm, plant.joints_log[steps]),
+        points(plan.arm, plan.joints_at(time)),
     )
-    speed = np.linalg.norm(np.gradient(wanted, STEP, axis=0), axis=1)
+    off = np.linalg.norm(there - wanted, axis=2).max(axis=1)
+    speed = np.linalg.norm(np.gradient(wanted[:, -1], STEP, axis=0), axis=1)
     return np.stack([speed, off], axis=1) * plant.body.metres

@@ -1,0 +1,195 @@
+"""The table of arms with mass: their rigid segments, units and touches, by kind of arm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import (
+    CHAIN,
+    SPATIAL,
+    Base,
+    ByKind,
+    Chain,
+    SpatialArm,
+    forward_in_space,
+    hands_along,
+    links_along,
+    quaternion_of,
+    rotation_of,
+)
+from gcm_learn.situation import AnyArmBody, ArmBody, ChainBody, FrameMass
+
+HAND = 0.5
+"""Radius of the hand's ball, as a share of the grasp; a link's radius at most."""
+AXES = ((0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 0, 1))
+"""Of a spatial arm's joints."""
+
+
+class Inertia(NamedTuple):
+    """Mass of a segment."""
+
+    mass: float
+    """[kg]"""
+    centre: tuple[float, ...]
+    """(3,) [m]"""
+    turn: tuple[float, ...]
+    """Principal axes in the segment's frame: a quaternion w, x, y, z."""
+    moments: tuple[float, ...]
+    """(3,) Principal moments [kg m^2]."""
+
+
+class Turning(NamedTuple):
+    """Joint before a segment."""
+
+    type: str
+    axis: tuple[float, ...]
+
+
+class Capsule(NamedTuple):
+    """Link of a segment; in the arm's unit."""
+
+    number: int
+    """Index in the arm's own order."""
+    start: tuple[float, ...]
+    end: tuple[float, ...]
+    radius: float
+
+
+class Segment(NamedTuple):
+    """Rigid part of an arm, which hangs from the one before; in the arm's unit."""
+
+    name: str
+    place: tuple[float, ...]
+    """(3,) In the frame of the segment before."""
+    turn: tuple[float, ...]
+    """Quaternion w, x, y, z."""
+    inertia: Inertia | None
+    """Absent for what never moves."""
+    joints: tuple[Turning, ...]
+    links: tuple[Capsule, ...]
+
+
+@dataclass(frozen=True)
+class Mechanics:
+    """Functions of an arm that physics needs."""
+
+    rested: Callable[[Any], Any]
+    """Return an arm in the frame of its base, at rest at the low ends of its ranges."""
+    segments: Callable[[Any, Any], list[Segment]]
+    """Return the base and all segments: (arm, body)."""
+    hand: Callable[[Any], tuple[int, tuple[float, ...], float]]
+    """Return the segment that carries the hand, its place there and the radius of its ball."""
+    metric: Callable[[Any, float], np.ndarray]
+    """Return metres or radians per unit of each joint (n,): (arm, metres)."""
+    pairs: Callable[[Any], tuple[tuple[int, int], ...]]
+    """Return pairs of links that must not overlap."""
+    ignored: Callable[[Any], tuple[tuple[int, str], ...]]
+    """Return pairs of a link and the name of an obstacle that do not touch."""
+    points: Callable[[Any, np.ndarray], np.ndarray]
+    """Return points (k, p, 3) at postures (k, n) that bound how far the limb strays; hand last."""
+
+
+def _rested(arm: Any) -> Any:
+    start: Any = tuple(low for low, _ in arm.joint_range)
+    return replace(arm, base=Base(), joints=start, joint_rates=None, max_joint_acceleration=None)
+
+
+def _bones(arm: SpatialArm, body: ArmBody) -> list[Segment]:
+    unturned, nowhere = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    made, place = [Segment("base", nowhere, unturned, None, (), ())], nowhere
+    for i, (name, end) in enumerate((("upper_arm", arm.upper_arm), ("forearm", arm.forearm))):
+        bone = body.bones[i]
+        inertia = Inertia(bone.mass, bone.centre, unturned, bone.inertia)
+        joints = tuple(Turning("revolute", axis) for axis in AXES[2 * i : 2 * i + 2])
+        link = Capsule(i, nowhere, end, arm.thickness)
+        made.append(Segment(name, place, unturned, inertia, joints, (link,)))
+        place = end
+    return made
+
+
+def _frames(arm: Chain, body: ChainBody) -> list[Segment]:
+    links = [
+        (link.joint, Capsule(i, link.start, link.end, link.radius))
+        for i, link in enumerate(arm.model.links)
+    ]
+    carried = [tuple(link for k, link in links if k == at) for at in range(arm.dof + 1)]
+    base = Segment("base", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), None, (), carried[0])
+    return [base] + [
+        Segment(
+            f"frame{k}", joint.origin, joint.rotation, _principal(body.frames[k]),
+            (Turning(joint.type, joint.axis),), carried[k],
+        )
+        for k, joint in enumerate(arm.model.joints, 1)
+    ]  # fmt: skip
+
+
+def _principal(carried: FrameMass) -> Inertia:
+    """Return a mass by its principal axes, of which rounding breaks no law."""
+    moments, axes = np.linalg.eigh(np.array(carried.inertia))
+    moments = np.maximum(moments, 0.0)
+    moments[2] = min(moments[2], moments[0] + moments[1])
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    turn = tuple(np.asarray(quaternion_of(axes)).tolist())
+    return Inertia(carried.mass, carried.centre, turn, tuple(moments.tolist()))
+
+
+def _end_of_forearm(arm: SpatialArm) -> tuple[int, tuple[float, ...], float]:
+    return 2, arm.forearm, min(HAND * arm.grasp, arm.thickness)
+
+
+def _hand_of_chain(arm: Chain) -> tuple[int, tuple[float, ...], float]:
+    hand = arm.model.hand
+    radii = [link.radius for link in arm.model.links]
+    return hand.joint, hand.point, min(HAND * arm.grasp, *radii)
+
+
+def _metric_of_chain(arm: Chain, metres: float) -> np.ndarray:
+    return np.array([metres if j.type == "prismatic" else 1.0 for j in arm.model.joints])
+
+
+def _elbow_and_hand(arm: SpatialArm, joints: np.ndarray) -> np.ndarray:
+    return np.stack(forward_in_space(arm, joints), axis=1)
+
+
+def _ends_and_hand(arm: Chain, joints: np.ndarray) -> np.ndarray:
+    """Points of a capsule stray no farther than the farther of its ends."""
+    ends, _ = links_along(arm, joints)
+    hand, _ = hands_along(arm, joints)
+    return np.concatenate([ends.reshape(len(joints), -1, 3), hand[:, None]], axis=1)
+
+
+MECHANICS = ByKind(
+    {
+        SPATIAL: Mechanics(
+            rested=_rested,
+            segments=_bones,
+            hand=_end_of_forearm,
+            metric=lambda arm, metres: np.ones(len(arm.joints)),
+            pairs=lambda arm: (),
+            ignored=lambda arm: (),
+            points=_elbow_and_hand,
+        ),
+        CHAIN: Mechanics(
+            rested=_rested,
+            segments=_frames,
+            hand=_hand_of_chain,
+            metric=_metric_of_chain,
+            pairs=lambda arm: arm.model.self_collision,
+            ignored=lambda arm: arm.ignore,
+            points=_ends_and_hand,
+        ),
+    },
+    who="physics",
+)
+"""By kind of arm."""
+
+
+def rested(arm: Any, body: AnyArmBody) -> tuple[Any, Any]:
+    """Return arm and body in the frame of the base: at rest, gravity turned."""
+    pull: Any = rotation_of(arm.base.rotation).T @ np.array(body.gravity)
+    still = MECHANICS.of(arm).rested(arm)
+    return still, replace(body, gravity=tuple(pull.round(12).tolist()))
