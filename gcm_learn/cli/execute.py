@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,12 +17,12 @@ from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.solve import plan_one, read
 
 if TYPE_CHECKING:
-    from gcm_learn.arms import Kind, SpatialArm
+    from gcm_learn.arms import Kind
     from gcm_learn.execution import Execution, Mind
     from gcm_learn.situation import AnyArmBody, Situation
 
-    Spatial = Situation[SpatialArm]
-    Draw = Callable[[Spatial, Execution], None]
+    Bodied = Situation[Any]
+    Draw = Callable[[Bodied, Execution], None]
 
 NO_BODY = "no body"
 """Status of a situation that cannot be executed; others go on."""
@@ -44,20 +43,23 @@ class Who(NamedTuple):
 
 @dataclass(frozen=True)
 class Execute:
-    """Plan for the arms in space of a file, and let arms with mass and motors follow the plans.
+    """Plan for the spatial arms and chains of a file, and let arms with mass follow the plans.
 
     A line tells what came of each. Arms without limits of acceleration get those of their motors.
     """
 
     file: Annotated[Positional[str], arg(metavar="FILE")]
-    """situations with spatial arms: a .json or .jsonl file, or - for standard input"""
+    """situations with spatial arms or chains: a .json or .jsonl file, or - for standard input"""
 
     body: Annotated[
         str | None, arg(metavar="FILE", help_behavior_hint="(default: the shipped one that fits)")
     ] = None
-    """masses and motors: a file of format gcm-learn/body@1, or `nao` or `human`"""
+    """masses and motors: a file of format gcm-learn/body@1 or gcm-learn/body@2, see gcm-learn arm
+    --body, or the name of a shipped one: `nao`, `human`, `panda`, `iiwa14` or `ur5`"""
 
-    planner: Annotated[str, arg(metavar="NAME")] = "layered"
+    planner: Annotated[
+        str | None, arg(metavar="NAME", help_behavior_hint="(default: layered; search for chains)")
+    ] = None
     """who plans, or a trained actor by its folder in models/: it acts anew in every period, by what
     is seen 50 times a second; or your own, as solve takes them; an unknown name lists all"""
 
@@ -87,21 +89,19 @@ class Execute:
     def run(self) -> int:
         """Execute the file; 1 if the physics of any situation failed, 2 if no arm has a body."""
         from gcm_learn.execution import execution_to_json, read_body
-        from gcm_learn.situation import spatial
 
         if not 0.0 <= self.noise < 1e6:
             raise CommandFailure(f"--noise {self.noise:g}: must be from 0 on")
         if self.film is not None and self.plant != "mujoco":
             raise CommandFailure("--film: is of arms with mass; animate shows plans")
-        who: Any = self._who()
-        situations = [spatial(item, "execute") for item in read(self.file, who)]
+        asked = self._asked()
         body = None if self.body is None else read_body(self.body)
         draw = None if self.film is None else _films(made_folder(self.film, option="--film"))
         piped = self.out is not None and str(self.out) == "-"
         counts: Counter[str] = Counter()
         with contextlib.ExitStack() as stack:
             stream = None if self.out is None else stack.enter_context(output(self.out))
-            for situation in situations:
+            for situation, who in asked:
                 done = self._executed(who, situation, body)
                 counts[done.status] += 1
                 if not piped:
@@ -110,19 +110,37 @@ class Execute:
                     stream.write(json.dumps(execution_to_json(done), allow_nan=False) + "\n")
                 if draw is not None and done.plant is not None:
                     draw(situation, done)
-        if not piped and len(situations) > 1:
+        if not piped and len(asked) > 1:
             print(", ".join(f"{count} {status}" for status, count in counts.most_common()))
-        if counts[NO_BODY] == len(situations):
+        if counts[NO_BODY] == len(asked):
             raise CommandFailure(f"{self.file}: no body fits any of the arms; see --body")
         return 1 if counts["failed"] else 0
 
-    def _who(self) -> Who:
+    def _asked(self) -> list[tuple[Bodied, Who]]:
+        """Return the situations of the file, and who plans in each."""
+        from gcm_learn.arms import CHAIN, ByKind, kind_of
+        from gcm_learn.execution import MECHANICS
+        from gcm_learn.planners import taken
+
+        chosen = {} if self.planner is None else {self.planner: self._who(self.planner)}
+        defaults = ByKind({CHAIN: "search"}, default="layered")
+        asked: list[tuple[Bodied, Who]] = []
+        anyone: Any = Who("execute", MECHANICS.takes, None, None)
+        for situation in read(self.file, anyone):
+            name = self.planner or defaults.of(kind_of(situation))
+            if name not in chosen:
+                chosen[name] = self._who(name)
+            who: Any = chosen[name]
+            asked.append((taken(who, situation), who))
+        return asked
+
+    def _who(self, name: str) -> Who:
         """Return the planner or policy of a name."""
         from gcm_learn.errors import ArmKindError, PolicyError
         from gcm_learn.evaluation import ActorMethod, get_method
         from gcm_learn.execution import Planning
 
-        method: Any = get_method(self.planner)
+        method: Any = get_method(name)
         if not isinstance(method, ActorMethod):
             mind = Planning(method.planner, self.replan) if self.noise else None
             return Who(method.planner.name, method.takes, method.planner, mind)
@@ -131,9 +149,9 @@ class Execute:
         try:
             return Who(method.name, method.takes, None, method.actor.mind())
         except (ArmKindError, PolicyError) as error:
-            raise CommandFailure(f"--planner {self.planner}: {error}") from None
+            raise CommandFailure(f"--planner {name}: {error}") from None
 
-    def _executed(self, who: Who, situation: Spatial, body: AnyArmBody | None) -> Execution:
+    def _executed(self, who: Who, situation: Bodied, body: AnyArmBody | None) -> Execution:
         """Execute a situation; a failure of physics becomes a status."""
         from gcm_learn.errors import BodyError, PhysicsError
         from gcm_learn.execution import Execution, body_for, with_motor_limits
@@ -150,15 +168,15 @@ class Execute:
         most = limited.arm.max_joint_acceleration
         return replace(done, limits=most, body=chosen.name)
 
-    def _followed(self, who: Who, situation: Spatial, body: AnyArmBody) -> Execution:
+    def _followed(self, who: Who, situation: Bodied, body: AnyArmBody) -> Execution:
         """Execute a situation under limits of acceleration."""
-        from gcm_learn.execution import Loop, Perception, execute, execute_seen
+        from gcm_learn.execution import Loop, Perception, execute, execute_seen, forearm_of
 
         exact = self.plant == "kinematic"
         if who.mind is None:
             plan: Any = plan_one(who.planner, situation, self.file)
             return execute(plan, situation, body, kinematic=exact)
-        forearm = body.metres * math.hypot(*situation.arm.forearm)
+        forearm = body.metres * forearm_of(situation.arm)
         looks = {} if self.noise else {"looks": EXACT_LOOKS}
         loop = Loop(Perception(self.noise / forearm), **looks)
         return execute_seen(
@@ -203,7 +221,7 @@ def _films(folder: Path) -> Draw:
 
     names = FileNames()
 
-    def draw(situation: Spatial, done: Execution) -> None:
+    def draw(situation: Bodied, done: Execution) -> None:
         with staged(folder / f"{names.unused(situation.name)}.gif", option="--film") as place:
             plots.animate_execution(situation, done, place)
 

@@ -49,6 +49,7 @@ from gcm_learn.execution.body.executing import (
     execute_seen,
     execution_to_json,
 )
+from gcm_learn.execution.body.kinds import MECHANICS
 from gcm_learn.execution.body.motors import motor_accelerations, with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
 from gcm_learn.execution.body.tube import measured_tube
@@ -73,6 +74,7 @@ from gcm_learn.execution.loop.episode import (
 )
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.execution.loop.follower import follower_of
+from gcm_learn.execution.loop.kinds import forearm_of
 from gcm_learn.execution.loop.minds import HABITS, Commanding, Planning
 from gcm_learn.execution.loop.perception import Percept, Perception
 from gcm_learn.execution.sources import Source
@@ -102,6 +104,7 @@ __all__ = [
     "LATE",
     "LedPlant",
     "Loop",
+    "MECHANICS",
     "MEETING",
     "Mind",
     "Moment",
@@ -134,6 +137,7 @@ __all__ = [
     "execute_seen",
     "execution_to_json",
     "follower_of",
+    "forearm_of",
     "into_frame",
     "measured_tube",
     "motor_accelerations",

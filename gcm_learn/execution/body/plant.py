@@ -91,7 +91,8 @@ class PhysicalPlant:
         self._scene = pack(replace(situation, horizon=float(times[-1])))
         self._laws = laws(self._scene, times, body.metres)
         self._parts = tuple(map(tuple, self._scene))
-        self._first_met = first_met_in(type(self._scene.limb), type(self._scene.limits))
+        limb, limits = self._scene.limb, self._scene.limits
+        self._first_met = first_met_in(limb.__class__, limits.__class__)
         self._poses = np.zeros((len(situation.bodies), 12))
         dof = len(self.fastest)
         self.joints_log = np.empty((count, dof))

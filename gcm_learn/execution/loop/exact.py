@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, LATE, RUNNING
 from gcm_learn.execution.loop.kinds import LEADS
 from gcm_learn.motion import Movement
@@ -20,10 +21,12 @@ class ExactPlant:
     Parameters
     ----------
     situation : Situation
-        With a planar or a spatial arm.
+        With one catch.
     """
 
     def __init__(self, situation: AnySituation) -> None:
+        if situation.catch != "any":
+            raise ArenaError(f"catch: must be 'any' in the closed loop (got {situation.catch!r})")
         self.situation = situation
         self.time = 0.0
         self.arm = situation.arm

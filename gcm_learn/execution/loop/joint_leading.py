@@ -1,4 +1,4 @@
-"""Spatial arms that are led along trajectories.
+"""Spatial arms and chains that are led along trajectories.
 
 Trajectories are on the world's clock here: the first sample is the beginning.
 """
@@ -6,15 +6,17 @@ Trajectories are on the world's clock here: the first sample is the beginning.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import Chain, SpatialArm
 from gcm_learn.motion import Movement, braked
 
+Led = TypeVar("Led", SpatialArm, Chain)
 
-def begun(arm: SpatialArm, plan: Movement, since: float) -> Movement:
+
+def begun(arm: Led, plan: Movement, since: float) -> Movement:
     """A plan that begins at a time [s]; after its end the arm brakes to rest."""
     clocked = replace(plan, arm=arm, time=plan.time + since)
     if arm.max_joint_acceleration is None:
@@ -22,13 +24,13 @@ def begun(arm: SpatialArm, plan: Movement, since: float) -> Movement:
     return braked(clocked, np.array(arm.max_joint_acceleration))
 
 
-def at_first(arm: SpatialArm) -> Movement:
+def at_first(arm: Led) -> Movement:
     """Return the trajectory of an arm without a plan: it rests, or comes to rest."""
     rates = None if arm.joint_rates is None else np.array([arm.joint_rates])
     return begun(arm, Movement(arm, np.zeros(1), np.array([arm.joints]), rates), 0.0)
 
 
-def led(arm: SpatialArm, trajectory: Movement, t: float) -> SpatialArm:
+def led(arm: Led, trajectory: Movement, t: float) -> Led:
     """The arm as it stands and moves at a time [s] of a trajectory.
 
     Rounding beyond its limits is cut off.  Without limits of acceleration it may rest
@@ -44,7 +46,7 @@ def led(arm: SpatialArm, trajectory: Movement, t: float) -> SpatialArm:
     return replace(arm, joints=there, joint_rates=moving)
 
 
-def gap(arm: SpatialArm, trajectory: Movement, t: float) -> float:
+def gap(arm: Led, trajectory: Movement, t: float) -> float:
     """Largest difference between an arm's joints and a trajectory's at a time [rad]."""
     return float(np.abs(trajectory.joints_at(t) - np.array(arm.joints)).max())
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind
 from gcm_learn.execution.loop import hand_leading, joint_leading
 from gcm_learn.execution.loop.hand_leading import HandEvents
 from gcm_learn.execution.loop.joint_events import JointEvents
@@ -40,16 +40,23 @@ class Lead:
     events: Callable[[Scene], Events]
 
 
+_SPATIAL = Lead(
+    lambda arm: math.hypot(*arm.forearm), joint_leading.begun, joint_leading.at_first,
+    joint_leading.led, joint_leading.gap, joint_leading.rest_of, JointEvents,
+)  # fmt: skip
 LEADS = ByKind(
     {
         PLANAR: Lead(
             lambda arm: 1.0, hand_leading.begun, hand_leading.at_first, hand_leading.led,
             hand_leading.gap, hand_leading.rest_of, HandEvents,
         ),
-        SPATIAL: Lead(
-            lambda arm: math.hypot(*arm.forearm), joint_leading.begun, joint_leading.at_first,
-            joint_leading.led, joint_leading.gap, joint_leading.rest_of, JointEvents,
-        ),
+        SPATIAL: _SPATIAL,
+        CHAIN: replace(_SPATIAL, forearm=lambda arm: 0.5 * arm.reach),
     },
     who="the closed loop",
 )  # fmt: skip
+
+
+def forearm_of(arm: Any) -> float:
+    """Return the length of an arm's forearm; of a chain half its reach."""
+    return LEADS.of(arm).forearm(arm)

@@ -130,7 +130,8 @@ class Perception:
             return replace(
                 motion, angle=motion.angle + place * off, rate=motion.rate + fast * faster
             )
-        assert isinstance(motion, Quadratic)
+        if not isinstance(motion, Quadratic):
+            raise ArenaError(f"perception: does not see {motion.kind} motions")
         count = len(motion.position)
         off, faster = place * source.normal(size=count), fast * source.normal(size=count)
         if rests(motion):
