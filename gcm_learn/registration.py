@@ -26,6 +26,10 @@ ENTRIES = {
         "gcm_learn.envs.catch_arm_physics:CatchArmPhysics",
         "gcm_learn.envs.vector:CatchArmsPhysics",
     ),
+    "CatchChainPhysics-v0": (
+        "gcm_learn.envs.catch_chain_physics:CatchChainPhysics",
+        "gcm_learn.envs.vector:CatchChainsPhysics",
+    ),
 }  # fmt: skip
 LIBRARY = "gymnasium"
 NAMESPACE = "gcm_learn"

@@ -14,10 +14,18 @@ if TYPE_CHECKING:
     from gcm_learn.envs.catch_arm_3d import CatchArm3D
     from gcm_learn.envs.catch_arm_physics import CatchArmPhysics
     from gcm_learn.envs.catch_chain import CatchChain
+    from gcm_learn.envs.catch_chain_physics import CatchChainPhysics
     from gcm_learn.envs.one_arm import box, commands, finite
-    from gcm_learn.envs.vector import CatchArms, CatchArms3D, CatchArmsPhysics, CatchChains
+    from gcm_learn.envs.vector import (
+        CatchArms,
+        CatchArms3D,
+        CatchArmsPhysics,
+        CatchChains,
+        CatchChainsPhysics,
+    )
     from gcm_learn.envs.views import WithMap, map_image
     from gcm_learn.execution import (
+        ChainPhysicalSettings,
         ChainSettings,
         PhysicalSettings,
         Pool,
@@ -34,7 +42,10 @@ __all__ = [
     "CatchArms3D",
     "CatchArmsPhysics",
     "CatchChain",
+    "CatchChainPhysics",
     "CatchChains",
+    "CatchChainsPhysics",
+    "ChainPhysicalSettings",
     "ChainSettings",
     "PhysicalSettings",
     "Pool",
@@ -56,7 +67,10 @@ _HOMES = {
     "CatchArms3D": "envs.vector",
     "CatchArmsPhysics": "envs.vector",
     "CatchChain": "envs.catch_chain",
+    "CatchChainPhysics": "envs.catch_chain_physics",
     "CatchChains": "envs.vector",
+    "CatchChainsPhysics": "envs.vector",
+    "ChainPhysicalSettings": "execution",
     "ChainSettings": "execution",
     "PhysicalSettings": "execution",
     "Pool": "execution",

@@ -175,6 +175,16 @@ class CatchArmsPhysics(ManyArms):
     arena = ARENAS["CatchArmPhysics-v0"]
 
 
+class CatchChainsPhysics(ManyArms):
+    """Many `CatchChainPhysics`, stepped one after the other and observed in compiled code.
+
+    ``gymnasium.make_vec("gcm_learn:CatchChainPhysics-v0", num_envs=16,
+    vectorization_mode="vector_entry_point")`` makes it.
+    """
+
+    arena = ARENAS["CatchChainPhysics-v0"]
+
+
 def _generator(seed: int) -> tuple[np.random.Generator, int]:
     from gymnasium.utils import seeding
 

@@ -35,7 +35,7 @@ from gcm_learn.execution.arenas import (
     pool_of,
     situations_of,
 )
-from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
+from gcm_learn.execution.body.arms import ChainPhysicalSettings, PhysicalArms, PhysicalSettings
 from gcm_learn.execution.body.bodies import (
     body_for,
     body_of_robot,
@@ -91,6 +91,7 @@ __all__ = [
     "CAUGHT",
     "COMMANDS",
     "COLLIDED",
+    "ChainPhysicalSettings",
     "ChainSettings",
     "Commanding",
     "Contact",

@@ -17,7 +17,7 @@ from gcm_learn.execution.arena.settings import (
     Settings,
     SpatialSettings,
 )
-from gcm_learn.execution.body.arms import PhysicalArms, PhysicalSettings
+from gcm_learn.execution.body.arms import ChainPhysicalSettings, PhysicalArms, PhysicalSettings
 from gcm_learn.execution.body.bodies import pool_with_bodies
 from gcm_learn.execution.sources import Source, found_in, named
 from gcm_learn.families import SpatialFamily
@@ -91,6 +91,11 @@ def _ends_with_a_catch(situation: AnySituation, dt: float) -> bool:
     return situation.catch == "any" and stops(situation, dt)
 
 
+def _is_one_catch(situation: AnySituation, dt: float) -> bool:
+    """Return whether one catch is enough; motors stop the arm as they can."""
+    return situation.catch == "any"
+
+
 ARENAS = {
     arena.name: arena
     for arena in (
@@ -106,6 +111,10 @@ ARENAS = {
         Arena(
             "CatchArmPhysics-v0", PhysicalSettings, "static-clutter-space", PhysicalArms,
             _with_bodies, eligible=_of_arms_with_bodies, followed=False,
+        ),
+        Arena(
+            "CatchChainPhysics-v0", ChainPhysicalSettings, "throw-chain", PhysicalArms,
+            _with_bodies, eligible=_with_arm, begins=_is_one_catch, followed=False,
         ),
     )
 }  # fmt: skip

@@ -33,6 +33,7 @@ FILES = {
     "CatchArm3D-v0": "actor3d.npz",
     "CatchChain-v0": "actor-chain.npz",
     "CatchArmPhysics-v0": "actor-physics.npz",
+    "CatchChainPhysics-v0": "actor-chain-physics.npz",
 }
 """By the arena in which a policy acts."""
 MINDS = ByKind({SPATIAL: Commanding}, who="an actor in the closed loop")

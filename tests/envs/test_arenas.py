@@ -13,6 +13,7 @@ from gcm_learn import families
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL
 from gcm_learn.errors import ArenaError, ArmKindError, MissingExtraError, PhysicsError
 from gcm_learn.execution import (
+    ChainPhysicalSettings,
     ChainSettings,
     PhysicalSettings,
     Settings,
@@ -25,14 +26,17 @@ from gcm_learn.situation import shipped_arm
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn import envs  # noqa: E402
 
-NAMES = ("CatchArm", "CatchArm3D", "CatchChain", "CatchArmPhysics")
+NAMES = ("CatchArm", "CatchArm3D", "CatchChain", "CatchArmPhysics", "CatchChainPhysics")
 MANY = {
     "CatchArm": "CatchArms", "CatchArm3D": "CatchArms3D", "CatchChain": "CatchChains",
-    "CatchArmPhysics": "CatchArmsPhysics",
+    "CatchArmPhysics": "CatchArmsPhysics", "CatchChainPhysics": "CatchChainsPhysics",
 }  # fmt: skip
-CLASSES = (Settings, SpatialSettings, ChainSettings, PhysicalSettings)
+CLASSES = (Settings, SpatialSettings, ChainSettings, PhysicalSettings, ChainPhysicalSettings)
 SETTINGS = dict(zip(NAMES, CLASSES, strict=True))
-WIDTH = {"CatchArm": 107, "CatchArm3D": 145, "CatchChain": 206, "CatchArmPhysics": 145}
+WIDTH = {
+    "CatchArm": 107, "CatchArm3D": 145, "CatchChain": 206, "CatchArmPhysics": 145,
+    "CatchChainPhysics": 206,
+}  # fmt: skip
 ACTION = np.array([0.3, -0.4, 0.2, 0.1, -0.2, 0.3, 0.1])
 FAST = np.array([1.0, 0.5, -0.5, 1.0, 0.5, -0.5, 1.0])
 TORQUE = {"control": "torque"}
@@ -53,6 +57,7 @@ def pools(scenes, arms, chains, with_bodies):
         "CatchArm3D": pool_for(SpatialSettings(), arms),
         "CatchChain": pool_for(ChainSettings(), chains),
         "CatchArmPhysics": with_bodies,
+        "CatchChainPhysics": pool_for(ChainPhysicalSettings(), chains),
     }
 
 
@@ -132,7 +137,8 @@ def test_the_guide_adds_up_to_the_first_potential(name, pool):
 
 
 CHOICES = [*((name, {}) for name in NAMES), ("CatchArm", {"fan": True}),
-           ("CatchArm", {"control": "joint"}), ("CatchArmPhysics", TORQUE)]  # fmt: skip
+           ("CatchArm", {"control": "joint"}), ("CatchArmPhysics", TORQUE),
+           ("CatchChainPhysics", TORQUE)]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "settings"), CHOICES)

@@ -76,6 +76,8 @@ class Kernels:
     """Write observations: (world, state, chosen, options, out)."""
     play: Callable[..., None]
     """Make a step: (world, state, actions, options, results, first, last)."""
+    ways_to_go: Any = None
+    """Write the guide's potential of every arm: (world, state, out); absent for arms of hands."""
 
 
 def _hands(count: int, commands: int) -> State:
@@ -147,8 +149,7 @@ _SPATIAL = Kernels(
     placed=lambda situation: (situation, AsDrawn()),
     bounded=lambda scene: scene,
     pace=fastest_hand,
-    observe=joint_playing.observe_all,
-    play=joint_playing.play,
+    **joint_playing.SPATIAL_KERNELS._asdict(),
 )
 KERNELS = ByKind(
     {
@@ -173,8 +174,7 @@ KERNELS = ByKind(
             starts=chains.starts_of,
             check=_alike,
             pace=_pace_of_chain,
-            observe=joint_playing.observe_chains,
-            play=joint_playing.play_chains,
+            **joint_playing.CHAIN_KERNELS._asdict(),
         ),
     },
     who="the arena",

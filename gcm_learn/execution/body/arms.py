@@ -1,4 +1,4 @@
-"""Arms with mass side by side, with the observations and rewards of kinematic spatial arms."""
+"""Arms with mass side by side, with the observations and rewards of kinematic ones."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.batch import Batch
-from gcm_learn.execution.arena.kernels.joints.observation import AIM
-from gcm_learn.execution.arena.kernels.joints.playing import settle, ways_to_go
+from gcm_learn.execution.arena.kernels.joints.playing import settle
 from gcm_learn.execution.arena.kernels.world import EXTREME, LATE, RUNNING
 from gcm_learn.execution.arena.pool import Pool, of_one_kind
-from gcm_learn.execution.arena.settings import SpatialSettings
+from gcm_learn.execution.arena.settings import ChainSettings, SpatialSettings
 from gcm_learn.execution.body.model import STEP
+from gcm_learn.execution.body.motors import FAINT
 from gcm_learn.execution.body.plant import PhysicalPlant
 from gcm_learn.motion import Movement
 
 
 @dataclass(frozen=True)
 class PhysicalSettings(SpatialSettings):
-    """Settings of arms with mass, with the defaults of ``CatchArmPhysics-v0``."""
+    """Settings of spatial arms with mass, with the defaults of ``CatchArmPhysics-v0``."""
 
     control: Literal["joint", "torque"] = "joint"
     """Actions are rates of the joints, which motors servo, or torques."""
@@ -57,6 +57,11 @@ class PhysicalSettings(SpatialSettings):
         return pool
 
 
+@dataclass(frozen=True)
+class ChainPhysicalSettings(ChainSettings, PhysicalSettings):
+    """Settings of chains with mass, with the defaults of ``CatchChainPhysics-v0``."""
+
+
 KEPT = 256
 """Plants that wait for their situations to come again, at most; about a megabyte each."""
 
@@ -85,7 +90,6 @@ class PhysicalArms(Batch):
         self.plants: dict[int, PhysicalPlant] = {}
         """Of the arms that were put into a situation."""
         self._idle: dict[int, PhysicalPlant] = {}  # by their situations, the oldest first
-        self._before = np.zeros(count)
         self._steps = round(settings.dt / STEP)
 
     def put(self, arms: np.ndarray, places: np.ndarray) -> None:
@@ -124,12 +128,24 @@ class PhysicalArms(Batch):
 
     def _play(self, actions: np.ndarray, first: int, last: int) -> None:
         since, wanted = self.state.time.copy(), np.clip(actions, -1.0, 1.0)
-        if self.settings.weights.guide != 0.0:
-            ways_to_go(self._world, self._arms, self._before)
+        before = self._ways()
         for e in range(first, last):
             self.told.outcomes[e] = self._step(e, wanted[e])
-        settle(self._world, self._arms, self._options, self._told, since, self._before)
+        running = self.told.outcomes == RUNNING
+        after = np.where(running, self._ways(), 0.0)
+        shares = (self.state.time - since) / self.pool.horizons[self.state.place]
+        nearer = before - self.settings.discount * after
+        settle(self._told, self.settings.weighted, shares, nearer)
+        everyone = np.arange(self.count)
+        self._kernels.observe(self._world, self._arms, everyone, self._options, self.observations)
         self._tell_torques(range(first, last))
+
+    def _ways(self) -> np.ndarray:
+        """Return the guide's potential of every arm (count,); 0 without a guide."""
+        out = np.zeros(self.count)
+        if self.settings.weights.guide != 0.0:
+            self._kernels.ways_to_go(self._world, self._arms, out)
+        return out
 
     def _step(self, e: int, command: np.ndarray) -> int:
         """Move arm e on by a step: the outcome; the state is that at a catch or a touch."""
@@ -153,11 +169,11 @@ class PhysicalArms(Batch):
         """Write what motors have to know into the ends of observations, if they are pushed."""
         if not self.settings.pushed:
             return
+        aim, dof = self.settings.layout.straight, self.settings.commands
         for e in arms:
             plant, row = self.plants[e], self.observations[e]
             joints, rates = np.split(self.state.posture[e], 2)
-            dof = len(joints)
-            holding = plant.motors.holding(joints)
-            servo = plant.motors.kd * (row[AIM : AIM + dof] * plant.fastest - rates)
-            row[-2 * dof : -dof] = np.clip(holding / plant.strongest, -EXTREME, EXTREME)
-            row[-dof:] = np.clip((holding + servo) / plant.strongest, -1.0, 1.0)
+            holding, most = plant.motors.holding(joints), np.maximum(plant.strongest, FAINT)
+            servo = plant.motors.kd * (row[aim : aim + dof] * plant.fastest - rates)
+            row[-2 * dof : -dof] = np.clip(holding / most, -EXTREME, EXTREME)
+            row[-dof:] = np.clip((holding + servo) / most, -1.0, 1.0)

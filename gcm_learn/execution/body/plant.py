@@ -91,8 +91,6 @@ class PhysicalPlant:
         self._scene = pack(replace(situation, horizon=float(times[-1])))
         self._laws = laws(self._scene, times, body.metres)
         self._parts = tuple(map(tuple, self._scene))
-        limb, limits = self._scene.limb, self._scene.limits
-        self._first_met = first_met_in(limb.__class__, limits.__class__)
         self._poses = np.zeros((len(situation.bodies), 12))
         dof = len(self.fastest)
         self.joints_log = np.empty((count, dof))
@@ -300,7 +298,9 @@ class PhysicalPlant:
         """See whether the episode is over, after the steps from `first` on."""
         bodies, step = self.situation.bodies, -1 if touched is None else touched[1]
         last = min(self.steps, round(self.situation.horizon / STEP))
-        k, b = self._first_met(self._parts, self.joints_log, first, last, STEP, self._poses)
+        limb, limits = self._scene.limb.__class__, self._scene.limits.__class__
+        first_met = first_met_in(limb, limits)
+        k, b = first_met(self._parts, self.joints_log, first, last, STEP, self._poses)
         if touched is not None and not 0 <= k < step:
             self.outcome, self.contact = COLLIDED, self._contact_of(touched)
             return

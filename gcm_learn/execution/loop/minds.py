@@ -12,7 +12,7 @@ from gcm_learn.arms import SpatialArm
 from gcm_learn.compiled import njit
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.batch import way_of
-from gcm_learn.execution.arena.kernels.joints.playing import observe_all
+from gcm_learn.execution.arena.kernels.joints.playing import SPATIAL_KERNELS
 from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import reach_out
 from gcm_learn.execution.arena.kernels.world import CAUGHT, Options, State, World, world_of
@@ -44,7 +44,8 @@ class OneStep:
         """Joints [rad] and their rates [rad/s] (2 dof,)."""
         self._world, self._arm = tuple(world), state
         self._options = settings.options
-        observe_all(self._world, tuple(state), np.zeros(1, np.int64), self._options, self.told)
+        alone = np.zeros(1, np.int64)
+        SPATIAL_KERNELS.observe(self._world, tuple(state), alone, self._options, self.told)
 
     def after(self, command: np.ndarray) -> np.ndarray:
         """Posture (2 dof,) after the step, as near to a command (dof,) as the limits allow."""

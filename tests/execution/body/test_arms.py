@@ -22,7 +22,7 @@ from gcm_learn.execution import (
     run_episode,
     situations_of,
 )
-from gcm_learn.execution.arena.kernels.joints.playing import observe_all
+from gcm_learn.execution.arena.kernels.joints.playing import SPATIAL_KERNELS
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.execution.body.motors import motor_accelerations
 
@@ -110,7 +110,8 @@ def test_what_is_told_is_what_kinematic_arms_are_told(pool):
     arms.move(np.full((COUNT, 4), 0.5))
     kinematic.state.posture[:], kinematic.state.time[:] = arms.posture, arms.time
     world, state = tuple(kinematic.pool.world), tuple(kinematic.state)
-    observe_all(world, state, everyone, SpatialSettings().options, kinematic.observations)
+    options = SpatialSettings().options
+    SPATIAL_KERNELS.observe(world, state, everyone, options, kinematic.observations)
     np.testing.assert_array_equal(arms.observations[:, :-8], kinematic.observations)
     assert (np.abs(kinematic.observations - before).max(axis=1) > 0.01).all()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from gcm_learn.arms.limbs import hand_of, place
 from gcm_learn.compiled import njit
@@ -11,11 +11,19 @@ from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
 from gcm_learn.execution.arena.kernels.joints.observation import observe
 from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import step
-from gcm_learn.execution.arena.kernels.world import GUIDE, RUNNING, Options, State, Told, World, pay
+from gcm_learn.execution.arena.kernels.world import Options, State, Told, World, pay
 
 
-def kernels_in(world_type: type[World]) -> tuple[Any, Any]:
-    """Return the kernels that observe and play many arms in a type of world.
+class JointKernels(NamedTuple):
+    """Kernels of many arms that move in their joints."""
+
+    observe: Any
+    play: Any
+    ways_to_go: Any
+
+
+def kernels_in(world_type: type[World]) -> JointKernels:
+    """Return the kernels of many arms in a type of world.
 
     Worlds come as plain tuples, so that a call is quick; the type chooses the kernels of limbs.
     """
@@ -42,36 +50,36 @@ def kernels_in(world_type: type[World]) -> tuple[Any, Any]:
             row = out.observations[e]
             observe(view, states.time[e], states.posture, e, how, row)
 
-    return observe_all, play
+    @njit(nogil=True)
+    def ways_to_go(world, state, out):
+        """Write the guide's potential of every arm."""
+        worlds, states = world_type(*world), State(*state)
+        room = views_for(worlds, states, 0, states.place.size)
+        for e in range(states.place.size):
+            view = view_in(worlds, states.place[e], room)
+            out[e] = way_to_go(view, states.time[e], states.posture, e)
+
+    return JointKernels(observe_all, play, ways_to_go)
 
 
-observe_all, play = kernels_in(World)
-observe_chains, play_chains = kernels_in(ChainWorld)
+SPATIAL_KERNELS = kernels_in(World)
+CHAIN_KERNELS = kernels_in(ChainWorld)
 
 
 @njit(nogil=True)
-def ways_to_go(world, state, out):
-    """Write the guide's potential of every arm."""
-    worlds, states = World(*world), State(*state)
-    room = views_for(worlds, states, 0, states.place.size)
-    for e in range(states.place.size):
-        view = view_in(worlds, states.place[e], room)
-        out[e] = way_to_go(view, states.time[e], states.posture, e)
+def settle(told, weights, shares, nearer):
+    """Pay every arm for a step that a plant with mass made.
 
-
-@njit(nogil=True)
-def settle(world, state, options, told, since, before):
-    """Pay every arm for a step that another plant made since `since` [s], and observe."""
-    worlds, states, how, out = World(*world), State(*state), Options(*options), Told(*told)
-    room = views_for(worlds, states, 0, states.place.size)
-    for e in range(states.place.size):
-        s, time = states.place[e], states.time[e]
-        view, outcome, after = view_in(worlds, s, room), out.outcomes[e], 0.0
-        if how.weights[GUIDE] != 0.0 and outcome == RUNNING:
-            after = way_to_go(view, time, states.posture, e)
-        share = (time - since[e]) / view.scene.limits.horizon
-        pay(out, e, outcome, share, how.weights, before[e] - how.discount * after)
-        row = out.observations[e]
-        observe(view, time, states.posture, e, how, row)
-        hand = hand_of(view.scene.limb, place(view.scene.limb, view.joints[0]))
-        states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = hand
+    Parameters
+    ----------
+    told : Told
+        As a plain tuple, with the outcomes.
+    weights : (4,) ndarray
+    shares : (e,) ndarray
+        Of the horizons that the step took.
+    nearer : (e,) ndarray
+        See `pay`.
+    """
+    out = Told(*told)
+    for e in range(shares.size):
+        pay(out, e, out.outcomes[e], shares[e], weights, nearer[e])
