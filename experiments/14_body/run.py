@@ -1,6 +1,7 @@
 """From plan to body: do arms with mass catch what was planned for them? Writes h10.json.
 
 python -m experiments 14_body tubes   first: the tubes, on situations of their own; minutes
+python -m experiments 14_body tubes --kind chain   that of the Panda
 python -m experiments 14_body         then: 1,000 plans of each condition; half an hour
 
 Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
@@ -21,7 +22,7 @@ from report import JUDGED, WAYS
 from experiments import recompute
 from experiments.common import outcomes
 from experiments.common.masses import CONDITIONS, followed
-from gcm_learn.arms import SpatialArm
+from gcm_learn.arms import CHAIN, SPATIAL, ByKind, kind_named
 from gcm_learn.execution import (
     Execution,
     body_for,
@@ -41,13 +42,18 @@ PLANS = 1000  # that are wanted of each condition
 MOST = 200  # situations of each family, at most
 OUT, TUBES = HERE / "out" / "h10.jsonl", HERE / "tubes.json"
 
-Spatial = Situation[SpatialArm]
+Bodied = Situation[Any]
 
 
-def drawn(family: str, seed: int, index: int) -> Spatial:
-    """A situation with one of the two arms that have bodies, without limits of acceleration."""
+PLANNERS = ByKind({CHAIN: "search"}, default="layered")
+BODIED: ByKind[dict[str, Any]] = ByKind({SPATIAL: {"human": 0.5, "nao": 0.5}, CHAIN: {}})
+"""Fields of the families' arms with which only arms are drawn that have bodies."""
+
+
+def drawn(family: str, seed: int, index: int) -> Bodied:
+    """A situation with an arm that has a body, without limits of acceleration."""
     config: Any = get_family(family)
-    arms = replace(config.arm, human=0.5, nao=0.5)
+    arms = replace(config.arm, **BODIED.of(kind_named(config.kind)))
     situation: Any = draw(replace(config, arm=arms), seed, index)
     return replace(
         situation,
@@ -55,22 +61,23 @@ def drawn(family: str, seed: int, index: int) -> Spatial:
     )
 
 
-def measure_tubes() -> None:
-    """Write the tubes of both bodies and all conditions, in metres."""
+def measure_tubes(kind: str) -> None:
+    """Write the tubes of bodies of a kind of arms in all conditions, in metres; others stay."""
     done: dict[tuple[str, str], list[Execution]] = {}
-    planner = get_planner("layered")
-    for family in family_names("spatial"):
+    for family in family_names(kind):
         for index in range(EACH_DEVELOPMENT):
             free = drawn(family, DEVELOPMENT, index)
+            if free.catch != "any":
+                continue
             body = body_for(free.arm)
             situation = with_motor_limits(free, body)
-            plan = planner.plan(situation)
+            plan = get_planner(PLANNERS.of(situation)).plan(situation)
             if not plan.caught:
                 continue
             for condition in CONDITIONS:
                 one = followed(plan, situation, condition)
                 done.setdefault((body.name, condition), []).append(one)
-    tubes: dict[str, Any] = {}
+    tubes: dict[str, Any] = json.loads(TUBES.read_text())
     for (body_name, condition), executed in sorted(done.items()):
         tube = asdict(measured_tube(executed)) | {"plans": len(executed)}
         tubes.setdefault(body_name, {})[condition] = tube
@@ -155,9 +162,10 @@ def main() -> None:
     """Measure tubes, or answer what is missing and write the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("part", nargs="?", choices=["tubes", "table"])
+    parser.add_argument("--kind", choices=["spatial", "chain"], default="spatial")
     asked = parser.parse_args()
     if asked.part == "tubes":
-        measure_tubes()
+        measure_tubes(asked.kind)
         return
     rows = work() if asked.part is None else [json.loads(r) for r in OUT.read_text().splitlines()]
     outcomes.write(HERE / "outcomes.csv.gz", outcome_rows(rows))

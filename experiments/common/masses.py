@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from gcm_learn.arms import SpatialArm
 from gcm_learn.execution import Controller, Execution, body_for, execute
-from gcm_learn.situation import ArmBody, Situation
+from gcm_learn.situation import AnyArmBody, ArmBody, ChainBody, Situation
 
 OFF = 1.1  # masses of the heavy arm, which its controller takes for the shipped ones
 CONDITIONS = {
@@ -18,16 +17,26 @@ CONDITIONS = {
 """Ratio of the arm's masses to those that its controller believes in, and the controller."""
 
 
-def heavier(body: ArmBody, factor: float) -> ArmBody:
+CARRIED = {ArmBody: "bones", ChainBody: "frames"}
+"""Fields of bodies with masses."""
+
+
+def heavier(body: AnyArmBody, factor: float) -> Any:
     """Return the same arm of heavier stuff."""
-    bones = tuple(
-        replace(b, mass=factor * b.mass, inertia=tuple(factor * i for i in b.inertia))
-        for b in body.bones
+    field = CARRIED[type(body)]
+    parts = tuple(
+        replace(part, mass=factor * part.mass, inertia=_times(factor, part.inertia))
+        for part in getattr(body, field)
     )
-    return replace(body, bones=bones)
+    return replace(body, **{field: parts})
 
 
-def followed(plan: Any, situation: Situation[SpatialArm], condition: str) -> Execution:
+def _times(factor: float, value: Any) -> Any:
+    """Return numbers, in tuples of any depth, times a factor."""
+    return tuple(_times(factor, v) for v in value) if isinstance(value, tuple) else factor * value
+
+
+def followed(plan: Any, situation: Situation[Any], condition: str) -> Execution:
     """Execute a plan under a condition; the controller believes in the shipped masses."""
     factor, controller = CONDITIONS[condition]
     body = body_for(situation.arm)

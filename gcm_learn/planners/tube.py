@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
-from gcm_learn.arms import SPATIAL, ByKind, SpatialArm
+from gcm_learn.arms import CHAIN, SPATIAL, ByKind, Chain, SpatialArm
 from gcm_learn.motion import Failure, fastest_hand
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
@@ -49,7 +50,31 @@ class Tube:
         return Tube(self.still * unit, self.per_speed * unit)
 
 
-_PROBLEMS = ByKind({SPATIAL: SpatialProblem}, who="a tube")
+class Room(NamedTuple):
+    """How an arm gets room about it."""
+
+    thicker: Callable[[Any, float], Any]
+    """Return an arm whose limb is thicker by a width: (arm, width)."""
+    start: float
+    """Share of the clearance at the start that a tube takes at most."""
+
+
+def _thicker(arm: SpatialArm, width: float) -> SpatialArm:
+    return replace(arm, thickness=arm.thickness + width)
+
+
+def _thicker_links(arm: Chain, width: float) -> Chain:
+    links = tuple(replace(link, radius=link.radius + width) for link in arm.model.links)
+    return replace(arm, model=replace(arm.model, links=links))
+
+
+_ROOMS = ByKind(
+    {
+        SPATIAL: Room(_thicker, START),
+        CHAIN: Room(_thicker_links, 0.5 * START),  # two links that must not overlap both grow
+    },
+    who="a tube",
+)
 
 
 @dataclass(frozen=True)
@@ -62,14 +87,14 @@ class InTube:
     Parameters
     ----------
     planner : Planner
-        One that takes spatial arms.
+        One that takes such arms.
     tube : Tube
     """
 
     planner: Any
     tube: Tube
 
-    takes = staticmethod(_PROBLEMS.takes)
+    takes = staticmethod(_ROOMS.takes)
 
     @property
     def name(self) -> str:
@@ -78,14 +103,15 @@ class InTube:
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
-        problem = _PROBLEMS.of(situation)(situation, self.name)
+        room = _ROOMS.of(situation)
+        problem: Any = SpatialProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
         top = fastest_hand(problem.scene)
         names = [body.name for body in situation.bodies]
         for hurry in HURRIES:
-            plan = self.planner.plan(self._eased(problem, hurry * top))
+            plan = self.planner.plan(self._eased(problem, room, hurry * top))
             if plan.trajectory is None:
                 continue
             moves = replace(plan.trajectory, arm=situation.arm)
@@ -94,13 +120,11 @@ class InTube:
                 return found
         return problem.answer(Failure.NO_INTERCEPTION)
 
-    def _eased(self, problem: SpatialProblem, speed: float) -> Situation[SpatialArm]:
+    def _eased(self, problem: Any, room: Room, speed: float) -> Situation[Any]:
         """The situation with an arm that needs the tube's clearance."""
         arm, width = problem.situation.arm, self.tube.at(speed)
-        room = min(width, START * problem.start_clearance)
         eased = replace(
-            arm,
-            thickness=arm.thickness + room,
+            room.thicker(arm, min(width, room.start * problem.start_clearance)),
             grasp=max(arm.grasp - width, GRASP * arm.grasp),
             max_hand_speed=speed,
         )

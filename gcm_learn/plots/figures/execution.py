@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gcm_learn.arms import links_along, rotation_of
+from gcm_learn.arms import SPATIAL, ByKind, links_along, rotation_of
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA
 from gcm_learn.motion import Movement
 from gcm_learn.plots.figures import style
@@ -49,7 +50,10 @@ WIDTH, HEIGHT = 6.6, 3.95  # [inches] of a film
 WIDER = 1.25  # times what shows the arm and its target: it is seen to go
 STOP = 8  # frames for which a film stands still at the catch or the contact
 MET, HIT = style.GOOD, style.EFFECTIVE  # marks of a catch and of a contact
-JOINT_NAMES = ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")
+JOINT_NAMES: ByKind[Callable[[Any], tuple[str, ...]]] = ByKind(
+    {SPATIAL: lambda arm: ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")},
+    default=lambda arm: tuple(j.name or f"joint {k}" for k, j in enumerate(arm.model.joints, 1)),
+)
 JOINT_COLOURS = (style.ARM, "#dd6b20", style.OBSTACLE, "#2c7a7b")
 MILLI = 1e3  # [1/1000]
 FINE = 1e-4  # [m] what is less is not told more exactly
@@ -119,7 +123,10 @@ class Replay(Scenery):
             self.mark = (done.catch_time, place, MET, f"caught at {done.catch_time:.3f} s")
         elif done.contact is not None:
             t, name = done.contact.time, done.contact.name
-            place = touched_at(situation, name, t, self.moves.joints_at(t))
+            known = name in [body.name for body in situation.bodies]  # or it touches itself
+            place = until.hand[-1]
+            if known:
+                place = touched_at(situation, name, t, self.moves.joints_at(t))
             self.mark = (t, place, HIT, f"touches {name!r} at {t:.3f} s")
         super().__init__(situation, self.moves, view or view_of(situation, until), turns=turns)
         self.window = Window(self.window.middle, WIDER * self.window.half)
@@ -310,11 +317,11 @@ def _draw_error(ax: Axes, replay: Replay, end: float) -> None:
 def _draw_torques(ax: Axes, replay: Replay, end: float) -> None:
     """Draw the share of its torque that each motor uses over time."""
     plant = replay.plant
-    most = np.array([motor.torque for motor in plant.body.joints])
     times = np.arange(plant.steps) * replay.step
-    for j, name in enumerate(JOINT_NAMES):
-        used = 100.0 * np.abs(plant.torques_log[: plant.steps, j]) / most[j]
-        ax.plot(times, used, color=JOINT_COLOURS[j], lw=1.4, label=name)
+    arm, colours = replay.situation.arm, cycle(JOINT_COLOURS)
+    for j, (name, colour) in enumerate(zip(JOINT_NAMES.of(arm)(arm), colours, strict=False)):
+        used = 100.0 * np.abs(plant.torques_log[: plant.steps, j]) / plant.strongest[j]
+        ax.plot(times, used, color=colour, lw=1.4, label=name, ls="-" if j < 4 else "--")
     ax.axhline(100.0, color=style.FAINT, lw=1.0, ls=(0, (4, 3)))
     ax.set_ylim(0.0, 135.0)
     ax.legend(
