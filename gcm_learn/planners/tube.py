@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from gcm_learn.arms import CHAIN, SPATIAL, ByKind, Chain, SpatialArm
-from gcm_learn.motion import Failure, fastest_hand
+from gcm_learn.motion import Failure, fastest_hand, start_clearance
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.plan import Plan
+from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation, Situation
 
 HURRIES = (1.0, 0.7, 0.5, 0.35)
@@ -50,13 +51,13 @@ class Tube:
         return Tube(self.still * unit, self.per_speed * unit)
 
 
-class Room(NamedTuple):
-    """How an arm gets room about it."""
+class Easing(NamedTuple):
+    """Functions of an arm that is to plan with room about it."""
 
     thicker: Callable[[Any, float], Any]
     """Return an arm whose limb is thicker by a width: (arm, width)."""
-    start: float
-    """Share of the clearance at the start that a tube takes at most."""
+    bare: Callable[[Any], Any]
+    """Return an arm whose links may overlap each other."""
 
 
 def _thicker(arm: SpatialArm, width: float) -> SpatialArm:
@@ -68,11 +69,12 @@ def _thicker_links(arm: Chain, width: float) -> Chain:
     return replace(arm, model=replace(arm.model, links=links))
 
 
-_ROOMS = ByKind(
-    {
-        SPATIAL: Room(_thicker, START),
-        CHAIN: Room(_thicker_links, 0.5 * START),  # two links that must not overlap both grow
-    },
+def _without_pairs(arm: Chain) -> Chain:
+    return replace(arm, model=replace(arm.model, self_collision=()))
+
+
+_EASINGS = ByKind(
+    {SPATIAL: Easing(_thicker, lambda arm: arm), CHAIN: Easing(_thicker_links, _without_pairs)},
     who="a tube",
 )
 
@@ -94,7 +96,7 @@ class InTube:
     planner: Any
     tube: Tube
 
-    takes = staticmethod(_ROOMS.takes)
+    takes = staticmethod(_EASINGS.takes)
 
     @property
     def name(self) -> str:
@@ -103,7 +105,7 @@ class InTube:
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
-        room = _ROOMS.of(situation)
+        easing = _EASINGS.of(situation)
         problem: Any = SpatialProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
@@ -111,7 +113,7 @@ class InTube:
         top = fastest_hand(problem.scene)
         names = [body.name for body in situation.bodies]
         for hurry in HURRIES:
-            plan = self.planner.plan(self._eased(problem, room, hurry * top))
+            plan = self.planner.plan(self._eased(problem, easing, hurry * top))
             if plan.trajectory is None:
                 continue
             moves = replace(plan.trajectory, arm=situation.arm)
@@ -120,12 +122,20 @@ class InTube:
                 return found
         return problem.answer(Failure.NO_INTERCEPTION)
 
-    def _eased(self, problem: Any, room: Room, speed: float) -> Situation[Any]:
-        """The situation with an arm that needs the tube's clearance."""
-        arm, width = problem.situation.arm, self.tube.at(speed)
+    def _eased(self, problem: Any, easing: Easing, speed: float) -> Situation[Any]:
+        """The situation with an arm that needs the tube's clearance.
+
+        Its links may overlap each other if they did at the start: the plan is verified anyway.
+        """
+        situation, width = problem.situation, self.tube.at(speed)
+        arm = situation.arm
+        clear = start_clearance(pack(replace(situation, arm=easing.bare(arm))))
         eased = replace(
-            room.thicker(arm, min(width, room.start * problem.start_clearance)),
+            easing.thicker(arm, min(width, START * clear)),
             grasp=max(arm.grasp - width, GRASP * arm.grasp),
             max_hand_speed=speed,
         )
-        return replace(problem.situation, arm=eased)
+        made = replace(situation, arm=eased)
+        if start_clearance(pack(made)) > 0.0:
+            return made
+        return replace(made, arm=easing.bare(eased))

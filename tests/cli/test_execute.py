@@ -7,10 +7,18 @@ from dataclasses import replace
 
 import pytest
 
+from gcm_learn.arms import Chain, hands_along
 from gcm_learn.cli import main
 from gcm_learn.execution import execution_to_json, shipped_bodies
 from gcm_learn.families import paper_scene
-from gcm_learn.situation import SolidQuadratic, write_situations
+from gcm_learn.situation import (
+    Body,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    shipped_arm,
+    write_situations,
+)
 from tests.policies.test_in_space import straight_actor
 
 
@@ -65,12 +73,47 @@ def test_a_file_may_hold_the_body(file, tmp_path, capsys):
     body["joints"][0]["torque"] = -1
     weak.write_text(json.dumps(body))
     assert main(["execute", str(file), "--body", str(weak)]) == 2
-    assert "weak.json:1: joints[0].torque: must be positive" in capsys.readouterr().err
+    assert "weak.json:1: joints[0].torque: must not be negative" in capsys.readouterr().err
 
 
 def test_planar_arms_are_refused(scene_file, scene, capsys):
     assert main(["execute", str(scene_file(scene()))]) == 2
-    assert "execute takes spatial arms only" in capsys.readouterr().err
+    assert "'execute' does not take planar arms" in capsys.readouterr().err
+
+
+@pytest.fixture
+def chains(tmp_path):
+    """A Panda beside a ball that comes near, a crane without a body, and the paper's pendulum."""
+    panda = Chain(shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.03)
+    hand = hands_along(panda, panda.joints)[0][0]
+    comes = SolidQuadratic(tuple(hand + (0.0, 0.3, 0.1)), (0.0, -0.4, -0.1), (0.0,) * 3)
+    ball = Body("target", "ball", Sphere(0.02), comes)
+    other = Chain(shipped_arm("planar-2"), (0.3, -0.5), 0.03)
+    made = [Situation("near", 1.0, panda, (ball,), format="gcm-learn/situation@3")]
+    made += [replace(made[0], name="bare", arm=other), paper_scene("fig8-space")]
+    path = tmp_path / "three.jsonl"
+    write_situations(path, made)
+    return path
+
+
+def test_chains_and_spatial_arms_are_executed_side_by_side(chains, capsys):
+    """Each by its own planner and the body of its own arm."""
+    assert main(["execute", str(chains), "--out", "-"]) == 0
+    near, bare, fig8 = (json.loads(line) for line in capsys.readouterr().out.splitlines())
+    assert (near["planner"], near["status"], near["body"]) == ("search", "caught", "panda")
+    assert near["error_max"] < 5e-4 and len(near["limits"]) == 7
+    assert bare["status"] == "no body" and "panda: joints: the arm has 2" in bare["message"]
+    assert (fig8["planner"], fig8["status"], fig8["body"]) == ("layered", "caught", "nao")
+    assert set(near) == set(fig8)
+
+
+def test_a_chain_without_mass_does_what_was_planned(chains, capsys):
+    argv = ["execute", str(chains), "--plant", "kinematic", "--body", "panda", "--out", "-"]
+    assert main(argv) == 0
+    near, bare, fig8 = (json.loads(line) for line in capsys.readouterr().out.splitlines())
+    assert near["status"] == "caught"
+    assert near["catch_time"] == pytest.approx(near["planned_catch_time"], abs=1e-3)
+    assert [one["status"] for one in (bare, fig8)] == ["no body", "no body"]
 
 
 def test_films_are_written(file, tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 import sys
 import time
@@ -21,7 +22,7 @@ from gcm_learn.execution import (
     pool_for,
     pool_of,
 )
-from gcm_learn.situation import shipped_arm
+from gcm_learn.situation import arm_to_json, shipped_arm
 
 gymnasium = pytest.importorskip("gymnasium")
 from gcm_learn import envs  # noqa: E402
@@ -363,6 +364,7 @@ REFUSALS = [
     ("CatchArm3D", {"arm": "panda"}, "settings: 'arm' is not a known field"),
     ("CatchArmPhysics", {"control": "hand"}, "control: 'hand' is not one of joint, torque"),
     ("CatchArmPhysics", {"settings": {"dt": 0.005}}, "dt: must be whole steps of physics"),
+    ("CatchChainPhysics", {"control": "hand"}, "control: 'hand' is not one of joint, torque"),
     *((name, arguments, message) for name in NAMES for arguments, message in (
         ({"situations": "nowhere"}, "situations: 'nowhere' is no file, folder or family"),
         ({"settings": {"dt": 0.0}}, "dt: must be from 0.0001 to 1 s (got 0.0)"),
@@ -442,6 +444,29 @@ def test_the_body_may_be_chosen(with_bodies):
         envs.CatchArmPhysics(humans, body="nao")
 
 
+def test_any_arm_file_with_a_body_moves_in_physics(tmp_path):
+    """An arm of two joints from files; without its body it is refused in one line."""
+    arm, body = tmp_path / "arm.json", tmp_path / "body.json"
+    arm.write_text(json.dumps(arm_to_json(shipped_arm("planar-2"))), "utf-8")
+    link = {
+        "mass": 1.0,
+        "centre": [0.2, 0, 0],
+        "inertia": [[0.001, 0, 0], [0, 0.02, 0], [0, 0, 0.02]],
+    }
+    made = {"format": "gcm-learn/body@2", "metres": 1.0, "gravity": [0, 0, -9.81]}
+    made |= {"frames": [link] * 3, "joints": [{"torque": 9.0, "armature": 0.01}] * 2}
+    body.write_text(json.dumps(made), "utf-8")
+    name = "gcm_learn:CatchChainPhysics-v0"
+    env = gymnasium.make(name, arm=arm, body=body, situations="throw-chain", pool=3)
+    observation, _ = env.reset(seed=0)
+    assert env.action_space.shape == (2,)
+    assert observation.shape == (7 * 2 + 4 * len(shipped_arm("planar-2").links) + 121,)
+    assert len(env.step(env.action_space.sample())[0]) == len(observation)
+    with pytest.raises(PhysicsError, match="none that is shipped fits the arm") as caught:
+        gymnasium.make(name, arm=arm, situations="throw-chain", pool=3)
+    assert "\n" not in str(caught.value)
+
+
 def test_without_mujoco_the_extra_is_named(monkeypatch, with_bodies):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingExtraError, match="sim") as caught:
@@ -449,15 +474,18 @@ def test_without_mujoco_the_extra_is_named(monkeypatch, with_bodies):
     assert "\n" not in str(caught.value)
 
 
-def test_mass_is_all_that_sets_the_arenas_of_spatial_arms_apart(with_bodies):
+@pytest.mark.parametrize(
+    ("mass", "none"), [("CatchArmPhysics", "CatchArm3D"), ("CatchChainPhysics", "CatchChain")]
+)
+def test_mass_is_all_that_sets_the_arenas_apart(mass, none, pools):
     """The same first observation, and nearly the same way for a slow command."""
-    physical = envs.CatchArmPhysics(with_bodies)
-    kinematic = envs.CatchArm3D(list(with_bodies.situations))
+    physical = one(mass, pools[mass])
+    kinematic, dof = one(none, list(physical.pool.situations)), physical.settings.commands
     for index in range(4):
         told = [env.reset(options={"index": index})[0] for env in (physical, kinematic)]
         np.testing.assert_array_equal(told[0], told[1])
         for _ in range(3):
             for env in (physical, kinematic):
-                env.step(np.full(4, 0.05))
-        apart = physical.plant.posture[0, :4] - kinematic.plant.posture[0, :4]
+                env.step(np.full(dof, 0.05))
+        apart = physical.plant.posture[0, :dof] - kinematic.plant.posture[0, :dof]
         assert 0.0 < np.abs(apart).max() < 0.02

@@ -8,12 +8,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gcm_learn.arms import forward_in_space
+from gcm_learn.arms import Chain, forward_in_space, hands_along
 from gcm_learn.errors import ArmKindError, PhysicsError
 from gcm_learn.execution import Execution, body_for, execute, measured_tube, with_motor_limits
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.families import paper_scene
-from gcm_learn.planners import InTube, Tube, get_planner
+from gcm_learn.planners import InTube, Tube, get_planner, plan_to_json
+from gcm_learn.situation import (
+    Body,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    shipped_arm,
+    situation_to_json,
+)
+from tests import referee_of_chains
 from tests.referee import judge
 
 NAO = paper_scene("fig8-space")
@@ -43,6 +52,25 @@ def test_no_room_is_no_plan(limited):
     plan = InTube(LAYERED, Tube(still=0.2)).plan(limited)
     assert plan.status == "unreachable"
     assert plan.message
+
+
+def test_a_plan_of_a_chain_in_a_tube_keeps_its_width():
+    """The links keep the width to a ball beside the way, and the hand meets deeper."""
+    panda = Chain(shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.03)
+    hand, rest = hands_along(panda, panda.joints)[0][0], (0.0, 0.0, 0.0)
+    target = SolidQuadratic(tuple(hand + (0.0, 0.35, 0.1)), rest, rest)
+    between = SolidQuadratic(tuple(hand + (0.03, 0.19, 0.05)), rest, rest)
+    ball = Body("target", "ball", Sphere(0.02), target)
+    bodies = ball, Body("obstacle", "o", Sphere(0.02), between)
+    free = Situation("chain", 2.0, panda, bodies, format="gcm-learn/situation@3")
+    situation = with_motor_limits(free, body_for(panda))
+    bare = get_planner("search").plan(situation)
+    roomy = InTube(get_planner("search"), Tube(still=0.02)).plan(situation)
+    assert roomy.caught and bare.clearance < 0.02 <= roomy.clearance
+    written = situation_to_json(situation), plan_to_json(roomy, situation)
+    assert referee_of_chains.judge(*written).complaints == []
+    width = np.linalg.norm(roomy.trajectory.hand[-1] - target.position) - 0.02
+    assert width <= panda.grasp - 0.02 + 1e-6
 
 
 def test_planar_arms_have_no_tube():
