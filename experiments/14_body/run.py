@@ -1,8 +1,10 @@
 """From plan to body: do arms with mass catch what was planned for them? Writes h10.json.
 
-python -m experiments 14_body tubes   first: the tubes, on situations of their own; minutes
-python -m experiments 14_body tubes --kind chain   that of the Panda
-python -m experiments 14_body         then: 1,000 plans of each condition; half an hour
+python -m experiments 14_body tubes                first: tubes, on situations of their own.
+python -m experiments 14_body tubes --kind chain   the tube of the Panda.
+python -m experiments 14_body                      then: 1,000 plans of each condition.
+
+Tubes take minutes, plans half an hour.
 
 Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """

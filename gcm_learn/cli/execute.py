@@ -45,7 +45,7 @@ class Who(NamedTuple):
 class Execute:
     """Plan for the spatial arms and chains of a file, and let arms with mass follow the plans.
 
-    A line tells what came of each. Arms without limits of acceleration get those of their motors.
+    One line reports each outcome. Where limits of acceleration are absent, the motors set them.
     """
 
     file: Annotated[Positional[str], arg(metavar="FILE")]

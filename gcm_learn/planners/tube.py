@@ -52,7 +52,7 @@ class Tube:
 
 
 class Easing(NamedTuple):
-    """Functions of an arm that is to plan with room about it."""
+    """Functions of an arm that plans with clearance about it."""
 
     thicker: Callable[[Any, float], Any]
     """Return an arm whose limb is thicker by a width: (arm, width)."""

@@ -87,7 +87,7 @@ def _other_arm(name: str, arm: Any) -> str:
     """Say that a chain is not the shipped arm of a name; arms of other kinds have no names."""
     if not isinstance(arm, Chain) or same_joints(arm.model, shipped_arm(name)):
         return ""
-    return "joints: are not those of the shipped arm"
+    return "joints: differ from the shipped arm's"
 
 
 def same_joints(one: ChainModel, other: ChainModel) -> bool:
@@ -125,7 +125,7 @@ def _frame_mass(k: int, carried: Inertial) -> FrameMass:
 
 
 def _checked(record: type[Made], path: str, *values: Any) -> Made:
-    """Return a record; its errors become those of a robot's file, with the full path."""
+    """Return a record; an error gets the full path and becomes one of a robot's file."""
     try:
         return record(*values)
     except SituationError as error:

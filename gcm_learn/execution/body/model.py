@@ -3,8 +3,8 @@
 Everything is in the frame of the arm's base, in metres, with gravity turned into that frame.  Links
 are capsules; a small ball is the hand, which alone meets targets.  Obstacles are moved from outside
 (`mocap` in MuJoCo's words).  Targets are free bodies, put where their motion law has them until
-something touches them.  Touches are found for listed pairs only: links and the obstacles that they
-do not ignore, the hand and targets, and links of the arm that must not overlap.
+something touches them.  Touches are found for listed pairs only.  Links meet obstacles that they do
+not ignore, the hand meets targets, and links meet others that they must not overlap.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def _kept(arm: Any, body: AnyArmBody, things: tuple[Thing, ...]) -> Any:
 
 
 def codes_of(model: Any, bodies: int) -> list[int]:
-    """Return the numbers of the bodies that geometries are; LINK or CATCHER for those of the arm.
+    """Return the number of each geometry's body; LINK or CATCHER for parts of the arm.
 
     Parameters
     ----------

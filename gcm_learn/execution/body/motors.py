@@ -23,7 +23,7 @@ QUANTILE = 0.1
 
 
 FAINT = 1e-12
-"""Torques below this are none [N m]."""
+"""Torques below this count as zero [N m]."""
 
 
 @dataclass(frozen=True)
