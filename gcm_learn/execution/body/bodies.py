@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -52,6 +53,12 @@ def read_body(name: str | Path) -> AnyArmBody:
     return read_arm_body(shipped_bodies().get(str(name), Path(name)))
 
 
+@cache
+def _kept(path: Path) -> AnyArmBody:
+    """Return a body that comes with the package, read once."""
+    return read_arm_body(path)
+
+
 def body_for(arm: Any, given: AnyArmBody | str | Path | None = None) -> AnyArmBody:
     """The body of an arm.
 
@@ -68,7 +75,7 @@ def body_for(arm: Any, given: AnyArmBody | str | Path | None = None) -> AnyArmBo
         If none fits.
     """
     if given is None:
-        bodies = [read_arm_body(path) for path in shipped_bodies().values()]
+        bodies = [_kept(path) for path in shipped_bodies().values()]
         bodies = [body for body in bodies if body.kind is kind_of(arm)]
         reasons = {body.name: body.misfit(arm) or _other_arm(body.name, arm) for body in bodies}
         for body in bodies:

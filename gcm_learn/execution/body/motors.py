@@ -63,11 +63,11 @@ class Dynamics:
             Angles, rates and accelerations.
         """
         model, data, inverse = self._model, self._data, mujoco().mj_inverse
-        metric = self._metric
+        states = (values * self._metric for values in (joints, rates, forces))
         qpos, qvel, qacc, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         out = np.empty(np.shape(joints))
-        for at, moving, asked, row in zip(joints, rates, forces, out, strict=True):
-            qpos[:], qvel[:], qacc[:] = at * metric, moving * metric, asked * metric
+        for at, moving, asked, row in zip(*states, out, strict=True):
+            qpos[:], qvel[:], qacc[:] = at, moving, asked
             inverse(model, data)
             row[:] = force
         return out
