@@ -13,8 +13,6 @@ from gcm_learn.situation.arm_files import (
 )
 from gcm_learn.situation.body import Approach, Body
 from gcm_learn.situation.body_files import (
-    BODY_FORMAT,
-    CHAIN_BODY_FORMAT,
     AnyArmBody,
     arm_body_from_json,
     arm_body_to_json,
@@ -57,12 +55,10 @@ __all__ = [
     "AnySituation",
     "Approach",
     "ArmBody",
-    "BODY_FORMAT",
     "Body",
     "BoneMass",
     "Box",
     "CATCHES",
-    "CHAIN_BODY_FORMAT",
     "Capsule",
     "ChainBody",
     "Cylinder",

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from gcm_learn.arms import JOINTS, SPATIAL, Kind, kind_of
+from gcm_learn.arms import JOINTS, SpatialArm
 from gcm_learn.checks import non_negative, positive, put, text, vector
 from gcm_learn.errors import SituationError
 
@@ -99,8 +99,8 @@ class ArmBody:
     joints: tuple[Motor, ...]
     name: str = ""
 
-    kind: ClassVar[Kind] = SPATIAL
-    """Kind of the arms that it fits."""
+    format: ClassVar[str] = "gcm-learn/body@1"
+    """Format of its files."""
 
     def __post_init__(self) -> None:
         """Check the documented shapes."""
@@ -110,10 +110,8 @@ class ArmBody:
         for k, motor in enumerate(self.joints):
             positive(motor.torque, f"joints[{k}].torque")
 
-    def misfit(self, arm: Any) -> str:
+    def misfit(self, arm: SpatialArm) -> str:
         """Say in a sentence why this is not the body of an arm; empty if it is."""
-        if kind_of(arm) is not self.kind:
-            return f"is for {self.kind.plural}, not for {kind_of(arm).plural}"
         for label, vector_, bone in zip(
             ("upper_arm", "forearm"), (arm.upper_arm, arm.forearm), self.bones, strict=True
         ):

@@ -20,8 +20,6 @@ from gcm_learn.situation.json_text import read_value
 
 AnyArmBody = ArmBody | ChainBody
 """Body of an arm of any kind that has one."""
-BODY_FORMAT = "gcm-learn/body@1"
-CHAIN_BODY_FORMAT = "gcm-learn/body@2"
 
 
 class _Layout(NamedTuple):
@@ -31,11 +29,14 @@ class _Layout(NamedTuple):
     parts: dict[str, type[Any]]
 
 
-_FORMATS = {
-    BODY_FORMAT: _Layout(ArmBody, {"bones": BoneMass, "joints": Motor}),
-    CHAIN_BODY_FORMAT: _Layout(ChainBody, {"frames": FrameMass, "joints": Motor}),
+_LAYOUTS = {
+    layout.record.format: layout
+    for layout in (
+        _Layout(ArmBody, {"bones": BoneMass, "joints": Motor}),
+        _Layout(ChainBody, {"frames": FrameMass, "joints": Motor}),
+    )
 }
-_NAMES = {layout.record: name for name, layout in _FORMATS.items()}
+"""By the name of the format."""
 
 
 def read_arm_body(path: str | Path) -> AnyArmBody:
@@ -59,10 +60,10 @@ def arm_body_from_json(obj: object) -> AnyArmBody:
     """
     members = object_from(obj, "")
     given = members.get("format")
-    if not isinstance(given, str) or given not in _FORMATS:
-        known = " or ".join(quote(name) for name in _FORMATS)
+    layout = _LAYOUTS.get(given) if isinstance(given, str) else None
+    if layout is None:
+        known = " or ".join(quote(name) for name in _LAYOUTS)
         raise SituationError("format", f"must be {known} (got {show(given)})")
-    layout = _FORMATS[given]
     check_names(members, "", layout.record, extra=("format",))
     values: dict[str, Any] = {k: v for k, v in members.items() if k != "format"}
     for field, record in layout.parts.items():
@@ -73,4 +74,4 @@ def arm_body_from_json(obj: object) -> AnyArmBody:
 
 def arm_body_to_json(body: AnyArmBody) -> dict[str, Any]:
     """Return the JSON object of a body; `arm_body_from_json` gives back an equal one."""
-    return {"format": _NAMES[type(body)], **members_of(body)}
+    return {"format": body.format, **members_of(body)}

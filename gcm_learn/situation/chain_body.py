@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, Kind, kind_of
+from gcm_learn.arms import Chain
 from gcm_learn.checks import non_negative, put, sequence, vector
 from gcm_learn.errors import SituationError
 from gcm_learn.situation.arm_body import Motor, check_world, records
@@ -84,8 +84,8 @@ class ChainBody:
     joints: tuple[Motor, ...]
     name: str = ""
 
-    kind: ClassVar[Kind] = CHAIN
-    """Kind of the arms that it fits."""
+    format: ClassVar[str] = "gcm-learn/body@2"
+    """Format of its files."""
 
     def __post_init__(self) -> None:
         """Check the documented shapes."""
@@ -103,10 +103,8 @@ class ChainBody:
                 reason = f"is 0, and so is the joint's armature: nothing resists joint {k}"
                 raise SituationError(f"frames[{k}].mass", reason)
 
-    def misfit(self, arm: Any) -> str:
+    def misfit(self, arm: Chain) -> str:
         """Say in a sentence why this is not the body of an arm; empty if it is."""
-        if kind_of(arm) is not self.kind:
-            return f"is for {self.kind.plural}, not for {kind_of(arm).plural}"
         if arm.dof != len(self.joints):
             return f"joints: the arm has {arm.dof}, the body has {len(self.joints)}"
         return ""

@@ -8,12 +8,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import numpy as np
-
 from gcm_learn import artifacts
-from gcm_learn.arms import Chain, ChainModel, Kind, kind_of, rotation_of
+from gcm_learn.arms import Kind
 from gcm_learn.errors import BodyError, PhysicsError, RobotError, SituationError
 from gcm_learn.execution.arena.pool import Pool, of_one_kind
+from gcm_learn.execution.body.kinds import MECHANICS, misfit
 from gcm_learn.execution.body.motors import with_motor_limits
 from gcm_learn.situation import (
     AnyArmBody,
@@ -23,7 +22,6 @@ from gcm_learn.situation import (
     Motor,
     Situation,
     read_arm_body,
-    shipped_arm,
 )
 
 if TYPE_CHECKING:
@@ -32,8 +30,6 @@ if TYPE_CHECKING:
 FOLDER = "bodies"
 GRAVITY = (0.0, 0.0, -9.81)
 """Of bodies that are made from robots' files [m/s^2]."""
-EQUAL = 1e-6
-"""Tolerance of joints that are the same, in their origins, rotations and axes."""
 Made = TypeVar("Made")
 
 
@@ -75,37 +71,20 @@ def body_for(arm: Any, given: AnyArmBody | str | Path | None = None) -> AnyArmBo
         If none fits.
     """
     if given is None:
+        mechanics = MECHANICS.of(arm)
         bodies = [_kept(path) for path in shipped_bodies().values()]
-        bodies = [body for body in bodies if body.kind is kind_of(arm)]
-        reasons = {body.name: body.misfit(arm) or _other_arm(body.name, arm) for body in bodies}
+        bodies = [body for body in bodies if body.format == mechanics.format]
+        reasons = {b.name: misfit(arm, b) or mechanics.stranger(arm, b.name) for b in bodies}
         for body in bodies:
             if not reasons[body.name]:
                 return body
         why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
         raise BodyError(f"body: none that is shipped fits the arm ({why})")
     body = given if isinstance(given, ArmBody | ChainBody) else read_body(given)
-    misfit = body.misfit(arm)
-    if misfit:
-        raise BodyError(f"body {body.name or given!s}: does not fit: {misfit}")
+    reason = misfit(arm, body)
+    if reason:
+        raise BodyError(f"body {body.name or given!s}: does not fit: {reason}")
     return body
-
-
-def _other_arm(name: str, arm: Any) -> str:
-    """Say that a chain is not the shipped arm of a name; arms of other kinds have no names."""
-    if not isinstance(arm, Chain) or same_joints(arm.model, shipped_arm(name)):
-        return ""
-    return "joints: differ from the shipped arm's"
-
-
-def same_joints(one: ChainModel, other: ChainModel) -> bool:
-    """Return whether joints of two models move their frames alike, whatever their limits."""
-    numbers = [
-        np.array([[*joint.origin, *rotation_of(joint.rotation).ravel(), *joint.axis]
-                  for joint in model.joints])
-        for model in (one, other)
-    ]  # fmt: skip
-    types = [[joint.type for joint in model.joints] for model in (one, other)]
-    return types[0] == types[1] and bool(np.abs(numbers[0] - numbers[1]).max() <= EQUAL)
 
 
 def body_of_robot(fitted: Fitted) -> ChainBody:

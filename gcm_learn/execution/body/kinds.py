@@ -14,17 +14,21 @@ from gcm_learn.arms import (
     Base,
     ByKind,
     Chain,
+    ChainModel,
     SpatialArm,
     forward_in_space,
     hands_along,
+    kind_of,
     links_along,
     quaternion_of,
     rotation_of,
 )
-from gcm_learn.situation import AnyArmBody, ArmBody, ChainBody, FrameMass
+from gcm_learn.situation import AnyArmBody, ArmBody, ChainBody, FrameMass, shipped_arm
 
 HAND = 0.5
 """Radius of the hand's ball, as a share of the grasp; a link's radius at most."""
+EQUAL = 1e-6
+"""Tolerance of joints that are the same, in their origins, rotations and axes."""
 AXES = ((0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 0, 1))
 """Of a spatial arm's joints."""
 
@@ -89,6 +93,10 @@ class Mechanics:
     """Return pairs of links that must not overlap."""
     ignored: Callable[[Any], tuple[tuple[int, str], ...]]
     """Return pairs of a link and the name of an obstacle that do not touch."""
+    format: str
+    """Format of the bodies."""
+    stranger: Callable[[Any, str], str]
+    """Say why an arm is not the shipped one that has a body of a name; empty if it may be."""
     points: Callable[[Any, np.ndarray], np.ndarray]
     """Return points (k, p, 3) at postures (k, n) that bound how far the limb strays; hand last."""
 
@@ -162,6 +170,22 @@ def _ends_and_hand(arm: Chain, joints: np.ndarray) -> np.ndarray:
     return np.concatenate([ends.reshape(len(joints), -1, 3), hand[:, None]], axis=1)
 
 
+def _other_joints(arm: Chain, name: str) -> str:
+    same = same_joints(arm.model, shipped_arm(name))
+    return "" if same else "joints: differ from the shipped arm's"
+
+
+def same_joints(one: ChainModel, other: ChainModel) -> bool:
+    """Return whether joints of two models move their frames alike, whatever their limits."""
+    numbers = [
+        np.array([[*joint.origin, *rotation_of(joint.rotation).ravel(), *joint.axis]
+                  for joint in model.joints])
+        for model in (one, other)
+    ]  # fmt: skip
+    types = [[joint.type for joint in model.joints] for model in (one, other)]
+    return types[0] == types[1] and bool(np.abs(numbers[0] - numbers[1]).max() <= EQUAL)
+
+
 MECHANICS = ByKind(
     {
         SPATIAL: Mechanics(
@@ -171,6 +195,8 @@ MECHANICS = ByKind(
             metric=lambda arm, metres: np.ones(len(arm.joints)),
             pairs=lambda arm: (),
             ignored=lambda arm: (),
+            format=ArmBody.format,
+            stranger=lambda arm, name: "",
             points=_elbow_and_hand,
         ),
         CHAIN: Mechanics(
@@ -180,12 +206,23 @@ MECHANICS = ByKind(
             metric=_metric_of_chain,
             pairs=lambda arm: arm.model.self_collision,
             ignored=lambda arm: arm.ignore,
+            format=ChainBody.format,
+            stranger=_other_joints,
             points=_ends_and_hand,
         ),
     },
     who="physics",
 )
 """By kind of arm."""
+
+
+def misfit(arm: Any, body: AnyArmBody) -> str:
+    """Say in a sentence why a body is not one of an arm; empty if it is."""
+    wanted = MECHANICS.of(arm).format
+    if body.format != wanted:
+        return f"is of format {body.format}, and {kind_of(arm).plural} need {wanted}"
+    fitting: Any = body
+    return str(fitting.misfit(arm))
 
 
 def rested(arm: Any, body: AnyArmBody) -> tuple[Any, Any]:

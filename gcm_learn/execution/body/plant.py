@@ -12,7 +12,7 @@ from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
 from gcm_learn.execution.body.control import Controller, following
 from gcm_learn.execution.body.judging import first_met_in, grasped
-from gcm_learn.execution.body.kinds import MECHANICS
+from gcm_learn.execution.body.kinds import MECHANICS, misfit
 from gcm_learn.execution.body.laws import laws
 from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, model_of, mujoco
 from gcm_learn.motion import Movement
@@ -70,9 +70,9 @@ class PhysicalPlant:
         *,
         believed: AnyArmBody | None = None,
     ) -> None:
-        misfit = body.misfit(situation.arm)
-        if misfit:
-            raise PhysicsError(f"body {body.name!r}: does not fit: {misfit}")
+        reason = misfit(situation.arm, body)
+        if reason:
+            raise PhysicsError(f"body {body.name!r}: does not fit: {reason}")
         if situation.catch != "any":
             raise PhysicsError(f"catch: must be 'any' in physics (got {situation.catch!r})")
         self.situation, self.body = situation, body
