@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
-from gcm_learn.arms import PLANAR, Arm, SpatialArm, kind_of
+from gcm_learn.arms import PLANAR, Arm, Chain, SpatialArm, kind_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import (
     CAUGHT,
@@ -26,7 +26,15 @@ from gcm_learn.execution import (
 )
 from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
+from gcm_learn.situation import (
+    Body,
+    Disc,
+    PlanarQuadratic,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    shipped_arm,
+)
 
 EXACT = Perception()
 ARM = SpatialArm(
@@ -51,7 +59,20 @@ def flying(arm=PLANAR_ARM, shift=0.0):
     return Situation("disc", 1.2, arm, (Body("target", "disc", Disc(0.1), motion),))
 
 
-MADE = {"planar": flying, "spatial": falling}
+PANDA = Chain(
+    shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.05,
+    max_joint_acceleration=(15.0,) * 7,
+)  # fmt: skip
+
+
+def thrown(arm=PANDA, shift=0.0):
+    """Return a ball that flies past a Panda's reach."""
+    motion = SolidQuadratic((0.5, 1.0 + shift, 0.6), (0.0, -0.9, 1.5), (0.0, 0.0, -3.0))
+    bodies = (Body("target", "ball", Sphere(0.05), motion),)
+    return Situation("throw", 1.2, arm, bodies, format="gcm-learn/situation@3")
+
+
+MADE = {"planar": flying, "spatial": falling, "chain": thrown}
 EACH = pytest.mark.parametrize("make", MADE.values(), ids=MADE)
 """Situations with every kind of arm in the closed loop."""
 
@@ -66,7 +87,7 @@ class Noted:
 
     def __init__(self, planner=None):
         self.asked, self.answers = [], []
-        self.planner = planner or get_planner("layered")
+        self.planner = planner or get_planner("search")
 
     def plan(self, situation):
         self.asked.append(situation)
@@ -169,7 +190,7 @@ def test_a_plan_that_holds_is_kept(make):
     situation = make()
     courses = [
         run_closed_loop(
-            Planning(get_planner("layered"), habit), ExactPlant(situation), situation,
+            Planning(get_planner("search"), habit), ExactPlant(situation), situation,
             Loop(EXACT, 2, thinking=0.02), 0,
         )
         for habit in ("once", "broken", "always")
@@ -188,7 +209,7 @@ def test_a_plan_that_breaks_is_replaced(make):
         for k in range(12):
             situation = make(shift=0.02 * k)
             course = run_closed_loop(
-                Planning(get_planner("layered"), habit), ExactPlant(situation), situation,
+                Planning(get_planner("search"), habit), ExactPlant(situation), situation,
                 Loop(Perception(place=0.04), 2, thinking=0.02), 5, k,
             )  # fmt: skip
             found[habit] += course.outcome == CAUGHT
@@ -217,7 +238,7 @@ def test_nothing_is_done_without_a_plan():
 @EACH
 def test_the_same_seed_goes_the_same_way(make):
     situation, loop = make(), Loop(Perception(place=0.03, dropouts=1.0), 2, thinking=0.03)
-    mind = Planning(get_planner("layered"))
+    mind = Planning(get_planner("search"))
     courses = [
         run_closed_loop(mind, ExactPlant(situation), situation, loop, 9, k) for k in (1, 1, 2)
     ]
@@ -306,7 +327,7 @@ def test_an_arm_with_mass_is_led_too():
     situation, loop = falling(), Loop(Perception(place=0.01), 4, thinking=0.02)
     plants = ExactPlant(situation), PhysicalPlant(situation, body_for(ARM))
     courses = [
-        run_closed_loop(Planning(get_planner("layered")), plant, situation, loop, 3)
+        run_closed_loop(Planning(get_planner("search")), plant, situation, loop, 3)
         for plant in plants
     ]
     assert [course.outcome for course in courses] == [CAUGHT, CAUGHT]

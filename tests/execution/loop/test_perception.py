@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
+from gcm_learn.arms import Chain
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import Perception
 from gcm_learn.execution.loop.kinds import LEADS
 from gcm_learn.scene import bodies_later
-from gcm_learn.situation import Pendulum
+from gcm_learn.situation import Body, Pendulum, Sampled, Situation, Sphere, shipped_arm
 
 NAMES = (
     "falling-space", "pendulum-space", "crossing-swarm-space", "door-space", "spinning", "pendulum",
@@ -114,3 +115,11 @@ def test_dropouts_take_a_tenth_of_a_second(situations):
     # five looks in a row without a dropout that begins
     assert abs(dark.mean() - (1.0 - 0.96**5)) < 0.03
     assert not any(Perception().dark(k, 5) for k in range(50))
+
+
+def test_sampled_motions_are_not_seen():
+    ball = Body("target", "ball", Sphere(0.1), Sampled((0.0, 1.0), ((0.0,) * 3, (1.0, 0.0, 0.0))))
+    arm = Chain(shipped_arm("panda"), (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0), 0.05)
+    situation = Situation("sampled", 1.0, arm, (ball,), format="gcm-learn/situation@3")
+    with pytest.raises(ArenaError, match="perception: does not see sampled motions"):
+        Perception(0.01).told(situation, 5, 0)
