@@ -1,10 +1,9 @@
 """From plan to body: do arms with mass catch what was planned for them? Writes h10.json.
 
-python -m experiments 14_body tubes                first: tubes, on situations of their own.
-python -m experiments 14_body tubes --kind chain   the tube of the Panda.
-python -m experiments 14_body                      then: 1,000 plans of each condition.
+python -m experiments 14_body tubes   first: the tubes, on situations of their own; minutes
+python -m experiments 14_body         then: 1,000 plans of each condition; half an hour
 
-Tubes take minutes, plans half an hour.
+`tubes --kind chain` measures the tube of the Panda.
 
 Finished parts are kept in out/ and not repeated; Ctrl-C is safe.
 """
