@@ -2,7 +2,9 @@
 
 from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.charts.clearances import cell_clearances
+from gcm_learn.charts.cube import LARGEST_POSTURE_LATTICE, Cube
 from gcm_learn.charts.extended import extended_obstacle, occupied_cells, upper_arm_image
+from gcm_learn.charts.hand_lattice import HandLattice, PulledNodes, hand_lattice_of
 from gcm_learn.charts.kinds import chart_of, lattice_of
 from gcm_learn.charts.lattice import (
     LARGEST_LATTICE,
@@ -12,8 +14,8 @@ from gcm_learn.charts.lattice import (
     hand_space,
 )
 from gcm_learn.charts.posture_lattice import (
-    LARGEST_POSTURE_LATTICE,
     MOST_POSTURES,
+    Nodes,
     PostureLattice,
     posture_lattice_of,
     ring_leap,
@@ -21,16 +23,21 @@ from gcm_learn.charts.posture_lattice import (
 
 __all__ = [
     "Chart",
+    "Cube",
+    "HandLattice",
     "LARGEST_POSTURE_LATTICE",
     "LARGEST_LATTICE",
     "Lattice",
     "MOST_POSTURES",
     "SMALLEST_LATTICE",
     "START_RADIUS",
+    "Nodes",
     "PostureLattice",
+    "PulledNodes",
     "cell_joints",
     "chart_of",
     "extended_obstacle",
+    "hand_lattice_of",
     "hand_space",
     "lattice_of",
     "occupied_cells",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from gcm_learn.arms import SpatialArm
-from gcm_learn.charts.posture_lattice import PostureLattice
+from gcm_learn.charts.cube import Cube
 from gcm_learn.collision.postures import Desk, desk_of, distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene, pack
@@ -13,17 +14,19 @@ from gcm_learn.situation import Situation
 
 
 def cell_clearances(
-    situation: Situation[SpatialArm], lattice: PostureLattice, t: float
+    situation: Situation[Any], lattice: Cube, t: float, joints: np.ndarray | None = None
 ) -> np.ndarray:
     """Clearance of the limb in every cell's posture at time t.
 
     Parameters
     ----------
     situation : Situation
-    lattice : PostureLattice
+    lattice : Cube
         Of its arm.
     t : float
         Time [s].
+    joints : (nodes, dof) ndarray, optional
+        Postures that a front found, NaN where it never came; by default those of a rule.
 
     Returns
     -------
@@ -32,8 +35,10 @@ def cell_clearances(
         where they touch; infinite where there is no posture.
     """
     scene, out = pack(situation), np.full(lattice.size, np.inf)
-    cells = np.flatnonzero(lattice.inside)
-    _rooms(scene, lattice.joints.astype(float), cells, t, desk_of(scene), out)
+    chart: Any = lattice
+    there = chart.inside if joints is None else np.isfinite(joints[:, 0])
+    found = chart.joints.astype(float) if joints is None else joints
+    _rooms(scene, found, np.flatnonzero(there), t, desk_of(scene), out)
     return out.reshape(lattice.shape) - situation.arm.thickness
 
 

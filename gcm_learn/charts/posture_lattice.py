@@ -8,16 +8,15 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import SPATIAL, Kind, SpatialArm, rotation_of
+from gcm_learn.arms import SPATIAL, Kind, SpatialArm
 from gcm_learn.arms.limbs import dof
 from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at, spatial_limb_of
-from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
+from gcm_learn.charts.cube import Cube
 from gcm_learn.charts.postures import Rule, leap_of, posture_of, rule_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import LatticeError
 from gcm_learn.scene import Scene
 
-LARGEST_POSTURE_LATTICE = 80
 MOST_POSTURES = 16
 NOWHERE = 1e9  # joints of a node that has no posture
 UNSEEN, THERE, MISSING = 0, 1, 2  # what is known of a node's posture
@@ -71,10 +70,9 @@ def look_at_all(nodes):
 
 
 @dataclass(frozen=True)
-class PostureLattice(Chart):
+class PostureLattice(Cube):
     """A lattice of n x n x n cells over the ball of hand positions, and K postures in each.
 
-    The frame is that of the arm's base: the shoulder in the middle, lengths in the arm's unit.
     Arrays over it are indexed ``[iz, iy, ix]``, and ``[iz, iy, ix, k]`` with several postures.
 
     The module `postures` has the rule by which a hand has its postures. `inside` and `joints` find
@@ -82,20 +80,13 @@ class PostureLattice(Chart):
     """
 
     kind: ClassVar[Kind] = SPATIAL
-    half_diagonal: ClassVar[float] = 0.87
     arm: SpatialArm
-    n: int = 80
-    """Cells along a side."""
     postures: int = 1
     """Postures K in a cell: swivels of the elbow in a ring."""
 
     def __post_init__(self) -> None:
         """Check the sizes."""
-        if not SMALLEST_LATTICE <= self.n <= LARGEST_POSTURE_LATTICE:
-            raise LatticeError(
-                f"lattice size {self.n} is outside "
-                f"{SMALLEST_LATTICE}..{LARGEST_POSTURE_LATTICE} in space"
-            )
+        super().__post_init__()
         if not 1 <= self.postures <= MOST_POSTURES:
             raise LatticeError(f"{self.postures} postures are outside 1..{MOST_POSTURES}")
 
@@ -103,16 +94,6 @@ class PostureLattice(Chart):
     def shape(self) -> tuple[int, ...]:
         """(n, n, n), with several postures (n, n, n, K)."""
         return (self.n,) * 3 + ((self.postures,) if self.postures > 1 else ())
-
-    @property
-    def reach(self) -> float:
-        """Radius of the ball, half a side of the lattice."""
-        return self.arm.reach
-
-    @property
-    def centres(self) -> np.ndarray:
-        """Coordinates (n,) of the cells' centres along an axis."""
-        return (np.arange(self.n) - 0.5 * (self.n - 1)) * self.spacing
 
     @cached_property
     def limb(self) -> SpatialLimb:
@@ -130,8 +111,7 @@ class PostureLattice(Chart):
     @property
     def hands(self) -> np.ndarray:
         """Centre (nodes, 3) of every node's cell: x, y, z."""
-        z, y, x = np.meshgrid(*(self.centres,) * 3, indexing="ij")
-        cells = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+        cells = super().hands
         return cells if self.postures == 1 else np.repeat(cells, self.postures, axis=0)
 
     @property
@@ -166,24 +146,16 @@ class PostureLattice(Chart):
                 row[:] = NOWHERE
         return out
 
-    def in_world(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) of the lattice's frame, in the world."""
-        base = self.arm.base
-        return np.asarray(points) @ rotation_of(base.rotation).T + np.array(base.origin)
-
-    def in_base(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) of the world, in the lattice's frame."""
-        base = self.arm.base
-        return (np.asarray(points) - np.array(base.origin)) @ rotation_of(base.rotation)
+    def nodes_for(self, scene: Scene) -> Nodes:
+        """Return the nodes for a front: those that all fronts share."""
+        return self.nodes
 
     def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         """First postures of the cells around the hand (k,), and when the arm is there (k,) [s]."""
         limb = scene.limb
         hand = np.array(self.hand)
         for around in (1.0, 2.0):
-            near = [np.flatnonzero(np.abs(self.centres - c) < around * self.spacing) for c in hand]
-            index = np.stack(np.meshgrid(*near[::-1], indexing="ij"), axis=-1).reshape(-1, 3)
-            nodes = (index @ np.array([self.n**2, self.n, 1])) * self.postures
+            nodes = self.nodes_near(hand, around) * self.postures
             joints = self.joints_at(nodes)
             turn = np.abs(joints - limb.start)
             good = turn.max(axis=1) <= self.nodes.leap

@@ -113,4 +113,5 @@ def map_of(
         engine="layered" if front.waits else "wave" if wave else "marching",
         later=np.ma.MaskedArray(sheets[1:], mask=masked[1:]) if len(sheets) > 1 else None,
         via=way[0] if way is not None and len(way) == 1 else way,
+        joints=front.joints,
     )

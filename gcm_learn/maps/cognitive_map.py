@@ -59,6 +59,8 @@ class CognitiveMap:
     """(...) int: node from which the front came to another, -1 where it set out; with sheets
     (1 + m, ...), as flat indices into them. None over a lattice in the plane, on which the gradient
     says it."""
+    joints: np.ndarray | None = None
+    """(nodes, dof) float: postures that the front found; None over charts with a rule for them."""
 
     def __post_init__(self) -> None:
         shape = self.chart.shape
@@ -116,6 +118,8 @@ class CognitiveMap:
             arrays["later"] = self.later.filled(-1.0)
         if self.via is not None:
             arrays["via"] = self.via
+        if self.joints is not None:
+            arrays["joints"] = self.joints
         with whole_file(path) as place:
             np.savez_compressed(place, allow_pickle=False, **arrays)
         return path
@@ -152,4 +156,5 @@ class CognitiveMap:
             if "later" in data
             else None,
             via=data.get("via"),
+            joints=data.get("joints"),
         )

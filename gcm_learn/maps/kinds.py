@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, Base, ByKind, SpatialArm
-from gcm_learn.charts import Chart, Lattice, PostureLattice
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Base, ByKind, Chain, SpatialArm
+from gcm_learn.charts import Chart, HandLattice, Lattice, PostureLattice
 from gcm_learn.errors import FileFormatError
+from gcm_learn.situation import arm_from_json, arm_to_json
 from gcm_learn.wave import Front
 
 
@@ -46,6 +47,18 @@ def _space(header: dict[str, Any]) -> PostureLattice:
     return PostureLattice(SpatialArm(**arm), header["n"], header["postures"])
 
 
+def _chain_header(chart: HandLattice) -> dict[str, Any]:
+    arm = chart.arm
+    given = {"joints": arm.joints, "grasp": arm.grasp, "base": asdict(arm.base)}
+    return {"n": chart.n, "arm": given | {"model": arm_to_json(arm.model)}}
+
+
+def _chain(header: dict[str, Any]) -> HandLattice:
+    arm = header["arm"]
+    arm |= {"model": arm_from_json(arm["model"]), "base": Base(**arm["base"])}
+    return HandLattice(Chain(**arm), header["n"])
+
+
 MAPS = ByKind(
     {
         PLANAR: MapKind(
@@ -59,6 +72,13 @@ MAPS = ByKind(
             "gcm-learn/map@2",
             _space_header,
             _space,
+            lambda arm, chart: chart.hand,
+            lambda front: front.came_from(),
+        ),
+        CHAIN: MapKind(
+            "gcm-learn/map@3",
+            _chain_header,
+            _chain,
             lambda arm, chart: chart.hand,
             lambda front: front.came_from(),
         ),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, cast, overload
 from weakref import WeakValueDictionary
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.by_arm import ByArm
 from gcm_learn.planners.outside import LIMIT, Outside
@@ -16,12 +16,24 @@ from gcm_learn.planners.references import acts, found, instance, name_of
 from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, str | ByKind[str]] = {
-    "gcm": ByKind({PLANAR: "fronts:gcm", SPATIAL: "joints.marching:gcm_in_space"}),
+    "gcm": ByKind(
+        {
+            PLANAR: "fronts:gcm",
+            SPATIAL: "joints.marching:gcm_in_space",
+            CHAIN: "joints.marching:hand_gcm",
+        }
+    ),
     "layered": ByKind(
         {PLANAR: "layered_front:layered", SPATIAL: "joints.tree_search:layered_in_space"}
     ),
     "layered-wave": "layered_wave:layered_wave",
-    "marching": ByKind({PLANAR: "fronts:marching", SPATIAL: "joints.marching:posture_marching"}),
+    "marching": ByKind(
+        {
+            PLANAR: "fronts:marching",
+            SPATIAL: "joints.marching:posture_marching",
+            CHAIN: "joints.marching:hand_marching",
+        }
+    ),
     "oracle": "oracle.bounds:OraclePlanner",
     "potential": "baselines.potential:PotentialPlanner",
     "search": ByKind(

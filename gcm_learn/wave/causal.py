@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import itertools
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from gcm_learn.charts import Lattice, PostureLattice, hand_space, ring_leap
+from gcm_learn.charts import (
+    Cube,
+    Lattice,
+    Nodes,
+    PostureLattice,
+    PulledNodes,
+    hand_space,
+    ring_leap,
+)
 from gcm_learn.collision import WORK, desk_of
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
 from gcm_learn.wave import agenda, layered, marching, posture_layered
 from gcm_learn.wave import posture_marching as space
+from gcm_learn.wave import posture_steps as steps
 from gcm_learn.wave.front import Front, all_arrivals, first_arrivals, ranks
 from gcm_learn.wave.kernels import CONTACT, FROZEN
 from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, terms_of, turns_of
@@ -20,6 +30,7 @@ from gcm_learn.wave.params import MarchingParams
 from gcm_learn.wave.plane import Plane, closed_rim
 from gcm_learn.wave.solver import STATES_PER_CELL
 
+_ASKS: dict[type, Any] = {Nodes: steps.Ask, PulledNodes: steps.PulledAsk}
 SHORTEST = 0.03  # resolution of safe intervals in space, in steps of the hand
 
 
@@ -87,16 +98,19 @@ def march_layers_in_plane(
 
 def march_in_space(
     scene: Scene,
-    chart: PostureLattice,
+    chart: Cube,
     params: MarchingParams,
     *,
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run `wave.march` over cells and postures in space."""
+    """Run `wave.march` over cells and postures in space.
+
+    The front over a chain's cells keeps the postures that it finds.
+    """
     ask, count = _ask(scene, chart, params, ignore, widening), chart.size
-    field = space.Field(
-        np.full(count, space.NEVER),
+    field = steps.Field(
+        np.full(count, steps.NEVER),
         np.zeros(count, np.uint8),
         np.zeros(count, np.uint8),
         np.empty(count, np.float32),
@@ -107,12 +121,13 @@ def march_in_space(
     return first_arrivals(
         chart,
         field.arrival,
-        field.state == space.FROZEN,
-        field.state == space.MET,
+        field.state == steps.FROZEN,
+        field.state == steps.MET,
         (node, body, time),
         horizon=scene.limits.horizon,
         steps=accepted,
         via=via,
+        joints=chart.found_in(ask.nodes),
     )
 
 
@@ -145,17 +160,19 @@ def march_layers_in_space(
 
 def _ask(
     scene: Scene,
-    chart: PostureLattice,
+    chart: Cube,
     params: MarchingParams,
     ignore: float,
     widening: np.ndarray | None,
-) -> space.Ask:
+) -> Any:
     """Bind a scene and a lattice for marching in space."""
+    dof = len(scene.limb.start)
     fast, desk = float(fastest_hand(scene)), desk_of(scene)
     desk.budget[0] = WORK
-    return space.Ask(
+    nodes = chart.nodes_for(scene)
+    return _ASKS[type(nodes)](
         scene,
-        chart.nodes,
+        nodes,
         _pace(scene, chart, fast),
         terms_of(scene, chart, params, 1.0, ignore, fast)._replace(
             shortest=SHORTEST * chart.spacing / fast
@@ -164,18 +181,18 @@ def _ask(
         np.empty(0) if widening is None else widening,
         params.margin,
         space.fastest_obstacle(scene),
-        np.empty(4),
-        np.empty(4),
+        np.empty(dof),
+        np.empty(dof),
     )
 
 
-def _pace(scene: Scene, chart: PostureLattice, fast: float) -> space.Pace:
+def _pace(scene: Scene, chart: Cube, fast: float) -> steps.Pace:
     """Bind the times of steps, with a hand that is nowhere faster than `fast`."""
     offsets = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if any(d)])
     hops = np.append(np.linalg.norm(offsets, axis=1), [0.0, 0.0]) * chart.spacing
     ahead = offsets @ np.array([chart.n**2, chart.n, 1]) * chart.postures
     hand = np.maximum(hops, chart.spacing) / fast
-    return space.Pace(
+    return steps.Pace(
         (1.0 / scene.limits.joint_speed).astype(np.float32),
         offsets,
         ahead,

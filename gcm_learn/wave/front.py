@@ -42,6 +42,8 @@ class Front:
     """Time of the meeting [s]; the horizon without one."""
     steps: int
     """Euler steps (wave) or accepted nodes that it took."""
+    joints: np.ndarray | None = None
+    """(nodes, dof) float: postures that the front found; None where the chart has them."""
 
     @cached_property
     def cells(self) -> np.ndarray:
@@ -129,6 +131,7 @@ def first_arrivals(
     horizon: float,
     steps: int,
     via: np.ndarray | None = None,
+    joints: np.ndarray | None = None,
 ) -> Front:
     """The front of one sheet.
 
@@ -151,6 +154,8 @@ def first_arrivals(
         Euler steps, or accepted nodes.
     via : (m,) ndarray of int, optional
         Node from which the hand comes straight.
+    joints : (m, dof) ndarray, optional
+        Postures that the front found.
     """
     node, body, time = met
     return Front(
@@ -166,6 +171,7 @@ def first_arrivals(
         met_body=body,
         met_time=time if node >= 0 else horizon,
         steps=steps,
+        joints=joints,
     )
 
 

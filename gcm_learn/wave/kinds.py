@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind
 from gcm_learn.charts import Chart
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
@@ -14,7 +14,7 @@ from gcm_learn.wave import causal
 from gcm_learn.wave.front import Front
 from gcm_learn.wave.limits import fastest_in_plane
 from gcm_learn.wave.params import MarchingParams, WaveParams
-from gcm_learn.wave.posture_solver import kappa_in_space, propagate_in_space
+from gcm_learn.wave.posture_solver import kappa_in_space, kappa_of_hand, propagate_in_space
 from gcm_learn.wave.solver import kappa_in_plane, propagate_in_plane
 from gcm_learn.wave.waiting import propagate_layers_in_plane
 
@@ -35,10 +35,19 @@ class Engine(Protocol):
         """Return the front."""
 
 
-_FASTEST: ByKind[Any] = ByKind({PLANAR: fastest_in_plane, SPATIAL: fastest_hand}, who="a front")
-_KAPPA: ByKind[Any] = ByKind({PLANAR: kappa_in_plane, SPATIAL: kappa_in_space}, who="a wave")
+_FASTEST: ByKind[Any] = ByKind(
+    {PLANAR: fastest_in_plane, SPATIAL: fastest_hand, CHAIN: fastest_hand}, who="a front"
+)
+_KAPPA: ByKind[Any] = ByKind(
+    {PLANAR: kappa_in_plane, SPATIAL: kappa_in_space, CHAIN: kappa_of_hand}, who="a wave"
+)
 _MARCHING: ByKind[Engine] = ByKind(
-    {PLANAR: causal.march_in_plane, SPATIAL: causal.march_in_space}, who="marching"
+    {
+        PLANAR: causal.march_in_plane,
+        SPATIAL: causal.march_in_space,
+        CHAIN: causal.march_in_space,
+    },
+    who="marching",
 )
 _PATIENT_MARCHING: ByKind[Engine] = ByKind(
     {PLANAR: causal.march_layers_in_plane, SPATIAL: causal.march_layers_in_space},

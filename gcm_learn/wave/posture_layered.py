@@ -24,15 +24,8 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED
 from gcm_learn.wave.buckets import grown, left_in, put, queue_of, take
-from gcm_learn.wave.posture_marching import (
-    BUCKETS,
-    NEIGHBOURS,
-    START,
-    Ask,
-    before,
-    neighbour,
-    step,
-)
+from gcm_learn.wave.posture_marching import step
+from gcm_learn.wave.posture_steps import BUCKETS, NEIGHBOURS, START, Ask, before, neighbour
 
 SPANS = 8  # of a node that are kept
 UNKNOWN = -1  # spans of a node that have not been asked for

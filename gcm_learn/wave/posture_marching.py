@@ -13,96 +13,40 @@ of one bucket may come in any order.  Times are in seconds.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from gcm_learn.arms.limbs import dof
-from gcm_learn.charts.posture_lattice import THERE, Nodes, hand_of_node, is_there
-from gcm_learn.collision.postures import Desk, distance_at, move_is_free
+from gcm_learn.charts.hand_lattice import PulledNodes
+from gcm_learn.charts.posture_lattice import THERE, hand_of_node, is_there
+from gcm_learn.collision.postures import distance_at, move_is_free
 from gcm_learn.compiled import njit
+from gcm_learn.dispatch import by_type
 from gcm_learn.motion.joint_interception import target_room
-from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
 from gcm_learn.wave.buckets import grown, left_in, put, queue_of, take
-from gcm_learn.wave.kernels import Terms
-
-OPEN, ACCEPTED, FROZEN, MET = 0, 1, 2, 3  # what became of a node
-NEIGHBOURS = 26
-RING = NEIGHBOURS  # code of a step to the next posture, and to the one before it
-START = 255  # code of nodes that are reached from the arm's posture at t = 0
-BUCKETS = 1024
-NEVER, LOST = np.float32(1e30), np.float32(-1.0)
-
-
-class Pace(NamedTuple):
-    """Times of steps."""
-
-    slowness: np.ndarray  # (dof,) float32 of the joints [s/rad]
-    offsets: np.ndarray  # (26, 3): of neighbours along z, y and x [cells]
-    ahead: np.ndarray  # (26,): of their nodes
-    hops: np.ndarray  # (28,): how far they are
-    hand: np.ndarray  # (28,) float32: how long the hand takes at least [s]
-    buckets: float  # float32: in a second; a step takes at least as long as a bucket
-    leap: float  # float32: angle by which no joint turns in a step within a cell [rad]
-
-
-class Field(NamedTuple):
-    """Arrivals at the nodes and their state."""
-
-    arrival: np.ndarray  # (nodes,) float32: earliest so far [s]
-    state: np.ndarray  # (nodes,) uint8
-    via: np.ndarray  # (nodes,) uint8: step by which the front comes
-    room: np.ndarray  # (nodes,) float32: distance that obstacles have at least then, bones only
-
-
-class Ask(NamedTuple):
-    """A scene, a lattice and the terms of marching over it."""
-
-    scene: Scene
-    nodes: Nodes
-    pace: Pace
-    terms: Terms
-    desk: Desk
-    widening: np.ndarray  # (nodes,) or none: margin beyond `margin`
-    margin: float  # of the limb, in halves of what it moves on a step
-    quick: float  # top speed of obstacles [lengths/s]
-    near: np.ndarray  # (dof,): joints
-    far: np.ndarray  # (dof,)
-
-
-@njit(_nrt=False)
-def neighbour(nodes, pace, node, code):
-    """Node that a step with some code leads to, -1 if that is outside the lattice."""
-    n, K = nodes.n, nodes.rule.postures
-    cell = node // K
-    if code >= RING:
-        k = node - cell * K + (1 if code == RING else K - 1)
-        return cell * K + (k if k < K else k - K)
-    row = cell // n
-    z = row // n
-    x, y, z = (
-        cell - row * n + pace.offsets[code, 2], row - z * n + pace.offsets[code, 1],
-        z + pace.offsets[code, 0],
-    )  # fmt: skip
-    if x < 0 or y < 0 or z < 0 or x >= n or y >= n or z >= n:
-        return -1
-    return ((z * n + y) * n + x) * K + node - cell * K
-
-
-@njit(_nrt=False)
-def before(nodes, pace, node, code):
-    """Node that a step with some code comes from; -1 for the arm's posture at t = 0."""
-    if code == START:
-        return -1
-    back = NEIGHBOURS - 1 - code if code < RING else RING + RING + 1 - code
-    return neighbour(nodes, pace, node, back)
-
-
-@njit(_nrt=False)
-def home_of(nodes, pace, node, code):
-    """`before` of a step that was made, so that it is in the lattice."""
-    return node - pace.ahead[code] if code < RING else before(nodes, pace, node, code)
+from gcm_learn.wave.posture_steps import (
+    ACCEPTED,
+    BUCKETS,
+    FROZEN,
+    LOST,
+    MET,
+    NEIGHBOURS,
+    NEVER,
+    OPEN,
+    RING,
+    START,
+    PulledAsk,
+    before,
+    home_of,
+    neighbour,
+)
+from gcm_learn.wave.pulled_postures import (
+    judge_pulled,
+    offer_pulled,
+    pull_here,
+    refused_pulled,
+    time_pulled,
+)
 
 
 @njit(_nrt=False)
@@ -133,7 +77,7 @@ def step(nodes, pace, node, other, code):
 
 
 @njit(_nrt=False)
-def offer(ask, field, node, bucket, queue):
+def _offer_known(ask, field, node, bucket, queue):
     """Offer the front of an accepted node to its neighbours.
 
     It spells out `step`, because nearly all of the time that marching takes is spent here.
@@ -175,6 +119,17 @@ def offer(ask, field, node, bucket, queue):
                 put(other, min(max(slot, bucket), bucket + BUCKETS - 1) % BUCKETS, queue)
 
 
+@njit(_nrt=False, forceinline=True)
+def _time_known(nodes, pace, node, other, code):
+    return step(nodes, pace, node, other, code)[0]
+
+
+time_of_step = by_type({None: _time_known, PulledNodes: time_pulled})
+"""Least time of a step from a node to another, or NEVER [s]."""
+offer = by_type({None: _offer_known, PulledAsk: offer_pulled})
+"""Offer the front of an accepted node to its neighbours."""
+
+
 @njit(_nrt=False)
 def retry(ask, field, node, bucket, queue):
     """Wait for the next front that may come to a node, the last one having been held up."""
@@ -183,7 +138,7 @@ def retry(ask, field, node, bucket, queue):
     for code in range(NEIGHBOURS + (2 if nodes.rule.postures > 1 else 0)):
         other = before(nodes, pace, node, code)
         if other >= 0 and field.state[other] == ACCEPTED:
-            time = np.float32(field.arrival[other] + step(nodes, pace, other, node, code)[0])
+            time = np.float32(field.arrival[other] + time_of_step(nodes, pace, other, node, code))
             if late < time < field.arrival[node]:
                 field.arrival[node], field.via[node] = time, code
     if field.arrival[node] < NEVER:
@@ -198,7 +153,7 @@ def least_between(before, after, ways):
 
 
 @njit(_nrt=False)
-def judge(ask, field, node):
+def _judge_known(ask, field, node):
     """Return the new state of a node to which the front has come: ACCEPTED, FROZEN, or OPEN.
 
     It stays open if the limb was touched on the step there only.
@@ -230,6 +185,27 @@ def judge(ask, field, node):
                     return OPEN
     field.room[node] = room
     return ACCEPTED
+
+
+@njit(_nrt=False, forceinline=True)
+def _sets_out_known(ask, field, node):
+    return is_there(ask.nodes, node)
+
+
+@njit(_nrt=False, forceinline=True)
+def _comes_known(ask, field, node):
+    return True
+
+
+sets_out = by_type({None: _sets_out_known, PulledAsk: pull_here})
+"""Return whether a node next to the start has a posture."""
+comes = by_type({None: _comes_known, PulledAsk: pull_here})
+"""Return whether a node that waits has a posture; a chain's is found now, and its arrival."""
+judge = by_type({None: _judge_known, PulledAsk: judge_pulled})
+"""Return the new state of a node to which the front has come: ACCEPTED, FROZEN, or OPEN.
+
+It stays open if the limb was touched on the step there only.
+"""
 
 
 @njit(_nrt=False)
@@ -278,8 +254,13 @@ def empty_bucket(ask, field, bucket, queue):
     met, body, when, accepted = -1, -1, end, 0
     while queue.heads[slot] >= 0 and left_in(queue) >= NEIGHBOURS + 4:
         node = take(slot, queue)
+        if state[node] != OPEN or field.arrival[node] > end:
+            continue
+        if not comes(ask, field, node):
+            retry(ask, field, node, bucket, queue)
+            continue
         now = field.arrival[node]
-        if state[node] != OPEN or now > end:
+        if now > end:
             continue
         ahead = int(now * pace.buckets)
         if ahead > bucket:  # it was too far ahead for the buckets, or was held up
@@ -326,7 +307,7 @@ def march(ask, start, field):
     for i in range(start[0].size):
         field.arrival[start[0][i]], field.via[start[0][i]] = start[1][i], START
         slot = min(int(start[1][i] * pace.buckets), BUCKETS - 1)
-        if is_there(ask.nodes, start[0][i]):
+        if sets_out(ask, field, start[0][i]):
             put(start[0][i], slot, queue)
     met, body, when, accepted, bucket, empty = -1, -1, terms.end, 0, 0, 0
     while empty <= BUCKETS and bucket <= terms.end * pace.buckets and (met < 0 or terms.explore):
@@ -343,12 +324,23 @@ def march(ask, start, field):
     return met, body, when, accepted
 
 
+@njit(_nrt=False, forceinline=True)
+def _refused_known(nodes, node):
+    return LOST
+
+
+refused = by_type({None: _refused_known, PulledNodes: refused_pulled})
+"""Return when the first front froze in a node that is open [s], negative if none did."""
+
+
 @njit(_nrt=False)
 def finish(ask, field, via):
     """Mark nodes where the front never came, and write where it came from into via (nodes,)."""
     for node in range(via.size):
         via[node] = -1
         if field.state[node] == OPEN:
-            field.arrival[node] = -1.0
+            field.arrival[node] = refused(ask.nodes, node)
+            if field.arrival[node] >= 0.0:
+                field.state[node] = FROZEN
         else:
             via[node] = home_of(ask.nodes, ask.pace, node, field.via[node])

@@ -19,7 +19,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from gcm_learn.charts import PostureLattice
+from gcm_learn.arms import hand_speed
+from gcm_learn.charts import Cube, PostureLattice
 from gcm_learn.errors import LatticeError
 from gcm_learn.scene import Scene
 from gcm_learn.wave import posture_ground, posture_judging
@@ -49,6 +50,17 @@ def kappa_in_space(scene: Scene, lattice: PostureLattice, params: WaveParams) ->
     """
     speed = mean_speed(params, 0.5 * lattice.n)
     return speed * lattice.spacing / quickest(scene, lattice)
+
+
+def kappa_of_hand(scene: Scene, lattice: Cube, params: WaveParams) -> float:
+    """Run `wave.kappa_of` for cells whose postures only a front finds.
+
+    The unit is that of a wave as fast as the hand at t = 0 while one joint turns as fast as it
+    may, the one that moves the hand most.
+    """
+    arm, alone = lattice.arm, np.diag(scene.limits.joint_speed)
+    quick = min(max(hand_speed(arm, arm.joints, rates) for rates in alone), scene.limits.speed)
+    return mean_speed(params, 0.5 * lattice.n) * lattice.spacing / max(quick, 1e-9)
 
 
 def mean_speed(params: WaveParams, radius: float) -> float:

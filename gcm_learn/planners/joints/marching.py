@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.charts import PostureLattice, posture_lattice_of
+from gcm_learn.charts import chart_of
 from gcm_learn.compiled import njit
-from gcm_learn.maps import CognitiveMap, build_map, chain_to
+from gcm_learn.maps import CognitiveMap, Interception, build_map, chain_to
 from gcm_learn.motion import Failure, Movement, Reason
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
 from gcm_learn.planners.joints.accelerated import plan_accelerated
@@ -25,14 +27,35 @@ from gcm_learn.planners.joints.ways import (
     shorten,
     write,
 )
-from gcm_learn.planners.plan import Plan, spatial_only
+from gcm_learn.planners.plan import Plan, in_joints
 from gcm_learn.scene import HAND, PART, Scene
 from gcm_learn.situation import AnySituation
 from gcm_learn.wave import MarchingParams, WaveParams, fastest
 
 INSTANTS, SWIVELS = 32, 12  # of interceptions that are dashed for under limits of acceleration
 ENDINGS = 24  # moments at which a way's end is tried
+CELLS = (16, 24, 32, 40)  # along a side of the lattices of chains: each has postures of its own
+CONTACTS = 32  # of a chain's front that are tried
 LATER = 0.25  # from one of them to the next [crossings of a cell]
+
+
+class Endings(NamedTuple):
+    """Straight moves at the end of a way that are tried."""
+
+    later: float = LATER
+    """From one moment to the next [crossings of a cell]."""
+    back: tuple[int, ...] = (0,)
+    """Numbers of postures that are left out at the end of the way."""
+
+    def of(self, way: Way) -> list[int]:
+        """Return the postures of a way from which its end is tried."""
+        last = int(way.size[0]) - 1
+        return [last - k for k in self.back if k <= last]
+
+
+LAST = Endings()
+CHAIN_ENDINGS = Endings(3.0, (0, 1, 2, 4, 8, 16))
+"""Ends of chains, whose hand mostly has to turn into the approach, too."""
 
 
 @dataclass(frozen=True)
@@ -43,16 +66,21 @@ class FrontInSpace:
     levels: tuple[tuple[WaveParams | MarchingParams, int], ...]
     """Parameters of the fronts, and postures in a cell."""
     trials: int = 3
-    """Interceptions that are tried on each of them."""
+    """Fronts on each of them, each for interceptions later than those before."""
+    contacts: int = 1
+    """Interceptions that are tried of each front."""
     wait: bool = False
     """The hand may wait: maps then have sheets."""
+    endings: Endings = LAST
+    accelerates: bool = True
+    """Limits of acceleration are kept."""
 
-    takes = staticmethod(spatial_only)
+    takes = staticmethod(in_joints)
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         problem = SpatialProblem(situation, self.name)
-        answer = problem.early_answer(keeps_acceleration=True) or at_once(problem)
+        answer = problem.early_answer(self.accelerates) or at_once(problem)
         if answer is None and problem.accelerates:
             targets = int((problem.bodies.rows[:, PART] == HAND).sum())
             times = problem.situation.horizon * np.arange(1, INSTANTS + 1) / INSTANTS
@@ -65,7 +93,7 @@ class FrontInSpace:
         study, scene = problem.study, kept(problem)
         reason: Reason | None = None
         for params, postures in self.levels:
-            chart, ignore = posture_lattice_of(situation.arm, params.n, postures), 0.0
+            chart, ignore = chart_of(situation, params.n, postures), 0.0
             for trial in range(self.trials):
                 found = build_map(
                     situation, params, chart=chart, scene=scene, ignore=ignore, wait=self.wait
@@ -73,9 +101,10 @@ class FrontInSpace:
                 if found.interception is None:
                     reason = reason or Reason(Failure.NO_INTERCEPTION)
                     break
-                plan, reason = followed(problem, study, found, chart)
-                if plan is not None:
-                    return plan
+                for met in meetings(problem, found, self.contacts):
+                    plan, reason = followed(problem, study, met, self.endings)
+                    if plan is not None:
+                        return plan
                 ignore = found.interception.time + 2**trial * chart.spacing / fastest(scene)
         return problem.answer(reason or Failure.NO_INTERCEPTION, found)
 
@@ -84,6 +113,25 @@ def posture_marching(postures: tuple[int, ...] = (1, 4, 8), *, wait: bool = Fals
     """Marching over cells of ever more postures; the hand may `wait`."""
     params = MarchingParams(n=40, margin=0.0)
     return FrontInSpace("marching", tuple((params, count) for count in postures), wait=wait)
+
+
+def hand_marching(name: str = "marching") -> FrontInSpace:
+    """Marching over cells of a chain's hand, each with the one posture that the front found.
+
+    A cell can be missed that only another posture can enter.  The approach of a target is asked at
+    the end only.  Under limits of acceleration there is no answer.
+    """
+    levels = tuple((MarchingParams(n=n, margin=0.0, until="horizon"), 1) for n in CELLS)
+    return FrontInSpace(name, levels, 1, CONTACTS, endings=CHAIN_ENDINGS, accelerates=False)
+
+
+def hand_gcm() -> FrontInSpace:
+    """`hand_marching` under the name of the paper's map.
+
+    Chains have no wave of Eq. 10. A front's arrivals are the map, and its way back through the
+    cells is the walk down their gradient.
+    """
+    return hand_marching("gcm")
 
 
 def gcm_in_space(params: WaveParams | None = None) -> FrontInSpace:
@@ -102,7 +150,7 @@ def kept(problem: SpatialProblem) -> Scene:
 
 
 def followed(
-    problem: SpatialProblem, study: Study, found: CognitiveMap, chart: PostureLattice
+    problem: SpatialProblem, study: Study, found: CognitiveMap, endings: Endings
 ) -> tuple[Plan | None, Reason | None]:
     """The way to a map's interception, made shorter and ended on the target, or why it fails.
 
@@ -110,19 +158,19 @@ def followed(
     ----------
     found : CognitiveMap
         A map with an interception; it says where its front came from.
-    chart : PostureLattice
-        The chart of the map.
+    endings : Endings
     """
     assert found.interception is not None
     states = np.array(chain_to(found, found.met))
-    joints = chart.joints_at(states % chart.size)
+    joints = postures_of(found, states % found.chart.size)
     times = found.sheets.ravel()[states].filled(0.0).astype(float)
     body = [b.name for b in problem.situation.bodies].index(found.interception.body)
     way, out = new_way(joints.shape[1]), new_way(joints.shape[1])
     if len(states) + 2 > MOST or not lay(study, joints, times, found.engine == "layered", way):
         return None, Reason(Failure.NO_ENDING)
-    later = LATER * chart.spacing / fastest(problem.scene)
-    if not end(study, way, body, found.interception.time, later):
+    wanted = found.interception.time
+    apart = endings.later * found.chart.spacing / fastest(problem.scene)
+    if not any(end(study, way, k, body, wanted, apart) for k in endings.of(way)):
         return None, Reason(Failure.NO_ENDING)
     shorten(study, way, out)
     hasten(study, out)
@@ -130,6 +178,28 @@ def followed(
     attempt = Attempt(Movement(problem.situation.arm, time, path), int(caught))
     plan, verdict = judged(problem, attempt, found)
     return plan, verdict.reason
+
+
+def meetings(problem: SpatialProblem, found: CognitiveMap, most: int) -> Iterator[CognitiveMap]:
+    """Yield a map with its interception, then with others in order of time, `most` in all."""
+    yield found
+    if most == 1:
+        return
+    arrival = found.arrival.filled(np.inf).ravel()
+    met = np.flatnonzero(found.effective_target)
+    met = met[np.argsort(arrival[met], kind="stable")]
+    for node in met[met != found.met][: most - 1]:
+        cell = tuple(int(i) for i in np.unravel_index(node, found.chart.shape))
+        place, time = found.chart.hand_at(node), float(arrival[node])
+        for target in problem.situation.targets:
+            yield replace(found, interception=Interception(cell, place, time, target.name))
+
+
+def postures_of(found: CognitiveMap, nodes: np.ndarray) -> np.ndarray:
+    """Return the postures (m, dof) of some nodes (m,) of a map."""
+    chart: Any = found.chart
+    joints: np.ndarray = chart.joints_at(nodes) if found.joints is None else found.joints[nodes]
+    return joints
 
 
 @njit(_nrt=False)
@@ -151,21 +221,28 @@ def lay(study: Study, joints: np.ndarray, times: np.ndarray, waits: bool, way: W
 
 
 @njit(_nrt=False)
-def end(study: Study, way: Way, body: int, wanted: float, later: float) -> bool:
-    """Let a way end on a body, by a straight move from its last posture; whether there is one.
+def end(study: Study, way: Way, last: int, body: int, wanted: float, later: float) -> bool:
+    """Let a way end on a body by a straight move from one of its postures.
 
     Parameters
     ----------
+    last : int
+        Number of the posture.
     wanted : float
         When the body is expected at the last posture [s].
     later : float
         From one moment that is tried to the next [s].
+
+    Returns
+    -------
+    bool
+        Whether there is such a move.
     """
-    last, horizon = way.size[0] - 1, study.scene.limits.horizon
+    horizon, near = study.scene.limits.horizon, way.joints[way.size[0] - 1]
     q, since, goal = way.joints[last], way.reached[last], study.goal
     for k in range(1, ENDINGS + 1):
         t = min(max(since, wanted) + k * later, horizon)
-        if met_from(study, q, since, body, q, t) > 0:
+        if met_from(study, q, since, body, near, t) > 0:
             begin, arrive = reach(study, q, since, t, goal, t)
             if begin >= 0.0:
                 way.left[last], way.body[0] = begin, body

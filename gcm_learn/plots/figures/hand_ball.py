@@ -17,7 +17,7 @@ from matplotlib.patches import Circle, Patch
 from scipy.ndimage import map_coordinates, maximum_filter, minimum_filter
 
 from gcm_learn.arms import hands_along, rotation_of
-from gcm_learn.charts import PostureLattice, cell_clearances, posture_lattice_of
+from gcm_learn.charts import Cube, cell_clearances, chart_of
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import CONTOUR_STEP
@@ -50,14 +50,12 @@ MOST_RINGS = 10
 SHELL = 0.15  # level at which softened effective obstacles, one cell thin, are drawn
 
 
-def places_of(chart: PostureLattice, index: np.ndarray) -> np.ndarray:
+def places_of(chart: Cube, index: np.ndarray) -> np.ndarray:
     """Places (..., 3) in the world of indices [iz, iy, ix] (..., 3) of a lattice."""
     return chart.in_world((index[..., ::-1] - 0.5 * (chart.n - 1)) * chart.spacing)
 
 
-def skin(
-    chart: PostureLattice, field: np.ndarray, level: float, colour: str, alpha: float
-) -> Faces:
+def skin(chart: Cube, field: np.ndarray, level: float, colour: str, alpha: float) -> Faces:
     """The surface on which a field over a lattice has a level."""
     corners, normal = surface(field, level)
     # reversing the indices mirrors, so that the order of corners turns round
@@ -66,12 +64,19 @@ def skin(
     return Faces(places, np.array(to_rgb(colour)), alpha, turned, both=True)
 
 
-def extended_faces(situation: JointSituation, t: float, alpha: float = GLASSY) -> Faces:
-    """Extended obstacles at time t [s]: hands whose limb touches an obstacle."""
-    chart = posture_lattice_of(situation.arm, COARSE)
-    room = np.clip(
-        cell_clearances(cast("Any", situation), chart, t), -chart.spacing, 2.0 * chart.spacing
-    )
+def extended_faces(
+    situation: JointSituation, t: float, alpha: float = GLASSY, known: CognitiveMap | None = None
+) -> Faces:
+    """Extended obstacles at time t [s]: hands whose limb touches an obstacle.
+
+    Of a `known` map whose front found its postures, they are shown for these.
+    """
+    joints = None if known is None else known.joints
+    chart = cast("Cube", chart_of(situation, COARSE))
+    if known is not None and joints is not None:
+        chart = _chart(known)
+    rooms = cell_clearances(cast("Any", situation), chart, t, joints)
+    room = np.clip(rooms, -chart.spacing, 2.0 * chart.spacing)
     return skin(chart, softened(room), 0.0, style.EXTENDED, alpha)
 
 
@@ -95,7 +100,7 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
     Parameters
     ----------
     cognitive_map : CognitiveMap
-        Over a `PostureLattice`.
+        Over a `Cube`.
     most : int
         Cells a side of which it is made, at most.
 
@@ -118,14 +123,14 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
 
 def fills_ball(cognitive_map: CognitiveMap | None) -> bool:
     """Return whether there is a map of the hand's places in space, so that it can be drawn."""
-    return cognitive_map is not None and isinstance(cognitive_map.chart, PostureLattice)
+    return cognitive_map is not None and isinstance(cognitive_map.chart, Cube)
 
 
-def _chart(cognitive_map: CognitiveMap) -> PostureLattice:
+def _chart(cognitive_map: CognitiveMap) -> Cube:
     if not fills_ball(cognitive_map):
         over = type(cognitive_map.chart).__name__
-        raise TypeError(f"this map is over a {over}, not over a PostureLattice")
-    return cast("PostureLattice", cognitive_map.chart)
+        raise TypeError(f"this map is over a {over}, not over a Cube")
+    return cast("Cube", cognitive_map.chart)
 
 
 def first_arrival(cognitive_map: CognitiveMap) -> np.ndarray:
@@ -279,7 +284,7 @@ class HandSpace:
     situation : Situation
         With an arm that moves in its joints.
     cognitive_map : CognitiveMap
-        Over a `PostureLattice`.
+        Over a `Cube`.
     trajectory : Movement, optional
     view : Camera
         Of the work-space beside it.
@@ -310,7 +315,7 @@ class HandSpace:
     def world_at(self, t: float, moved: float = 0.0) -> list[Faces]:
         """Extended obstacles and targets at time t [s], and the hand at another."""
         return [
-            extended_faces(self.situation, t),
+            extended_faces(self.situation, t, known=self.map),
             hand_ball(self.situation, self._hand(moved)),
             *body_faces(self.situation, t, roles=("target",)),
         ]
