@@ -13,7 +13,7 @@ import numpy as np
 
 from gcm_learn.arms.limbs import dof, hand_of, jacobian, place
 from gcm_learn.charts.posture_lattice import hand_of_node
-from gcm_learn.collision.postures import move_is_free
+from gcm_learn.collision.postures import distance_at, move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.wave.buckets import put
 from gcm_learn.wave.posture_steps import (
@@ -250,7 +250,7 @@ def judge_pulled(ask, field, node):
         touch += 0.5 * wide * ask.pace.hops[code]
     if move_is_free(scene, ask.near, since, ask.far, now, touch, ask.desk):
         return ACCEPTED
-    if nodes.refused[node] < 0.0:
+    if nodes.refused[node] < 0.0 and distance_at(scene, ask.far, now, ask.desk) <= touch:
         nodes.refused[node] = now
     return OPEN
 

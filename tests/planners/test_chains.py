@@ -13,7 +13,7 @@ from gcm_learn.situation import situation_from_json, situation_to_json
 from tests.chains import BLOCKED, COUNT, SETS, drawn
 from tests.referee_of_chains import arm_of, hand_of, judge
 
-PLANNERS = {"search": 9, "straight": 2, "straight-wait": 3}
+PLANNERS = {"marching": 4, "search": 9, "straight": 2, "straight-wait": 3}
 """Planners, and how many of a set they catch at least."""
 
 

@@ -148,6 +148,14 @@ def frozen_cells(cognitive_map: CognitiveMap) -> np.ndarray:
     return shut
 
 
+def _evened(arrival: np.ndarray, never: float) -> np.ndarray:
+    """Arrivals averaged with those of the cells around that the front reached, for contours."""
+    there = np.isfinite(arrival)
+    share = softened(softened(there.astype(float)))
+    total = softened(softened(np.where(there, arrival, 0.0)))
+    return np.where(there, total / np.maximum(share, 1e-9), never)
+
+
 def _pace(arrival: np.ndarray) -> float:
     """About the time that a front takes from cell to cell [s]."""
     there = np.where(np.isfinite(arrival), arrival, np.nan)
@@ -234,7 +242,8 @@ def cut_faces(
     share = np.clip(times / latest, 0.0, 1.0)
     colours = np.asarray(style.MAP_COLOURS(share))[..., :3]
     step = CONTOUR_STEP * cognitive_map.kappa
-    rings = times / (step * max(1.0, np.ceil(latest / (MOST_RINGS * step))))
+    smooth = map_coordinates(_evened(arrival, 2 * latest), places, order=1, cval=2 * latest)
+    rings = smooth / (step * max(1.0, np.ceil(latest / (MOST_RINGS * step))))
     off = np.abs((rings + 0.5) % 1.0 - 0.5) / np.maximum(np.hypot(*np.gradient(rings)), 1e-9)
     whole = map_coordinates(np.isfinite(arrival).astype(float), places, order=1) > WHOLE
     ring = np.clip(RING - off, 0.0, 1.0) * (rings > 0.5) * whole

@@ -1,0 +1,70 @@
+"""Planners of chains that make maps: what they catch, what they show, what they refuse."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from gcm_learn import solve
+from gcm_learn.planners.joints.marching import hand_marching
+from gcm_learn.plots import plan_figure
+from gcm_learn.situation import situation_from_json
+from gcm_learn.wave import MarchingParams
+from tests.chains import COUNT, drawn
+
+
+@pytest.fixture(scope="module")
+def caught():
+    """A situation and a plan of `marching`."""
+    for k in range(COUNT):
+        situation = situation_from_json(drawn("panda", k))
+        plan = solve(situation, "marching")
+        if plan.caught and plan.map is not None:
+            return situation, plan
+    raise AssertionError("no map of a Panda led to a catch")
+
+
+def test_a_plan_shows_the_map_that_it_came_from(caught):
+    _, plan = caught
+    assert plan.map.engine == "marching" and plan.map.interception is not None
+    assert plan.catch_body == plan.map.interception.body
+    assert plan.map.effective_target[plan.map.interception.cell]
+
+
+def test_the_map_is_drawn_beside_the_movement(caught):
+    situation, plan = caught
+    figure = plan_figure(situation, plan)
+    figure.canvas.draw()
+    map_panel = figure.axes[2]
+    assert "cognitive map" in map_panel.get_title()
+    image = np.asarray(map_panel.images[0].get_array())
+    white = (image[..., :3] > 0.97).all(axis=-1)
+    assert 0.02 < 1.0 - white.mean() < 0.98
+    plt.close(figure)
+
+
+def test_gcm_is_marching_by_another_name(caught):
+    situation, plan = caught
+    other = solve(situation, "gcm")
+    assert other.planner == "gcm"
+    np.testing.assert_array_equal(other.trajectory.joints, plan.trajectory.joints)
+
+
+def test_limits_of_acceleration_are_refused_in_one_line(caught):
+    situation, _ = caught
+    arm = replace(situation.arm, max_joint_acceleration=(10.0,) * situation.arm.dof)
+    plan = solve(replace(situation, arm=arm), "marching")
+    assert plan.status == "unreachable"
+    assert plan.message == "accelerations are limited, which this planner cannot keep"
+
+
+def test_more_lattices_catch_more():
+    situations = [situation_from_json(drawn("panda", k)) for k in range(COUNT)]
+    planner = hand_marching()
+    one = replace(planner, levels=((MarchingParams(n=16, margin=0.0, until="horizon"), 1),))
+    first = {s.name for s in situations if one.plan(s).caught}
+    assert first <= {s.name for s in situations if planner.plan(s).caught}
+    assert len(first) >= 3
