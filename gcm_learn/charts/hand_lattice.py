@@ -98,7 +98,7 @@ def hand_lattice_of(arm: Chain, n: int, postures: int = 1) -> HandLattice:
     Raises
     ------
     LatticeError
-        If more than one posture in a cell is asked for.
+        If the number of postures is not 1.
     """
     if postures != 1:
         raise LatticeError(f"{postures} postures: a cell of a chain has 1")

@@ -16,7 +16,6 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.limbs import dof
-from gcm_learn.charts.hand_lattice import PulledNodes
 from gcm_learn.charts.posture_lattice import THERE, hand_of_node, is_there
 from gcm_learn.collision.postures import distance_at, move_is_free
 from gcm_learn.compiled import njit
@@ -120,11 +119,11 @@ def _offer_known(ask, field, node, bucket, queue):
 
 
 @njit(_nrt=False, forceinline=True)
-def _time_known(nodes, pace, node, other, code):
-    return step(nodes, pace, node, other, code)[0]
+def _time_known(ask, node, other, code):
+    return step(ask.nodes, ask.pace, node, other, code)[0]
 
 
-time_of_step = by_type({None: _time_known, PulledNodes: time_pulled})
+time_of_step = by_type({None: _time_known, PulledAsk: time_pulled})
 """Least time of a step from a node to another, or NEVER [s]."""
 offer = by_type({None: _offer_known, PulledAsk: offer_pulled})
 """Offer the front of an accepted node to its neighbours."""
@@ -138,7 +137,7 @@ def retry(ask, field, node, bucket, queue):
     for code in range(NEIGHBOURS + (2 if nodes.rule.postures > 1 else 0)):
         other = before(nodes, pace, node, code)
         if other >= 0 and field.state[other] == ACCEPTED:
-            time = np.float32(field.arrival[other] + time_of_step(nodes, pace, other, node, code))
+            time = np.float32(field.arrival[other] + time_of_step(ask, other, node, code))
             if late < time < field.arrival[node]:
                 field.arrival[node], field.via[node] = time, code
     if field.arrival[node] < NEVER:
@@ -325,11 +324,11 @@ def march(ask, start, field):
 
 
 @njit(_nrt=False, forceinline=True)
-def _refused_known(nodes, node):
+def _refused_known(ask, node):
     return LOST
 
 
-refused = by_type({None: _refused_known, PulledNodes: refused_pulled})
+refused = by_type({None: _refused_known, PulledAsk: refused_pulled})
 """Return when the first front froze in a node that is open [s], negative if none did."""
 
 
@@ -339,7 +338,7 @@ def finish(ask, field, via):
     for node in range(via.size):
         via[node] = -1
         if field.state[node] == OPEN:
-            field.arrival[node] = refused(ask.nodes, node)
+            field.arrival[node] = refused(ask, node)
             if field.arrival[node] >= 0.0:
                 field.state[node] = FROZEN
         else:

@@ -55,8 +55,8 @@ def kappa_in_space(scene: Scene, lattice: PostureLattice, params: WaveParams) ->
 def kappa_of_hand(scene: Scene, lattice: Cube, params: WaveParams) -> float:
     """Run `wave.kappa_of` for cells whose postures only a front finds.
 
-    The unit is that of a wave as fast as the hand at t = 0 while one joint turns as fast as it
-    may, the one that moves the hand most.
+    The wave is as fast as the hand at t = 0 while a single joint turns at full speed: the joint
+    that moves the hand most.
     """
     arm, alone = lattice.arm, np.diag(scene.limits.joint_speed)
     quick = min(max(hand_speed(arm, arm.joints, rates) for rates in alone), scene.limits.speed)

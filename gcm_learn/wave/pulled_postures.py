@@ -191,8 +191,9 @@ def _comes_earlier(ask, field, home, node, code):
 
 
 @njit(_nrt=False)
-def time_pulled(nodes, pace, node, other, code):
+def time_pulled(ask, node, other, code):
     """Time of a step from a cell to another, as the derivative of its posture has it [s]."""
+    nodes, pace = ask.nodes, ask.pace
     cx, cy, cz = hand_of_node(nodes, other)
     u, v, w = cx - nodes.hands[node, 0], cy - nodes.hands[node, 1], cz - nodes.hands[node, 2]
     turns, most = nodes.turns[node], 0.0
@@ -215,7 +216,7 @@ def offer_pulled(ask, field, node, bucket, queue):
         other = neighbour(nodes, pace, node, code)
         if other < 0 or field.state[other] != OPEN:
             continue
-        old, time = arrival[other], now + time_pulled(nodes, pace, node, other, code)
+        old, time = arrival[other], now + time_pulled(ask, node, other, code)
         if time >= old:
             continue
         if nodes.known[other] == field.via[other] + 1 and old < NEVER:
@@ -256,6 +257,6 @@ def judge_pulled(ask, field, node):
 
 
 @njit(_nrt=False, forceinline=True)
-def refused_pulled(nodes, node):
+def refused_pulled(ask, node):
     """Return when the first front froze in a cell [s], negative if none did."""
-    return nodes.refused[node]
+    return ask.nodes.refused[node]

@@ -10,6 +10,7 @@ from gcm_learn.charts import (
     LARGEST_POSTURE_LATTICE,
     MOST_POSTURES,
     SMALLEST_LATTICE,
+    HandLattice,
     Lattice,
     PostureLattice,
     chart_of,
@@ -36,6 +37,7 @@ CHARTS = {
     "long arm": Lattice(33, 1.7),
     "space": PostureLattice(SPACE.arm, 17),
     "postures": PostureLattice(SPACE.arm, 16, 3),
+    "chain": HandLattice(LINKS.arm, 16),
 }
 
 
@@ -81,5 +83,6 @@ def test_the_kind_of_arm_chooses_the_chart():
     assert lattice_of(chart_of(PLANE.arm, 20)).kind is chart_of(PLANE, 20).kind
     with pytest.raises(ArmKindError, match="does not take spatial arms"):
         lattice_of(chart_of(SPACE, 20))
-    with pytest.raises(ArmKindError, match=r"does not take chains \(situation 'links'\)"):
-        chart_of(LINKS, 20)
+    assert chart_of(LINKS, 20) == HandLattice(LINKS.arm, 20)
+    with pytest.raises(ArmKindError, match="does not take chains"):
+        lattice_of(chart_of(LINKS, 20))

@@ -9,7 +9,7 @@ from gcm_learn.errors import ArmKindError
 from gcm_learn.maps import build_map, explore
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
-from gcm_learn.wave import MarchingParams, WaveParams, fastest
+from gcm_learn.wave import MarchingParams, WaveParams
 from tests.charts.test_chart import CHAIN
 from tests.situation.scenes import NAO
 
@@ -19,7 +19,6 @@ REFUSALS = [
     (SPACE, WAVE, True, "a wave that may wait does not take spatial arms"),
     (LINKS, WAVE, False, "a wave does not take chains"),
     (LINKS, WAVE, True, "a wave that may wait does not take chains"),
-    (LINKS, MARCHING, False, "marching does not take chains"),
     (LINKS, MARCHING, True, "marching that may wait does not take chains"),
 ]
 
@@ -34,5 +33,5 @@ def test_a_map_that_cannot_be_is_refused(situation, params, wait, message):
 def test_a_front_that_cannot_be_is_refused():
     with pytest.raises(ArmKindError, match="a wave that may wait does not take spatial arms"):
         explore(pack(SPACE), chart_of(SPACE, 20), WAVE, wait=True)
-    with pytest.raises(ArmKindError, match="a front does not take chains"):
-        fastest(pack(LINKS))
+    with pytest.raises(ArmKindError, match="a wave does not take chains"):
+        explore(pack(LINKS), chart_of(LINKS, 20), WAVE)

@@ -149,7 +149,7 @@ def frozen_cells(cognitive_map: CognitiveMap) -> np.ndarray:
 
 
 def _evened(arrival: np.ndarray, never: float) -> np.ndarray:
-    """Arrivals averaged with those of the cells around that the front reached, for contours."""
+    """Average arrivals over neighbouring cells that the front reached, for contours."""
     there = np.isfinite(arrival)
     share = softened(softened(there.astype(float)))
     total = softened(softened(np.where(there, arrival, 0.0)))
