@@ -93,14 +93,16 @@ class TreeSearch:
         """A catch until `end` [s], by trees that are grown from new."""
         study = problem.study
         trees = new_trees(study, rounds + 2, seed, problem.accelerates)
-        way, met = new_way(study.goal.size), False
-        while rounds > 0 and not met and not problem.over:
-            size = problem.slices(SLICE, rounds)
-            met = search_trees(study, trees, size, end, way)
+        way, found = new_way(study.goal.size), None
+        while rounds > 0 and found is None and not problem.over and problem.budget[0] >= 0:
+            size = min(SLICE, rounds)
             rounds -= size
+            if search_trees(study, trees, size, end, way):
+                made = _finished(problem, trees.moves, way)
+                found = made if made.caught else None
         problem.nodes += int(trees.size.sum()) - 1  # the start was there
-        if met:
-            return _finished(problem, trees.moves, way)
+        if found is not None:
+            return found
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
 
 
