@@ -252,6 +252,7 @@ def test_without_ompl_the_command_line_says_so_in_one_line(tmp_path):
 # --- chains ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_its_catches_of_chains_pass_the_referee_and_repeat():
     caught = 0

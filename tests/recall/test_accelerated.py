@@ -86,6 +86,7 @@ def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits(catches):
     assert waiting > 0
 
 
+@pytest.mark.slow
 def test_memories_without_such_limits_serve_under_them_and_the_other_way_round(memory):
     """What is kept is the same for both, so folders from before such limits were known load."""
     free = list(replace(LIMITED, accelerates=False).drawn(313, 24))

@@ -119,6 +119,7 @@ def test_memories_stay_with_arms_of_as_many_joints(tmp_path):
         ChangeIndex.fit([families.draw("gate", 3, 1)])
 
 
+@pytest.mark.slow
 def test_the_command_solves_with_the_memory_of_a_folder(tmp_path, capsys):
     memory().save(tmp_path / "panda")
     situation = catches()[2][0]
