@@ -12,8 +12,8 @@ from experiments.common.tables import table
 
 STRATA = ("L", "W", "Q")
 YARDSTICK, HELD = "yardstick", "yardstick, two joints held"
-COSTS = ("bystanders",)
-"""First words of the methods that are `search` among more bodies."""
+COSTS = ("lattice", "bystanders")
+"""First words of the methods that are `layered` on other lattices and among more bodies."""
 
 
 def results(folder: Path) -> dict[str, str]:
@@ -25,7 +25,7 @@ def results(folder: Path) -> dict[str, str]:
         strata(known),
         catches(found),
         planes(found.where(method=HELD)),
-        "`search` with bystanders added:",
+        "`layered` on lattices of other sizes, and with bystanders added:",
         prices(found),
     )
     return {"table.md": "\n\n".join(parts) + "\n"}
@@ -93,7 +93,7 @@ def planes(held: Outcomes) -> str:
 
 
 def prices(found: Outcomes) -> str:
-    """Return the cost of `search` over the number of bodies."""
+    """Return the cost of `layered` over the lattice's size and the number of bodies."""
     rows = []
     for name in [name for name in found.methods() if name.startswith(COSTS)]:
         mine = found.where(method=name)

@@ -55,6 +55,7 @@ def test_gallery_writes_readable_pictures(frames, tmp_path, monkeypatch):
         "space-map.png",
         "space-catch.gif",
         "space-body.gif",
+        "two-arms.gif",
     ]
     for file in files:
         with Image.open(file) as picture:

@@ -25,6 +25,7 @@ from gcm_learn.plots.figures.scenery import (
     draw_poses,
     time_bar,
 )
+from gcm_learn.plots.reports.cell import write_cell_film
 from gcm_learn.rendering import Camera, JointSituation, body_poses, view_of
 
 ENGINE = "gcm"
@@ -37,7 +38,7 @@ DPI = 140
 
 
 def write_solid_gallery(folder: Path) -> list[Path]:
-    """Draw one situation in space, and the paper's with a body, into a folder that exists.
+    """Draw a situation in space, the paper's with a body, and two arms, into a folder.
 
     Returns
     -------
@@ -65,8 +66,10 @@ def write_solid_gallery(folder: Path) -> list[Path]:
     out.append(folder / "space-body.gif")
     scene = SPATIAL_SCENES["fig8-space"]()
     swung = with_motor_limits(scene, body_for(scene.arm))
-    done = execute(solve(swung, "layered"), swung)
+    done = execute(solve(swung), swung)
     animate_execution(swung, done, out[-1], frames=BODY_FRAMES, views=VIEWS)
+    out.append(folder / "two-arms.gif")
+    write_cell_film(out[-1], FRAMES)
     return out
 
 
