@@ -36,7 +36,7 @@ def catches(found: Outcomes) -> str:
         earliest[name] = min(time, earliest.get(name, time))
     head = [
         "method", "situations", "caught [%]", "ms, median / 90 %",
-        "catch time over the best known, median / 90 %", "complaints",
+        "catch time relative to the best known, median / 90 %", "complaints",
     ]  # fmt: skip
     rows = []
     for name in found.methods():

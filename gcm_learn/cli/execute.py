@@ -45,7 +45,7 @@ class Who(NamedTuple):
 class Execute:
     """Plan for the spatial arms and chains of a file, and let arms with mass follow the plans.
 
-    One line reports each outcome. Where limits of acceleration are absent, the motors set them.
+    One line reports each outcome. The motors set limits of acceleration where a situation has none.
     """
 
     file: Annotated[Positional[str], arg(metavar="FILE")]

@@ -35,7 +35,7 @@ def chain_moves(curved):
 
 
 def spatial_moves():
-    situation = families.draw("falling-space", 0, 7)
+    situation = families.draw("falling-space", 0, 2)
     arm = replace(situation.arm, max_joint_acceleration=None, joint_rates=None)
     return solve(replace(situation, arm=arm), "search").trajectory
 

@@ -12,7 +12,7 @@ import pytest
 from gcm_learn import artifacts, solve
 from gcm_learn.arms import Chain
 from gcm_learn.errors import FieldError, StopError
-from gcm_learn.families import draw, paper_scene
+from gcm_learn.families import draw, paper_scene, thrown_scene
 from gcm_learn.motion import (
     Movement,
     to_csv,
@@ -40,10 +40,11 @@ def panda(*others: Body) -> Situation:
     return Situation("panda", 1.5, arm, (Body("target", "ball", Sphere(0.04), throw), *others))
 
 
-def pendulum(*others: Body) -> Situation:
-    """Return a spatial arm with limits of acceleration that catches a pendulum."""
-    scene = paper_scene("fig8-space")
-    arm = replace(scene.arm, max_joint_acceleration=(30.0,) * 4)
+def limited(*others: Body) -> Situation:
+    """Return a spatial arm with limits of acceleration that catches behind a post."""
+    scene = draw("behind-post-space", 3, 3)
+    limits = tuple(8.0 * speed for speed in scene.arm.max_joint_speed)
+    arm = replace(scene.arm, max_joint_acceleration=limits)
     return replace(scene, arm=arm, bodies=(*scene.bodies, *others))
 
 
@@ -56,8 +57,8 @@ CASES = {
     "planar": lambda: paper_scene("fig4"),
     "planar among solids": lambda: draw("gate-solid", 0, 0),
     "a target that leaves the plane": lambda: _of_suite("demo-39"),
-    "spatial": lambda: paper_scene("fig8-space"),
-    "spatial with accelerations": pendulum,
+    "spatial": thrown_scene,
+    "spatial with accelerations": limited,
     "chain": panda,
 }
 
@@ -89,7 +90,7 @@ def test_a_stop_goes_on_as_the_catch_ends_and_rests(case):
 
 
 def test_stops_keep_accelerations():
-    situation = pendulum()
+    situation = limited()
     made = with_stop(situation, solve(situation).trajectory)
     most = np.array(situation.arm.max_joint_acceleration)
     _, _, forces = made.states_at(np.linspace(0.0, made.duration, 4000, endpoint=False))
@@ -108,7 +109,7 @@ def test_what_rests_needs_no_stop():
     assert with_stop(situation, resting) is resting
 
 
-@pytest.mark.parametrize("made", [panda, pendulum])
+@pytest.mark.parametrize("made", [panda, limited])
 def test_a_stop_into_an_obstacle_is_refused(made):
     """Balls on the hand's way behind the catch leave no room to brake."""
     situation = made()

@@ -86,7 +86,7 @@ def test_the_referee_accepts_catches_under_limits_of_acceleration(moving):
 
 
 def test_with_a_deadline_catches_come_earlier():
-    situation = families.draw("panda-crowded-accelerated", 5, 1)
+    situation = families.draw("panda-crowded-accelerated", 5, 4)
     first = get_planner("search").plan(situation)
     best = get_planner("search").plan(situation, deadline=1.5)
     assert first.caught and best.catch_time <= first.catch_time

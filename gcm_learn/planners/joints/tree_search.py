@@ -22,7 +22,7 @@ SLICE = 100
 ROUNDS = 6000
 PATIENCE = 40
 VAIN = 10
-"""Pairs of trees in a row that find nothing earlier, before no more are grown."""
+"""Pairs of trees in a row that find nothing earlier, after which the search ends."""
 
 
 @dataclass(frozen=True)

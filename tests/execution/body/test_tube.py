@@ -59,7 +59,7 @@ def test_a_plan_of_a_chain_in_a_tube_keeps_its_width():
     panda = Chain(shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.03)
     hand, rest = hands_along(panda, panda.joints)[0][0], (0.0, 0.0, 0.0)
     target = SolidQuadratic(tuple(hand + (0.0, 0.35, 0.1)), rest, rest)
-    between = SolidQuadratic(tuple(hand + (0.03, 0.19, 0.05)), rest, rest)
+    between = SolidQuadratic(tuple(hand + (0.0, 0.19, 0.05)), rest, rest)
     ball = Body("target", "ball", Sphere(0.02), target)
     bodies = ball, Body("obstacle", "o", Sphere(0.02), between)
     free = Situation("chain", 2.0, panda, bodies, format="gcm-learn/situation@3")
