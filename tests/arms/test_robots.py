@@ -270,6 +270,7 @@ def test_files_with_faults_are_refused_by_name(elbow, old, new, reason, capsys):
     assert reason in said and said.count("\n") == 1 and "elbow.urdf: " in said
 
 
+@pytest.mark.slow
 def test_the_how_to_runs(elbow, tmp_path, monkeypatch, capsys):
     page = Path(__file__).parents[2] / "docs" / "robots.md"
     command, *_ = re.findall(r"^```bash\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)

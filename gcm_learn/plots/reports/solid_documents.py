@@ -32,7 +32,7 @@ ENGINE = "gcm"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
 INSTANTS = (0.2, 0.45, 0.7)  # of it: the wave's snapshots; the contact follows
 BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
-FRAMES, BODY_FRAMES, VIEWS = 24, 18, 6
+FRAMES, BODY_FRAMES, CELL_FRAMES, VIEWS = 24, 18, 12, 6
 WORD = "#b7791f"  # darker than what it names, to be readable
 DPI = 140
 
@@ -69,7 +69,7 @@ def write_solid_gallery(folder: Path) -> list[Path]:
     done = execute(solve(swung), swung)
     animate_execution(swung, done, out[-1], frames=BODY_FRAMES, views=VIEWS)
     out.append(folder / "two-arms.gif")
-    write_cell_film(out[-1], FRAMES)
+    write_cell_film(out[-1], CELL_FRAMES)
     return out
 
 
