@@ -145,6 +145,7 @@ def test_a_world_that_is_seen_inexactly_is_planned_for_while_the_arm_moves(file,
     assert done["planned_catch_time"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("planner", ["recall", "hybrid"])
 @pytest.mark.parametrize("noise", ["0", "0.002"])
 def test_who_recalls_moves_arms_with_mass(planner, noise, tmp_path, capsys):

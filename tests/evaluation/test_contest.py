@@ -213,6 +213,7 @@ def test_what_cannot_be_compared_leaves_nothing_behind(option, value, tmp_path, 
     assert value in capsys.readouterr().err and not out.exists()
 
 
+@pytest.mark.slow
 def test_what_is_shipped_can_be_compared(tmp_path):
     from gcm_learn.plots import build_comparison, shipped_methods
 
