@@ -52,10 +52,6 @@ def in_plane() -> Iterator[tuple[str, Any, Any]]:
             yield family, replace(situation, name=f"{family} {k:02d}"), as_chain(situation)
 
 
-def _search() -> Any:
-    return get_planner("search")
-
-
 def answers(situation: Any, planner: Any, complain: Any) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield what a planner answers without and with deadlines."""
     for words, deadline in DEADLINES.items():
@@ -91,7 +87,7 @@ def rows_in_space(planners: dict[str, str]) -> Iterator[dict[str, Any]]:
 
 def rows_in_plane() -> Iterator[dict[str, Any]]:
     """Yield the answers of `search` to planar arms and to the same as chains."""
-    drawn, planner = list(in_plane()), _search()
+    drawn, planner = list(in_plane()), get_planner("search")
     for _, *pair in drawn[:: 2 * EACH]:
         for situation in pair:
             for deadline in DEADLINES.values():

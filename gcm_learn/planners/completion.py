@@ -201,11 +201,21 @@ class SpatialProblem(Task):
 
 def until(situation: Situation, bound: float | None) -> Situation:
     """Return the situation in which only catches until a bound count [s]."""
-    if bound is None or bound >= situation.horizon:
-        return situation
-    if not bound > 0.0:
+    end = end_of(situation, bound)
+    return situation if end == situation.horizon else replace(situation, horizon=end)
+
+
+def end_of(situation: AnySituation, bound: float | None) -> float:
+    """Return the time until which catches count [s]: a bound or the horizon.
+
+    Raises
+    ------
+    ValueError
+        If the bound is not positive.
+    """
+    if bound is not None and not bound > 0.0:
         raise ValueError(f"bound: must be positive (got {bound:g})")
-    return replace(situation, horizon=bound)
+    return situation.horizon if bound is None else min(situation.horizon, bound)
 
 
 def straight_catch(

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gcm_learn.motion import Failure, Movement
-from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.completion import Attempt, SpatialProblem, checked, end_of
 from gcm_learn.planners.joints.meeting_trees import search_trees
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
@@ -61,17 +61,15 @@ class TreeSearch:
         deadline : float or Deadline, optional
             See `Anytime`.  With it new trees look for an earlier catch until then.
         """
-        if bound is not None and not bound > 0.0:
-            raise ValueError(f"bound: must be positive (got {bound:g})")
+        end = end_of(situation, bound)
         problem: Any = SpatialProblem(situation, self.name, deadline=deadline_of(deadline))
-        early = problem.early_answer(keeps_acceleration=True) or at_once(problem)
+        early: Plan | None = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
-        end = situation.horizon if bound is None else min(situation.horizon, bound)
-        if self.patience and not problem.accelerates:
-            line = earliest_straight(problem)
-            if line.catch_time is not None and line.catch_time <= end:
-                return line
+        simple = earliest_straight if self.patience and not problem.accelerates else at_once
+        first = simple(problem)
+        if first is not None and first.catch_time is not None and first.catch_time <= end:
+            return first
         plan = self._before(problem, end, self.seed, self.rounds)
         if plan.caught:
             plan = self._sooner(problem, plan)
@@ -98,8 +96,7 @@ class TreeSearch:
             size = min(SLICE, rounds)
             rounds -= size
             if search_trees(study, trees, size, end, way):
-                made = _finished(problem, trees.moves, way)
-                found = made if made.caught else None
+                found = _finished(problem, trees.moves, way)
         problem.nodes += int(trees.size.sum()) - 1  # the start was there
         if found is not None:
             return found
@@ -116,8 +113,8 @@ def layered_in_space() -> TreeSearch:
     return search_in_space("layered")
 
 
-def _finished(problem: SpatialProblem, moves: Any, way: Way) -> Plan:
-    """The way as a plan: without postures that are not needed, its catch made earlier, verified."""
+def _finished(problem: SpatialProblem, moves: Any, way: Way) -> Plan | None:
+    """The way as a plan without needless postures, its catch made earlier; None if it is broken."""
     study, short = problem.study, new_way(problem.study.goal.size)
     samples: tuple[np.ndarray, ...]
     if problem.accelerates:
@@ -129,5 +126,4 @@ def _finished(problem: SpatialProblem, moves: Any, way: Way) -> Plan:
         hasten(study, short)
         *samples, body = samples_of(study, short)
     path = Movement(problem.situation.arm, *samples)
-    plan, reason = checked(problem, Attempt(path, int(body)))
-    return problem.answer(reason or Failure.NO_INTERCEPTION) if plan is None else plan
+    return checked(problem, Attempt(path, int(body)))[0]
