@@ -31,7 +31,7 @@ from gcm_learn.motion import (
     verify,
 )
 from gcm_learn.planners.joints.moves import Study, study_of
-from gcm_learn.planners.plan import GAIN, Deadline, Plan
+from gcm_learn.planners.plan import GAIN, Deadline, Plan, end_of
 from gcm_learn.scene import Bodies, Scene, pack
 from gcm_learn.situation import AnySituation, Situation, planar
 
@@ -203,19 +203,6 @@ def until(situation: Situation, bound: float | None) -> Situation:
     """Return the situation in which only catches until a bound count [s]."""
     end = end_of(situation, bound)
     return situation if end == situation.horizon else replace(situation, horizon=end)
-
-
-def end_of(situation: AnySituation, bound: float | None) -> float:
-    """Return the time until which catches count [s]: a bound or the horizon.
-
-    Raises
-    ------
-    ValueError
-        If the bound is not positive.
-    """
-    if bound is not None and not bound > 0.0:
-        raise ValueError(f"bound: must be positive (got {bound:g})")
-    return situation.horizon if bound is None else min(situation.horizon, bound)
 
 
 def straight_catch(

@@ -146,6 +146,19 @@ class Anytime(Protocol):
         """
 
 
+def end_of(situation: AnySituation, bound: float | None) -> float:
+    """Return the time until which catches count [s]: a bound or the horizon.
+
+    Raises
+    ------
+    ValueError
+        If the bound is not positive.
+    """
+    if bound is not None and not bound > 0.0:
+        raise ValueError(f"bound: must be positive (got {bound:g})")
+    return situation.horizon if bound is None else min(situation.horizon, bound)
+
+
 def in_plane(kind: Kind) -> bool:
     """Return whether arms of a kind are planar: what planners take that say nothing else."""
     return kind == PLANAR

@@ -8,13 +8,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gcm_learn.motion import Failure, Movement
-from gcm_learn.planners.completion import Attempt, SpatialProblem, checked, end_of
+from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.joints.meeting_trees import search_trees
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
 from gcm_learn.planners.joints.trees import new_trees
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten
-from gcm_learn.planners.plan import Deadline, Plan, deadline_of, in_joints
+from gcm_learn.planners.plan import Deadline, Plan, deadline_of, end_of, in_joints
 from gcm_learn.situation import AnySituation
 
 SLICE = 100
