@@ -141,15 +141,10 @@ def _place_swing(row: list[float], tables: Tables, motion: Pendulum, frame: Fram
 def _place_pieces(
     row: list[float], tables: Tables, motion: Piecewise | Sampled, frame: Frame
 ) -> None:
-    row[k.SWING], row[k.PIECES] = len(tables), len(motion.pieces)
-    laws = [piece.motion for piece in motion.pieces]
-    starts = np.array([piece.start for piece in motion.pieces])
-    vectors = ("position", "velocity", "acceleration", "spin")
-    position, velocity, acceleration, spin = (
-        np.array([getattr(law, name) for law in laws]) for name in vectors
-    )
-    turn = rotations_of(np.array([law.orientation for law in laws]))
-    rows = np.zeros((len(laws), k.PIECE_COLUMNS))
+    starts, position, velocity, acceleration, orientation, spin = motion.arrays
+    row[k.SWING], row[k.PIECES] = len(tables), len(starts)
+    turn = rotations_of(orientation)
+    rows = np.zeros((len(starts), k.PIECE_COLUMNS))
     rows[:, k.START] = starts
     span = np.diff(starts)[:, None]
     ends = position[:-1] + velocity[:-1] * span + 0.5 * acceleration[:-1] * span * span
@@ -162,7 +157,8 @@ def _place_pieces(
     rows[:, k.SPIN : k.SPIN + 3] = spin @ view.T
     rows[:, k.TURN : k.TURN + 9] = (view @ turn).reshape(-1, 9)
     tables.append(rows)
-    _place_solid(row, tables, laws[0], frame)  # for readers of t = 0 only
+    law = slice(k.POSITION, k.TURN + 9)
+    row[law] = rows[0, law].tolist()  # for readers of t = 0 only
 
 
 def _angles_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -203,7 +199,7 @@ def _pieces_later(motion: Piecewise, t: float) -> Piecewise:
 
 
 def _samples_later(motion: Sampled, t: float) -> Sampled:
-    start, law = next(piece for piece in reversed(motion.pieces) if piece.start <= t)
+    start, law = motion.at(t)
     now = _solid_later(law, t - start)
     ahead = [i for i, time in enumerate(motion.times) if time > t]
     turns = motion.orientations

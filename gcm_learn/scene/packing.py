@@ -98,8 +98,8 @@ def pack_bodies(situation: AnySituation) -> Bodies:
         LAWS[type(motion)].place(row, tables, motion, view)
         if entry.is_ball and body.approach is None:  # no spin can be seen
             row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
-            for piece in tables[-1] if row[k.PIECES] else ():
-                piece[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
+            if row[k.PIECES]:
+                tables[-1][:, k.SPIN : k.SPIN + 3] = 0.0
         row[k.FIRST] = len(vertices)
         vertices.extend(entry.vertices(shape))
         row[k.LAST] = len(vertices)

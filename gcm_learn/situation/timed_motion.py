@@ -10,6 +10,8 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
+
 from gcm_learn.checks import LARGEST, number, put, sequence, show, unit_vector, vector
 from gcm_learn.errors import SituationError
 from gcm_learn.situation.motion import SolidQuadratic
@@ -42,16 +44,17 @@ def turned(orientation: Sequence[float], spin: Sequence[float], t: float) -> Qua
     return product((math.cos(half), x * along, y * along, z * along), orientation)
 
 
-def spin_between(first: Sequence[float], second: Sequence[float], t: float) -> Vector:
-    """Return the constant spin that turns one orientation into another the short way in t [s]."""
-    w, x, y, z = first
-    a, b, c, d = product(second, (w, -x, -y, -z))
-    side = -1.0 if a < 0.0 else 1.0
-    size = math.sqrt(b * b + c * c + d * d)
-    if size == 0.0:
-        return (0.0, 0.0, 0.0)
-    rate = side * 2.0 * math.atan2(size, side * a) / (size * t)
-    return (b * rate, c * rate, d * rate)
+def spins_between(orientations: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return the constant spins (m - 1, 3) that turn orientations (m, 4) into the next ones.
+
+    They turn the short way, within `steps` (m - 1,) [s].
+    """
+    w, x, y, z = orientations[:-1].T
+    a, *turn = product(orientations[1:].T, (w, -x, -y, -z))  # type: ignore[arg-type]
+    b, c, d = turn
+    side, size = np.where(a < 0.0, -1.0, 1.0), np.sqrt(b * b + c * c + d * d)
+    rate = side * 2.0 * np.arctan2(size, side * a) / (np.where(size > 0.0, size, 1.0) * steps)
+    return (np.array(turn) * rate).T
 
 
 def nearer(first: Sequence[float], second: Sequence[float]) -> tuple[float, ...]:
@@ -65,7 +68,28 @@ MEET = 1e-6
 HALF_TURN = 1e-6
 """Neighbouring orientations are half a turn apart if their product is at most this."""
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
-_REST = (0.0, 0.0, 0.0)
+
+
+class PieceArrays(NamedTuple):
+    """Pieces of a motion as arrays; see `SolidQuadratic`."""
+
+    start: np.ndarray
+    """(m,) [s]."""
+    position: np.ndarray
+    """(m, 3)."""
+    velocity: np.ndarray
+    """(m, 3)."""
+    acceleration: np.ndarray
+    """(m, 3)."""
+    orientation: np.ndarray
+    """(m, 4)."""
+    spin: np.ndarray
+    """(m, 3) [rad/s]."""
+
+    def piece(self, k: int) -> Piece:
+        """Return piece k."""
+        start, *law = (row[k].tolist() for row in self)
+        return Piece(start, SolidQuadratic(*map(tuple, law)))
 
 
 class Piece(NamedTuple):
@@ -108,6 +132,14 @@ class Piecewise:
         made = object.__new__(cls)
         put(made, "pieces", tuple(pieces))
         return made
+
+    @cached_property
+    def arrays(self) -> PieceArrays:
+        """Return the pieces as arrays."""
+        laws = [piece.motion for piece in self.pieces]
+        names = PieceArrays._fields[1:]
+        columns = (np.array([getattr(law, name) for law in laws]) for name in names)
+        return PieceArrays(np.array([piece.start for piece in self.pieces]), *columns)
 
     def at(self, t: float) -> Piece:
         """Return the piece that holds at a time [s]."""
@@ -216,18 +248,19 @@ class Sampled:
         return self.orientations or (_UNTURNED,) * len(self.times)
 
     @cached_property
-    def pieces(self) -> tuple[Piece, ...]:
+    def arrays(self) -> PieceArrays:
         """Return the motion as pieces of constant velocity and spin; the last one rests."""
-        made, turns = [], self.turns
-        last = len(self.times) - 1
-        for k, (start, position, turn) in enumerate(
-            zip(self.times, self.positions, turns, strict=True)
-        ):
-            velocity, spin = _REST, _REST
-            if k < last:
-                step = self.times[k + 1] - start
-                there = zip(position, self.positions[k + 1], strict=True)
-                velocity = tuple((b - a) / step for a, b in there)  # type: ignore[assignment]
-                spin = spin_between(turn, turns[k + 1], step)
-            made.append(Piece(start, SolidQuadratic(position, velocity, _REST, turn, spin)))
-        return tuple(made)
+        start, position, turns = (np.array(x) for x in (self.times, self.positions, self.turns))
+        steps, rest = np.diff(start), np.zeros((1, 3))
+        velocity = np.vstack([np.diff(position, axis=0) / steps[:, None], rest])
+        spin = np.vstack([spins_between(turns, steps), rest])
+        return PieceArrays(start, position, velocity, np.zeros_like(position), turns, spin)
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the pieces; see `arrays`."""
+        return tuple(map(self.arrays.piece, range(len(self.times))))
+
+    def at(self, t: float) -> Piece:
+        """Return the piece that holds at a time [s]."""
+        return self.arrays.piece(max(bisect_right(self.times, t) - 1, 0))
