@@ -7,6 +7,7 @@ none is allocated; each worker packs a limb of its own.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -312,10 +313,12 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
     )
 
 
+@lru_cache(maxsize=32)
 def _axes_along_z(model: ChainModel) -> tuple[np.ndarray, np.ndarray]:
     """Return rows of joints (n, 13), and of links and hand (m + 1, 6), as `ChainLimb` has them.
 
     Frames are turned so that each joint moves about its z axis, which spares `place` a third.
+    The arrays are kept, since a limb is packed for every situation.
     """
     turned, rows = [np.eye(3)], []
     for joint in model.joints:
