@@ -32,6 +32,7 @@ MIXED = {
     "gcm_learn.planners.joints.straight",
     "gcm_learn.planners.baselines.st_rrt_star_joints",
     "gcm_learn.recall.passing",
+    "gcm_learn.recall.synthetic",
     "gcm_learn.recall.waypoints",
     "gcm_learn.scene.packing",
 }

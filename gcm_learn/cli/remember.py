@@ -33,6 +33,9 @@ class Remember:
     ] = None
     """whose catches are remembered"""
 
+    synthetic: bool = False
+    """take random movements to the targets in place of catches, as long as these: a control"""
+
     split: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="(default: train)")] = None
     """which records: a split's name, or all"""
 
@@ -54,6 +57,8 @@ class Remember:
             raise CommandFailure(f"--most {self.most}: must be at least 1")
         if self.seed < 0:
             raise CommandFailure(f"--seed {self.seed}: must not be negative")
+        if self.synthetic and self.planner:
+            raise CommandFailure("--planner: has no part in --synthetic")
         check_workers(self.workers)
         records = dataset_package().open(self.dataset)
         split = self.split or "train"
@@ -68,6 +73,7 @@ class Remember:
                 records,
                 index,
                 self.planner or "",
+                synthetic=self.synthetic,
                 seed=self.seed,
                 most=self.most,
                 workers=self.workers,

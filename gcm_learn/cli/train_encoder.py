@@ -53,6 +53,10 @@ class TrainEncoder:
     memory: Literal["trace", "map", "both"] = "trace"
     """what a memory is embedded by: its way, its situation's cognitive map, or both"""
 
+    synthetic: bool = False
+    """learn from random movements to the targets in place of catches, as long as these: a
+    control; see gcm-learn remember --synthetic"""
+
     most: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all)")] = None
     """records that are read at most"""
 
@@ -95,6 +99,7 @@ class TrainEncoder:
                 self.seed,
                 most=self.most,
                 maps=config.uses_maps,
+                synthetic=self.synthetic,
                 crew=crew,
                 progress=reading.advance,
             )
@@ -105,7 +110,8 @@ class TrainEncoder:
             with Progress(PARTS, "parts of the training") as progress:
                 trainer.run(lambda share: progress.advance(int(share * PARTS) - progress.done))
             marks = trainer.validate()
-            write_model(self.out, trainer, records, self.dataset, marks)
+            named = f"{self.dataset} --synthetic" if self.synthetic else self.dataset
+            write_model(self.out, trainer, records, named, marks)
         except OSError as error:
             raise CommandFailure(f"--out {self.out}: {why(error)}") from None
         scores = ", ".join(f"{name} {value:.0%}" for name, value in marks.items())

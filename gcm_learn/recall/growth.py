@@ -29,6 +29,7 @@ from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, waypoints_of
 from gcm_learn.recall.planners import RecallPlanner, Recollection
 from gcm_learn.recall.store import Forgotten, Memory
+from gcm_learn.recall.synthetic import Synthetic, habits_of
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import Situation, canonical
 
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 
 CHUNK = 500  # records that are filed at once
 FITTED = 5000  # situations at most that an index is fitted to
+Source = Callable[["Record"], "Waypoints | None"]
+"""Movement of a record, if it has one."""
 RETRIED = 64  # situations of the book at most in which a fresh memory is tried
 
 
@@ -45,6 +48,7 @@ def remember(
     index: str | Index = "raw",
     planner: str = "",
     *,
+    synthetic: bool = False,
     seed: int = 0,
     most: int | None = None,
     workers: int | None = 1,
@@ -61,8 +65,11 @@ def remember(
         A registered name, which is fitted to a sample of the situations, or an index of your own.
     planner : str
         Whose catches; by default of all planners the earliest.
+    synthetic : bool
+        Take a synthetic movement for each record in place of its catch; see `recall.synthetic`.
     seed : int
-        Decides the sample, and which records are taken if there are more than `most`.
+        Decides the sample, synthetic movements, and which records are taken if there are more than
+        `most`.
     most : int, optional
         Records that are read at most.
     workers, cluster
@@ -81,9 +88,10 @@ def remember(
         index = _fitted(records, index, order, seed)
     kind = records.spec.kind
     memory = Memory(index, kind=kind)
+    source = source_of(records, planner, synthetic=synthetic, seed=seed)
     parts = [order[start : start + CHUNK] for start in range(0, len(order), CHUNK)]
     with crew_of(workers, cluster) as crew:
-        filed = crew.map(partial(_filed, index, kind, planner), map(records.part, parts))
+        filed = crew.map(partial(_filed, index, kind, source), map(records.part, parts))
         for part, more in zip(parts, filed, strict=True):
             memory.extend(more)
             progress(len(part))
@@ -99,10 +107,10 @@ def _fitted(records: Dataset, name: str, order: np.ndarray, seed: int) -> Index:
     return made.fit([records[int(k)].situation for k in sample], seed)
 
 
-def _filed(index: Index, kind: Kind, planner: str, records: Iterable[Record]) -> Memory:
+def _filed(index: Index, kind: Kind, source: Source, records: Iterable[Record]) -> Memory:
     """A memory of some records."""
     memory = Memory(index, kind=kind)
-    found = [(record, waypoints) for record in records if (waypoints := catch_of(record, planner))]
+    found = [(record, waypoints) for record in records if (waypoints := source(record))]
     memory.add(
         [record.situation for record, _ in found],
         [waypoints for _, waypoints in found],
@@ -110,6 +118,18 @@ def _filed(index: Index, kind: Kind, planner: str, records: Iterable[Record]) ->
         [record.stratum for record, _ in found],
     )
     return memory
+
+
+def source_of(
+    records: Dataset, planner: str = "", *, synthetic: bool = False, seed: int = 0
+) -> Source:
+    """Return what a memory keeps of a record: a planner's catch, or a synthetic movement.
+
+    Synthetic movements are as long as catches of the records for training.
+    """
+    if not synthetic:
+        return partial(catch_of, planner=planner)
+    return Synthetic(habits_of(records.where(split="train")), seed)
 
 
 def catch_of(record: Record, planner: str = "") -> Waypoints | None:

@@ -1,4 +1,7 @@
-"""Headings: a chain turned about its X  A spatial arm has no heading; its symmetry is a mirror, see
+"""Headings: a chain turned about its first joint until the target is ahead.
+
+Situations that differ by a turn about that axis are then one.  Only the range of the first joint
+tells them apart.  A spatial arm has no heading; its symmetry is a mirror, see
 `situation.spatial_frame`.
 """
 

@@ -49,7 +49,7 @@ class MemoryKind:
     goal: int
     """Numbers of its goal."""
     waypoints_of: Callable[..., Waypoints]
-    """The catch of a plan in a situation, as memory keeps it."""
+    """A situation's movement to a body, as memory keeps it."""
     raw_features: Callable[..., np.ndarray]
     """Raw parameters of a situation, with its scene if that is at hand."""
     features: Callable[..., Features]
@@ -192,7 +192,10 @@ def waypoints_of(situation: AnySituation, plan: Plan) -> Waypoints:
     plan : Plan
         A catch in it.
     """
-    return MEMORIES.of(situation).waypoints_of(situation, plan)
+    if plan.trajectory is None or plan.catch_body is None:
+        raise ValueError(f"plan: {plan.status}, only catches can be remembered")
+    body = [body.name for body in situation.bodies].index(plan.catch_body)
+    return MEMORIES.of(situation).waypoints_of(situation, plan.trajectory, body)
 
 
 def raw_features(situation: AnySituation, scene: Any = None) -> np.ndarray:

@@ -24,7 +24,7 @@ from gcm_learn.errors import RecallError
 from gcm_learn.processes import Crew, Here
 from gcm_learn.recall.adaptation import DEFAULT
 from gcm_learn.recall.features import FeatureBatch, Features, batched, map_features
-from gcm_learn.recall.growth import catch_of
+from gcm_learn.recall.growth import Source, source_of
 from gcm_learn.recall.kinds import MEMORIES
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
@@ -132,6 +132,8 @@ class TransferLabels:
         Records that are read at most; by default all.
     maps : bool
         Whether features of maps are wanted, which takes a march for each memory.
+    synthetic : bool
+        Whether memories are synthetic movements in place of catches; see `recall.synthetic`.
     crew : Crew
         Who reads the records and tries memories; by default this process.
     progress : callable
@@ -147,6 +149,7 @@ class TransferLabels:
         *,
         most: int | None = None,
         maps: bool = False,
+        synthetic: bool = False,
         crew: Crew | None = None,
         progress: Callable[[int], None] = lambda done: None,
         sizes: Sizes | None = None,
@@ -162,8 +165,9 @@ class TransferLabels:
         paths: list[Any] = []
         drawn, easy = [], []
         parts = [order[k : k + READ] for k in range(0, len(order), READ)]
+        source = source_of(train, synthetic=synthetic, seed=seed)
         with uncollected():
-            read = self.crew.map(partial(_lessons, maps), map(train.part, parts))
+            read = self.crew.map(partial(_lessons, maps, source), map(train.part, parts))
             for part, lessons in zip(parts, read, strict=True):
                 progress(len(part))
                 for lesson in lessons:
@@ -290,11 +294,11 @@ class _Try(NamedTuple):
     rows: np.ndarray
 
 
-def _lessons(maps: bool, records: Dataset) -> list[_Lesson]:
-    """The catches among some records."""
+def _lessons(maps: bool, source: Source, records: Dataset) -> list[_Lesson]:
+    """The movements of some records."""
     out = []
     for record in records:
-        if (waypoints := catch_of(record)) is not None:
+        if (waypoints := source(record)) is not None:
             drawn = map_features(record.situation) if maps else None
             out.append(_Lesson(record.situation, waypoints, record.stratum == "L", drawn))
     return out

@@ -11,7 +11,7 @@ from gcm_learn.arms import Arm
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Movement, opening
 from gcm_learn.motion.timing import segment_times
-from gcm_learn.planners import Plan, study_of
+from gcm_learn.planners import study_of
 from gcm_learn.recall.hand_paths import ANGLE, RING
 from gcm_learn.recall.hand_paths import KNOTS as HAND_KNOTS
 from gcm_learn.recall.headings import heading_of
@@ -124,28 +124,14 @@ def ring_share(arm: Arm, radius: np.ndarray | float) -> np.ndarray | float:
     return (radius - arm.inner_reach) / (arm.reach - arm.inner_reach)
 
 
-def hand_waypoints(situation: Situation, plan: Plan) -> Waypoints:
-    """Return the catch of a planar arm as memory keeps it; see `waypoints_of`."""
-    path, body = _caught(situation, plan)
+def hand_waypoints(situation: Situation, path: Movement, body: int) -> Waypoints:
+    """Return the movement of a planar arm to a body as memory keeps it."""
     poses = np.zeros((len(situation.bodies), 12))
     pose_at(pack_bodies(situation), body, path.duration, poses)
-    return waypoints_of_path(situation, path, poses[body, :2])
-
-
-def waypoints_of_path(situation: Situation, trajectory: Movement, goal: np.ndarray) -> Waypoints:
-    """Return a hand path as memory keeps it.
-
-    Parameters
-    ----------
-    situation : Situation
-    trajectory : Movement
-    goal : (2,) ndarray
-        Centre of the target at the path's end, in arm-plane coordinates.
-    """
-    arm, frame = situation.arm, frame_of(situation)
+    arm, frame, goal = situation.arm, frame_of(situation), poses[body, :2]
     side = -1.0 if frame.mirrored else 1.0
-    time = knot_times(trajectory.time, trajectory.hand, HAND_KNOTS, CLOSE)
-    hand = trajectory.hand_at(time)
+    time = knot_times(path.time, path.hand, HAND_KNOTS, CLOSE)
+    hand = path.hand_at(time)
     angles = np.unwrap(np.arctan2(hand[:, 1], hand[:, 0]))
     places = np.empty((len(time), 2))
     places[:, ANGLE], places[:, RING] = (
@@ -160,9 +146,8 @@ def waypoints_of_path(situation: Situation, trajectory: Movement, goal: np.ndarr
     return Waypoints(knots, np.array([turn, share], dtype=np.float32))
 
 
-def joint_waypoints(situation: Situation[Any], plan: Plan) -> Waypoints:
-    """Return the catch of a spatial arm or a chain as memory keeps it; see `waypoints_of`."""
-    path, body = _caught(situation, plan)
+def joint_waypoints(situation: Situation[Any], path: Movement, body: int) -> Waypoints:
+    """Return the movement of a spatial arm or a chain to a body as memory keeps it."""
     turned, frame = canonical(situation)
     seen = path.time if path.rates is None else np.linspace(0.0, path.duration, INSTANTS)
     joints = frame.canonical_joints(path.joints_at(seen))
@@ -175,13 +160,6 @@ def joint_waypoints(situation: Situation[Any], plan: Plan) -> Waypoints:
     centre = heading.points(centre_of(scene.bodies, body, path.duration))
     goal = np.concatenate([centre, hand - centre]) / situation.arm.reach
     return Waypoints(knots, goal.astype(np.float32))
-
-
-def _caught(situation: Situation[Any], plan: Plan) -> tuple[Any, int]:
-    """Return the path of a catch and the index of its target."""
-    if plan.trajectory is None or plan.catch_body is None:
-        raise ValueError(f"plan: {plan.status}, only catches can be remembered")
-    return plan.trajectory, [body.name for body in situation.bodies].index(plan.catch_body)
 
 
 def _knots(places: np.ndarray, time: np.ndarray, longest: np.ndarray) -> np.ndarray:

@@ -1,0 +1,191 @@
+"""Movements without experience: the control for what stored catches add.
+
+A synthetic movement goes to a random posture that meets a target, by a random detour.  Lengths,
+times and waits are those of catches, drawn at random.  Nothing else is taken from a catch, and
+obstacles are not looked at.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn import seeding
+from gcm_learn.arms import PLANAR, SIDE, ByKind, forward, joints_of
+from gcm_learn.compiled import njit
+from gcm_learn.errors import RecallError
+from gcm_learn.motion import Movement
+from gcm_learn.planners.joints.pull import box, pulled
+from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.waypoints import Waypoints
+from gcm_learn.scene.bodies import pose_at
+
+if TYPE_CHECKING:
+    from gcm_learn.dataset import Record
+
+TRIES = 24  # postures that are drawn for one movement
+SAMPLES = 33  # of a movement
+BEND = 0.25, 0.75  # shares of the way at which a detour bends
+STILL = 1e-3  # turn of the joints that is not yet a movement [rad]
+STUDIED = 2000  # catches whose lengths are known, at most
+
+
+class Habit(NamedTuple):
+    """Length and times of a catch, and nothing else of it."""
+
+    length: float
+    """Way in the joints [rad]."""
+    end: float
+    """Time of the catch [horizons]."""
+    wait: float
+    """Rest before the movement begins [times of the catch]."""
+
+
+def habits_of(records: Iterable[Record]) -> tuple[Habit, ...]:
+    """Return lengths and times of the earliest catches of some records.
+
+    Raises
+    ------
+    RecallError
+        If there is no catch.
+    """
+    plans = (_earliest(record) for record in records)
+    found = tuple(islice((_habit(*pair) for pair in plans if pair is not None), STUDIED))
+    if not found:
+        raise RecallError("the dataset has no catches, whose lengths synthetic movements take")
+    return found
+
+
+def _earliest(record: Record) -> tuple[Any, float] | None:
+    plans = [plan for plan in record.plans.values() if plan.caught]
+    if not plans:
+        return None
+    first = min(plans, key=lambda plan: plan.catch_time or 0.0)
+    return first.trajectory, record.situation.horizon
+
+
+def _habit(path: Any, horizon: float) -> Habit:
+    turns = np.linalg.norm(np.diff(path.joints, axis=0), axis=1)
+    moved = np.linalg.norm(path.joints - path.joints[0], axis=1) > STILL
+    begins, end = path.time[max(int(np.argmax(moved)) - 1, 0)], float(path.time[-1])
+    return Habit(float(turns.sum()), end / horizon, float(begins) / end if end > 0.0 else 0.0)
+
+
+@dataclass(frozen=True)
+class Synthetic:
+    """Source of synthetic movements, one for a record.
+
+    Parameters
+    ----------
+    habits : tuple of Habit
+        See `habits_of`.
+    seed : int
+        Decides a record's movement, together with its number.
+    """
+
+    habits: tuple[Habit, ...]
+    seed: int = 0
+
+    def __call__(self, record: Record) -> Waypoints | None:
+        """Return a movement in a record's situation; None if no posture that meets is found."""
+        situation, rng = record.situation, seeding.rng(self.seed, record.index)
+        habit = self.habits[int(rng.integers(len(self.habits)))]
+        targets = [k for k, body in enumerate(situation.bodies) if body.role == "target"]
+        body = targets[int(rng.integers(len(targets)))]
+        kind, end = MEMORIES.of(situation), habit.end * situation.horizon
+        draw, move = _KINDS.of(situation)
+        problem = kind.problem(situation, "synthetic")
+        drawn = draw(problem, body, end, rng)
+        if drawn is None:
+            return None
+        start, goals, ends = drawn
+        away = np.linalg.norm(goals - start, axis=1)
+        near = np.flatnonzero(away <= habit.length)
+        goal = goals[near[0] if len(near) else int(np.argmin(away))]
+        joints = _way(start, goal, ends, habit.length, rng)
+        time = np.linspace(habit.wait * end, end, len(joints))
+        if time[0] > 0.0:
+            time, joints = np.append(0.0, time), np.vstack([joints[:1], joints])
+        return kind.waypoints_of(situation, move(situation.arm, time, joints), body)
+
+
+def _way(
+    start: np.ndarray,
+    goal: np.ndarray,
+    ends: tuple[np.ndarray, np.ndarray],
+    length: float,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Return joints (SAMPLES, n) on a way of a length [rad] from start to goal, with one bend."""
+    straight, side = goal - start, rng.normal(size=start.size)
+    least = float(np.linalg.norm(straight))
+    if least > 0.0:
+        side -= straight * (side @ straight) / least**2
+    aside = 0.5 * math.sqrt(max(length * length - least * least, 0.0))
+    bend = start + rng.uniform(*BEND) * straight
+    bend += aside * side / max(float(np.linalg.norm(side)), 1e-12)
+    corners = np.array([start, np.clip(bend, *ends), goal])
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+    at = np.linspace(0.0, way[-1], SAMPLES)
+    return np.stack([np.interp(at, way, column) for column in corners.T], axis=1)
+
+
+Drawn = tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]
+"""Joints (n,) of the start, postures (m, n) that meet a target, and ends of the joints' ranges."""
+
+
+def _hand_goals(problem: Any, body: int, end: float, rng: np.random.Generator) -> Drawn | None:
+    """Draw places on a disc within grasp of a target's centre, and their postures."""
+    arm, poses = problem.situation.arm, np.zeros((len(problem.situation.bodies), 12))
+    pose_at(problem.bodies, body, end, poses)
+    angles, near = rng.uniform(0.0, 2.0 * math.pi, TRIES), arm.grasp * np.sqrt(rng.random(TRIES))
+    hands = poses[body, :2] + near[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    radius = np.hypot(*hands.T)
+    hands = hands[(radius < arm.reach) & (radius > arm.inner_reach)]
+    if len(hands) == 0:
+        return None
+    side = SIDE[arm.elbow]
+    start = joints_of(np.array([arm.hand]), arm.upper_arm, side)[0]
+    goals = joints_of(hands, arm.upper_arm, side)
+    goals[:, 0] = start[0] + np.remainder(goals[:, 0] - start[0] + math.pi, 2.0 * math.pi) - math.pi
+    bent = np.sort([0.0, start[1], math.copysign(math.pi, start[1])])[[0, 2]]
+    return start, goals, (np.array([-np.inf, bent[0]]), np.array([np.inf, bent[1]]))
+
+
+def _hand_movement(arm: Any, time: np.ndarray, joints: np.ndarray) -> Movement:
+    return Movement.of_hand(arm, time, forward(joints, arm.upper_arm))
+
+
+def _joint_goals(problem: Any, body: int, end: float, rng: np.random.Generator) -> Drawn | None:
+    """Draw postures that the start reaches in time and pull them to a target."""
+    limb, goals = problem.scene.limb, rng.random((TRIES, problem.study.goal.size))
+    met = _meeting(problem.study, body, end, goals)
+    return (limb.start, goals[met], (limb.low, limb.high)) if met.any() else None
+
+
+@njit
+def _meeting(study, b, t, goals):
+    """Turn drawn postures (m, n) until they catch body b at t [s]; return which do (m,)."""
+    met = np.zeros(goals.shape[0], dtype=np.bool_)
+    for k in range(goals.shape[0]):
+        q = goals[k]
+        box(study, study.scene.limb.start, t)
+        for j in range(q.size):
+            q[j] = study.low[j] + q[j] * (study.high[j] - study.low[j])
+        met[k] = pulled(study, b, t, q)
+    return met
+
+
+class _Kind(NamedTuple):
+    """Synthetic movements of one kind of arm."""
+
+    draw: Callable[[Any, int, float, np.random.Generator], Drawn | None]
+    move: Callable[[Any, np.ndarray, np.ndarray], Movement]
+
+
+_KINDS = ByKind({PLANAR: _Kind(_hand_goals, _hand_movement)}, default=_Kind(_joint_goals, Movement))
