@@ -46,6 +46,7 @@ class Crane:
     max_hand_speed: float | None = None
     max_joint_acceleration: tuple[float, float, float] | None = None
     thickness: float = 0.03
+    joint_rates: tuple[float, float, float] | None = None
 
     kind: ClassVar[str] = "crane"
 
