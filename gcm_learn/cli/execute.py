@@ -154,7 +154,7 @@ class Execute:
     def _executed(self, who: Who, situation: Bodied, body: AnyArmBody | None) -> Execution:
         """Execute a situation; a failure of physics becomes a status."""
         from gcm_learn.errors import BodyError, PhysicsError
-        from gcm_learn.execution import Execution, body_for, with_motor_limits
+        from gcm_learn.execution import Execution, body_for, several_in, with_motor_limits
 
         try:
             chosen = body_for(situation.arm, body)
@@ -162,7 +162,8 @@ class Execute:
             done = self._followed(who, limited, chosen)
         except PhysicsError as error:
             status = NO_BODY if isinstance(error, BodyError) else "failed"
-            return Execution(situation.name, who.name, status, message=one_line(str(error)))
+            why, several = one_line(str(error)), several_in(situation)
+            return Execution(situation.name, who.name, status, why, several=several)
         if limited is situation:
             return done
         most = limited.arm.max_joint_acceleration
@@ -192,11 +193,12 @@ def told(done: Execution) -> str:
         parts.append(f"off by {median:.1f} mm (most {most:.1f}, at the end {end:.1f})")
     if done.torque is not None:
         parts.append(f"torque up to {100 * done.torque:.0f} %")
-    if done.stays is not None:
-        braked = (
+    if done.braked is not None or done.stays is not None:
+        parts.append(
             "not at rest after" if done.braked is None else f"at rest after {done.braked:.2f} s"
         )
-        parts.append(f"{braked}, the target {'stays' if done.stays else 'bounces off'}")
+    if done.stays is not None:
+        parts[-1] += f", the target {'stays' if done.stays else 'bounces off'}"
     if done.braked_into is not None:
         parts.append(f"touches {done.braked_into.name!r} while it brakes")
     if done.limits is not None:
@@ -206,13 +208,23 @@ def told(done: Execution) -> str:
 
 
 def _outcome(done: Execution) -> str:
-    if done.status == "caught":
+    planned = "" if done.planned is None else f" (planned {done.planned:.3f} s)"
+    if done.status == "caught" and not done.several:
         what = "" if done.catch_body is None else f" {done.catch_body!r}"
-        planned = "" if done.planned is None else f" (planned {done.planned:.3f} s)"
         return f"caught{what} at {done.catch_time:.3f} s{planned}"
     if done.contact is not None:
-        return f"collided with {done.contact.name!r} at {done.contact.time:.3f} s"
-    return f"{done.status}{': ' if done.message else ''}{done.message}"
+        outcome = f"collided with {done.contact.name!r} at {done.contact.time:.3f} s"
+    else:
+        outcome = f"{done.status}{': ' if done.message else ''}{done.message}"
+    if not done.several or done.status == "no plan":
+        return outcome
+    return f"{outcome}: {_caught_of(done)}{planned}"
+
+
+def _caught_of(done: Execution) -> str:
+    """Say which of several targets were caught."""
+    events = ", ".join(f"{catch.body!r} at {catch.time:.3f} s" for catch in done.catches)
+    return f"{len(done.catches)} of {len(done.several)} targets" + (f", {events}" if events else "")
 
 
 def _films(folder: Path) -> Draw:

@@ -48,6 +48,7 @@ from gcm_learn.execution.body.executing import (
     execute,
     execute_seen,
     execution_to_json,
+    several_in,
 )
 from gcm_learn.execution.body.kinds import MECHANICS
 from gcm_learn.execution.body.motors import motor_accelerations, with_motor_limits
@@ -137,6 +138,7 @@ __all__ = [
     "execute",
     "execute_seen",
     "execution_to_json",
+    "several_in",
     "follower_of",
     "forearm_of",
     "into_frame",

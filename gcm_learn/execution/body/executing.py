@@ -10,6 +10,7 @@ import numpy as np
 
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
+from gcm_learn.execution.arena.wanted import Catch
 from gcm_learn.execution.body.bodies import body_for
 from gcm_learn.execution.body.control import Controller
 from gcm_learn.execution.body.model import STEP
@@ -53,16 +54,21 @@ class Execution:
     catch_time: float | None = None
     """Time at which the hand first was within grasp of a target [s]."""
     catch_body: str | None = None
+    """With several catches both are those of the last one."""
+    catches: tuple[Catch, ...] = ()
+    """Targets that were caught before any contact, in order, whatever came of the rest."""
+    several: tuple[str, ...] = ()
+    """Names of all targets, where the situation asks for several."""
     contact: Contact | None = None
-    """Of limb and obstacle before the catch."""
+    """Of limb and obstacle before the catch, with several before the last one."""
     error: tuple[float, float, float] | None = None
     """Distance of the hand from where the plan has it until the catch: median, largest, and at
     the end [m]."""
     torque: float | None = None
     """Largest share of a motor's torque until the catch."""
     stays: bool | None = None
-    """True if the target was within grasp for another `STAYS` seconds, with no fingers to hold
-    it."""
+    """True if the last target was within grasp for another `STAYS` seconds, with no fingers to
+    hold it."""
     braked: float | None = None
     """Time from the catch until the arm rested [s]."""
     braked_into: Contact | None = None
@@ -129,8 +135,12 @@ def execute(
     chosen = body_for(situation.arm, body)
     if plan.trajectory is None:
         why = plan.message
-        return Execution(situation.name, plan.planner, "no plan", message=why, body=chosen.name)
-    plant = PhysicalPlant(situation, chosen, controller or Controller(), believed=believed)
+        return Execution(
+            situation.name, plan.planner, "no plan", why, chosen.name, several=several_in(situation)
+        )
+    plant = PhysicalPlant(
+        situation, chosen, controller or Controller(), believed=believed, most=len(plan.catches)
+    )
     limits = with_motor_limits(situation, chosen).arm.max_joint_acceleration
     whole = braked(plan.trajectory, np.array(limits))
     plant.follow(whole, situation.horizon)
@@ -177,8 +187,9 @@ def execute_seen(
         exact = ExactPlant(situation)
         course = run_closed_loop(mind, exact, situation, loop, seed)
         return Execution(
-            situation.name, name, STATUS.get(course.outcome, "late"), catch_time=exact.catch_time
-        )
+            situation.name, name, STATUS.get(course.outcome, "late"), catch_time=exact.catch_time,
+            catches=tuple(exact.catches), several=several_in(situation),
+        )  # fmt: skip
     chosen = body_for(situation.arm, body)
     plant = PhysicalPlant(situation, chosen, controller or Controller())
     run_closed_loop(mind, plant, situation, loop, seed)
@@ -187,13 +198,21 @@ def execute_seen(
 
 def _exactly(plan: Plan, situation: Situation[Any]) -> Execution:
     if plan.trajectory is None:
-        return Execution(situation.name, plan.planner, "no plan", message=plan.message)
-    exact = ExactPlant(situation)
+        several = several_in(situation)
+        return Execution(situation.name, plan.planner, "no plan", plan.message, several=several)
+    exact = ExactPlant(situation, len(plan.catches))
     exact.follow(begun(situation.arm, plan.trajectory, 0.0), situation.horizon)
     return Execution(
         situation.name, plan.planner, STATUS.get(exact.outcome, "late"),
         planned=plan.catch_time, catch_time=exact.catch_time, plan=plan.trajectory,
+        catches=tuple(exact.catches), several=several_in(situation),
     )  # fmt: skip
+
+
+def several_in(situation: Situation[Any]) -> tuple[str, ...]:
+    """Return the names of all targets, if a situation asks for several catches."""
+    several = () if situation.catch == "any" else situation.targets
+    return tuple(target.name for target in several)
 
 
 def _ended(plant: PhysicalPlant) -> int:
@@ -215,6 +234,8 @@ def _seen(plant: PhysicalPlant, planner: str, ended: int) -> Execution:
         contact=plant.contact,
         torque=float(used.max()),
         plant=plant,
+        catches=tuple(plant.catches),
+        several=several_in(plant.situation),
     )
 
 
@@ -230,7 +251,7 @@ def _report(plan: Plan, whole: Movement, plant: PhysicalPlant, ended: int) -> Ex
         return out
     return replace(
         out,
-        stays=plant.holds(ended, ended + round(STAYS / STEP)),
+        stays=plant.holds(ended, ended + round(STAYS / STEP)) if ended == plant.ended else None,
         braked=_rested(plant, ended),
         braked_into=plant.later_contact,
     )
@@ -252,8 +273,12 @@ def _rested(plant: PhysicalPlant, since: int) -> float | None:
 
 
 def execution_to_json(done: Execution) -> dict[str, Any]:
-    """The report in the format ``gcm-learn/execution@1``; what does not apply is null."""
+    """The report in the format ``gcm-learn/execution@1``; what does not apply is null.
+
+    Situations that ask for several catches have the field ``catches`` as well.
+    """
     error = done.error or (None, None, None)
+    caught = [catch._asdict() for catch in done.catches]
     return {
         "format": FORMAT,
         "name": done.name,
@@ -265,6 +290,7 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
         "planned_catch_time": done.planned,
         "catch_time": done.catch_time,
         "catch_body": done.catch_body,
+        **({"catches": caught} if done.several else {}),
         "contact": _contact(done.contact),
         "error_median": error[0],
         "error_max": error[1],

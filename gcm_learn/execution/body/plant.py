@@ -9,14 +9,15 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GONE, RUNNING
+from gcm_learn.execution.arena.wanted import Catch, wanted_of
 from gcm_learn.execution.body.control import Controller, following
 from gcm_learn.execution.body.judging import first_met_in, grasped
 from gcm_learn.execution.body.kinds import MECHANICS, misfit
-from gcm_learn.execution.body.laws import laws
+from gcm_learn.execution.body.laws import Laws, laws
 from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, model_of, mujoco
 from gcm_learn.motion import Movement
-from gcm_learn.scene import pack
+from gcm_learn.scene import PART, pack
 from gcm_learn.situation import AnyArmBody, Situation
 
 AFTER = 0.5
@@ -27,6 +28,8 @@ CHUNK = 15
 """Steps after which it is asked whether the episode is over."""
 BLOCK = 4 * CHUNK
 """Steps for which a plan's torques are found at once: after a catch they are not needed."""
+FAR = 1e3
+"""Distance of targets that were taken away from the arm, and from one another [m]."""
 BRINK = 0.5
 """Share of what a joint lacks to its greatest speed that a pushing motor may add in a step."""
 
@@ -46,7 +49,8 @@ class PhysicalPlant:
 
     Until a hand touches them, targets are exactly where their motion laws have them; obstacles
     always are.  Caught: the hand is within grasp of a target by the horizon; collided: a limb
-    touched an obstacle before.
+    touched an obstacle before.  Where several targets are to be caught, each one but the last is
+    gone once it is caught.
 
     Parameters
     ----------
@@ -55,6 +59,8 @@ class PhysicalPlant:
     controller : Controller
     believed : ArmBody or ChainBody, optional
         What the controller takes the body for, if not for what it is.
+    most : int, optional
+        Number of catches that are enough, see `wanted_of`.
 
     Raises
     ------
@@ -69,13 +75,13 @@ class PhysicalPlant:
         controller: Controller = Controller(),  # noqa: B008 -- frozen
         *,
         believed: AnyArmBody | None = None,
+        most: int | None = None,
     ) -> None:
         reason = misfit(situation.arm, body)
         if reason:
             raise PhysicsError(f"body {body.name!r}: does not fit: {reason}")
-        if situation.catch != "any":
-            raise PhysicsError(f"catch: must be 'any' in physics (got {situation.catch!r})")
         self.situation, self.body = situation, body
+        self.wanted = wanted_of(situation, most)
         self.fastest = np.array(situation.arm.max_joint_speed)
         """Of the joints (dof,) [rad/s; lengths/s of prismatic ones, as in all logs]."""
         self.metric = MECHANICS.of(situation).metric(situation.arm, body.metres)
@@ -89,7 +95,9 @@ class PhysicalPlant:
         count = round((situation.horizon + AFTER) / STEP) + 1
         times = np.arange(count) * STEP
         self._scene = pack(replace(situation, horizon=float(times[-1])))
-        self._laws = laws(self._scene, times, body.metres)
+        self._laws = self._law = laws(self._scene, times, body.metres)
+        self._numbers = [b for b, one in enumerate(situation.bodies) if one.role == "target"]
+        self._places = self._scene.bodies.rows[:, PART].copy()
         self._parts = tuple(map(tuple, self._scene))
         self._poses = np.zeros((len(situation.bodies), 12))
         dof = len(self.fastest)
@@ -110,13 +118,18 @@ class PhysicalPlant:
         self.steps = 0
         """Number of steps so far."""
         self.outcome = RUNNING
-        self.catch_time: float | None = None
-        self.catch_body: str | None = None
+        self.catches: list[Catch] = []
+        """Targets that were caught, in order."""
         self.contact: Contact | None = None
-        """Before the catch."""
+        """Before the last catch that is asked for."""
         self.later_contact: Contact | None = None
         """After it."""
-        self._free = False  # whether targets go their own way
+        self._held = list(range(len(self._numbers)))  # targets that do not go their own way
+        self._gone: dict[int, int] = {}  # targets that were taken away, and after which steps
+        self._scene.bodies.rows[:, PART] = self._places
+        if self.wanted.most > 1:  # targets are taken away in the tables
+            tables = (self._laws.targets.copy(), self._laws.moves.copy())
+            self._law = Laws(self._laws.obstacles, self._laws.turns, *tables)
         arm, data, dof = self.situation.arm, self._data, len(self.fastest)
         rates = np.array(arm.joint_rates or (0.0,) * dof)
         data.qpos[:dof], data.qvel[:dof] = arm.joints * self.metric, rates * self.metric
@@ -129,6 +142,16 @@ class PhysicalPlant:
     def time(self) -> float:
         """Since the start [s]."""
         return self.steps * STEP
+
+    @property
+    def catch_time(self) -> float | None:
+        """Time of the last catch of an episode that is a success [s]."""
+        return self.catches[-1].time if self.outcome == CAUGHT else None
+
+    @property
+    def catch_body(self) -> str | None:
+        """Target of that catch."""
+        return self.catches[-1].body if self.outcome == CAUGHT else None
 
     @property
     def joints(self) -> np.ndarray:
@@ -148,9 +171,9 @@ class PhysicalPlant:
 
     @property
     def ended(self) -> int:
-        """The step of the catch or of the contact, the last one if there was neither."""
-        if self.catch_time is not None:
-            return round(self.catch_time / STEP)
+        """The step of the last catch or of the contact, the last one if there was neither."""
+        if len(self.catches) == self.wanted.most:
+            return round(self.catches[-1].time / STEP)
         return self.steps if self.contact is None else round(self.contact.time / STEP)
 
     @property
@@ -232,10 +255,10 @@ class PhysicalPlant:
             library.set_mju_user_warning(None)
 
     def _make(self, commands: np.ndarray, pushed: bool) -> None:
-        going = self.outcome == RUNNING
-        for k in range(0, len(commands), CHUNK):
+        going, chunk = self.outcome == RUNNING, CHUNK if self.wanted.most == 1 else 1
+        for k in range(0, len(commands), chunk):
             before = self.steps
-            touched = self._run(commands[k : k + CHUNK], pushed)
+            touched = self._run(commands[k : k + chunk], pushed)
             if going:
                 self._judge(before + 1, touched)
                 if self.outcome != RUNNING:
@@ -251,11 +274,8 @@ class PhysicalPlant:
         qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
         places, turns, dof = data.mocap_pos, data.mocap_quat, len(self.fastest)
         at, moving = qpos[dof:], qvel[dof:]
-        found, law, held = (
-            None,
-            [table[inside] for table in self._laws],
-            first if self._free else last,
-        )
+        found, law = None, [table[inside] for table in self._law]
+        held = dict.fromkeys(self._held, last)  # until which step each target is
         rows = zip(
             commands, *law, self.torques_log[inside], self._states, self._speeds, strict=False
         )
@@ -264,50 +284,86 @@ class PhysicalPlant:
             if pushed:
                 _spare(command, qvel, top, slope)
             ctrl[:], places[:], turns[:] = command, place, turn
-            if not self._free:
+            if len(self._held) == len(self._numbers):
                 at[:], moving[:] = target, move
+            else:
+                _hold(self._held, at, target, 7)
+                _hold(self._held, moving, move, 6)
             step(model, data)
             torque[:], state[:], speed[:] = force, qpos, qvel
             if data.ncon:
-                limb, hand = self._contacts()
-                if hand and not self._free:
-                    self._free, held = True, k
+                limb, hands = self._contacts()
+                if hands:
+                    held |= dict.fromkeys(self._let_go(hands), k)
                 if found is None and limb is not None:
                     found = limb, k
         self.steps, n = last, last - first
         self.joints_log[after] = self._states[:n, :dof] / self.metric
         self.rates_log[after] = self._speeds[:n, :dof] / self.metric
         self.targets_log[after] = self._states[:n, dof:]
-        self.targets_log[first + 1 : held + 1] = self._laws.targets[first + 1 : held + 1]
+        self._log_held(first, last, held)
         if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
             raise PhysicsError(f"physics: some numbers are not finite at t = {self.time:.3f} s")
         return found
 
-    def _contacts(self) -> tuple[int | None, bool]:
-        """The obstacle that the limb touches (LINK: itself), and whether the hand has a target."""
-        limb, hand, codes = None, False, self._codes
+    def _log_held(self, first: int, last: int, held: dict[int, int]) -> None:
+        """Log targets where their laws have them, until the steps to which they are held."""
+        for j, until in held.items():
+            rows, columns = slice(first + 1, until + 1), slice(7 * j, 7 * j + 7)
+            self.targets_log[rows, columns] = self._laws.targets[rows, columns]
+        for j, since in self._gone.items():  # it stays where it was caught
+            columns = slice(7 * j, 7 * j + 7)
+            self.targets_log[first + 1 : last + 1, columns] = self.targets_log[since, columns]
+
+    def _contacts(self) -> tuple[int | None, list[int]]:
+        """The obstacle that the limb touches (LINK: itself), and the targets at the hand."""
+        limb, hands, codes = None, [], self._codes
         for first, second in self._data.contact.geom.tolist():
             touching, touched = sorted((codes[first], codes[second]))
             if touching == CATCHER:
-                hand = True
+                hands.append(touched)
             else:
                 limb = touched
-        return limb, hand
+        return limb, hands
+
+    def _let_go(self, touched: list[int]) -> list[int]:
+        """Return the targets that go their own way from now on, as a hand touched bodies.
+
+        All of them do where one catch is enough.
+        """
+        gone = [j for j in self._held
+                if self.wanted.most == 1 or self._numbers[j] in touched]  # fmt: skip
+        self._held = [j for j in self._held if j not in gone]
+        return gone
+
+    def _take_away(self, b: int, k: int) -> None:
+        """Take away a target that was caught at step k: far off it meets nothing any more."""
+        j = self._numbers.index(b)
+        self._scene.bodies.rows[b, PART] = GONE
+        self._gone[j] = k
+        self._held = sorted({*self._held, j})
+        self._law.targets[:, 7 * j : 7 * j + 3] = FAR * (j + 1)
+        self._law.moves[:, 6 * j : 6 * j + 6] = 0.0
 
     def _judge(self, first: int, touched: tuple[int, int] | None) -> None:
         """See whether the episode is over, after the steps from `first` on."""
         bodies, step = self.situation.bodies, -1 if touched is None else touched[1]
         last = min(self.steps, round(self.situation.horizon / STEP))
         limb, limits = self._scene.limb.__class__, self._scene.limits.__class__
-        first_met = first_met_in(limb, limits)
-        k, b = first_met(self._parts, self.joints_log, first, last, STEP, self._poses)
-        if touched is not None and not 0 <= k < step:
-            self.outcome, self.contact = COLLIDED, self._contact_of(touched)
-            return
-        if k >= 0:
-            self.outcome, self.catch_time, self.catch_body = CAUGHT, k * STEP, bodies[b].name
-        elif last < self.steps or self.time >= self.situation.horizon:
-            self.outcome = LATE
+        first_met, k = first_met_in(limb, limits), first
+        while k >= 0 and self.outcome == RUNNING:
+            k, b = first_met(self._parts, self.joints_log, k, last, STEP, self._poses)
+            if touched is not None and not 0 <= k < step:
+                self.outcome, self.contact = COLLIDED, self._contact_of(touched)
+                return
+            if k >= 0:
+                self.catches.append(Catch(bodies[b].name, k * STEP))
+                if len(self.catches) == self.wanted.most:
+                    self.outcome = CAUGHT
+                else:
+                    self._take_away(b, k)
+        if k < 0 and (last < self.steps or self.time >= self.situation.horizon):
+            self.outcome = self.wanted.at_horizon(len(self.catches))
         if touched is not None:
             self._note_late(touched)
 
@@ -318,6 +374,12 @@ class PhysicalPlant:
     def _contact_of(self, touched: tuple[int, int]) -> Contact:
         what, step = touched
         return Contact(ITSELF if what < 0 else self.situation.bodies[what].name, step * STEP)
+
+
+def _hold(held: list[int], here: np.ndarray, there: np.ndarray, width: int) -> None:
+    """Put the numbers of targets that are held to where they belong."""
+    for j in held:
+        here[width * j : width * j + width] = there[width * j : width * j + width]
 
 
 @njit

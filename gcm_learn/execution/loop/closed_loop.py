@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 import time as clock
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.world import RUNNING
+from gcm_learn.execution.arena.wanted import Catch, without
 from gcm_learn.execution.loop.belief import ACCELERATION, Belief
 from gcm_learn.execution.loop.kinds import LEADS
 from gcm_learn.execution.loop.perception import Perception
@@ -38,7 +40,11 @@ class LedPlant(Protocol):
 
     @property
     def catch_time(self) -> float | None:
-        """[s]"""
+        """Time of the last catch of an episode that is a success [s]."""
+
+    @property
+    def catches(self) -> Sequence[Catch]:
+        """Targets that were caught, in order."""
 
     def follow(self, trajectory: Movement, until: float, /) -> None:
         """Let the world go on until a time [s], or until the episode is over."""
@@ -104,6 +110,8 @@ class Course:
     time: float
     """Time of its end [s]."""
     thoughts: tuple[Thought, ...]
+    catches: tuple[Catch, ...] = ()
+    """Targets that were caught, in order."""
 
 
 @dataclass
@@ -126,9 +134,14 @@ class _Episode:
         self.followed = self.lead.at_first(self.arm)
         self.thoughts: list[Thought] = []
         self.pending: _Pending | None = None
+        self.caught: Sequence[Catch] = ()
 
-    def think(self, look: int) -> None:
-        """Take up the plan that is due, and think of another if the agent wants."""
+    def think(self, look: int, caught: Sequence[Catch]) -> None:
+        """Take up the plan that is due, and think of another if the agent wants.
+
+        Targets that were caught are known, and left out of what is believed.
+        """
+        self.caught = caught
         self._take_up(look)
         if self.pending is None and self.belief.looks >= self.loop.looks:
             now, since = look * self.period, clock.process_time()
@@ -173,7 +186,8 @@ class _Episode:
 
     def _believed(self, t: float) -> AnySituation:
         """The world from t on as it is believed to be, the arm where it is led to then."""
-        return self.belief.situation(t, self.lead.led(self.arm, self.followed, t))
+        believed = self.belief.situation(t, self.lead.led(self.arm, self.followed, t))
+        return without(believed, self.caught)
 
 
 def run_closed_loop(
@@ -205,8 +219,8 @@ def run_closed_loop(
         if percept is not None:
             episode.belief.join(percept)
         if look * period < situation.horizon:
-            episode.think(look)
+            episode.think(look, plant.catches)
         look += 1
         plant.follow(episode.followed, look * period)
     ended = plant.time if plant.catch_time is None else plant.catch_time
-    return Course(plant.outcome, ended, tuple(episode.thoughts))
+    return Course(plant.outcome, ended, tuple(episode.thoughts), tuple(plant.catches))

@@ -66,23 +66,23 @@ class HandEvents:
     def __init__(self, scene: Scene) -> None:
         self._scene, self._shortest = scene, rules_of(scene).instant
 
-    def first(self, trajectory: Movement, since: float, until: float) -> tuple[int, float]:
-        """Return the first event between two times [s], or RUNNING, and its time [s]."""
+    def first(self, trajectory: Movement, since: float, until: float) -> tuple[int, float, int]:
+        """Return the first event between two times [s], or RUNNING, its time [s], its target."""
         ends = trajectory.time[-1:]  # a plan catches there, and perhaps nowhere else
         for end in (*ends[(ends > since) & (ends < until)].tolist(), until):
-            code, when = self._on(trajectory, since, end)
+            code, when, body = self._on(trajectory, since, end)
             if code != RUNNING:
-                return code, when
+                return code, when, body
             since = end
-        return RUNNING, until
+        return RUNNING, until, -1
 
-    def _on(self, trajectory: Movement, since: float, until: float) -> tuple[int, float]:
+    def _on(self, trajectory: Movement, since: float, until: float) -> tuple[int, float, int]:
         """Return the same of a span within which the trajectory does not end."""
         bodies, grasp = self._scene.bodies, self._scene.limits.grasp
-        met, _ = first_catch(bodies, *_part(trajectory, since, until), grasp, self._shortest)
+        met, body = first_catch(bodies, *_part(trajectory, since, until), grasp, self._shortest)
         last = met if met >= 0.0 else until
         if not self._collides(trajectory, since, last):
-            return (CAUGHT, met) if met >= 0.0 else (RUNNING, until)
+            return (CAUGHT, met, int(body)) if met >= 0.0 else (RUNNING, until, -1)
         free, narrowest = since, _NARROWEST * (until - since)
         while last - free > narrowest:
             middle = 0.5 * (free + last)
@@ -90,7 +90,7 @@ class HandEvents:
                 last = middle
             else:
                 free = middle
-        return COLLIDED, last
+        return COLLIDED, last, -1
 
     def _collides(self, trajectory: Movement, since: float, until: float) -> bool:
         """Return whether the limb collides between two times."""

@@ -28,16 +28,16 @@ class JointEvents:
         self._scene, self._shortest = scene, rules_of(scene).instant
         self._desk = desk_of(scene)
 
-    def first(self, trajectory: Movement, since: float, until: float) -> tuple[int, float]:
-        """Return the first event between two times [s], or RUNNING, and its time [s]."""
+    def first(self, trajectory: Movement, since: float, until: float) -> tuple[int, float, int]:
+        """Return the first event between two times [s], or RUNNING, its time [s], its target."""
         inner = trajectory.time[(trajectory.time > since) & (trajectory.time < until)]
         for end in (*inner.tolist(), until):
             curve = _move(trajectory, since, end)
-            code, when = _happens(self._scene, curve, since, end, self._shortest, self._desk)
+            code, when, body = _happens(self._scene, curve, since, end, self._shortest, self._desk)
             if code != RUNNING:
-                return int(code), float(when)
+                return int(code), float(when), int(body)
             since = end
-        return RUNNING, until
+        return RUNNING, until, -1
 
 
 def _move(trajectory: Movement, since: float, until: float) -> np.ndarray:
@@ -61,8 +61,8 @@ def _move(trajectory: Movement, since: float, until: float) -> np.ndarray:
 
 @njit
 def _happens(scene, curve, since, until, shortest, desk):
-    """Return the first event on a move, or RUNNING, and its time [s]."""
-    met, _ = first_meeting(scene, curve, since, until, scene.limits.grasp, shortest, desk.poses)
+    """Return the first event on a move, or RUNNING, its time [s], and the target of a catch."""
+    met, body = first_meeting(scene, curve, since, until, scene.limits.grasp, shortest, desk.poses)
     end = met if met >= 0.0 else until
     last = (end - since) / (until - since)
     if _touches(scene, curve, 0.0, last, since, until, desk):
@@ -73,10 +73,10 @@ def _happens(scene, curve, since, until, shortest, desk):
                 last = middle
             else:
                 free = middle
-        return COLLIDED, since + last * (until - since)
+        return COLLIDED, since + last * (until - since), -1
     if met >= 0.0:
-        return CAUGHT, met
-    return RUNNING, until
+        return CAUGHT, met, body
+    return RUNNING, until, -1
 
 
 @njit(_nrt=False)

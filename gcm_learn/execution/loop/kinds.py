@@ -17,8 +17,8 @@ from gcm_learn.scene import Scene
 class Events(Protocol):
     """Events of an arm that follows trajectories exactly."""
 
-    def first(self, trajectory: Any, since: float, until: float, /) -> tuple[int, float]:
-        """Return the first event between two times [s], or RUNNING, and its time [s]."""
+    def first(self, trajectory: Any, since: float, until: float, /) -> tuple[int, float, int]:
+        """Return the first event between two times [s], or RUNNING, its time [s], its target."""
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,11 @@ from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import reach_out
 from gcm_learn.execution.arena.kernels.world import CAUGHT, Options, State, World, world_of
 from gcm_learn.execution.arena.settings import ArenaSettings, SpatialSettings
+from gcm_learn.execution.arena.wanted import wanted_of
 from gcm_learn.execution.loop.closed_loop import Occasion
 from gcm_learn.execution.loop.exact import ExactPlant
 from gcm_learn.motion import Movement, fastest_hand, opening
+from gcm_learn.planners import plan_with
 from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation, Situation
 
@@ -95,7 +97,10 @@ class Planning:
 
     def plan(self, believed: AnySituation) -> Movement | None:
         """The planner's movement."""
-        found: Movement | None = self.planner.plan(believed).trajectory
+        asked: Any = self.planner
+        many = wanted_of(believed).most > 1
+        answer = plan_with(asked, believed) if many else asked.plan(believed)
+        found: Movement | None = answer.trajectory
         return found
 
 

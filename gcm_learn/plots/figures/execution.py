@@ -161,7 +161,10 @@ class Replay(Scenery):
     def _targets(self, t: float) -> Iterator[Faces]:
         targets = [body for body in self.situation.bodies if body.role == "target"]
         place, turn = logged_targets(self.situation, self.plant, self.step, np.array([t]))
+        taken = {catch.body for catch in self.done.catches[:-1] if catch.time < t}
         for k, body in enumerate(targets):
+            if body.name in taken:
+                continue
             colour = np.array(to_rgb(style.TARGET))
             yield placed(body.shape, place[0, k], turn[0, k], colour)  # type: ignore[arg-type]
 
@@ -226,12 +229,13 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
 def told(done: Execution) -> str:
     """The outcome, in two lines."""
     planned = "" if done.planned is None else f" (planned {done.planned:.3f} s)"
+    several = f"{len(done.catches)} of {len(done.several)} targets " if done.several else ""
     if done.caught:
-        first = f"{done.name}: caught at {done.catch_time:.3f} s{planned}"
+        first = f"{done.name}: {several}caught at {done.catch_time:.3f} s{planned}"
     elif done.contact is not None:
         first = f"{done.name}: touches {done.contact.name!r} at {done.contact.time:.3f} s{planned}"
     else:
-        first = f"{done.name}: not caught{planned}"
+        first = f"{done.name}: {several or 'not '}caught{planned}"
     if done.error is None or done.torque is None:
         return first
     _, most, end = (_millimetres(error) for error in done.error)

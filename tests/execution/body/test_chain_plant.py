@@ -257,10 +257,3 @@ def test_the_body_of_a_shipped_arm_fits_arms_with_its_joints():
         body_for(PANDA, CRANE_BODY)
     with pytest.raises(BodyError, match=r"body nao: does not fit: is of format .*@1, and"):
         body_for(PANDA, "nao")
-
-
-def test_several_catches_are_refused():
-    balls = [still((0.5, 0.1 * k, 0.5), "target", name=f"o{k}") for k in range(2)]
-    with pytest.raises(PhysicsError, match="catch: must be 'any' in physics"):
-        PhysicalPlant(replace(among(PANDA, *balls[:1]), bodies=tuple(balls), catch="all"),
-                      read_body("panda"))  # fmt: skip

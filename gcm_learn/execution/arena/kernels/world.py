@@ -17,6 +17,8 @@ HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # meanings of an action
 RUNNING, CAUGHT, COLLIDED, LATE = range(4)  # states of an episode
 EXTREME = 10.0  # largest number of an observation
 
+GONE = -1  # part of the arm that a caught target can touch: none
+
 # Columns that a world adds to a body's row.
 LONG = COLUMNS  # 3: the longest axis in the body's own frame, see `long_axis`
 ROW_COLUMNS = COLUMNS + 3
