@@ -2,7 +2,8 @@
 
 The filters know the laws of motion and nothing disturbs these, so what is believed becomes ever
 more certain.  Kalman, Trans. ASME J. Basic Eng. 82 (1960), Eqs. 21-26; for pendulums the law is
-linearised about what is believed (the extended filter).
+linearised about what is believed (the extended filter).  Of piecewise and sampled motions only the
+shift is inexact, so the filter is a mean of all looks.
 """
 
 from __future__ import annotations
@@ -15,7 +16,14 @@ import numpy as np
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.loop.kinds import LEADS
-from gcm_learn.execution.loop.perception import Percept, Perception, Quadratic
+from gcm_learn.execution.loop.perception import (
+    Course,
+    Percept,
+    Perception,
+    Quadratic,
+    shifted,
+    start_of,
+)
 from gcm_learn.scene import bodies_later, integrate_swing
 from gcm_learn.situation import AnySituation, Body, Motion, Pendulum
 
@@ -30,14 +38,14 @@ class _Filter:
     """One body: what is believed of it at a time."""
 
     body: Body
-    """As it was seen last; of a pendulum the law is known."""
+    """As it was seen last; of a pendulum, and of a piecewise or sampled motion the law is known."""
     rests: bool
     deviations: tuple[float, float]
     """Of what is seen: place [lengths] and velocity [lengths/s], or angle and rate."""
     mean: np.ndarray
-    """(3, axes): place, velocity, acceleration; (2, 1): angle and rate."""
+    """(3, axes): place, velocity, acceleration; (2, 1): angle and rate; (1, 3): place."""
     spread: np.ndarray
-    """(3, 3) or (2, 2): covariance of the rows, the same for every column."""
+    """Square: covariance of the rows, the same for every column."""
 
     @classmethod
     def of(cls, body: Body, rests: bool, deviations: tuple[float, float], prior: float) -> _Filter:
@@ -45,6 +53,8 @@ class _Filter:
         place, fast = (max(deviation, _EXACT) ** 2 for deviation in deviations)
         if isinstance(body.motion, Pendulum):
             variances = [place, fast]
+        elif isinstance(body.motion, Course):
+            variances = [place]
         else:  # that a body rests is seen
             variances = [place, 0.0, 0.0] if rests else [place, fast, prior**2]
         return cls(body, rests, deviations, _numbers(body.motion), np.diag(variances))
@@ -52,6 +62,9 @@ class _Filter:
     def later(self, span: float) -> tuple[np.ndarray, np.ndarray]:
         """Mean and spread after `span` [s]."""
         motion = self.body.motion
+        if isinstance(motion, Course):
+            ahead: Any = bodies_later([self.body], span)[0].motion
+            return self.mean + np.subtract(start_of(ahead), start_of(motion)), self.spread
         if isinstance(motion, Pendulum):
             angle, rate = self.mean[:, 0]
             nudges = ((0.0, 0.0), (_NUDGE, 0.0), (-_NUDGE, 0.0), (0.0, _NUDGE), (0.0, -_NUDGE))
@@ -69,7 +82,7 @@ class _Filter:
         """
         mean, spread = self.later(span)
         seen, surprise = _numbers(body.motion), 0.0
-        for k, deviation in enumerate(self.deviations[: 1 if self.rests else 2]):
+        for k, deviation in enumerate(self.deviations[: 1 if self.rests else len(seen)]):
             variance = max(deviation, _EXACT) ** 2
             off, all_in_all = seen[k] - mean[k], spread[k, k] + variance
             gain = spread[:, k] / all_in_all
@@ -84,6 +97,9 @@ class _Filter:
     def believed(self) -> Body:
         """The body, with the motion that is believed."""
         motion = self.body.motion
+        if isinstance(motion, Course):
+            off = self.mean[0] - np.array(start_of(motion))
+            return replace(self.body, motion=shifted(motion, off))
         if isinstance(motion, Pendulum):
             angle, rate = self.mean[:, 0].tolist()
             return replace(self.body, motion=replace(motion, angle=angle, rate=rate))
@@ -136,7 +152,8 @@ class Belief:
         (bodies,) ndarray
             How surprising it is: sum of the squared errors that were not expected, each over its
             variance.  Chi-square distributed: 6 degrees of freedom for a body that flies, 3 for
-            one that rests, 2 for a pendulum.  All 0 for the first look.
+            one that rests or has a piecewise or sampled motion, 2 for a pendulum.  All 0 for the
+            first look.
         """
         span = percept.time - self.time
         self.looks, self.time = self.looks + 1, percept.time
@@ -192,6 +209,8 @@ def _numbers(motion: Motion) -> np.ndarray:
     """A motion's numbers, as a filter has its mean."""
     if isinstance(motion, Pendulum):
         return np.array([[motion.angle], [motion.rate]])
+    if isinstance(motion, Course):
+        return np.array([start_of(motion)])
     assert isinstance(motion, Quadratic)
     return np.array([motion.position, motion.velocity, motion.acceleration])
 

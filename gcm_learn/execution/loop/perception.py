@@ -2,6 +2,8 @@
 
 Places and velocities are of the bodies' centres; a pendulum is seen along its arc.  Shapes,
 orientations and spins are exact, and a centre at rest is recognised.  Accelerations are not seen.
+Of piecewise and sampled motions the whole law is known but for where it lies: each look sees all of
+it shifted alike, so its velocities are exact.
 """
 
 from __future__ import annotations
@@ -21,12 +23,17 @@ from gcm_learn.situation import (
     Body,
     Motion,
     Pendulum,
+    Piece,
+    Piecewise,
     PlanarQuadratic,
+    Sampled,
     SolidQuadratic,
 )
 
 PERIOD = 0.02  # between two looks: 50 Hz [s]
 Quadratic = PlanarQuadratic | SolidQuadratic
+Course = Piecewise | Sampled
+"""Motion whose law is known but for a shift of its places."""
 DARK = 0.1  # how long a dropout lasts [s]
 _SHORTEST = 1e-3  # hang below which a pendulum's angle is hardly seen [forearms]
 
@@ -37,7 +44,8 @@ class Percept(NamedTuple):
     time: float
     """Time of the world at the look [s]; the percept comes later."""
     bodies: tuple[Body, ...]
-    """Their motions begin at that time; all accelerations are 0, since they are not seen."""
+    """Their motions begin at that time; all accelerations are 0, since they are not seen, but in
+    piecewise motions."""
     rests: tuple[bool, ...]
     """True for bodies whose centres rest."""
 
@@ -77,7 +85,7 @@ class Perception:
 
         Parameters
         ----------
-        motion : PlanarQuadratic, SolidQuadratic or Pendulum
+        motion : PlanarQuadratic, SolidQuadratic, Pendulum, Piecewise or Sampled
         forearm : float
             Length of the arm's forearm [lengths].
         """
@@ -130,6 +138,8 @@ class Perception:
             return replace(
                 motion, angle=motion.angle + place * off, rate=motion.rate + fast * faster
             )
+        if isinstance(motion, Course):
+            return shifted(motion, place * source.normal(size=3))
         if not isinstance(motion, Quadratic):
             raise ArenaError(f"perception: does not see {motion.kind} motions")
         count = len(motion.position)
@@ -142,6 +152,23 @@ class Perception:
             acceleration=(0.0,) * count,
         )
         return replace(motion, **seen)
+
+
+def start_of(motion: Course) -> tuple[float, float, float]:
+    """Return the place of a piecewise or sampled motion at t = 0."""
+    return motion.pieces[0].motion.position
+
+
+def shifted(motion: Course, off: np.ndarray) -> Course:
+    """Return a piecewise or sampled motion whose places are all shifted by (3,) [lengths]."""
+    if isinstance(motion, Sampled):
+        rows: Any = (np.array(motion.positions) + off).tolist()
+        return replace(motion, positions=tuple(map(tuple, rows)))
+    pieces = []
+    for start, law in motion.pieces:
+        place: Any = tuple((np.array(law.position) + off).tolist())
+        pieces.append(Piece(start, replace(law, position=place)))
+    return Piecewise.unchecked(pieces)
 
 
 def rests(motion: Motion) -> bool:

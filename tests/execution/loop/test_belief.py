@@ -10,10 +10,13 @@ import pytest
 from scipy.stats import chi2, kstest
 
 from gcm_learn import families, seeding
+from gcm_learn.arms import Chain
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import Belief, Percept, Perception
+from gcm_learn.rendering import body_poses
 from gcm_learn.scene import bodies_later, later
-from gcm_learn.situation import Body, Pendulum, Situation, SolidQuadratic, Sphere
+from gcm_learn.situation import Body, Pendulum, Situation, SolidQuadratic, Sphere, shipped_arm
+from tests.execution.loop.test_perception import BOUNCES, WAY
 
 PLACE, FASTER, PRIOR = 0.02, 5.0, 10.0
 TAKEN = families.family_names("planar") + families.family_names("spatial")
@@ -184,6 +187,42 @@ def test_surprises_are_chi_square(arm):
     situation = world(arm, rest)
     wrong = [told(Belief(situation, EYES), worse, situation, 15, 33, k)[1:, 0] for k in range(50)]
     assert kstest(np.concatenate(wrong), chi2(3).cdf).pvalue < 1e-6
+
+
+def known(motion):
+    """A chain and a ball whose law is known but for where it lies."""
+    chain = Chain(shipped_arm("panda"), (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0), 0.05)
+    ball = Body("target", "ball", Sphere(0.1), motion)
+    return Situation("known", 2.0, chain, (ball,), format="gcm-learn/situation@3")
+
+
+@pytest.mark.parametrize("motion", [WAY, BOUNCES], ids=["sampled", "piecewise"])
+def test_the_shift_of_a_known_law_is_the_mean_of_all_looks(motion):
+    """It is believed at all later times, whatever the law does between two looks and after."""
+    situation, looks = known(motion), 30
+    belief = Belief(situation, EYES)
+    told(belief, EYES, situation, looks, 5)
+    offs = []
+    for k in range(looks):
+        percept = EYES.told(situation, k, 5)
+        seen, _ = body_poses(replace(situation, bodies=percept.bodies), [0.0])
+        there, _ = body_poses(situation, [percept.time])
+        offs.append(seen[0, 0] - there[0, 0])
+    for now in (0.6, 1.2):
+        believed = belief.situation(now, situation.arm)
+        places, turns = body_poses(believed, np.linspace(0.0, 0.7, 8))
+        there, turned = body_poses(situation, now + np.linspace(0.0, 0.7, 8))
+        np.testing.assert_allclose(places[:, 0], there[:, 0] + np.mean(offs, axis=0), atol=1e-9)
+        np.testing.assert_allclose(turns, turned, atol=1e-9)
+        forearm = 0.5 * situation.arm.reach
+        assert belief.deviations(now)[0] == pytest.approx(PLACE * forearm / math.sqrt(looks))
+
+
+@pytest.mark.parametrize("motion", [WAY, BOUNCES], ids=["sampled", "piecewise"])
+def test_surprises_of_known_laws_are_chi_square(motion):
+    situation = known(motion)
+    found = [told(Belief(situation, EYES), EYES, situation, 30, 34, k)[1:, 0] for k in range(60)]
+    assert kstest(np.concatenate(found), chi2(3).cdf).pvalue > 1e-3
 
 
 def test_a_pendulum_is_followed(arm):

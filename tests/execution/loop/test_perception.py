@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,8 +14,19 @@ from gcm_learn.arms import Chain
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution import Perception
 from gcm_learn.execution.loop.kinds import LEADS
+from gcm_learn.rendering import body_poses
 from gcm_learn.scene import bodies_later
-from gcm_learn.situation import Body, Pendulum, Sampled, Situation, Sphere, shipped_arm
+from gcm_learn.situation import (
+    Body,
+    Pendulum,
+    Piece,
+    Piecewise,
+    Sampled,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    shipped_arm,
+)
 
 NAMES = (
     "falling-space", "pendulum-space", "crossing-swarm-space", "door-space", "spinning", "pendulum",
@@ -117,9 +129,36 @@ def test_dropouts_take_a_tenth_of_a_second(situations):
     assert not any(Perception().dark(k, 5) for k in range(50))
 
 
-def test_sampled_motions_are_not_seen():
-    ball = Body("target", "ball", Sphere(0.1), Sampled((0.0, 1.0), ((0.0,) * 3, (1.0, 0.0, 0.0))))
+REST = (0.0, 0.0, 0.0)
+WAY = Sampled((0.0, 0.3, 1.0), (REST, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0)),
+              ((1.0, 0.0, 0.0, 0.0), (0.8, 0.6, 0.0, 0.0), (0.6, 0.8, 0.0, 0.0)))  # fmt: skip
+BOUNCES = Piecewise((
+    Piece(0.0, SolidQuadratic((0.0, 0.0, 0.5), (1.0, 0.0, 0.0), (0.0, 0.0, -4.0))),
+    Piece(0.5, SolidQuadratic((0.5, 0.0, 0.0), (1.0, 0.0, 1.5), (0.0, 0.0, -4.0))),
+))  # fmt: skip
+
+
+@pytest.mark.parametrize("motion", [WAY, BOUNCES], ids=["sampled", "piecewise"])
+def test_known_laws_are_seen_shifted_as_a_whole(motion):
+    """At all later times by the same vector, also beyond a bounce; turns and speeds are exact."""
     arm = Chain(shipped_arm("panda"), (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0), 0.05)
-    situation = Situation("sampled", 1.0, arm, (ball,), format="gcm-learn/situation@3")
-    with pytest.raises(ArenaError, match="perception: does not see sampled motions"):
-        Perception(0.01).told(situation, 5, 0)
+    ball = Body("target", "ball", Sphere(0.1), motion)
+    situation = Situation("known", 2.0, arm, (ball,), format="gcm-learn/situation@3")
+    eyes, offs = Perception(0.01, delay=0), []
+    for look in range(40):
+        percept = eyes.told(situation, look, 0)
+        seen = replace(situation, bodies=percept.bodies)
+        times = np.linspace(0.0, 0.9, 10)
+        places, turns = body_poses(seen, times)
+        there, turned = body_poses(situation, times + percept.time)
+        off = places[:, 0] - there[:, 0]
+        np.testing.assert_allclose(off, np.tile(off[0], (10, 1)), atol=1e-12)
+        np.testing.assert_allclose(turns, turned, atol=1e-9)
+        offs.append(off[0])
+    forearm = 0.5 * arm.reach
+    assert np.std(offs) == pytest.approx(0.01 * forearm, rel=0.2) and percept.rests == (False,)
+
+
+def test_a_law_that_is_not_known_is_refused(situations):
+    with pytest.raises(ArenaError, match="perception: does not see drifting motions"):
+        Perception(0.01)._blurred(SimpleNamespace(kind="drifting"), 1.0, np.random.default_rng(0))
