@@ -78,7 +78,8 @@ class CatchArm(OneArm):
     ===== ================================================================================
 
     **Info**: `reward_terms`; `time` [s]; `hand` (2), in the situation's own coordinates; `outcome`
-    (running, caught, touched or late); at the end `is_success`.
+    (running, caught, touched or late); `caught`, the target's name after a catch; at the end
+    `is_success`.
 
     **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts
     in that situation, ``options={"index": k}`` in the pool's k-th.

@@ -79,12 +79,14 @@ class CatchArm3D(OneArm):
 
     **End.** A catch or a touch terminates the episode, the horizon truncates it. Both are found by
     the functions that verify plans, between steps too: a catch that is reported here is one that
-    `gcm_learn.planners` would report.
+    `gcm_learn.planners` would report. A situation that asks for `all` or `most` of its targets goes
+    on until all are caught. A caught target is gone, and the target above is one that is left. At
+    the horizon one catch makes a success of `most`, and terminates the episode.
 
     **Reward**, the sum of ``info["reward_terms"]``:
 
     ===== ================================================================================
-    catch `weights.catch` at a catch
+    catch `weights.catch` at a catch; with several targets each pays its share
     touch minus `weights.touch` at a touch
     haste minus `weights.haste` for each horizon's time
     guide `weights.guide` times how much nearer the step brought the hand to where it can
@@ -92,7 +94,7 @@ class CatchArm3D(OneArm):
     ===== ================================================================================
 
     **Info**: `reward_terms`; `time` [s]; `hand` (3), in the world; `outcome` (running, caught,
-    touched or late); at the end `is_success`.
+    touched or late); `caught`, the names of caught targets in order; at the end `is_success`.
 
     **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts
     in that situation, ``options={"index": k}`` in the pool's k-th.

@@ -44,7 +44,7 @@ class CatchArmPhysics(OneArm):
     continuous time is not verified. A touch is MuJoCo's first contact of limb and obstacle.
 
     **Reward** and **info** are as in `CatchArm3D`: the sum of ``info["reward_terms"]`` (catch,
-    touch, haste, guide); `time`, `hand`, `outcome` and at the end `is_success`.
+    touch, haste, guide); `time`, `hand`, `outcome`, `caught` and at the end `is_success`.
 
     **Reset**: ``reset(seed=...)`` draws from the pool; ``reset(options={"situation": s})`` starts
     in that situation, ``options={"index": k}`` in the pool's k-th.

@@ -60,10 +60,10 @@ class CatchChain(OneArm):
     **End.** A catch or a touch terminates the episode, the horizon truncates it. Links that overlap
     count as a touch, and a catch keeps the target's approach. Both are found by the functions that
     verify plans, between steps too: a catch that is reported here is one that `gcm_learn.planners`
-    would report.
+    would report. With several targets an episode goes on as in `CatchArm3D`.
 
     **Reward**, **info** and **reset** are as in `CatchArm3D`: the sum of ``info["reward_terms"]``
-    (catch, touch, haste, guide); `time`, `hand`, `outcome` and at the end `is_success`.
+    (catch, touch, haste, guide); `time`, `hand`, `outcome`, `caught` and at the end `is_success`.
 
     Parameters
     ----------

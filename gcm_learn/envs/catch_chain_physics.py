@@ -39,7 +39,7 @@ class CatchChainPhysics(OneArm):
     that it does not ignore, or with another link of `self_collision`.
 
     **Reward**, **info** and **reset** are as in `CatchArm3D`: the sum of ``info["reward_terms"]``
-    (catch, touch, haste, guide); `time`, `hand`, `outcome` and at the end `is_success`.
+    (catch, touch, haste, guide); `time`, `hand`, `outcome`, `caught` and at the end `is_success`.
 
     Parameters
     ----------

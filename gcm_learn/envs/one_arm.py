@@ -192,6 +192,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         self.observation_space, self.action_space = box(self.plant), commands(self.plant)
         self._body = body
         self._path: list[tuple[float, ...]] = []
+        self._several = False  # whether the situation asks for several catches
         self._viewer: Viewer | None = None
         self._actions = np.zeros((1, self.plant.commands))
         self._shape, self._step = (self.plant.commands,), f"{type(self).__name__}.step"
@@ -238,6 +239,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         self.plant.put(self._everyone, self._places)
         self._path = [self._where()]
         self._placing = self._placing_of(int(index))
+        self._several = self.situation.catch != "any"
         if self.render_mode == "human":
             self.render()
         return self.plant.observations[0].copy(), self._info(RUNNING)
@@ -274,10 +276,12 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._placings[index]
 
     def _info(self, outcome: int) -> dict[str, Any]:
+        several = outcome == CAUGHT or self._several
         return {
             "time": self._path[-1][0],
             "hand": self._placing(self.plant.state.hand[0]),
             "outcome": OUTCOMES[outcome],
+            "caught": self.plant.caught(0) if several else (),
         }
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]

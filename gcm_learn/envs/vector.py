@@ -115,15 +115,17 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Note how episodes ended, and begin others."""
         plant = self.plant
         last, names = np.empty(self.num_envs, object), np.full(self.num_envs, "", object)
+        caught = np.empty(self.num_envs, object)
         for e in arms:
             last[e] = plant.observations[e].copy()
-            names[e] = OUTCOMES[plant.told.outcomes[e]]
+            names[e], caught[e] = OUTCOMES[plant.told.outcomes[e]], plant.caught(int(e))
         info["final_obs"], info["_final_obs"] = last, over
         info["final_info"] = {
             "time": plant.state.time.copy(),
             "outcome": names,
             "is_success": plant.told.outcomes == CAUGHT,
             "index": plant.state.place.copy(),
+            "caught": caught,
         }
         info["_final_info"] = over
         plant.put(arms, self._drawn(len(arms)))
@@ -139,7 +141,8 @@ class CatchArms(ManyArms):
 
     An arm whose episode ends begins another one within the same step (`AutoresetMode.SAME_STEP`):
     the observation is the new episode's first. The old episode's last one is in
-    ``info["final_obs"]``, and ``info["final_info"]`` holds its `time`, `outcome` and `is_success`.
+    ``info["final_obs"]``, and ``info["final_info"]`` holds its `time`, `outcome`, `caught` and
+    `is_success`.
     """
 
     arena = ARENAS["CatchArm-v0"]

@@ -86,16 +86,6 @@ def _with_arm(source: Source, settings: ChainSettings) -> Source:
     return replace(family, arm=replace(arm, model=settings.arm))
 
 
-def _ends_with_a_catch(situation: AnySituation, dt: float) -> bool:
-    """Return whether one catch is enough, and the arm can stop in steps of `dt` [s]."""
-    return situation.catch == "any" and stops(situation, dt)
-
-
-def _is_one_catch(situation: AnySituation, dt: float) -> bool:
-    """Return whether one catch is enough; motors stop the arm as they can."""
-    return situation.catch == "any"
-
-
 ARENAS = {
     arena.name: arena
     for arena in (
@@ -106,7 +96,7 @@ ARENAS = {
         ),
         Arena(
             "CatchChain-v0", ChainSettings, "throw-chain", KinematicPlant, _without_bodies,
-            eligible=_with_arm, begins=_ends_with_a_catch,
+            eligible=_with_arm, begins=stops,
         ),
         Arena(
             "CatchArmPhysics-v0", PhysicalSettings, "static-clutter-space", PhysicalArms,
@@ -114,7 +104,7 @@ ARENAS = {
         ),
         Arena(
             "CatchChainPhysics-v0", ChainPhysicalSettings, "throw-chain", PhysicalArms,
-            _with_bodies, eligible=_with_arm, begins=_is_one_catch, followed=False,
+            _with_bodies, eligible=_with_arm, followed=False,
         ),
     )
 }  # fmt: skip

@@ -97,11 +97,29 @@ class Batch(ABC):
 
     def put(self, arms: np.ndarray, places: np.ndarray) -> None:
         """Put arms (m,) at the start of situations (m,) of the pool, and observe."""
-        state, self._world = self.state, tuple(self.pool.world)  # the pool may be another now
-        state.place[arms], state.time[arms] = places, 0.0
+        self._world = tuple(self.pool.world)  # the pool may be another now
+        self._widen(int(np.diff(self.pool.world.first).max()))
+        state = self.state
+        state.place[arms], state.time[arms], state.caught[arms] = places, 0.0, -1.0
         self._begin(arms, places)
         self.observations[arms, self.settings.width :] = self.pool.embeddings[places]
         self._kernels.observe(self._world, self._arms, arms, self._options, self.observations)
+
+    def _widen(self, bodies: int) -> None:
+        """Make sure that states have a column for each of so many bodies."""
+        before = self.state.caught
+        if before.shape[1] < bodies:
+            caught = np.full((self.count, bodies), -1.0)
+            caught[:, : before.shape[1]] = before
+            self.state = self.state._replace(caught=caught)
+            self._arms = tuple(self.state)
+
+    def caught(self, e: int) -> tuple[str, ...]:
+        """Return the names of the targets that arm e has caught, in order."""
+        when = self.state.caught[e]
+        order = np.argsort(when, kind="stable")[np.count_nonzero(when < 0.0) :]
+        bodies = self.pool.situations[int(self.state.place[e])].bodies
+        return tuple(bodies[b].name for b in order.tolist())
 
     def hold(self, arms: np.ndarray) -> None:
         """Let arms (m,) whose episode is over stay at their places, at little cost."""

@@ -82,12 +82,13 @@ class Kernels:
 
 def _hands(count: int, commands: int) -> State:
     hand = np.zeros((count, 2))
-    return State(np.zeros(count, np.int64), hand, hand, np.zeros(count))
+    return State(np.zeros(count, np.int64), hand, hand, np.zeros(count), np.full((count, 1), -1.0))
 
 
 def _joints(count: int, commands: int) -> State:
     posture, hand = np.zeros((count, 2 * commands)), np.zeros((count, 3))
-    return State(np.zeros(count, np.int64), posture, hand, np.zeros(count))
+    caught = np.full((count, 1), -1.0)  # as wide as a pool needs, see `Batch.put`
+    return State(np.zeros(count, np.int64), posture, hand, np.zeros(count), caught)
 
 
 _PLANAR_LAYOUT = Layout(
@@ -109,16 +110,13 @@ def _chain_layout(model: ChainModel) -> Layout:
 
 
 def _alike(situations: Sequence[AnySituation]) -> None:
-    """Refuse chains of other sizes than the first one's, and what one catch does not end."""
+    """Refuse chains of other sizes than the first one's."""
     first: Any = situations[0].arm
     for situation in situations:
         model = situation.arm.model  # type: ignore[union-attr]
         found, wanted = sizes_of(model), sizes_of(first.model)
         if found != wanted:
             reason = f"its arm has {found}, that of {situations[0].name!r} {wanted}"
-            raise ArenaError(f"situation {situation.name!r}: {reason}")
-        if situation.catch != "any":
-            reason = f"catch: must be 'any' in the arena (got {situation.catch!r})"
             raise ArenaError(f"situation {situation.name!r}: {reason}")
 
 

@@ -13,6 +13,7 @@ from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.joints.stepping import can_stop
 from gcm_learn.execution.arena.kernels.world import World, world_of
 from gcm_learn.execution.arena.kinds import KERNELS
+from gcm_learn.execution.arena.wanted import wanted_of
 from gcm_learn.motion import Rules, opening
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import AnyArmBody, AnySituation
@@ -82,7 +83,9 @@ class Pool:
         scenes = [pack(situation) for situation in turned]
         rules = [_rules_of(scene, s.name) for scene, s in zip(scenes, turned, strict=True)]
         pace = [kernels.pace(scene) for scene in scenes]
-        world = world_of([kernels.bounded(scene) for scene in scenes], rules, pace, kernels.rows)
+        wanted = [wanted_of(situation) for situation in turned]
+        bounded = [kernels.bounded(scene) for scene in scenes]
+        world = world_of(bounded, rules, pace, kernels.rows, wanted)
         return cls(turned, frames, world, np.zeros((len(turned), 0), np.float32))
 
     def guided(self, fields: np.ndarray) -> Pool:

@@ -11,7 +11,7 @@ import numpy as np
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.batch import Batch
 from gcm_learn.execution.arena.kernels.joints.playing import settle
-from gcm_learn.execution.arena.kernels.world import EXTREME, LATE, RUNNING
+from gcm_learn.execution.arena.kernels.world import EXTREME, LATE, MOST, RUNNING
 from gcm_learn.execution.arena.pool import Pool, of_one_kind
 from gcm_learn.execution.arena.settings import ChainSettings, SpatialSettings
 from gcm_learn.execution.body.model import STEP
@@ -128,6 +128,7 @@ class PhysicalArms(Batch):
 
     def _play(self, actions: np.ndarray, first: int, last: int) -> None:
         since, wanted = self.state.time.copy(), np.clip(actions, -1.0, 1.0)
+        had = self._counts()
         before = self._ways()
         for e in range(first, last):
             self.told.outcomes[e] = self._step(e, wanted[e])
@@ -135,10 +136,16 @@ class PhysicalArms(Batch):
         after = np.where(running, self._ways(), 0.0)
         shares = (self.state.time - since) / self.pool.horizons[self.state.place]
         nearer = before - self.settings.discount * after
-        settle(self._told, self.settings.weighted, shares, nearer)
+        most = self.pool.world.wanted[self.state.place, MOST]
+        catches = (self._counts() - had) / most
+        settle(self._told, catches, self.settings.weighted, shares, nearer)
         everyone = np.arange(self.count)
         self._kernels.observe(self._world, self._arms, everyone, self._options, self.observations)
         self._tell_torques(range(first, last))
+
+    def _counts(self) -> np.ndarray:
+        """Return the numbers of targets that were caught (count,)."""
+        return np.count_nonzero(self.state.caught >= 0.0, axis=1)
 
     def _ways(self) -> np.ndarray:
         """Return the guide's potential of every arm (count,); 0 without a guide."""
@@ -163,6 +170,8 @@ class PhysicalArms(Batch):
         state.posture[e, :dof] = plant.joints_log[last]
         state.posture[e, dof:] = plant.rates_log[last]
         state.time[e] = horizon if plant.outcome == LATE else min(last * STEP, horizon)
+        for catch in plant.catches:
+            state.caught[e, plant.number_of(catch.body)] = catch.time
         return plant.outcome
 
     def _tell_torques(self, arms: Iterable[int]) -> None:

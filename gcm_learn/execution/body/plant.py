@@ -234,9 +234,13 @@ class PhysicalPlant:
         poses[:, :3] = rows[:, :3] / self.body.metres
         turns = Rotation.from_quat(np.roll(rows[:, 3:], -1, axis=1)).as_matrix()
         poses[:, 3:] = turns.reshape(-1, 9)
-        b = [body.name for body in self.situation.bodies].index(self.catch_body)
+        b = self.number_of(self.catch_body)
         joints, room = self.joints_log[first : last + 1], np.zeros((b + 1, 12))
         return bool(grasped(self._scene, b, joints, poses, room))
+
+    def number_of(self, name: str) -> int:
+        """Return the number of a body among those of the situation."""
+        return [body.name for body in self.situation.bodies].index(name)
 
     def _steps_until(self, until: float) -> int:
         return min(round(until / STEP), len(self.joints_log) - 1)

@@ -38,7 +38,8 @@ class OneStep:
     def __init__(self, situation: Situation[SpatialArm], settings: ArenaSettings) -> None:
         scene = pack(situation)
         posture = np.concatenate([scene.limb.start, scene.limb.rates])[None]
-        state = State(np.zeros(1, np.int64), posture, np.zeros((1, 3)), np.zeros(1))
+        caught = np.full((1, len(situation.bodies)), -1.0)
+        state = State(np.zeros(1, np.int64), posture, np.zeros((1, 3)), np.zeros(1), caught)
         world = world_of([scene], [opening(scene).rules], [fastest_hand(scene)])
         self.told = np.zeros((1, settings.width), np.float32)
         """As `envs.CatchArm3D` lists it (1, width)."""
@@ -60,7 +61,7 @@ class OneStep:
 def _after(world, state, command, options, out):
     """Write the posture (2 dof,) after a step of the only arm."""
     worlds, states, how = World(*world), State(*state), Options(*options)
-    view = view_in(worlds, 0, views_for(worlds, states, 0, 1))
+    view = view_in(worlds, states, 0, views_for(worlds, states, 0, 1))
     end, speed, n = view.joints[0], view.rules.speed, view.joints.shape[1]
     reach_out(view.scene, speed, states.posture, 0, command, how.dt, end, view)
     out[:n], out[n:] = end, view.rates[0]

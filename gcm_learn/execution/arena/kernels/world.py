@@ -17,6 +17,7 @@ HAND_VELOCITY, JOINT_VELOCITY = 0, 1  # meanings of an action
 RUNNING, CAUGHT, COLLIDED, LATE = range(4)  # states of an episode
 EXTREME = 10.0  # largest number of an observation
 
+MOST, LEAST = range(2)  # columns of a world's `wanted`
 GONE = -1  # part of the arm that a caught target can touch: none
 
 # Columns that a world adds to a body's row.
@@ -39,6 +40,7 @@ class World(NamedTuple):
     rules: np.ndarray  # (s, 4): fields of `Rules`
     pace: np.ndarray  # (s,): fastest that a hand can be [lengths/s]
     fields: np.ndarray  # (s or 0, n, n) float32: time to go as share of the horizon, see `guidance`
+    wanted: np.ndarray  # (s, 2) int64: catches that end an episode, fewest of a success; `Wanted`
 
 
 class State(NamedTuple):
@@ -48,6 +50,7 @@ class State(NamedTuple):
     posture: np.ndarray  # (e, k): the hand itself; of other arms joints, then their rates
     hand: np.ndarray  # (e, 2 or 3), in the frame of t = 0 or of the base [lengths]
     time: np.ndarray  # (e,) [s]
+    caught: np.ndarray  # (e, b): when each body was caught [s]; -1 for bodies that were not
 
 
 class Options(NamedTuple):
@@ -84,6 +87,16 @@ def rules_in(world, s):
     return Rules(a[s, 0], a[s, 1], a[s, 2], a[s, 3])
 
 
+@njit(_nrt=False)
+def count_caught(state, e):
+    """Return how many targets arm e has caught."""
+    count = 0
+    for b in range(state.caught.shape[1]):
+        if state.caught[e, b] >= 0.0:
+            count += 1
+    return count
+
+
 def fields_in_rows(scenes: Sequence[Scene]) -> np.ndarray:
     """Return the limbs of scenes as rows (s, k), their fields one after the other."""
     return np.array([np.hstack(scene.limb) for scene in scenes], dtype=float)
@@ -94,6 +107,7 @@ def world_of(
     rules: Sequence[Rules],
     pace: Sequence[float],
     rows: Callable[[Sequence[Scene]], np.ndarray] = fields_in_rows,
+    wanted: Sequence[tuple[int, int]] | None = None,
 ) -> World:
     """Pack scenes of one kind of arm side by side.
 
@@ -105,6 +119,8 @@ def world_of(
         Fastest that each hand can be [lengths/s].
     rows : callable
         Rows (s, k) of the limbs, from the scenes.
+    wanted : sequence of (int, int), optional
+        Numbers of catches, see `Wanted`; by default one catch is enough.
     """
     which = [np.flatnonzero(scene.bodies.rows[:, PART] == LIMB) for scene in scenes]
     return World(
@@ -116,6 +132,7 @@ def world_of(
         rules=np.array(rules, dtype=float),
         pace=np.array(pace, dtype=float),
         fields=np.zeros((0, 2, 2), dtype=np.float32),
+        wanted=np.array(wanted or [(1, 1)] * len(scenes), dtype=np.int64),
     )
 
 
@@ -152,12 +169,14 @@ TERMS = 4
 
 
 @njit(_nrt=False)
-def pay(told, e, outcome, share, weights, nearer):
+def pay(told, e, outcome, catches, share, weights, nearer):
     """Write the outcome of a step of arm e, and the terms of its reward.
 
     Parameters
     ----------
     told : Told
+    catches : float
+        Catches of the step, as a share of those that end an episode.
     share : float
         Of the horizon that the step took.
     weights : (4,) ndarray
@@ -167,7 +186,7 @@ def pay(told, e, outcome, share, weights, nearer):
     """
     terms = told.terms
     told.outcomes[e] = outcome
-    terms[e, CATCH] = weights[CATCH] if outcome == CAUGHT else 0.0
+    terms[e, CATCH] = weights[CATCH] * catches
     terms[e, TOUCH] = -weights[TOUCH] if outcome == COLLIDED else 0.0
     terms[e, HASTE] = -weights[HASTE] * share
     terms[e, GUIDE] = weights[GUIDE] * nearer

@@ -119,15 +119,17 @@ def advance(world, state, e, first, second, options, workspace):
     reach_out(scene, rules, end - time[0], first, second, options, hand)
     outcome = RUNNING
     if not stays_away(scene.bodies, time, hand, rules.catch):
-        met, _ = first_catch(scene.bodies, time, hand, rules.catch, CATCH_STEP * rules.instant)
+        met, body = first_catch(scene.bodies, time, hand, rules.catch, CATCH_STEP * rules.instant)
         if met >= 0.0:
             outcome = CAUGHT
+            state.caught[e, body] = met
             _shorten(time, hand, met)
     if not stays_free(scene, time, hand, rules.touch, workspace.moments, workspace.poses):
         distance, when = least_distance(scene, time, hand, rules.touch, _ANY)
         if distance <= rules.touch:
             outcome = COLLIDED
             _shorten(time, hand, when)
+            state.caught[e] = -1.0
     if outcome == RUNNING and end >= horizon:
         outcome = LATE
     state.hand[e, 0], state.hand[e, 1], state.time[e] = hand[1, 0], hand[1, 1], time[1]
@@ -181,4 +183,5 @@ def step(world, state, e, actions, options, told, workspace):
     if guided and outcome == RUNNING:
         after = time_to_go(world, s, state.hand[e, 0], state.hand[e, 1])
     share = (state.time[e] - since) / world.limits[s, HORIZON]
-    pay(told, e, outcome, share, weights, before - options.discount * after)
+    catches = 1.0 if outcome == CAUGHT else 0.0
+    pay(told, e, outcome, catches, share, weights, before - options.discount * after)

@@ -35,7 +35,7 @@ def kernels_in(world_type: type[World]) -> JointKernels:
         room = views_for(worlds, states, 0, states.place.size)
         for k in range(chosen.size):
             e = chosen[k]
-            view = view_in(worlds, states.place[e], room)
+            view = view_in(worlds, states, e, room)
             observe(view, states.time[e], states.posture, e, how, out[e])
             hand = hand_of(view.scene.limb, place(view.scene.limb, view.joints[0]))
             states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = hand
@@ -56,7 +56,7 @@ def kernels_in(world_type: type[World]) -> JointKernels:
         worlds, states = world_type(*world), State(*state)
         room = views_for(worlds, states, 0, states.place.size)
         for e in range(states.place.size):
-            view = view_in(worlds, states.place[e], room)
+            view = view_in(worlds, states, e, room)
             out[e] = way_to_go(view, states.time[e], states.posture, e)
 
     return JointKernels(observe_all, play, ways_to_go)
@@ -67,13 +67,15 @@ CHAIN_KERNELS = kernels_in(ChainWorld)
 
 
 @njit(nogil=True)
-def settle(told, weights, shares, nearer):
+def settle(told, catches, weights, shares, nearer):
     """Pay every arm for a step that a plant with mass made.
 
     Parameters
     ----------
     told : Told
         As a plain tuple, with the outcomes.
+    catches : (e,) ndarray
+        Of the step, as shares of those that end the episodes.
     weights : (4,) ndarray
     shares : (e,) ndarray
         Of the horizons that the step took.
@@ -82,4 +84,4 @@ def settle(told, weights, shares, nearer):
     """
     out = Told(*told)
     for e in range(shares.size):
-        pay(out, e, out.outcomes[e], shares[e], weights, nearer[e])
+        pay(out, e, out.outcomes[e], catches[e], shares[e], weights, nearer[e])

@@ -10,9 +10,16 @@ from gcm_learn.arms.limbs import dof, reach_of
 from gcm_learn.collision.postures import Desk, desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.limbs import blank, buffers, limb_in, limits_in
-from gcm_learn.execution.arena.kernels.world import bodies_in, rules_in
+from gcm_learn.execution.arena.kernels.world import (
+    GONE,
+    MOST,
+    ROW_COLUMNS,
+    bodies_in,
+    rules_in,
+)
 from gcm_learn.motion.rules import Rules
 from gcm_learn.scene import Scene
+from gcm_learn.scene.bodies import HAND, PART, Bodies
 
 HORIZON = -1  # column of a world's limits, the fields of `JointLimits` one after the other
 
@@ -29,6 +36,7 @@ class View(NamedTuple):
     rates: np.ndarray  # (4, dof): buffer for rates
     jacobian: np.ndarray  # (3, dof)
     gaps: np.ndarray  # (n,): distances of bodies
+    rows: np.ndarray  # (n, ROW_COLUMNS): buffer for bodies of which some were caught
     own: Any  # buffers that the type of limb needs, see `limbs.buffers`
 
 
@@ -49,18 +57,42 @@ def views_for(world, state, first, last):
     )  # fmt: skip
     n = dof(limb)
     joints, rates, jacobian = np.zeros((2, n)), np.zeros((4, n)), np.zeros((3, n))
-    gaps, own = np.empty(most), buffers(limb)
-    return View(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, gaps, own)
+    gaps, rows, own = np.empty(most), np.zeros((most, ROW_COLUMNS)), buffers(limb)
+    return View(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, gaps, rows, own)
 
 
 @njit
-def view_in(world, s, room):
-    """Return situation s, with the buffers of another view."""
+def _left_in(world, state, e, rows):
+    """Return the bodies of arm e's situation, its caught targets being gone.
+
+    One target always stays: if all were caught, the last one.
+    """
+    bodies = bodies_in(world, state.place[e])
+    if world.wanted[state.place[e], MOST] == 1:
+        return bodies
+    n, last, left = bodies.rows.shape[0], -1, 0
+    rows[:n] = bodies.rows
+    for b in range(n):
+        if rows[b, PART] == HAND:
+            if state.caught[e, b] < 0.0:
+                left += 1
+            elif last < 0 or state.caught[e, b] > state.caught[e, last]:
+                last = b
+    for b in range(n):
+        if rows[b, PART] == HAND and state.caught[e, b] >= 0.0 and (left > 0 or b != last):
+            rows[b, PART] = GONE
+    return Bodies(rows[:n], bodies.vertices, bodies.angles, bodies.angle_step)
+
+
+@njit
+def view_in(world, state, e, room):
+    """Return what is left of the situation of arm e, with the buffers of another view."""
+    s = state.place[e]
     old, limb = room.desk, limb_in(room.scene.limb, world, s)
-    scene = Scene(bodies_in(world, s), limb, limits_in(limb, world, s))
+    scene = Scene(_left_in(world, state, e, room.rows), limb, limits_in(limb, world, s))
     which = world.obstacles[world.begin[s] : world.begin[s + 1]]
     desk = Desk(old.poses, old.curve, old.joints, old.spans, old.waiting, which, old.budget)
     return View(
         scene, rules_in(world, s), reach_of(limb), world.pace[s], desk, room.joints, room.rates,
-        room.jacobian, room.gaps, room.own,
+        room.jacobian, room.gaps, room.rows, room.own,
     )  # fmt: skip

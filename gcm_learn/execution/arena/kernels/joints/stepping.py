@@ -17,10 +17,21 @@ from gcm_learn.execution.arena.kernels.joints.limbs import brakes_slowly
 from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
 from gcm_learn.execution.arena.kernels.joints.rates import SOFTER, lay, wish
 from gcm_learn.execution.arena.kernels.joints.scene import view_in
-from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GUIDE, LATE, RUNNING, pay
+from gcm_learn.execution.arena.kernels.world import (
+    CAUGHT,
+    COLLIDED,
+    GONE,
+    GUIDE,
+    LATE,
+    LEAST,
+    MOST,
+    RUNNING,
+    count_caught,
+    pay,
+)
 from gcm_learn.motion.joint_interception import first_meeting
 from gcm_learn.motion.joint_verification import NOTHING, hand_too_fast, piece_fault
-from gcm_learn.scene import Scene
+from gcm_learn.scene import PART, Scene
 
 _TRIES = 12  # halvings of how much of a wish the hand's speed allows
 _SHORTEST = 1e-3  # share of a step that is no step of its own before the horizon
@@ -110,19 +121,20 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
 
 
 @njit
-def advance(view, state, e, command, dt):
+def advance(world, view, state, e, command, dt):
     """Move arm e on by a step and judge it.
 
     Parameters
     ----------
     view : View
+        Of the arm's situation; targets that are caught on the way are gone from it.
     command : (arms, dof) ndarray
 
     Returns
     -------
     int
         RUNNING, CAUGHT, COLLIDED or LATE; the state is that at the end of the step, or at the
-        catch or collision.
+        last catch that is asked for or the collision.
     """
     scene, rules, desk = view.scene, view.rules, view.desk
     horizon, since = scene.limits.horizon, state.time[e]
@@ -134,21 +146,32 @@ def advance(view, state, e, command, dt):
     over = until >= horizon
     end, rates = view.joints[0], view.rates[0]
     reach_out(scene, rules.speed, state.posture, e, command, until - since, end, view)
-    outcome = RUNNING
-    met, _ = first_meeting(
-        scene, desk.curve, since, until, rules.catch, rules.instant, desk.poses
-    )  # fmt: skip
-    if met >= 0.0:
-        outcome = CAUGHT
-        _cut(scene, state, e, met - since, until - since, view)
-        until = met
+    outcome, s = RUNNING, state.place[e]
+    left = max(world.wanted[s, MOST] - count_caught(state, e), 1)
+    while left > 0:
+        met, body = first_meeting(
+            scene, desk.curve, since, until, rules.catch, rules.instant, desk.poses
+        )  # fmt: skip
+        if met < 0.0:
+            break
+        left -= 1
+        state.caught[e, body] = met
+        if left > 0:
+            scene.bodies.rows[body, PART] = GONE  # of the view's own rows
+        else:
+            outcome = CAUGHT
+            _cut(scene, state, e, met - since, until - since, view)
+            until = met
     distance, when = least_on(scene, since, until, rules.touch, _ANY, _ANY, desk)
     if distance <= rules.touch:
         outcome = COLLIDED
         _cut(scene, state, e, when - since, until - since, view)
         until = when
+        for b in range(scene.bodies.rows.shape[0]):
+            if state.caught[e, b] > when:
+                state.caught[e, b] = -1.0
     if outcome == RUNNING and over:
-        outcome = LATE
+        outcome = CAUGHT if count_caught(state, e) >= world.wanted[s, LEAST] else LATE
     n = dof(scene.limb)
     for j in range(n):
         state.posture[e, j], state.posture[e, n + j] = end[j], rates[j]
@@ -194,15 +217,16 @@ def step(world, state, e, commands, options, told, room):
         Of the arm's situation, in that room.
     """
     s, since = state.place[e], state.time[e]
-    view = view_in(world, s, room)
+    view, had = view_in(world, state, e, room), count_caught(state, e)
     guided = options.weights[GUIDE] != 0.0
     before = way_to_go(view, since, state.posture, e) if guided else 0.0
-    outcome = advance(view, state, e, commands, options.dt)
+    outcome = advance(world, view, state, e, commands, options.dt)
     after = 0.0
     if guided and outcome == RUNNING:
         after = way_to_go(view, state.time[e], state.posture, e)
     share = (state.time[e] - since) / view.scene.limits.horizon
-    pay(told, e, outcome, share, options.weights, before - options.discount * after)
+    catches = (count_caught(state, e) - had) / world.wanted[s, MOST]
+    pay(told, e, outcome, catches, share, options.weights, before - options.discount * after)
     return view
 
 
