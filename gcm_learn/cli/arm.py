@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,7 +14,7 @@ from tyro.conf import Positional, UseAppendAction, arg
 
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.figure import FORMATS, require_suffix
-from gcm_learn.cli.files import output, staged
+from gcm_learn.cli.files import output, refuse_same, staged
 
 if TYPE_CHECKING:
     from gcm_learn.arms import ChainModel, Fitted, Robot
@@ -104,7 +106,7 @@ class Arm:
         import sys
 
         from gcm_learn.arms import read_robot
-        from gcm_learn.errors import RobotError
+        from gcm_learn.errors import RobotError, SituationError
         from gcm_learn.situation import arm_to_json
 
         self._check()
@@ -112,16 +114,16 @@ class Arm:
         try:
             fitted = self._fitted(robot)
             body = None if self.body is None else _body(fitted)
-        except RobotError as error:
+        except (RobotError, SituationError) as error:
             raise CommandFailure(f"{self.robot}: {error}") from None
-        if body is not None:
-            assert self.body is not None
-            with staged(self.body, option="--body") as place:
+        with contextlib.ExitStack() as stack:  # all files appear, or none
+            stream = stack.enter_context(output(self.out))
+            if self.body is not None:
+                place = stack.enter_context(staged(self.body, option="--body"))
                 place.write_text(json.dumps(body, indent=1) + "\n", "utf-8")
-        with output(self.out) as stream:
+            if self.plot is not None:
+                self._draw(fitted, stack.enter_context(staged(self.plot, option="--plot")))
             stream.write(json.dumps(arm_to_json(fitted.model), indent=1) + "\n")
-        if self.plot is not None:
-            self._draw(fitted)
         print("\n".join(report(fitted)), file=sys.stderr if self.out is None else sys.stdout)
         return 0
 
@@ -130,6 +132,12 @@ class Arm:
             require_suffix(self.plot, FORMATS, "--plot")
         if self.body is None and (self.torque or self.armature):
             raise CommandFailure("--torque and --armature: are for --body")
+        refuse_same(
+            {"FILE": self.robot, "--out": self.out, "--body": self.body, "--plot": self.plot}
+        )
+        for folder in self.packages:
+            if not folder.is_dir():
+                raise CommandFailure(f"--packages {folder}: is no folder")
         if self.capsules < 1:
             raise CommandFailure(f"--capsules {self.capsules}: must be at least 1")
         for name, numbers in (("--point", self.point), ("--axis", self.axis)):
@@ -144,19 +152,17 @@ class Arm:
 
         return chain_of(
             robot, self.base, self.tip,
-            point=self.point, axis=self.axis, at=dict(map(_value, self.at)),
+            point=self.point, axis=self.axis, at=_values(self.at),
             max_speed=self.max_speed, max_acceleration=self.max_acceleration,
             torque=self.torque, armature=self.armature,
             capsules=self.capsules, name=self.name, source=self.source,
         )  # fmt: skip
 
-    def _draw(self, fitted: Fitted) -> None:
+    def _draw(self, fitted: Fitted, place: Path) -> None:
         from gcm_learn.plots import draw_arm
 
         parts = [[(h.centres, h.radii) for h in hulls] for hulls in fitted.parts]
-        assert self.plot is not None
-        with staged(self.plot) as place:
-            draw_arm(fitted.model, parts=parts).savefig(place)
+        draw_arm(fitted.model, parts=parts).savefig(place)
 
 
 @dataclass(frozen=True)
@@ -200,6 +206,17 @@ def _body(fitted: Fitted) -> dict[str, Any]:
     from gcm_learn.situation import arm_body_to_json
 
     return arm_body_to_json(body_of_robot(fitted))
+
+
+def _values(given: Sequence[str]) -> dict[str, float]:
+    """Return the values of joints off the chain, each given once."""
+    values: dict[str, float] = {}
+    for option in given:
+        name, value = _value(option)
+        if name in values:
+            raise CommandFailure(f"--at {option}: joint {name!r} is given twice")
+        values[name] = value
+    return values
 
 
 def _value(given: str) -> tuple[str, float]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.files import output
+from gcm_learn.cli.files import output, refuse_same
 from gcm_learn.errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -68,6 +68,8 @@ class Convert:
         converter = self._converter()
         if not self.sources:
             raise CommandFailure("SOURCE is missing: a file, a folder or a tar archive")
+        for source in self.sources:
+            refuse_same({"SOURCE": source, "--out": self.out})
         with output(self.out) as stream:
             converted = converter.convert(self.sources)
             for situation in converted.situations:
@@ -90,6 +92,8 @@ class Convert:
             value = getattr(self, field.name)
             if field.name in ("suite", "sources", "out") or value is None:
                 continue
+            if value == "":
+                raise CommandFailure(f"--{field.name}: must not be empty")
             if field.name not in known:
                 raise CommandFailure(f"--{field.name}: is no option of {self.suite}")
             given[field.name] = value

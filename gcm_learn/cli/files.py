@@ -6,7 +6,7 @@ import contextlib
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TextIO
 
@@ -51,6 +51,27 @@ def output(out: Path | None) -> Iterator[TextIO]:
             if error.filename is not None or isinstance(error, BrokenPipeError):
                 raise  # of another file, or of a reader that went away
             raise CommandFailure(f"--out {out}: {why(error)}") from None
+
+
+def refuse_same(places: Mapping[str, Path | None]) -> None:
+    """Refuse a file that two arguments name, by the later one.
+
+    Parameters
+    ----------
+    places : mapping of str to Path or None
+        By the argument. Standard output, devices and what is not given never are the same.
+
+    Raises
+    ------
+    CommandFailure
+    """
+    seen: dict[Path, str] = {}
+    for option, place in places.items():
+        if place is None or str(place) == "-" or (place.exists() and not place.is_file()):
+            continue
+        before = seen.setdefault(place.resolve(), option)
+        if before != option:
+            raise CommandFailure(f"{option} {place}: is the file of {before}, too")
 
 
 def made_folder(path: Path, *, option: str) -> Path:

@@ -261,13 +261,91 @@ def test_what_makes_no_chain_is_refused(elbow, how, reason):
         ('velocity="3"', "", "joint 'bend': has no largest speed; give --max-speed"),
         ('type="prismatic"', 'type="floating"', "joint 'reach': is floating, which a chain cannot"),
         ("<robot", "<robo", "is not XML"),
+        ('xyz="0 0 0.4"', 'xyz="0 0 nan"', "joint 'reach': origin.xyz: must be 3 finite numbers"),
+        ('xyz="0 0 0.4"', 'xyz="0 0"', "joint 'reach': origin.xyz: must be 3 finite numbers"),
+        ('xyz="0 0 0.4"', 'xyz="a b c"', "joint 'reach': origin.xyz: must be 3 finite numbers"),
+        ('rpy="0.2 0 0.4"', 'rpy="inf 0 0"', "joint 'turn': origin.rpy: must be 3 finite numbers"),
+        ('upper="0.3"', 'upper="inf"', "joint 'reach': limit.upper: must be a finite number"),
+        ('velocity="3"', 'velocity="fast"', "joint 'bend': limit.velocity: must be a finite"),
+        ('velocity="3"', 'velocity="-3"', "joint 'bend': max_speed: must be positive (got -3.0)"),
+        ('lower="-2" upper="2"', 'lower="2" upper="-2"', "joint 'bend': range: low 2.0 is above"),
+        ('<parent link="slide"/>', "", "joint 'bend': has no parent"),
+        (' type="prismatic"', "", "joint 'reach': has no type"),
+        ('name="bend"', 'name="turn"', "joint 'turn': is there twice"),
+        ('name="palm"', 'name="fore"', "link 'fore': is there twice"),
+        ('<link name="palm"/>', "<link/>", "link: one has no name"),
+        ('mimic joint="grip"', 'mimic joint="grop"', "mimic.joint: there is no joint 'grop'"),
+        ('multiplier="-1"', 'multiplier="nan"', "joint 'follow': mimic.multiplier: must be a"),
+        ('radius="0.05"', 'radius="-1"', "link 'upper': cylinder.radius: must be positive"),
+        ('radius="0.05"', 'radius="nan"', "link 'upper': cylinder.radius: must be a finite number"),
+        ('radius="0.05" ', "", "link 'upper': cylinder.radius: is missing"),
+        ('"0.3 0.2 0.1"', '"0 0 0"', "link 'foot': box.size: must be positive"),
+        ('"0.3 0.2 0.1"', '"0.3 0.2"', "link 'foot': box.size: must be 3 finite numbers"),
+        ('<box size="0.3 0.2 0.1"/>', "", "link 'foot': collision.geometry: must be one of box"),
+        (
+            '<box size="0.3 0.2 0.1"/>',
+            "<cone/>",
+            "must be one of box, sphere, cylinder, mesh (got c",
+        ),
+        ('scale="2 1 1"', 'scale="0 1 1"', "link 'fore': mesh.scale: must not be 0"),
+        ('scale="2 1 1"', 'scale="2 1"', "link 'fore': mesh.scale: must be 3 finite numbers"),
+        ('filename="package://elbow/fore.stl"', "", "link 'fore': mesh.filename: is missing"),
+        (URDF, "", "is not XML"),
+        (URDF[600:], "", "is not XML"),
+        (URDF, "<html/>", "is no URDF (<robot>) and no MJCF (<mujoco>): begins with <html>"),
     ],
 )
-def test_files_with_faults_are_refused_by_name(elbow, old, new, reason, capsys):
+def test_files_with_faults_are_refused_by_name(elbow, tmp_path, old, new, reason, capsys):
     elbow.write_text(URDF.replace(old, new, 1), "utf-8")
-    assert main(["arm", str(elbow), "--base", "foot", "--tip", "palm"]) == 2
+    out, body = tmp_path / "arm.json", tmp_path / "body.json"
+    command = ["arm", str(elbow), "--base", "foot", "--tip", "palm"]
+    assert main([*command, "--out", str(out), "--body", str(body)]) == 2
     said = capsys.readouterr().err
     assert reason in said and said.count("\n") == 1 and "elbow.urdf: " in said
+    assert not out.exists() and not body.exists()
+
+
+@pytest.mark.parametrize(
+    ("more", "reason"),
+    [
+        (["--out", "no/arm.json"], "--out no/arm.json: No such file or directory"),
+        (["--out", "arm.json", "--body", "no/b.json"], "--body no/b.json: No such file"),
+        (["--out", "arm.json", "--plot", "no/a.png"], "--plot no/a.png: No such file"),
+        (["--out", "arm.json", "--body", "arm.json"], "--body arm.json: is the file of --out, too"),
+        (["--out", "elbow/urdf/elbow.urdf"], "elbow.urdf: is the file of FILE, too"),
+        (["--body", "elbow/urdf/elbow.urdf"], "elbow.urdf: is the file of FILE, too"),
+        (["--out", "arm.json", "--at", "grip=9"], "at: joint 'grip' stands from -1 to 1 (got 9)"),
+        (["--at", "grip=0.1", "--at", "grip=0.2"], "--at grip=0.2: joint 'grip' is given twice"),
+        (["--out", "arm.json", "--packages", "no"], "--packages no: is no folder"),
+        (["--out", "arm.json", "--max-speed", "nan"], "joint 'turn': max_speed: must be finite"),
+        (["--out", "arm.json", "--point", "1e300", "0", "0"], "elbow.urdf: point[0]: is too large"),
+    ],
+)  # fmt: skip
+def test_a_command_that_fails_writes_nothing(elbow, tmp_path, monkeypatch, capsys, more, reason):
+    """Neither the arm nor its body; the robot is as it was."""
+    monkeypatch.chdir(tmp_path)
+    spread = 'ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"'
+    masses = f'<inertial><mass value="1"/><inertia {spread}/></inertial>'
+    heavy = re.sub(r'(<link name="(?!world|palm)\w+">)', rf"\1{masses}", URDF)
+    elbow.write_text(heavy.replace('<link name="palm"/>', f'<link name="palm">{masses}</link>'))
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    command = ["arm", str(elbow), "--base", "foot", "--tip", "palm"]
+    body = [] if "--body" in more else ["--body", "body.json"]
+    assert main([*command, *body, *more]) == 2
+    out, said = capsys.readouterr()
+    assert reason in said and said.count("\n") == 1 and out == ""
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_an_mjcf_with_a_place_that_is_no_number_is_refused(tmp_path, monkeypatch, capfd):
+    """MuJoCo only warns, and would write a log."""
+    pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xml").write_text(MJCF.replace('pos="0 0 0.2"', 'pos="0 0 nan"'))
+    assert main(["arm", "arm.xml", "--base", "base", "--tip", "tool", "--max-speed", "1"]) == 2
+    out, said = capfd.readouterr()
+    assert "arm.xml: joint 'a': its place or direction is not finite" in said
+    assert out == "" and said.count("\n") == 1 and len(list(tmp_path.iterdir())) == 1
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 
 from gcm_learn import read_situations
@@ -35,6 +37,7 @@ REFUSED = [
     (["si-rrt", SOURCES["si-rrt"], "--horizon", "0"], "horizon: must be positive"),
     (["motionbenchmaker", SOURCES["motionbenchmaker"], "--moving", "-1"], "moving: must not be"),
     (["si-rrt"], "SOURCE"),
+    (["si-rrt", SOURCES["si-rrt"], "--arm", ""], "--arm: must not be empty"),
     (["si-rrt", "nowhere.json"], "nowhere.json: cannot be read"),
 ]
 
@@ -46,3 +49,62 @@ def test_bad_arguments_are_refused_in_one_line(arguments, message, tmp_path, cap
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and message in stderr
     assert not out.exists()
+
+
+TEXTS = {suite: path.read_text("utf-8") for suite, path in SOURCES.items() if path.is_file()}
+
+
+@pytest.mark.parametrize("damage", ["", "[]", "{}", "null", '"x"', "3", "a,b\n1,2\n", None])
+@pytest.mark.parametrize("suite", TEXTS)
+def test_damaged_files_are_refused_by_name(suite, damage, tmp_path, capsys):
+    """None stands for the first half of the file."""
+    text = TEXTS[suite][: len(TEXTS[suite]) // 2] if damage is None else damage
+    source, out = tmp_path / "scene.json", tmp_path / "out.jsonl"
+    source.write_text(text, "utf-8")
+    assert main(["convert", suite, str(source), "--out", str(out)]) == 2
+    stdout, stderr = capsys.readouterr()
+    assert stdout == "" and stderr.count("\n") == 1 and "scene.json" in stderr
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["scene0001.yaml", "request0001.yaml"])
+@pytest.mark.parametrize("damage", ["", "- 1\n", "a:\n\t- b", "a: &a\n  b: *a\n", None])
+def test_damaged_scenes_are_refused_by_name(name, damage, tmp_path, capsys):
+    folder, out = tmp_path / "shelf", tmp_path / "out.jsonl"
+    shutil.copytree(DATA / "shelf", folder)
+    text = (folder / name).read_text("utf-8")
+    (folder / name).write_text(text[: len(text) // 2] if damage is None else damage, "utf-8")
+    assert main(["convert", "motionbenchmaker", str(folder), "--out", str(out)]) == 2
+    stdout, stderr = capsys.readouterr()
+    assert stdout == "" and stderr.count("\n") == 1 and name in stderr and not out.exists()
+
+
+@pytest.mark.parametrize("suite", CONVERTERS)
+def test_folders_without_problems_are_refused(suite, tmp_path, capsys):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "junk.tar").write_bytes(b"junk" * 100)
+    for source in ("empty", "junk.tar"):
+        command = ["convert", suite, str(tmp_path / source), "--out", str(tmp_path / "out.jsonl")]
+        assert main(command) == 2
+        stdout, stderr = capsys.readouterr()
+        assert stdout == "" and stderr.count("\n") == 1 and source in stderr
+    assert not (tmp_path / "out.jsonl").exists()
+
+
+def test_places_to_write_to_are_checked(tmp_path, capsys):
+    """The input stays as it was, and so does an output of a run that fails."""
+    text, source = TEXTS["si-rrt"], tmp_path / "flying.json"
+    source.write_text(text, "utf-8")
+    old = tmp_path / "old.jsonl"
+    old.write_text("old")
+    for arguments, message in (
+        ([source, "--out", source], "flying.json: is the file of SOURCE, too"),
+        ([source, "--out", tmp_path / "no" / "x.jsonl"], "x.jsonl: No such file or directory"),
+        ([source, "--out", tmp_path], ": is a directory"),
+        ([tmp_path / "none.json", "--out", old], "none.json: cannot be read"),
+    ):
+        assert main(["convert", "si-rrt", *map(str, arguments)]) == 2
+        stdout, stderr = capsys.readouterr()
+        assert stdout == "" and stderr.count("\n") == 1 and message in stderr
+    assert source.read_text("utf-8") == text and old.read_text() == "old"
+    assert not (tmp_path / "no").exists()

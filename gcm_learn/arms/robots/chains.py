@@ -15,7 +15,8 @@ from gcm_learn.arms.robots.capsules import Group, covered, overhang
 from gcm_learn.arms.robots.pairs import checked_pairs
 from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, motion, together
 from gcm_learn.arms.robots.urdf import FULL_TURN, read_urdf
-from gcm_learn.errors import RobotError
+from gcm_learn.arms.robots.urdf_checks import check
+from gcm_learn.errors import RobotError, SituationError
 
 MOVING = ("revolute", "continuous", "prismatic")
 MOST_CAPSULES = 3
@@ -57,10 +58,12 @@ def read_robot(path: str | Path, packages: Sequence[str | Path] = ()) -> Robot:
     """
     file = Path(path)
     try:
-        root = ElementTree.parse(file).getroot().tag
+        whole = ElementTree.parse(file).getroot()
+        root = whole.tag
         if root not in ("robot", "mujoco"):
             raise RobotError(f"is no URDF (<robot>) and no MJCF (<mujoco>): begins with <{root}>")
         if root == "robot":
+            check(whole)
             return read_urdf(file, tuple(Path(folder) for folder in packages))
         from gcm_learn.arms.robots.mjcf import read_mjcf
 
@@ -191,6 +194,9 @@ def _values(
     values: dict[str, float] = {}
     for joint in robot.joints:
         low, high = joint.range or (-np.inf, np.inf)
+        if joint.name in at and not low <= at[joint.name] <= high:
+            given = f"{low:g} to {high:g} (got {at[joint.name]:g})"
+            raise RobotError(f"at: joint {joint.name!r} stands from {given}")
         value = min(max(0.0, low), high)
         if joint.follows is not None and joint.name not in at:
             leader, factor, offset = joint.follows
@@ -243,16 +249,19 @@ def _chain_joint(
         bounds = (-FULL_TURN, FULL_TURN)
     quaternion = Rotation.from_matrix(pose[:3, :3]).as_quat(scalar_first=True)
     quaternion = np.where(np.abs(quaternion) < CLEAR, 0.0, quaternion)
-    return ChainJoint(
-        axis=joint.axis,
-        range=bounds,
-        max_speed=speed,
-        type="prismatic" if joint.type == "prismatic" else "revolute",
-        origin=_tuple(pose[:3, 3]),
-        rotation=_tuple(quaternion),
-        max_acceleration=force,
-        name=joint.name,
-    )
+    try:
+        return ChainJoint(
+            axis=joint.axis,
+            range=bounds,
+            max_speed=speed,
+            type="prismatic" if joint.type == "prismatic" else "revolute",
+            origin=_tuple(pose[:3, 3]),
+            rotation=_tuple(quaternion),
+            max_acceleration=force,
+            name=joint.name,
+        )
+    except SituationError as error:
+        raise RobotError(f"joint {joint.name!r}: {error}") from None
 
 
 def _links(

@@ -30,9 +30,12 @@ def read_mjcf(path: Path) -> Robot:
     except ImportError as error:
         raise MissingExtraError("MJCF files", "mujoco", "sim") from error
     try:
+        mujoco.set_mju_user_warning(lambda message: None)  # what is wrong is raised here
         model = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
         raise RobotError(f"is no MJCF that can be read ({str(error).splitlines()[0]})") from None
+    finally:
+        mujoco.set_mju_user_warning(None)
     links: dict[str, RobotLink] = {}
     joints: list[RobotJoint] = []
     names = [model.body(b).name or f"body {b}" for b in range(model.nbody)]
@@ -42,6 +45,12 @@ def read_mjcf(path: Path) -> Robot:
         links[name] = RobotLink(name, tuple(hulls), _inertial(model, b))
         if b:
             _join(model, b, names, links, joints, mujoco)
+    for joint in joints:
+        if not np.isfinite(joint.origin).all():
+            raise RobotError(f"joint {joint.name!r}: its place or direction is not finite")
+    for name, link in links.items():
+        if not all(np.isfinite(hull.centres).all() for hull in link.hulls):
+            raise RobotError(f"body {name!r}: the place of its geometry is not finite")
     return Robot(Path(path).stem, links, joints)
 
 

@@ -1,0 +1,127 @@
+"""Checks of URDF files, so that each fault is refused by the name of its link or joint."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element
+
+from gcm_learn.errors import RobotError
+
+NUMBERS = {
+    "origin": {"xyz": 3, "rpy": 3},
+    "axis": {"xyz": 3},
+    "limit": {"lower": 1, "upper": 1, "velocity": 1, "effort": 1},
+    "mimic": {"multiplier": 1, "offset": 1},
+    "dynamics": {"damping": 1, "friction": 1},
+    "mass": {"value": 1},
+    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+    "box": {"size": 3},
+    "sphere": {"radius": 1},
+    "cylinder": {"radius": 1, "length": 1},
+    "mesh": {"scale": 3},
+}
+"""Counts of the numbers in attributes, by element."""
+NEEDED = {
+    "parent": ("link",),
+    "child": ("link",),
+    "mimic": ("joint",),
+    "mass": ("value",),
+    "inertia": tuple(NUMBERS["inertia"]),
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "mesh": ("filename",),
+}
+"""Attributes that an element must have."""
+SIZED = ("box", "sphere", "cylinder")
+"""Elements whose numbers must be positive."""
+SHAPES = (*SIZED, "mesh")
+
+
+def check(robot: Element) -> None:
+    """Refuse a robot whose links or joints lack something, or have what is no finite number.
+
+    Parameters
+    ----------
+    robot : Element
+        Root of a URDF file.
+
+    Raises
+    ------
+    RobotError
+        One line that names the link or joint, the element and the attribute.
+    """
+    joints = [joint.get("name") for joint in robot.findall("joint")]
+    for where, part in _named(robot):
+        if part.tag == "joint":
+            _check_joint(where, part, joints)
+        for shape in part.findall("collision"):
+            _check_shape(where, shape)
+        for element in (part, *_inside(part)):
+            _check_attributes(where, element)
+
+
+def _named(robot: Element) -> Iterator[tuple[str, Element]]:
+    """Yield links and joints with the words that name them; names differ."""
+    for kind in ("link", "joint"):
+        seen = set()
+        for part in robot.findall(kind):
+            name = part.get("name")
+            if not name:
+                raise RobotError(f"{kind}: one has no name")
+            if name in seen:
+                raise RobotError(f"{kind} {name!r}: is there twice")
+            seen.add(name)
+            yield f"{kind} {name!r}", part
+
+
+def _inside(part: Element) -> Iterator[Element]:
+    """Yield what a link or joint holds, but for its looks."""
+    for child in part:
+        if child.tag != "visual":
+            yield from child.iter()
+
+
+def _check_joint(where: str, joint: Element, names: list[str | None]) -> None:
+    for end in ("parent", "child"):
+        if joint.find(end) is None:
+            raise RobotError(f"{where}: has no {end}")
+    if not joint.get("type"):
+        raise RobotError(f"{where}: has no type")
+    mimic = joint.find("mimic")
+    if mimic is not None and mimic.get("joint") not in names:
+        raise RobotError(f"{where}: mimic.joint: there is no joint {mimic.get('joint')!r}")
+
+
+def _check_shape(where: str, collision: Element) -> None:
+    geometry = collision.find("geometry")
+    shapes = [] if geometry is None else [shape.tag for shape in geometry]
+    if len(shapes) != 1 or shapes[0] not in SHAPES:
+        known, got = ", ".join(SHAPES), ", ".join(shapes) or "nothing"
+        raise RobotError(f"{where}: collision.geometry: must be one of {known} (got {got})")
+
+
+def _check_attributes(where: str, element: Element) -> None:
+    for name in NEEDED.get(element.tag, ()):
+        if not element.get(name):
+            raise RobotError(f"{where}: {element.tag}.{name}: is missing")
+    for name, count in NUMBERS.get(element.tag, {}).items():
+        given = element.get(name)
+        if given is not None:
+            _check_numbers(f"{where}: {element.tag}.{name}", given, count, element.tag)
+
+
+def _check_numbers(field: str, given: str, count: int, tag: str) -> None:
+    try:
+        numbers = [float(word) for word in given.split()]
+    except ValueError:
+        numbers = []
+    one_scale = tag == "mesh" and len(numbers) == 1
+    if (len(numbers) != count and not one_scale) or not all(map(math.isfinite, numbers)):
+        many = "a finite number" if count == 1 else f"{count} finite numbers"
+        raise RobotError(f"{field}: must be {many} (got {given!r})")
+    if tag in SIZED and min(numbers) <= 0.0:
+        raise RobotError(f"{field}: must be positive (got {given!r})")
+    if tag == "mesh" and 0.0 in numbers:
+        raise RobotError(f"{field}: must not be 0 (got {given!r})")
