@@ -131,6 +131,6 @@ _SIGNS = ByKind({SPATIAL: _mirrors}, default=_ones)
 
 
 def signs_of(situation: AnySituation) -> np.ndarray:
-    """Return the signs (n,) of a situation's joints, by those of its canonical form."""
+    """Return the signs (n,) that lead from a situation's joints to its canonical form."""
     signs: np.ndarray = _SIGNS.of(situation)(situation)
     return signs

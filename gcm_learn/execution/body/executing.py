@@ -54,7 +54,7 @@ class Execution:
     catch_time: float | None = None
     """Time at which the hand first was within grasp of a target [s]."""
     catch_body: str | None = None
-    """With several catches both are those of the last one."""
+    """Target of the last catch, which is at `catch_time`."""
     catches: tuple[Catch, ...] = ()
     """Targets that were caught before any contact, in order, whatever came of the rest."""
     several: tuple[str, ...] = ()

@@ -49,8 +49,8 @@ class PhysicalPlant:
 
     Until a hand touches them, targets are exactly where their motion laws have them; obstacles
     always are.  Caught: the hand is within grasp of a target by the horizon; collided: a limb
-    touched an obstacle before.  Where several targets are to be caught, each one but the last is
-    gone once it is caught.
+    touched an obstacle before.  With several targets, each one but the last is gone once it is
+    caught.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ class PhysicalPlant:
         return bool(grasped(self._scene, b, joints, poses, room))
 
     def number_of(self, name: str) -> int:
-        """Return the number of a body among those of the situation."""
+        """Return the index of a body of the situation by its name."""
         return [body.name for body in self.situation.bodies].index(name)
 
     def _steps_until(self, until: float) -> int:
